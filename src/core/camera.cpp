@@ -1,0 +1,128 @@
+#include "core/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sfumato {
+
+dvec3 Camera::direction() const { return glm::normalize(target - position); }
+
+dmat4 Camera::view(const dvec3& origin) const {
+  dvec3 upward = up;
+  // Looking along the up vector has no upright picture: any other axis will do, but always the same one.
+  if (glm::length(glm::cross(glm::normalize(upward), direction())) < 1e-9)
+    upward = std::abs(direction().y) < 0.9 ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
+  return glm::lookAt(position - origin, target - origin, upward);
+}
+
+dmat4 Camera::inverse_view(const dvec3& origin) const { return glm::inverse(view(origin)); }
+
+Intrinsics Camera::intrinsics() const {
+  if (custom_intrinsics) return *custom_intrinsics;
+  const double f = orthographic() ? height / height_world : 0.5 * height / std::tan(0.5 * fov_y);
+  return {f, f, 0.5 * width, 0.5 * height};
+}
+
+dmat4 Camera::projection_matrix() const {
+  const Intrinsics k = intrinsics();
+  const double w = width, h = height, n = near_plane, f = far_plane;
+  dmat4 m(0.0);  // column-major: m[column][row]
+  // x_px = fx x/w + cx and x_ndc = 2 x_px / width - 1; y_px = -fy y/w + cy, y_ndc = 2 y_px / height - 1 (y down).
+  m[0][0] = 2 * k.fx / w;
+  m[1][1] = -2 * k.fy / h;
+  if (orthographic()) {
+    m[3][0] = 2 * k.cx / w - 1;
+    m[3][1] = 2 * k.cy / h - 1;
+    m[2][2] = -2 / (f - n);
+    m[3][2] = -(f + n) / (f - n);
+    m[3][3] = 1;
+  } else {
+    m[2][0] = 1 - 2 * k.cx / w;  // times z = -w_clip
+    m[2][1] = 1 - 2 * k.cy / h;
+    m[2][2] = -(f + n) / (f - n);
+    m[3][2] = -2 * f * n / (f - n);
+    m[2][3] = -1;
+  }
+  return m;
+}
+
+Camera Camera::resized(int new_width, int new_height) const {
+  Camera out = *this;
+  if (custom_intrinsics) {
+    const double s = double(new_height) / height;
+    out.custom_intrinsics = Intrinsics{custom_intrinsics->fx * s, custom_intrinsics->fy * s,
+                                       (custom_intrinsics->cx - 0.5 * width) * s + 0.5 * new_width,
+                                       custom_intrinsics->cy * s};
+  }
+  out.width = new_width;
+  out.height = new_height;
+  return out;
+}
+
+Camera Camera::with_guard_band(int margin) const {
+  Camera out = *this;
+  Intrinsics k = intrinsics();
+  k.cx += margin;
+  k.cy += margin;
+  out.custom_intrinsics = k;
+  out.width += 2 * margin;
+  out.height += 2 * margin;
+  return out;
+}
+
+void Camera::fit_depth_range(const Bounds& box) {
+  const dmat4 v = view();
+  double lo = 1e300, hi = -1e300;
+  for (int corner = 0; corner < 8; ++corner) {
+    const dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                  corner & 4 ? box.max.z : box.min.z};
+    const double z = -(v * glm::dvec4(p, 1)).z;
+    lo = std::min(lo, z);
+    hi = std::max(hi, z);
+  }
+  const double room = std::max(1e-3 * box.diagonal(), 1e-9);
+  far_plane = std::max(hi + room, 1e-6);
+  // A camera inside the cloud still needs a positive near plane; 1e-4 of the depth keeps float depth useful.
+  near_plane = std::max(lo - room, 1e-4 * far_plane);
+  if (far_plane <= near_plane) far_plane = 2 * near_plane;
+}
+
+Camera frame(const Bounds& box, UpAxis up_axis, int width, int height, double azimuth, double elevation,
+             double fov_y, Projection projection) {
+  const dvec3 up = up_vector(up_axis);
+  // Front: the direction one looks from at azimuth 0. Z up: from -Y; Y up: from +Z; X up: from -Y.
+  const dvec3 front = std::abs(up.y) > 0.5 ? dvec3(0, 0, 1) : dvec3(0, -1, 0);
+  const dvec3 right = glm::cross(up, front);
+  const dvec3 horizontal = std::cos(azimuth) * front + std::sin(azimuth) * right;
+  const dvec3 from = std::cos(elevation) * horizontal + std::sin(elevation) * up;
+
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.up = up;
+  camera.fov_y = fov_y;
+  camera.projection = projection;
+  camera.target = box.center();
+  const double size = std::max(box.diagonal(), 1e-9);
+  camera.position = camera.target + from * size;
+
+  // Pull the camera back until every corner is inside the picture with a margin of 6 %.
+  const dmat4 v = camera.view();
+  const double tan_y = std::tan(0.5 * fov_y) * 0.94, tan_x = tan_y * width / height;
+  double back = 0, half_height = 1e-9;
+  for (int corner = 0; corner < 8; ++corner) {
+    const dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                  corner & 4 ? box.max.z : box.min.z};
+    const dvec3 eye(v * glm::dvec4(p, 1));
+    const double depth = -eye.z - size;  // relative to the target plane
+    back = std::max({back, std::abs(eye.x) / tan_x - depth, std::abs(eye.y) / tan_y - depth});
+    half_height = std::max({half_height, std::abs(eye.y), std::abs(eye.x) * height / width});
+  }
+  camera.height_world = 2 * half_height / 0.94;
+  const double distance = projection == Projection::orthographic ? 2 * size : std::max(back, 0.05 * size);
+  camera.position = camera.target + from * distance;
+  camera.fit_depth_range(box);
+  return camera;
+}
+
+}  // namespace sfumato

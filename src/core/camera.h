@@ -1,0 +1,57 @@
+// A pinhole or orthographic camera in world coordinates, double precision.
+//
+// Spaces. Eye space: camera at the origin, +x right, +y up, looking down -z; eye depth z_e = -z is positive in
+// front. Pixel space: x right, y DOWN, pixel centres at half integers, first row on top. All images and all
+// textures of sfumato store the top row first, so `projection()` flips y.
+#pragma once
+
+#include <optional>
+
+#include "core/point_cloud.h"
+#include "core/vec.h"
+
+namespace sfumato {
+
+enum class Projection { perspective, orthographic };
+
+/// Pinhole parameters in pixels: x_px = fx * x_eye / z_e + cx, y_px = fy * -y_eye / z_e + cy.
+/// Orthographic cameras leave out the division.
+struct Intrinsics {
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+};
+
+struct Camera {
+  dvec3 position{0, -1, 0}, target{0}, up{0, 0, 1};
+  Projection projection = Projection::perspective;
+  double fov_y = glm::radians(45.0);  ///< full vertical angle, radians (perspective)
+  double height_world = 1;            ///< scene height covered by the image (orthographic)
+  int width = 1280, height = 720;
+  std::optional<Intrinsics> custom_intrinsics;  ///< wins over fov_y / height_world
+  double near_plane = 0.01, far_plane = 1000;   ///< eye depth; set by `fit_depth_range`
+
+  /// World to eye, relative to `origin`: multiply cloud positions (world - origin) with it.
+  dmat4 view(const dvec3& origin = dvec3(0)) const;
+  dmat4 inverse_view(const dvec3& origin = dvec3(0)) const;
+  /// Eye to clip with y down (row 0 of the image is on top), GL depth range -1..1.
+  dmat4 projection_matrix() const;
+  Intrinsics intrinsics() const;
+  /// Unit direction of view, world.
+  dvec3 direction() const;
+  bool orthographic() const { return projection == Projection::orthographic; }
+  /// Pixels per scene unit at eye depth 1 (perspective) or anywhere (orthographic): notes k_px = h / (2 tan theta).
+  double pixels_per_unit() const { return intrinsics().fy; }
+
+  /// The same view at another size; the vertical angle stays (custom intrinsics scale with the height).
+  Camera resized(int new_width, int new_height) const;
+  /// The same view with `margin` more pixels on each side: a guard band for screen-space operators.
+  Camera with_guard_band(int margin) const;
+  /// Near and far around the box, with room; keeps near positive.
+  void fit_depth_range(const Bounds& world_box);
+};
+
+/// The camera that frames `box` from the direction given by azimuth and elevation (radians; azimuth turns
+/// counter-clockwise about `up`, 0 looks from the front; the default view is azimuth -45, elevation 30 degrees).
+Camera frame(const Bounds& box, UpAxis up, int width, int height, double azimuth, double elevation,
+             double fov_y = glm::radians(45.0), Projection projection = Projection::perspective);
+
+}  // namespace sfumato

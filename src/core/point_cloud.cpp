@@ -1,0 +1,194 @@
+#include "core/point_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace sfumato {
+
+dvec3 up_vector(UpAxis up) {
+  switch (up) {
+    case UpAxis::pos_x: return {1, 0, 0};
+    case UpAxis::neg_x: return {-1, 0, 0};
+    case UpAxis::pos_y: return {0, 1, 0};
+    case UpAxis::neg_y: return {0, -1, 0};
+    case UpAxis::pos_z: return {0, 0, 1};
+    case UpAxis::neg_z: return {0, 0, -1};
+  }
+  return {0, 0, 1};
+}
+
+std::optional<UpAxis> parse_up_axis(std::string_view text) {
+  bool negative = false;
+  if (!text.empty() && (text[0] == '+' || text[0] == '-')) {
+    negative = text[0] == '-';
+    text.remove_prefix(1);
+  }
+  if (text.size() != 1) return std::nullopt;
+  switch (text[0]) {
+    case 'x': case 'X': return negative ? UpAxis::neg_x : UpAxis::pos_x;
+    case 'y': case 'Y': return negative ? UpAxis::neg_y : UpAxis::pos_y;
+    case 'z': case 'Z': return negative ? UpAxis::neg_z : UpAxis::pos_z;
+    default: return std::nullopt;
+  }
+}
+
+std::string to_string(UpAxis up) {
+  static const char* names[] = {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
+  return names[int(up)];
+}
+
+const ScalarField* PointCloud::scalar(std::string_view name) const {
+  for (const ScalarField& field : scalars)
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+ScalarField* PointCloud::scalar(std::string_view name) {
+  return const_cast<ScalarField*>(std::as_const(*this).scalar(name));
+}
+
+ScalarField& PointCloud::set_scalar(ScalarField field) {
+  if (ScalarField* old = scalar(field.name)) return *old = std::move(field);
+  return scalars.emplace_back(std::move(field));
+}
+
+Bounds bounds(const PointCloud& cloud) {
+  if (cloud.empty()) return {cloud.origin, cloud.origin};
+  vec3 lo = cloud.positions[0], hi = lo;
+  for (const vec3& p : cloud.positions) {
+    lo = glm::min(lo, p);
+    hi = glm::max(hi, p);
+  }
+  return {cloud.origin + dvec3(lo), cloud.origin + dvec3(hi)};
+}
+
+Bounds robust_bounds(const PointCloud& cloud, double low, double high) {
+  if (cloud.empty()) return bounds(cloud);
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
+  Bounds box;
+  std::vector<float> axis;
+  for (int k = 0; k < 3; ++k) {
+    axis.clear();
+    for (std::size_t i = 0; i < cloud.size(); i += stride) axis.push_back(cloud.positions[i][k]);
+    auto quantile = [&](double q) {
+      auto nth = axis.begin() + std::ptrdiff_t(q * double(axis.size() - 1));
+      std::nth_element(axis.begin(), nth, axis.end());
+      return double(*nth);
+    };
+    box.min[k] = cloud.origin[k] + quantile(low);
+    box.max[k] = cloud.origin[k] + quantile(high);
+  }
+  return box;
+}
+
+namespace {
+
+template <class T>
+std::vector<T> gather(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  std::vector<T> out;
+  if (values.empty()) return out;
+  out.reserve(order.size());
+  for (std::uint32_t i : order) out.push_back(values[i]);
+  return out;
+}
+
+template <class T>
+void extend(std::vector<T>& a, std::size_t a_size, const std::vector<T>& b, std::size_t b_size, T missing) {
+  if (a.empty() && b.empty()) return;
+  a.resize(a_size, missing);
+  a.insert(a.end(), b.begin(), b.end());
+  a.resize(a_size + b_size, missing);
+}
+
+}  // namespace
+
+PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
+  PointCloud out;
+  out.origin = cloud.origin;
+  out.up = cloud.up;
+  out.crs = cloud.crs;
+  out.las = cloud.las;
+  out.scanners = cloud.scanners;
+  out.positions = gather(cloud.positions, order);
+  out.normals = gather(cloud.normals, order);
+  out.colors = gather(cloud.colors, order);
+  out.radii = gather(cloud.radii, order);
+  for (const ScalarField& field : cloud.scalars)
+    out.scalars.push_back({field.name, field.offset, gather(field.values, order), field.type});
+  out.source_index = cloud.source_index.empty() ? order : gather(cloud.source_index, order);
+  if (!cloud.grids.empty() && std::is_sorted(order.begin(), order.end())) {
+    out.grid_index = gather(cloud.grid_index, order);
+    for (Grid grid : cloud.grids) {
+      const auto first = std::lower_bound(order.begin(), order.end(), grid.first);
+      const auto last = std::lower_bound(order.begin(), order.end(), grid.first + grid.count);
+      grid.first = std::size_t(first - order.begin());
+      grid.count = std::size_t(last - first);
+      out.grids.push_back(grid);
+    }
+  }
+  return out;
+}
+
+void append(PointCloud& cloud, const PointCloud& other) {
+  if (cloud.empty() && cloud.scalars.empty()) {
+    cloud = other;
+    return;
+  }
+  const std::size_t n = cloud.size(), m = other.size();
+  const dvec3 shift = other.origin - cloud.origin;
+  cloud.positions.reserve(n + m);
+  for (const vec3& p : other.positions) cloud.positions.push_back(vec3(dvec3(p) + shift));
+  extend(cloud.normals, n, other.normals, m, vec3(0));
+  extend(cloud.colors, n, other.colors, m, Rgba8{255, 255, 255, 255});
+  extend(cloud.radii, n, other.radii, m, 0.0f);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (ScalarField& field : cloud.scalars) {
+    const ScalarField* theirs = other.scalar(field.name);
+    field.values.resize(n, nan);
+    if (theirs) {
+      const double delta = theirs->offset - field.offset;
+      for (float v : theirs->values) field.values.push_back(float(double(v) + delta));
+    }
+    field.values.resize(n + m, nan);
+  }
+  for (const ScalarField& field : other.scalars) {
+    if (cloud.scalar(field.name)) continue;
+    ScalarField added{field.name, field.offset, std::vector<float>(n, nan), field.type};
+    added.values.insert(added.values.end(), field.values.begin(), field.values.end());
+    cloud.scalars.push_back(std::move(added));
+  }
+  if (!cloud.source_index.empty() || !other.source_index.empty()) {
+    // A scene's source index counts through its files in the order they were named.
+    std::uint32_t base = std::uint32_t(n);
+    if (cloud.source_index.empty())
+      for (std::size_t i = 0; i < n; ++i) cloud.source_index.push_back(std::uint32_t(i));
+    else
+      base = *std::max_element(cloud.source_index.begin(), cloud.source_index.end()) + 1;
+    for (std::size_t i = 0; i < m; ++i)
+      cloud.source_index.push_back(base + (other.source_index.empty() ? std::uint32_t(i) : other.source_index[i]));
+  }
+  extend(cloud.grid_index, n, other.grid_index, m, 0u);
+  for (Grid grid : other.grids) {
+    grid.first += n;
+    cloud.grids.push_back(grid);
+  }
+  cloud.scanners.insert(cloud.scanners.end(), other.scanners.begin(), other.scanners.end());
+}
+
+PointCloud subsample(const PointCloud& cloud, std::size_t max_points) {
+  if (cloud.size() <= max_points) return cloud;
+  // One point out of each of max_points equal runs, at a place hashed from the run's number: files come in
+  // scan order, and a fixed stride would alias with the scan lines.
+  std::vector<std::uint32_t> order;
+  order.reserve(max_points);
+  for (std::size_t k = 0; k < max_points; ++k) {
+    const std::size_t first = k * cloud.size() / max_points, last = (k + 1) * cloud.size() / max_points;
+    const std::uint32_t hash = std::uint32_t(k) * 2654435769u >> 8;
+    order.push_back(std::uint32_t(first + hash % (last - first)));
+  }
+  return select(cloud, order);
+}
+
+}  // namespace sfumato

@@ -1,0 +1,103 @@
+// A cloud: points with named attributes, as a struct of arrays. A value.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/image.h"
+#include "core/vec.h"
+
+namespace sfumato {
+
+/// How a scalar was stored in its file, so that a writer can store it the same way again.
+enum class StoredType { uint8, int8, uint16, int16, uint32, int32, float32, float64, uint64, int64 };
+
+/// One number per point. The value of point i is `offset + values[i]`: the offset keeps large numbers
+/// (GPS times) exact enough in float.
+struct ScalarField {
+  std::string name;
+  double offset = 0;
+  std::vector<float> values;
+  StoredType type = StoredType::float32;
+  double value(std::size_t i) const { return offset + double(values[i]); }
+};
+
+/// An organised scan inside the cloud: points [first, first + count) came from a width x height grid of pixels
+/// or scan directions, seen from `viewpoint` (world). `PointCloud::grid_index` holds row * width + column.
+struct Grid {
+  std::size_t first = 0, count = 0;
+  std::uint32_t width = 0, height = 0;
+  std::optional<dvec3> viewpoint;
+};
+
+/// Fixed-point description of LAS coordinates, kept so that LAS -> LAS/LAZ loses nothing.
+struct LasScaling {
+  dvec3 scale{0.001}, offset{0};
+  bool colors_16bit = true;  ///< false: the file held 0..255 in its 16-bit fields
+};
+
+/// Axis that points away from the ground.
+enum class UpAxis { pos_x, neg_x, pos_y, neg_y, pos_z, neg_z };
+dvec3 up_vector(UpAxis up);
+/// "+Z", "-y", "z" ... or nothing when it is not an axis.
+std::optional<UpAxis> parse_up_axis(std::string_view text);
+std::string to_string(UpAxis up);
+
+struct Bounds {
+  dvec3 min{0}, max{0};
+  dvec3 center() const { return 0.5 * (min + max); }
+  dvec3 size() const { return max - min; }
+  double diagonal() const { return glm::length(size()); }
+};
+
+struct PointCloud {
+  dvec3 origin{0};                    ///< world position of the local (0,0,0)
+  std::vector<vec3> positions;        ///< relative to origin, always finite
+  std::vector<vec3> normals;          ///< unit, or zero where unknown; empty when the cloud has none
+  std::vector<Rgba8> colors;          ///< sRGB; empty when the cloud has none
+  std::vector<float> radii;           ///< scene units; empty when the cloud has none
+  std::vector<ScalarField> scalars;   ///< intensity, classification, uncertainty, any extra column of the file
+  std::vector<std::uint32_t> source_index;  ///< place in the file; empty = identity (file order)
+  std::vector<std::uint32_t> grid_index;    ///< place in its Grid; empty when nothing is organised
+  std::vector<Grid> grids;
+  std::vector<dvec3> scanners;        ///< world positions of scanners the file knows; scalar `scanner` picks one
+  UpAxis up = UpAxis::pos_z;
+  std::string crs;                    ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
+  std::optional<LasScaling> las;
+
+  std::size_t size() const { return positions.size(); }
+  bool empty() const { return positions.empty(); }
+  dvec3 world(std::size_t i) const { return origin + dvec3(positions[i]); }
+  const ScalarField* scalar(std::string_view name) const;
+  ScalarField* scalar(std::string_view name);
+  /// Adds or replaces the field of that name.
+  ScalarField& set_scalar(ScalarField field);
+};
+
+/// World-space box of all points; zero-sized at the origin for an empty cloud.
+Bounds bounds(const PointCloud& cloud);
+/// World-space box between the `low` and `high` quantiles of each axis (default 2-98 %), so that a few stray
+/// points do not decide the first view. Uses a fixed-stride sample of at most a million points.
+Bounds robust_bounds(const PointCloud& cloud, double low = 0.02, double high = 0.98);
+
+/// The points named by `order` (indices into `cloud`), every attribute permuted alike. `source_index` follows.
+/// Grids are kept only when the order keeps them contiguous, i.e. is ascending; otherwise use `source_index`.
+PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
+/// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal 0,
+/// radius 0, white, NaN scalar.
+void append(PointCloud& cloud, const PointCloud& other);
+/// Deterministic subsample of at most `max_points` points, in file order.
+PointCloud subsample(const PointCloud& cloud, std::size_t max_points);
+
+/// Triangles, for `synth mesh`.
+struct Mesh {
+  std::vector<vec3> positions;
+  std::vector<Rgba8> colors;  ///< per vertex, or empty
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+}  // namespace sfumato

@@ -1,0 +1,49 @@
+// A cloud ready for rendering: sorted along a Morton curve, cut into batches, with the attributes that were
+// asked for.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/point_cloud.h"
+
+namespace sfumato {
+
+/// What a technique may need beyond positions. A bit set.
+enum class Attribute : std::uint32_t { normal = 1, radius = 2, uncertainty = 4, cluster = 8 };
+
+class Attributes {
+ public:
+  constexpr Attributes() = default;
+  constexpr Attributes(Attribute a) : bits_(std::uint32_t(a)) {}
+  constexpr bool has(Attribute a) const { return bits_ & std::uint32_t(a); }
+  constexpr Attributes operator|(Attributes other) const { return from(bits_ | other.bits_); }
+  constexpr Attributes without(Attributes other) const { return from(bits_ & ~other.bits_); }
+  constexpr bool empty() const { return bits_ == 0; }
+  constexpr bool operator==(const Attributes&) const = default;
+
+ private:
+  static constexpr Attributes from(std::uint32_t bits) {
+    Attributes a;
+    a.bits_ = bits;
+    return a;
+  }
+  std::uint32_t bits_ = 0;
+};
+constexpr Attributes operator|(Attribute a, Attribute b) { return Attributes(a) | Attributes(b); }
+
+/// About 10,000 points that follow each other on the Morton curve: the unit of culling and level of detail.
+struct Batch {
+  std::uint32_t first = 0, count = 0;
+  vec3 box_min{0}, box_max{0};  ///< relative to the cloud's origin
+  float spacing = 0;            ///< local point spacing, scene units (same definition as median_spacing)
+};
+
+struct PreparedCloud {
+  PointCloud cloud;             ///< Morton order, stable; `source_index` always filled
+  std::vector<Batch> batches;
+  float median_spacing = 0;     ///< side of the square per point, scene units: median of R_8 sqrt(pi/8)
+  Attributes available;         ///< attributes present, from the file or computed
+};
+
+}  // namespace sfumato

@@ -1,0 +1,7 @@
+#include "core/version.h"
+
+namespace sfumato {
+
+const char* version() { return SFUMATO_VERSION; }
+
+}  // namespace sfumato

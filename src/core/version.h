@@ -1,0 +1,8 @@
+#pragma once
+
+namespace sfumato {
+
+/// "major.minor.patch"
+const char* version();
+
+}  // namespace sfumato

@@ -1,0 +1,64 @@
+// Reading and writing clouds. A format is one file in this folder and one row of the table in io.cpp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/point_cloud.h"
+#include "core/progress.h"
+
+namespace sfumato::io {
+
+/// An attribute as the file has it: name and statistics over the finite stored values (LAS colours 16 bit as
+/// stored, PCD rgb unpacked to red green blue).
+struct AttributeStats {
+  std::string name;
+  double min = 0, max = 0, mean = 0;
+};
+
+struct ReadOptions {
+  std::vector<std::string> columns;          ///< text files: names by position, wins over the guess
+  std::optional<std::uint64_t> max_points;   ///< deterministic subsample while or after reading
+};
+
+struct ReadReport {
+  std::filesystem::path file;
+  std::string format;                        ///< "las", "laz", "copc", "ply", "pcd", "text", ...
+  std::uint64_t points = 0;                  ///< records in the file
+  std::uint64_t points_finite = 0;           ///< kept (before any subsampling)
+  std::uint64_t points_dropped = 0;          ///< non-finite coordinates
+  std::uint64_t normals_dropped = 0;         ///< zero or non-finite normals
+  dvec3 bounds_min{0}, bounds_max{0};        ///< world, doubles, over the finite points
+  std::vector<AttributeStats> attributes;    ///< in file order
+  std::string crs;
+  std::vector<std::string> notes;            ///< guesses and choices the user should see, one line each
+};
+
+struct ReadResult {
+  PointCloud cloud;  ///< file order
+  ReadReport report;
+};
+
+/// Reads any supported file; the format is found by content first, extension second.
+/// Throws Error(bad_input) with file, byte or line, found, expected; Error(io) when it cannot be opened.
+ReadResult read(const std::filesystem::path& file, const ReadOptions& options = {},
+                Progress& progress = no_progress());
+
+/// Vertices and triangles of a PLY or OBJ file (polygons are fanned).
+Mesh read_mesh(const std::filesystem::path& file, Progress& progress = no_progress());
+
+/// Writes .las, .laz or .ply (binary), by extension; file order and every attribute kept. The file appears under
+/// its name only when it is complete. Throws Error(usage) for an extension that cannot be written.
+void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress = no_progress());
+
+struct FormatInfo {
+  std::string name, extensions, description;
+  bool can_read = false, can_write = false;
+};
+/// The ordered table of formats.
+std::vector<FormatInfo> formats();
+
+}  // namespace sfumato::io

@@ -1,0 +1,68 @@
+#include "core/camera.h"
+
+#include <gtest/gtest.h>
+
+using namespace sfumato;
+
+namespace {
+
+// Pixel of a world point through the GL matrices, to be compared with the pinhole formula of the header.
+glm::dvec2 project(const Camera& camera, dvec3 p) {
+  const glm::dvec4 clip = camera.projection_matrix() * camera.view() * glm::dvec4(p, 1);
+  return {(clip.x / clip.w + 1) * 0.5 * camera.width, (clip.y / clip.w + 1) * 0.5 * camera.height};
+}
+
+TEST(Camera, ProjectionAgreesWithIntrinsics) {
+  for (Projection projection : {Projection::perspective, Projection::orthographic}) {
+    Camera camera;
+    camera.projection = projection;
+    camera.position = {1, -5, 2};
+    camera.target = {0.5, 0, 0.25};
+    camera.width = 640;
+    camera.height = 480;
+    camera.height_world = 3;
+    for (bool custom : {false, true}) {
+      if (custom) camera.custom_intrinsics = Intrinsics{500, 510, 300, 250};
+      const Intrinsics k = camera.intrinsics();
+      const dvec3 p{0.3, 0.2, 0.7};
+      const dvec3 eye(camera.view() * glm::dvec4(p, 1));
+      const double w = camera.orthographic() ? 1 : -eye.z;
+      const glm::dvec2 px = project(camera, p);
+      EXPECT_NEAR(px.x, k.fx * eye.x / w + k.cx, 1e-9);
+      EXPECT_NEAR(px.y, -k.fy * eye.y / w + k.cy, 1e-9);
+      const glm::dvec2 guarded = project(camera.with_guard_band(16), p);
+      EXPECT_NEAR(guarded.x, px.x + 16, 1e-9);
+      EXPECT_NEAR(guarded.y, px.y + 16, 1e-9);
+    }
+  }
+}
+
+TEST(Camera, FrameHoldsEveryCorner) {
+  const Bounds box{{100, 200, 5}, {140, 210, 12}};
+  for (UpAxis up : {UpAxis::pos_z, UpAxis::pos_y, UpAxis::neg_x})
+    for (Projection projection : {Projection::perspective, Projection::orthographic})
+      for (double azimuth : {-0.785, 0.0, 2.0}) {
+        const Camera camera = frame(box, up, 320, 200, azimuth, 0.52, glm::radians(45.0), projection);
+        for (int corner = 0; corner < 8; ++corner) {
+          const dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                        corner & 4 ? box.max.z : box.min.z};
+          const glm::dvec2 px = project(camera, p);
+          EXPECT_GT(px.x, 0);
+          EXPECT_LT(px.x, 320);
+          EXPECT_GT(px.y, 0);
+          EXPECT_LT(px.y, 200);
+          const double depth = -(camera.view() * glm::dvec4(p, 1)).z;
+          EXPECT_GT(depth, camera.near_plane);
+          EXPECT_LT(depth, camera.far_plane);
+        }
+      }
+}
+
+TEST(Camera, UpIsUpInTheImage) {
+  const Camera camera = frame({{-1, -1, -1}, {1, 1, 1}}, UpAxis::pos_z, 100, 100, -0.785, 0.5);
+  EXPECT_LT(project(camera, {0, 0, 1}).y, project(camera, {0, 0, -1}).y);
+  EXPECT_LT(camera.position.y, 0);  // azimuth 0 looks from the front (-Y), -45 degrees from front left
+  EXPECT_LT(camera.position.x, 0);
+}
+
+}  // namespace

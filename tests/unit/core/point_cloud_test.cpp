@@ -1,0 +1,56 @@
+#include "core/point_cloud.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace sfumato;
+
+namespace {
+
+PointCloud line(std::size_t n, dvec3 origin) {
+  PointCloud cloud;
+  cloud.origin = origin;
+  ScalarField order{"order", 1e9, {}, StoredType::float64};
+  for (std::size_t i = 0; i < n; ++i) {
+    cloud.positions.push_back(vec3(float(i), 0, 0));
+    order.values.push_back(float(i));
+  }
+  cloud.set_scalar(std::move(order));
+  return cloud;
+}
+
+TEST(PointCloud, AppendMovesToOneOriginAndFillsWhatIsMissing) {
+  PointCloud a = line(3, {1e6, 0, 0});
+  PointCloud b = line(2, {1e6 + 10, 0, 0});
+  b.colors.assign(2, Rgba8{1, 2, 3, 255});
+  b.set_scalar({"extra", 0, {5, 6}});
+  append(a, b);
+  ASSERT_EQ(a.size(), 5u);
+  EXPECT_EQ(a.world(4).x, 1e6 + 11);
+  EXPECT_EQ(a.colors.size(), 5u);
+  EXPECT_EQ(a.colors[0], (Rgba8{255, 255, 255, 255}));
+  EXPECT_EQ(a.scalar("order")->value(4), 1e9 + 1);
+  EXPECT_TRUE(std::isnan(a.scalar("extra")->value(0)));
+  EXPECT_EQ(a.scalar("extra")->value(4), 6);
+}
+
+TEST(PointCloud, SubsampleIsDeterministicAndKeepsSourceIndex) {
+  const PointCloud cloud = line(1000, {0, 0, 0});
+  const PointCloud a = subsample(cloud, 100), b = subsample(cloud, 100);
+  ASSERT_EQ(a.size(), 100u);
+  EXPECT_EQ(a.source_index, b.source_index);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a.positions[i].x, float(a.source_index[i]));
+  EXPECT_TRUE(std::is_sorted(a.source_index.begin(), a.source_index.end()));
+  EXPECT_EQ(subsample(cloud, 5000).size(), 1000u);
+}
+
+TEST(PointCloud, RobustBoundsIgnoreAFewStrayPoints) {
+  PointCloud cloud = line(1000, {0, 0, 0});
+  cloud.positions[7] = vec3(1e6f, 1e6f, 1e6f);
+  EXPECT_LT(robust_bounds(cloud).max.x, 1000);
+  EXPECT_EQ(bounds(cloud).max.x, 1e6);
+}
+
+}  // namespace
