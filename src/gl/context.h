@@ -1,0 +1,51 @@
+// A headless OpenGL 4.5 core context through EGL.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sfumato::gl {
+
+/// What the driver can do, read once.
+struct Limits {
+  std::string version, renderer, vendor;
+  bool software = false;        ///< llvmpipe and friends: fragment passes win, timer queries do not work
+  int max_texture_size = 0;
+  long max_texture_buffer_size = 0;    ///< texels
+  long max_storage_block_size = 0;     ///< bytes
+  int max_work_groups = 0;             ///< per axis
+  float max_point_size = 1;
+  bool float_atomics = false;   ///< GL_NV_shader_atomic_float
+  bool int64_atomics = false;   ///< GL_NV_shader_atomic_int64
+};
+
+class Context {
+ public:
+  /// Creates and makes current: surfaceless, else device platform. Throws Error(no_gl) with what is missing and
+  /// what to install.
+  static std::unique_ptr<Context> create_headless();
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  const Limits& limits() const { return limits_; }
+  /// High-severity debug messages since the last call; tests fail on any.
+  std::vector<std::string> take_messages();
+
+ private:
+  Context() = default;
+  struct Egl;
+  std::unique_ptr<Egl> egl_;
+  Limits limits_;
+  std::vector<std::string> messages_;
+};
+
+/// Limits of the current context (set by the last create_headless).
+const Limits& limits();
+/// Throws Error(no_gl): who needs what, what the driver has, what to do.
+void require(bool condition, const std::string& who, const std::string& needs);
+/// Throws Error(out_of_memory) when the last allocation failed; `what` says what was allocated.
+void check_memory(const std::string& what);
+
+}  // namespace sfumato::gl

@@ -1,0 +1,31 @@
+// What a technique gets to render: cloud, camera, light, target, timers. A plain struct, no singletons.
+#pragma once
+
+#include "core/camera.h"
+#include "gl/texture.h"
+#include "gl/timer.h"
+#include "passes/gpu_cloud.h"
+#include "passes/light.h"
+
+namespace sfumato {
+
+/// What a technique draws into; all of the camera's size, top row first.
+struct Target {
+  gl::Texture color;   ///< RGBA32F, linear, premultiplied by coverage
+  gl::Texture depth;   ///< R32F, eye depth along the view axis in scene units, +inf where nothing
+  gl::Texture normal;  ///< RGBA32F: world normal facing the camera, 0 where none; w = shadow factor
+  Target() = default;
+  Target(int width, int height);
+};
+
+struct Frame {
+  GpuCloud& cloud;
+  const Camera& camera;           ///< near and far already fitted to the cloud
+  const RenderSettings& settings;
+  Light light;                    ///< settings.light_text, parsed
+  Target& target;
+  gl::Timers& timers;
+  Progress& progress;
+};
+
+}  // namespace sfumato

@@ -1,0 +1,49 @@
+// Light and material shared by every technique.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/param.h"
+#include "core/vec.h"
+
+namespace sfumato {
+
+enum class Shading { lit, albedo, normals, depth };
+
+struct Light {
+  enum class Kind { headlight, point, directional };
+  Kind kind = Kind::headlight;
+  dvec3 vector{0};  ///< point: world position; directional: unit direction TOWARDS the light, world
+  /// "headlight", "X,Y,Z" (a point light in world coordinates) or "dir:X,Y,Z" (direction the light comes from).
+  /// Throws Error(usage) on anything else.
+  static Light parse(std::string_view text);
+  std::string print() const;
+};
+
+/// Phong terms: colour = albedo (ambient + m diffuse n.l) + m specular (r.v)^shininess, m = shadow factor
+/// (Dobrev 2010, Sec. 4: c = k_a + m (k_d + k_s)).
+struct Phong {
+  float ambient = 0.3f, diffuse = 0.7f, specular = 0.1f, shininess = 24;
+};
+
+enum class Shadows { off, hard, soft };
+
+/// What every technique shares; the command line lists these parameters beside the technique's own.
+struct RenderSettings {
+  Shading shading = Shading::lit;
+  std::string light_text = "headlight";
+  Phong phong;
+  Auto<bool> edl;            ///< automatic: what the technique wants
+  float edl_radius = 1.4f;   ///< pixels (the two numbers Potree users know)
+  float edl_strength = 0.4f;
+  vec3 background{1};        ///< sRGB 0..1
+  bool transparent = false;  ///< --no-background
+  bool fast = false;         ///< allow float atomics: not bit-reproducible
+
+  /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess, edl,
+  /// edl_radius, edl_strength, fast. (Background has its own options.)
+  void describe(ParamList& params);
+};
+
+}  // namespace sfumato

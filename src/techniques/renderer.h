@@ -1,0 +1,60 @@
+// The one way from a prepared cloud to an image; used by the command, the tests, the bench and the viewer.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/prepared_cloud.h"
+#include "core/progress.h"
+#include "gl/context.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+
+struct PassTiming {
+  std::string name;
+  double ms = 0;
+};
+
+struct RenderWants {
+  bool color = true;          ///< rgba8: finished 8-bit picture
+  bool color_linear = false;  ///< float picture, for EXR and NPY
+  bool depth = false, normal = false;
+  bool timings = false;       ///< measure passes (costs a finish per pass on software GL)
+};
+
+struct RenderOutput {
+  Image<Rgba8> rgba8;         ///< sRGB, straight alpha
+  Image<vec4> color_linear;   ///< linear premultiplied; alpha is coverage when transparent, else 1
+  Image<float> depth;         ///< eye depth, +inf where nothing
+  Image<vec3> normal;         ///< world, facing the camera, 0 where none
+  std::vector<PassTiming> timings;
+  double total_ms = 0;        ///< clear to finished picture on the GPU, before reading back
+  std::uint64_t points_drawn = 0;  ///< points of batches inside the view
+  std::vector<std::string> notes;  ///< the technique's
+};
+
+class Renderer {
+ public:
+  explicit Renderer(gl::Context& context);
+  ~Renderer();
+
+  /// Takes the cloud; `colors` (one per point, in the prepared order, sRGB) are what techniques draw.
+  /// The cloud may be completed later through `prepared()` (analysis::complete) for another technique.
+  void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors);
+  void set_colors(std::vector<Rgba8> colors);
+  PreparedCloud& prepared();
+
+  /// Renders until the technique says the image is final. The camera's near and far planes are fitted here.
+  RenderOutput render(Technique& technique, const Camera& camera, const RenderSettings& settings,
+                      const RenderWants& wants = {}, Progress& progress = no_progress());
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sfumato

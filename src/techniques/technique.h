@@ -1,0 +1,42 @@
+// A technique: cloud + camera -> image. One folder each; the registry is generated from the folders.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/param.h"
+#include "core/prepared_cloud.h"
+#include "passes/frame.h"
+
+namespace sfumato {
+
+class Technique {
+ public:
+  virtual ~Technique() = default;
+
+  /// Lists every parameter with its default, range, unit, help and paper symbol.
+  virtual void describe(ParamList& params) = 0;
+  /// Attributes the technique cannot do without; asked again after parameters changed.
+  virtual Attributes needs() const { return {}; }
+  /// True when eye-dome lighting suits the technique by default (`edl = auto`).
+  virtual bool wants_edl() const { return false; }
+  /// Draws into `frame.target`: linear premultiplied colour (coverage in alpha, no background), eye depth and
+  /// world normal. Returns true when the image is final; false asks to be called again with the same frame.
+  virtual bool render(Frame& frame) = 0;
+  /// Lines worth telling the user after a render: automatic values, shares, overflow counts. May be empty.
+  virtual std::vector<std::string> notes() const { return {}; }
+};
+
+struct TechniqueInfo {
+  std::string name;
+  std::string summary;   ///< one line for `sfumato techniques`
+  std::unique_ptr<Technique> (*create)();
+};
+
+/// Every technique of the house, in the order of the documentation.
+const std::vector<TechniqueInfo>& all_techniques();
+/// Throws Error(usage) naming the nearest technique when there is none of that name.
+const TechniqueInfo& find_technique(std::string_view name);
+
+}  // namespace sfumato
