@@ -1,0 +1,35 @@
+# Thin over CMakePresets.json. ccache is used where it is installed.
+PREFIX ?= /usr/local
+JOBS := $(shell nproc)
+CCACHE := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+export CCACHE_BASEDIR ?= $(CURDIR)
+
+configure = cmake --preset $(1) $(CCACHE)
+build = $(configure) && cmake --build build/$(1)
+check = ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
+
+.PHONY: release demo test bench asan format install
+
+release:  ## build/release/bin/sfumato
+	@$(call build,release)
+
+demo: release  ## every technique on a synthetic scan, or on FILE
+	@scripts/demo "$$FILE"
+
+test:  ## warnings as errors, then every test
+	@$(call build,test)
+	@$(call check,test)
+
+bench:  ## BENCH=group (points, io, ...) or all: ours against the peers
+	@$(call configure,release) && cmake --build build/release --target sfumato_bench
+	@scripts/bench $(BENCH)
+
+asan:  ## every test under the address and undefined behaviour sanitizers
+	@$(call build,asan)
+	@$(call check,asan)
+
+format:
+	@find src tests bench examples include -name '*.cpp' -o -name '*.h' 2>/dev/null | xargs clang-format -i
+
+install: release
+	@cmake --install build/release --prefix $(PREFIX)
