@@ -1,0 +1,22 @@
+// The order in which points are stored: along a Morton curve, so that neighbours in space are neighbours in memory.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/point_cloud.h"
+#include "core/progress.h"
+
+namespace sfumato::analysis {
+
+/// Indices into `cloud` along a Morton curve of 2^21 cells an axis over the cloud's box. Points of one cell are
+/// sorted again inside their own box, so that a far outlier cannot flatten the curve; coincident points keep
+/// the order of the file (`source_index`). The same for any number of threads.
+/// Throws Error(bad_input) beyond 2^32 - 1 points.
+std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progress = no_progress());
+
+/// Permutes every attribute of `cloud` (`order` names old places), one at a time, so that the peak of memory is
+/// one attribute. `source_index` is filled. Grids do not survive, as in `select`.
+void reorder(PointCloud& cloud, const std::vector<std::uint32_t>& order);
+
+}  // namespace sfumato::analysis

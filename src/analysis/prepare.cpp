@@ -1,0 +1,79 @@
+#include "analysis/prepare.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+
+#include "analysis/morton.h"
+#include "analysis/spacing.h"
+
+namespace sfumato::analysis {
+namespace {
+
+constexpr std::size_t points_per_batch = 10'240;
+
+/// Grids are lost by sorting, their viewpoints must not be: normals point towards them.
+void keep_viewpoints(PointCloud& cloud) {
+  if (!cloud.scanners.empty() || cloud.scalar("scanner")) return;
+  ScalarField scanner{"scanner", 0, std::vector<float>(cloud.size(), std::numeric_limits<float>::quiet_NaN())};
+  for (const Grid& grid : cloud.grids) {
+    if (!grid.viewpoint) continue;
+    const std::size_t last = std::min(cloud.size(), grid.first + grid.count);
+    for (std::size_t i = grid.first; i < last; ++i) scanner.values[i] = float(cloud.scanners.size());
+    cloud.scanners.push_back(*grid.viewpoint);
+  }
+  if (!cloud.scanners.empty()) cloud.set_scalar(std::move(scanner));
+}
+
+std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
+  const std::size_t n = positions.size(), count = (n + points_per_batch - 1) / points_per_batch;
+  std::vector<Batch> batches(count);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+    const std::size_t first = b * n / count, last = (b + 1) * n / count;
+    Batch& batch = batches[b];
+    batch.first = std::uint32_t(first);
+    batch.count = std::uint32_t(last - first);
+    batch.box_min = batch.box_max = positions[first];
+    for (std::size_t i = first; i < last; ++i) {
+      batch.box_min = glm::min(batch.box_min, positions[i]);
+      batch.box_max = glm::max(batch.box_max, positions[i]);
+    }
+  });
+  return batches;
+}
+
+/// What the file brought.
+Attributes attributes_of(const PointCloud& cloud) {
+  Attributes found;
+  if (!cloud.normals.empty()) found = found | Attribute::normal;
+  if (!cloud.radii.empty()) found = found | Attribute::radius;
+  if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
+  if (cloud.scalar("cluster")) found = found | Attribute::cluster;
+  return found;
+}
+
+}  // namespace
+
+void PrepareOptions::describe(ParamList& p) {
+  p.add("neighbors", neighbors)
+      .range(3, 256)
+      .help("points that a normal, a radius or an uncertainty is computed from")
+      .paper("Seemann 2018, K");
+}
+
+PreparedCloud prepare(PointCloud cloud, Attributes, const PrepareOptions&, Progress& progress) {
+  PreparedCloud prepared;
+  prepared.cloud = std::move(cloud);
+  keep_viewpoints(prepared.cloud);
+  reorder(prepared.cloud, morton_order(prepared.cloud, progress));
+  progress.check();
+  prepared.batches = cut_batches(prepared.cloud.positions);
+  const NeighborTree tree(prepared.cloud.positions);
+  prepared.median_spacing = median_spacing(tree);
+  measure_batches(prepared.batches, tree, prepared.median_spacing, progress);
+  prepared.available = attributes_of(prepared.cloud);
+  return prepared;
+}
+
+}  // namespace sfumato::analysis

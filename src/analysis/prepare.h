@@ -1,0 +1,21 @@
+// From a cloud as it was read to a cloud ready for rendering.
+#pragma once
+
+#include "core/param.h"
+#include "core/prepared_cloud.h"
+#include "core/progress.h"
+
+namespace sfumato::analysis {
+
+struct PrepareOptions {
+  int neighbors = 24;
+  void describe(ParamList& p);
+};
+
+/// Sorts the cloud along a Morton curve, cuts it into batches of at most 10,240 points and measures its
+/// spacing. `available` names what the file brought; nothing is computed yet. Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar
+/// `scanner`. The result is the same for any number of threads. Throws Cancelled when the user stops it.
+PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
+                      Progress& progress = no_progress());
+
+}  // namespace sfumato::analysis
