@@ -1,0 +1,39 @@
+// What a format brings to the table in io.cpp, and what the readers share.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/io.h"
+
+namespace sfumato::io {
+
+using ReadFunction = ReadResult (*)(const std::filesystem::path&, const ReadOptions&, Progress&);
+using WriteFunction = void (*)(const std::filesystem::path&, const PointCloud&, Progress&);
+using MeshFunction = Mesh (*)(const std::filesystem::path&, Progress&);
+/// Whether a file that begins with `head` (its first 4096 bytes, or all of it) has this format.
+using SniffFunction = bool (*)(std::string_view head);
+
+/// One row of the table in io.cpp.
+struct Format {
+  std::string name;
+  std::vector<std::string> extensions;  ///< lower case, with the dot
+  std::string description;
+  SniffFunction sniff = nullptr;        ///< null: known by its extension only
+  ReadFunction read = nullptr;
+  WriteFunction write = nullptr;
+  MeshFunction read_mesh = nullptr;
+};
+
+/// Error(bad_input) with the one line every reader owes its user: file, place, what is wrong, what to do.
+[[noreturn]] void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what);
+
+// Each of these is one file of this folder. Readers return file order and fill report.points... bounds and
+// attributes; `read` fills in file and format, and subsamples.
+bool is_ply(std::string_view head);
+ReadResult read_ply(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+
+}  // namespace sfumato::io

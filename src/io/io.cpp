@@ -1,0 +1,94 @@
+#include "io/io.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "io/file.h"
+#include "io/format.h"
+
+namespace sfumato::io {
+namespace {
+
+/// Ordered: content decides before the extension, and of two formats that recognise it the first wins.
+const std::vector<Format>& table() {
+  static const std::vector<Format> formats = {
+      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply},
+  };
+  return formats;
+}
+
+std::string lower_name(const std::filesystem::path& file) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return name;
+}
+
+/// `.copc.laz` counts as an extension, so the end of the whole name is compared.
+bool has_extension(const Format& format, const std::string& name) {
+  return std::any_of(format.extensions.begin(), format.extensions.end(),
+                     [&](const std::string& extension) { return name.ends_with(extension); });
+}
+
+std::string all_extensions(bool writable) {
+  std::string list;
+  for (const Format& format : table())
+    if (!writable || format.write)
+      for (const std::string& extension : format.extensions) list += (list.empty() ? "" : " ") + extension;
+  return list;
+}
+
+const Format& find_format(const std::filesystem::path& file) {
+  const File opened(file);
+  if (opened.size() == 0)
+    throw Error(ErrorCode::bad_input, file.string() + ": byte 0: the file is empty; fetch or export it again");
+  const std::string head = opened.read_text(0, 4096);
+  for (const Format& format : table())
+    if (format.read && format.sniff && format.sniff(head)) return format;
+  const std::string name = lower_name(file);
+  for (const Format& format : table())
+    if (format.read && has_extension(format, name)) return format;
+  throw Error(ErrorCode::bad_input, file.string() + ": not a point cloud format I know; convert it to one of " +
+                                        all_extensions(false));
+}
+
+}  // namespace
+
+void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what) {
+  throw Error(ErrorCode::bad_input, file.string() + ": " + place + ": " + what);
+}
+
+ReadResult read(const std::filesystem::path& file, const ReadOptions& options, Progress& progress) {
+  const Format& format = find_format(file);
+  ReadResult result = format.read(file, options, progress);
+  result.report.file = file;
+  if (result.report.format.empty()) result.report.format = format.name;
+  if (options.max_points && result.cloud.size() > *options.max_points)
+    result.cloud = subsample(result.cloud, std::size_t(*options.max_points));
+  return result;
+}
+
+Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
+  const Format& format = find_format(file);
+  if (format.read_mesh) return format.read_mesh(file, progress);
+  throw Error(ErrorCode::bad_input, file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
+}
+
+void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+  const std::string name = lower_name(file);
+  for (const Format& format : table())
+    if (format.write && has_extension(format, name)) return format.write(file, cloud, progress);
+  throw Error(ErrorCode::usage,
+              file.string() + ": clouds are not written in this format; use one of " + all_extensions(true));
+}
+
+std::vector<FormatInfo> formats() {
+  std::vector<FormatInfo> list;
+  for (const Format& format : table()) {
+    std::string extensions;
+    for (const std::string& extension : format.extensions) extensions += (extensions.empty() ? "" : " ") + extension;
+    list.push_back({format.name, extensions, format.description, format.read != nullptr, format.write != nullptr});
+  }
+  return list;
+}
+
+}  // namespace sfumato::io

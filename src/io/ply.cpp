@@ -1,0 +1,129 @@
+// Stanford PLY (Turk 1994). Any property order and type; lists are walked over; ascii and both byte orders.
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include "io/columns.h"
+#include "io/file.h"
+#include "io/format.h"
+#include "io/parallel.h"
+#include "io/ply_header.h"
+
+namespace sfumato::io {
+namespace {
+
+constexpr std::size_t block_bytes = 1 << 20;
+
+/// The scalar properties of a vertex as columns, laid out as in a binary record without lists.
+std::vector<Column> vertex_columns(const File& file, const PlyElement& vertex) {
+  std::vector<Column> columns;
+  std::size_t offset = 0;
+  for (const PlyProperty& property : vertex.properties) {
+    if (property.is_list) continue;
+    columns.push_back({property.name, property.type, property.type, offset, 0, Role::scalar});
+    offset += size_of(property.type);
+  }
+  for (Column& column : columns) column.stride = offset;
+  if (!assign_roles(columns))
+    bad_input(file.path(), "header", "the vertex element has no properties x, y and z; export it with positions");
+  return columns;
+}
+
+std::string count_of(const PlyElement& vertex) { return std::to_string(vertex.count) + " vertices"; }
+
+/// Points of fixed-size records: each thread reads its share of the file in big blocks.
+void read_records(const File& file, const PlyHeader& header, std::uint64_t begin, bool keep_places,
+                  Progress& progress, ReadResult& result) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  std::vector<Column> columns = vertex_columns(file, vertex);
+  const std::size_t size = vertex.record_size();
+  const std::uint64_t room = file.size() - std::min(begin, file.size());
+  if (vertex.count > room / size)
+    bad_input(file.path(), "byte " + std::to_string(file.size()),
+              "the file ends after " + std::to_string(room / size) + " points, expected " + count_of(vertex) + " of " +
+                  std::to_string(size) + " bytes; it is cut short, fetch it again");
+  const std::size_t count = std::size_t(vertex.count);
+  CloudBuilder builder(std::move(columns), count, header.big_endian, keep_places);
+  const std::size_t threads = count < 20000 ? 1 : thread_count();
+  std::vector<CloudBuilder::Cursor> cursors;
+  for (std::size_t t = 0; t < threads; ++t)
+    cursors.push_back(builder.cursor(count * t / threads, count * (t + 1) / threads));
+  std::atomic<std::size_t> done{0};
+  in_parallel(threads, [&](std::size_t t) {
+    CloudBuilder::Cursor& cursor = cursors[t];
+    const std::size_t block = std::max<std::size_t>(1, block_bytes / size);
+    std::vector<std::byte> bytes(std::min(block, cursor.end - cursor.begin) * size);
+    for (std::size_t i = cursor.begin; i < cursor.end; i += block) {
+      progress.check();
+      const std::size_t n = std::min(block, cursor.end - i);
+      file.read(begin + std::uint64_t(i) * size, std::span(bytes).first(n * size));
+      builder.decode(cursor, bytes.data(), 0, n, i);
+      progress.update(double(done += n) / double(count), "reading");
+    }
+  });
+  builder.finish(cursors, result);
+}
+
+/// Points whose records hold lists: one after the other, the lists left out.
+void read_walked(const File& file, const PlyHeader& header, std::uint64_t begin, bool keep_places,
+                 Progress& progress, ReadResult& result) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  std::vector<Column> columns = vertex_columns(file, vertex);
+  std::size_t least = 0;  // a list takes at least its length
+  for (const PlyProperty& property : vertex.properties)
+    least += size_of(property.is_list ? property.count_type : property.type);
+  const std::uint64_t room = file.size() - std::min(begin, file.size());
+  if (vertex.count > room / least)
+    bad_input(file.path(), "byte " + std::to_string(file.size()),
+              "the file has room for at most " + std::to_string(room / least) + " points, expected " +
+                  count_of(vertex) + "; it is cut short, fetch it again");
+  const std::size_t width = columns.size();
+  for (std::size_t k = 0; k < width; ++k) {
+    columns[k].layout = StoredType::float64;
+    columns[k].offset = k * sizeof(double);
+    columns[k].stride = width * sizeof(double);
+  }
+  CloudBuilder builder(columns, std::size_t(vertex.count), false, keep_places);
+  std::vector<CloudBuilder::Cursor> cursors = {builder.cursor(0, std::size_t(vertex.count))};
+  PlyWalker walker(file, header.big_endian, begin);
+  constexpr std::size_t rows = 512;
+  std::vector<double> block(rows * width);
+  for (std::uint64_t i = 0; i < vertex.count; i += rows) {
+    progress.check();
+    progress.update(double(i) / double(vertex.count), "reading");
+    const std::size_t n = std::size_t(std::min<std::uint64_t>(rows, vertex.count - i));
+    auto to = block.begin();
+    for (std::size_t row = 0; row < n; ++row)
+      for (const PlyProperty& property : vertex.properties) {
+        if (property.is_list) walker.skip(walker.list_length(property) * size_of(property.type));
+        else *to++ = walker.number(property.type);
+      }
+    builder.decode(cursors[0], reinterpret_cast<const std::byte*>(block.data()), 0, n, i);
+  }
+  builder.finish(cursors, result);
+}
+
+ReadResult read_vertices(const File& file, const PlyHeader& header, bool keep_places, Progress& progress) {
+  ReadResult result;
+  result.cloud.up = header.up;
+  result.cloud.crs = result.report.crs = header.crs;
+  if (header.ascii) bad_input(file.path(), "header", "ascii PLY is not read yet");
+  PlyWalker walker(file, header.big_endian, header.data_begin);
+  for (std::size_t i = 0; i < header.vertex; ++i) walker.skip_element(header.elements[i], progress);
+  if (header.elements[header.vertex].has_list())
+    read_walked(file, header, walker.position(), keep_places, progress, result);
+  else
+    read_records(file, header, walker.position(), keep_places, progress, result);
+  return result;
+}
+
+}  // namespace
+
+bool is_ply(std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r"); }
+
+ReadResult read_ply(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+  const File file(path);
+  return read_vertices(file, read_ply_header(file), false, progress);
+}
+
+}  // namespace sfumato::io
