@@ -20,9 +20,9 @@ test:  ## warnings as errors, then every test
 	@$(call build,test)
 	@$(call check,test)
 
-bench:  ## BENCH=group (points, io, ...) or all: ours against the peers
-	@$(call configure,release) && cmake --build build/release --target sfumato_bench
-	@scripts/bench $(BENCH)
+bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
+	@cmake --build build/release --target sfumato_benchmarks
+	@/usr/bin/python3 bench/run.py $(BENCH)
 
 asan:  ## every test under the address and undefined behaviour sanitizers
 	@$(call build,asan)

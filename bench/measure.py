@@ -1,0 +1,54 @@
+"""Running a process and measuring it from outside.
+
+usage: measure.py COMMAND...   prints {"wall_ms": ..., "peak_mb": ...} after what the command printed
+"""
+import collections
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+Done = collections.namedtuple('Done', 'wall_ms peak_mb stdout stderr returncode')
+
+_scratch = None
+
+
+def scratch():
+    """A folder for files that nobody keeps; gone at exit."""
+    global _scratch
+    if _scratch is None:
+        _scratch = tempfile.TemporaryDirectory(prefix='sfumato-bench-')
+    return _scratch.name
+
+
+def process(command, timeout):
+    """Runs it to its end. Raises subprocess.TimeoutExpired, after ending it and what it started."""
+    with tempfile.TemporaryFile('w+') as out, tempfile.TemporaryFile('w+') as err:
+        start = time.perf_counter()
+        child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
+                                 start_new_session=True)
+        deadline = start + timeout
+        while True:
+            # wait4 and not communicate(): the peak memory of this child alone comes with it.
+            pid, status, usage = os.wait4(child.pid, os.WNOHANG)
+            if pid:
+                break
+            if time.perf_counter() > deadline:
+                os.killpg(child.pid, 15)
+                os.wait4(child.pid, 0)
+                raise subprocess.TimeoutExpired(command, timeout)
+            time.sleep(0.002)
+        wall_ms = 1e3 * (time.perf_counter() - start)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        err.seek(0)
+        return Done(wall_ms, usage.ru_maxrss / 1024, out.read(), err.read(), child.returncode)
+
+
+if __name__ == '__main__':
+    measured = process(sys.argv[1:], 600)
+    print(measured.stdout)
+    print(json.dumps({'wall_ms': measured.wall_ms, 'peak_mb': measured.peak_mb}))
+    sys.exit(measured.returncode)

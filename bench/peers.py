@@ -1,0 +1,90 @@
+"""The other programs that benchmarks are compared with: how to run each, what it reports, why it is missing.
+
+A row names a peer as "<program> <what>", such as "vtk edl" or "open3d load"; "vtk process" is its whole script.
+"""
+import json
+import os
+import shutil
+import subprocess
+
+import measure
+
+PYTHON = '/usr/bin/python3'  # Debian's: another python3 on the PATH does not see Debian's modules
+SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'peers')
+XVFB = ['xvfb-run', '-a', '-s', '-screen 0 1024x1024x24']
+THREADS = str(os.cpu_count())
+NEIGHBORS = '24'
+FRAMES = {128000: '7', 1000000: '5', 6000000: '3'}
+FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms'}
+
+
+class Missing(Exception):
+    """The peer cannot run here; says why."""
+
+
+def _need_module(module, package):
+    probe = 'import importlib.util, sys; sys.exit(not importlib.util.find_spec(%r))' % module
+    if subprocess.run([PYTHON, '-c', probe], check=False).returncode:
+        raise Missing(package + ' is not installed')
+
+
+def _need_xvfb():
+    if not shutil.which('xvfb-run'):
+        raise Missing('xvfb is not installed')
+
+
+def _need_binary(build, name, package):
+    path = os.path.join(build, 'bin', name)
+    if not os.path.exists(path):
+        raise Missing(package + ' is not installed')
+    return path
+
+
+def _report(command, field, timeout):
+    """Runs a peer that prints one JSON line; (value, version)."""
+    done = measure.process(command, timeout)
+    lines = [line for line in done.stdout.splitlines() if line.startswith('{')]
+    if not lines:
+        raise Missing('printed no result: ' + (done.stderr.strip().splitlines() or ['(silent)'])[-1])
+    result = json.loads(lines[-1])
+    return float(result[field]), result.get('peer', '')
+
+
+def _vtk(what, cloud, count, build, timeout):
+    _need_module('vtk', 'python3-vtk9')
+    _need_xvfb()
+    script = [PYTHON, os.path.join(SCRIPTS, 'peer_vtk.py'), cloud]
+    if what == 'process':  # start, load with numpy, two frames, a PNG, exit; timed inside the X server
+        timer = [PYTHON, os.path.join(os.path.dirname(SCRIPTS), 'measure.py')]
+        png = ['env', 'PNG_DIR=' + measure.scratch()]
+        value, _ = _report(png + XVFB + timer + script + ['points', '0'], 'wall_ms', timeout)
+        return value, 'vtk script'
+    return _report(XVFB + script + [what, FRAMES.get(count, '5')], 'frame_ms', timeout)
+
+
+def _open3d(what, cloud, count, build, timeout):
+    _need_module('open3d', 'python3-open3d')
+    if what == 'points':
+        _need_xvfb()
+    command = [PYTHON, os.path.join(SCRIPTS, 'peer_open3d.py'), cloud, what]
+    return _report((XVFB if what == 'points' else []) + command, FIELDS[what], timeout)
+
+
+def _pcl(what, cloud, count, build, timeout):
+    binary = _need_binary(build, 'peer_pcl', 'libpcl-dev')
+    neighbors = NEIGHBORS if what == 'normals' else '0'
+    return _report([binary, cloud, neighbors, THREADS], FIELDS[what], timeout)
+
+
+def _nanoflann(what, cloud, count, build, timeout):
+    binary = _need_binary(build, 'peer_nanoflann', 'libnanoflann-dev')
+    return _report([binary, cloud, NEIGHBORS, THREADS], FIELDS[what], timeout)
+
+
+PROGRAMS = {'vtk': _vtk, 'open3d': _open3d, 'pcl': _pcl, 'nanoflann': _nanoflann}
+
+
+def run(peer, cloud, count, build, timeout):
+    """(milliseconds, version) of one run. Raises Missing."""
+    program, what = peer.split()
+    return PROGRAMS[program](what, cloud, count, build, timeout)

@@ -1,0 +1,57 @@
+#!/usr/bin/python3
+"""Open3D peer.   usage: peer_open3d.py FILE.ply load|normals|points   prints one JSON line
+
+load: read_point_cloud. normals: KDTreeSearchParamKNN(24), tree included. points: legacy renderer, one frame
+and its read-back, 1024 x 1024, 1 px (opens a window: needs an X server).
+"""
+import json
+import resource
+import statistics
+import sys
+import time
+
+import open3d
+
+K = 24
+FRAMES = 5
+
+
+def elapsed_ms(start):
+    return round(1e3 * (time.perf_counter() - start), 1)
+
+
+def render(cloud):
+    window = open3d.visualization.Visualizer()
+    window.create_window(width=1024, height=1024, visible=False)
+    window.add_geometry(cloud)
+    window.get_render_option().point_size = 1.0
+    view = window.get_view_control()
+    times = []
+    for _ in range(FRAMES + 1):  # the first is the warm-up
+        view.rotate(10, 0)
+        start = time.perf_counter()
+        window.poll_events()
+        window.update_renderer()
+        window.capture_screen_float_buffer(True)
+        times.append(elapsed_ms(start))
+    return statistics.median(times[1:])
+
+
+def main():
+    path, mode = sys.argv[1:3]
+    start = time.perf_counter()
+    cloud = open3d.io.read_point_cloud(path)
+    result = {'peer': 'open3d ' + open3d.__version__, 'mode': mode, 'n': len(cloud.points),
+              'load_ms': elapsed_ms(start)}
+    if mode == 'normals':
+        cloud.normals = open3d.utility.Vector3dVector()
+        start = time.perf_counter()
+        cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(K))
+        result['normals_ms'] = elapsed_ms(start)
+    elif mode == 'points':
+        result['frame_ms'] = render(cloud)
+    result['peak_mb'] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    print(json.dumps(result))
+
+
+main()
