@@ -73,7 +73,8 @@ void Param::set(std::string_view text) {
     refuse((kind == ParamKind::choice ? "one of: " + join(choices) : std::string(kinds[int(kind)])) +
            (can_be_auto ? " or auto" : ""));
   for (double value : numbers_ ? numbers_() : std::vector<double>{}) {
-    if ((!min || value >= *min) && (!max || value <= *max)) continue;
+    // Bounds are compared as floats, as the values are: 0.01 is in [0.01, 1].
+    if ((!min || float(value) >= float(*min)) && (!max || float(value) <= float(*max))) continue;
     parse_(before);
     refuse("in range [" + (min ? print_number(float(*min)) : std::string("-inf")) + ", " +
            (max ? print_number(float(*max)) : std::string("inf")) + "]");

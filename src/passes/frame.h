@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/camera.h"
+#include "core/progress.h"
 #include "gl/texture.h"
 #include "gl/timer.h"
 #include "passes/gpu_cloud.h"

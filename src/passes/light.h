@@ -18,7 +18,6 @@ struct Light {
   /// "headlight", "X,Y,Z" (a point light in world coordinates) or "dir:X,Y,Z" (direction the light comes from).
   /// Throws Error(usage) on anything else.
   static Light parse(std::string_view text);
-  std::string print() const;
 };
 
 /// Phong terms: colour = albedo (ambient + m diffuse n.l) + m specular (r.v)^shininess, m = shadow factor

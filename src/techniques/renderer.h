@@ -44,7 +44,8 @@ class Renderer {
 
   /// Takes the cloud; `colors` (one per point, in the prepared order, sRGB) are what techniques draw.
   /// The cloud may be completed later through `prepared()` (analysis::complete) for another technique.
-  void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors);
+  /// `max_chunk_points` limits the points per GPU buffer (tests); 0 means the driver's limit.
+  void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
   void set_colors(std::vector<Rgba8> colors);
   PreparedCloud& prepared();
 

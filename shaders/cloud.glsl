@@ -1,0 +1,39 @@
+// The points of one chunk, fetched through texture buffers. `i` counts within the chunk.
+#include "bindings.glsl"
+#include "color.glsl"
+
+layout(binding = UNIT_POSITIONS) uniform samplerBuffer cloud_positions;
+layout(binding = UNIT_SOURCE_INDEX) uniform usamplerBuffer cloud_source_index;
+layout(binding = UNIT_COLORS) uniform samplerBuffer cloud_colors;
+layout(binding = UNIT_NORMALS) uniform samplerBuffer cloud_normals;
+layout(binding = UNIT_RADII) uniform samplerBuffer cloud_radii;
+layout(binding = UNIT_FIELD) uniform samplerBuffer cloud_field;
+layout(binding = UNIT_SHADOW) uniform samplerBuffer cloud_shadow;
+layout(binding = UNIT_BATCHES) uniform usamplerBuffer cloud_batches;
+
+vec3 point_position(int i) { return texelFetch(cloud_positions, i).xyz; }
+uint point_source_index(int i) { return texelFetch(cloud_source_index, i).x; }
+vec3 point_color(int i) { return linear_from_srgb(texelFetch(cloud_colors, i).rgb); }
+float point_radius(int i) { return texelFetch(cloud_radii, i).x; }
+float point_field(int i) { return texelFetch(cloud_field, i).x; }
+float point_shadow(int i) { return texelFetch(cloud_shadow, i).x; }
+
+// Unit normal in cloud space, or 0 where the cloud knows none.
+vec3 point_normal(int i) {
+  vec2 code = texelFetch(cloud_normals, i).xy;
+  if (code == vec2(0.0)) return vec3(0.0);
+  vec2 e = code * 2.0 - 1.0;
+  vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
+  if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
+  return normalize(n);
+}
+
+struct Batch {
+  int first;
+  int count;
+  float spacing;  // scene units
+};
+Batch visible_batch(uint k) {
+  uvec4 b = texelFetch(cloud_batches, int(k));
+  return Batch(int(b.x), int(b.y), uintBitsToFloat(b.z));
+}

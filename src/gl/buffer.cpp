@@ -1,0 +1,48 @@
+#include "gl/buffer.h"
+
+#include <algorithm>
+
+#include "gl/context.h"
+
+namespace sfumato::gl {
+
+Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : bytes_(bytes) {
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  glCreateBuffers(1, &id_);
+  // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato.
+  glNamedBufferStorage(id_, GLsizeiptr(std::max<std::size_t>(bytes, 16)), bytes ? data : nullptr,
+                       GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT);
+  check_memory(label);
+  glObjectLabel(GL_BUFFER, id_, GLsizei(label.size()), label.data());
+}
+
+Buffer::~Buffer() {
+  if (id_) glDeleteBuffers(1, &id_);
+}
+
+void Buffer::upload(const void* data, std::size_t bytes, std::size_t offset) {
+  if (bytes) glNamedBufferSubData(id_, GLintptr(offset), GLsizeiptr(bytes), data);
+}
+
+void Buffer::download(void* data, std::size_t bytes, std::size_t offset) const {
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  if (bytes) glGetNamedBufferSubData(id_, GLintptr(offset), GLsizeiptr(bytes), data);
+}
+
+void Buffer::clear(std::uint32_t word) {
+  glClearNamedBufferData(id_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
+}
+
+TextureBuffer::TextureBuffer(const std::string& label, GLenum format, std::size_t bytes, const void* data)
+    : buffer_(label, bytes, data) {
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &texture_);
+  glTextureBuffer(texture_, format, buffer_.id());
+  glObjectLabel(GL_TEXTURE, texture_, GLsizei(label.size()), label.data());
+}
+
+TextureBuffer::~TextureBuffer() {
+  if (texture_) glDeleteTextures(1, &texture_);
+}
+
+}  // namespace sfumato::gl

@@ -1,0 +1,151 @@
+#include "gl/context.h"
+
+#include <dlfcn.h>
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <cstring>
+#include <utility>
+
+#include "core/error.h"
+
+namespace sfumato::gl {
+
+namespace {
+
+Limits current_limits;
+
+const char* const advice =
+    "; install an OpenGL driver (Debian: libegl1 libgl1-mesa-dri libopengl0), or run `sfumato doctor`";
+
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::no_gl, what + advice); }
+
+bool has_extension(const char* list, const char* name) {
+  for (const char* at = list; at && (at = std::strstr(at, name)); at += std::strlen(name)) {
+    const char end = at[std::strlen(name)];
+    if ((at == list || at[-1] == ' ') && (end == ' ' || end == 0)) return true;
+  }
+  return false;
+}
+
+void GLAPIENTRY on_message(GLenum, GLenum, GLuint, GLenum severity, GLsizei length, const GLchar* text,
+                           const void* user) {
+  if (severity != GL_DEBUG_SEVERITY_HIGH) return;
+  auto* messages = static_cast<std::vector<std::string>*>(const_cast<void*>(user));
+  messages->emplace_back(text, length < 0 ? std::strlen(text) : std::size_t(length));
+}
+
+}  // namespace
+
+struct Context::Egl {
+  EGLDisplay display = EGL_NO_DISPLAY;
+  EGLContext context = EGL_NO_CONTEXT;
+};
+
+std::unique_ptr<Context> Context::create_headless() {
+  // epoxy aborts the process where a library is missing, so look for them first.
+  for (const char* library : {"libEGL.so.1", "libOpenGL.so.0"})
+    if (!dlopen(library, RTLD_LAZY | RTLD_GLOBAL)) fail(std::string("no OpenGL: ") + library + " is not installed");
+
+  const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  if (!has_extension(client, "EGL_EXT_platform_base")) fail("no OpenGL: EGL cannot open a display by platform");
+
+  std::unique_ptr<Context> context(new Context);
+  context->egl_ = std::make_unique<Egl>();
+  Egl& egl = *context->egl_;
+  // Device first: on machines with a GPU the surfaceless platform of Mesa would find only software.
+  if (has_extension(client, "EGL_EXT_platform_device") && has_extension(client, "EGL_EXT_device_enumeration")) {
+    EGLDeviceEXT devices[16];
+    EGLint count = 0;
+    eglQueryDevicesEXT(16, devices, &count);
+    for (EGLint i = 0; i < count && egl.display == EGL_NO_DISPLAY; ++i) {
+      EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr);
+      if (display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr)) egl.display = display;
+    }
+  }
+  if (egl.display == EGL_NO_DISPLAY && has_extension(client, "EGL_MESA_platform_surfaceless")) {
+    EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    if (display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr)) egl.display = display;
+  }
+  if (egl.display == EGL_NO_DISPLAY) fail("no OpenGL: EGL found no driver");
+  if (!eglBindAPI(EGL_OPENGL_API)) fail("no OpenGL: this EGL offers OpenGL ES only");
+
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint configs = 0;
+  const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
+  eglChooseConfig(egl.display, wanted, &config, 1, &configs);
+  egl.context = eglCreateContext(egl.display, configs ? config : EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+  if (egl.context == EGL_NO_CONTEXT) fail("no OpenGL 4.5 core context: the driver is too old");
+  if (!eglMakeCurrent(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl.context))
+    fail("the OpenGL context cannot be used without a window");
+  if (epoxy_gl_version() < 45) fail("OpenGL 4.5 is needed, the driver offers less");
+
+  glDebugMessageCallback(on_message, &context->messages_);
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+
+  Limits& limits = context->limits_;
+  auto text = [](GLenum name) { return std::string(reinterpret_cast<const char*>(glGetString(name))); };
+  auto number = [](GLenum name) {
+    GLint value = 0;
+    glGetIntegerv(name, &value);
+    return value;
+  };
+  limits.version = text(GL_VERSION);
+  limits.renderer = text(GL_RENDERER);
+  limits.vendor = text(GL_VENDOR);
+  for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
+    limits.software |= limits.renderer.find(name) != std::string::npos;
+  limits.max_texture_size = number(GL_MAX_TEXTURE_SIZE);
+  limits.max_texture_buffer_size = number(GL_MAX_TEXTURE_BUFFER_SIZE);
+  limits.max_storage_block_size = number(GL_MAX_SHADER_STORAGE_BLOCK_SIZE);
+  GLint groups = 0;
+  glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
+  limits.max_work_groups = groups;
+  GLfloat range[2] = {1, 1};
+  glGetFloatv(GL_POINT_SIZE_RANGE, range);
+  limits.max_point_size = range[1];
+  limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float");
+  limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
+  current_limits = limits;
+
+  // One vertex array without attributes serves every draw: shaders fetch points from texture buffers.
+  GLuint array = 0;
+  glCreateVertexArrays(1, &array);
+  glBindVertexArray(array);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  return context;
+}
+
+Context::~Context() {
+  if (!egl_) return;
+  eglMakeCurrent(egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (egl_->context != EGL_NO_CONTEXT) eglDestroyContext(egl_->display, egl_->context);
+  if (egl_->display != EGL_NO_DISPLAY) eglTerminate(egl_->display);
+}
+
+std::vector<std::string> Context::take_messages() {
+  glFinish();
+  return std::exchange(messages_, {});
+}
+
+const Limits& limits() { return current_limits; }
+
+void require(bool condition, const std::string& who, const std::string& needs) {
+  if (condition) return;
+  throw Error(ErrorCode::no_gl, who + " needs " + needs + ", which " + current_limits.renderer + " (OpenGL " +
+                                    current_limits.version + ") does not have; try another technique or driver");
+}
+
+void check_memory(const std::string& what) {
+  if (glGetError() != GL_OUT_OF_MEMORY) return;
+  throw Error(ErrorCode::out_of_memory,
+              "out of graphics memory while allocating " + what + "; try --max-points or a smaller --resolution");
+}
+
+}  // namespace sfumato::gl

@@ -1,0 +1,64 @@
+// A linked program; uniforms by name. An active uniform that was never set is an error at the first use.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/vec.h"
+#include "gl/shader_source.h"
+
+namespace sfumato::gl {
+
+class Program {
+ public:
+  Program() = default;
+  /// A compute program. Throws Error(no_gl) with file:line of the driver's message.
+  static Program compute(const std::string& file, const Defines& defines = {}, const std::string& head = "");
+  static Program raster(const std::string& vertex_file, const std::string& fragment_file,
+                        const Defines& defines = {}, const std::string& fragment_head = "");
+  ~Program();
+  Program(Program&& other) noexcept { swap(other); }
+  Program& operator=(Program&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  explicit operator bool() const { return id_ != 0; }
+
+  Program& set(std::string_view name, int value);
+  Program& set(std::string_view name, unsigned value);
+  Program& set(std::string_view name, float value);
+  Program& set(std::string_view name, const vec2& value);
+  Program& set(std::string_view name, const vec3& value);
+  Program& set(std::string_view name, const vec4& value);
+  Program& set(std::string_view name, const ivec2& value);
+  Program& set(std::string_view name, const mat4& value);
+  Program& set(std::string_view name, bool value) { return set(name, int(value)); }
+  /// True when the shader really uses that uniform (the compiler may have removed it).
+  bool has(std::string_view name) const { return uniforms_.find(name) != uniforms_.end(); }
+
+  void use() const;
+  /// Work groups along x, y, z.
+  void dispatch(unsigned x, unsigned y = 1, unsigned z = 1) const;
+
+ private:
+  struct Uniform {
+    GLint location = -1;
+    bool set = false;
+  };
+  GLint locate(std::string_view name);
+  void link(const std::string& name);
+  void swap(Program& other) {
+    std::swap(id_, other.id_);
+    std::swap(name_, other.name_);
+    std::swap(uniforms_, other.uniforms_);
+  }
+  GLuint id_ = 0;
+  std::string name_;
+  std::map<std::string, Uniform, std::less<>> uniforms_;
+};
+
+}  // namespace sfumato::gl

@@ -1,0 +1,118 @@
+#include "gl/texture.h"
+
+#include "core/error.h"
+#include "gl/context.h"
+
+namespace sfumato::gl {
+
+Texture::Texture(const std::string& label, GLenum format, int width, int height)
+    : width_(width), height_(height), format_(format) {
+  const int limit = limits().max_texture_size;
+  if (width > limit || height > limit)
+    throw Error(ErrorCode::usage, "an image of " + std::to_string(width) + "x" + std::to_string(height) +
+                                      " is larger than this driver's limit of " + std::to_string(limit) +
+                                      " pixels a side; use a smaller --resolution");
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  glCreateTextures(GL_TEXTURE_2D, 1, &id_);
+  glTextureStorage2D(id_, 1, format, width, height);
+  check_memory(label);
+  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTextureParameteri(id_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(id_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glObjectLabel(GL_TEXTURE, id_, GLsizei(label.size()), label.data());
+}
+
+Texture::~Texture() {
+  if (id_) glDeleteTextures(1, &id_);
+}
+
+void Texture::set_linear_filter() {
+  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+void Texture::clear(const vec4& value) { glClearTexImage(id_, 0, GL_RGBA, GL_FLOAT, &value); }
+
+void Texture::clear_uint(std::uint32_t value) {
+  const std::uint32_t texel[4] = {value, value, value, value};
+  glClearTexImage(id_, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, texel);
+}
+
+namespace {
+
+template <class T>
+struct Transfer;
+template <> struct Transfer<float> { static constexpr GLenum format = GL_RED, type = GL_FLOAT; };
+template <> struct Transfer<vec2> { static constexpr GLenum format = GL_RG, type = GL_FLOAT; };
+template <> struct Transfer<vec3> { static constexpr GLenum format = GL_RGB, type = GL_FLOAT; };
+template <> struct Transfer<vec4> { static constexpr GLenum format = GL_RGBA, type = GL_FLOAT; };
+template <> struct Transfer<std::uint32_t> {
+  static constexpr GLenum format = GL_RED_INTEGER, type = GL_UNSIGNED_INT;
+};
+template <> struct Transfer<Rgba8> { static constexpr GLenum format = GL_RGBA, type = GL_UNSIGNED_BYTE; };
+
+}  // namespace
+
+template <class T>
+Image<T> Texture::download() const {
+  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+  Image<T> image(width_, height_);
+  glGetTextureImage(id_, 0, Transfer<T>::format, Transfer<T>::type, GLsizei(image.size() * sizeof(T)),
+                    image.data());
+  return image;
+}
+
+template <class T>
+void Texture::upload(const Image<T>& image) {
+  glTextureSubImage2D(id_, 0, 0, 0, width_, height_, Transfer<T>::format, Transfer<T>::type, image.data());
+}
+
+template Image<float> Texture::download() const;
+template Image<vec2> Texture::download() const;
+template Image<vec3> Texture::download() const;
+template Image<vec4> Texture::download() const;
+template Image<std::uint32_t> Texture::download() const;
+template Image<Rgba8> Texture::download() const;
+template void Texture::upload(const Image<float>&);
+template void Texture::upload(const Image<vec2>&);
+template void Texture::upload(const Image<vec3>&);
+template void Texture::upload(const Image<vec4>&);
+template void Texture::upload(const Image<std::uint32_t>&);
+template void Texture::upload(const Image<Rgba8>&);
+
+void ensure(Texture& texture, const std::string& label, GLenum format, int width, int height) {
+  if (texture && texture.width() == width && texture.height() == height && texture.format() == format) return;
+  texture = Texture(label, format, width, height);
+}
+
+Framebuffer::Framebuffer(std::initializer_list<const Texture*> colors, const Texture* depth) {
+  glCreateFramebuffers(1, &id_);
+  GLenum buffers[8];
+  int count = 0;
+  for (const Texture* color : colors) {
+    glNamedFramebufferTexture(id_, GL_COLOR_ATTACHMENT0 + GLenum(count), color->id(), 0);
+    buffers[count] = GL_COLOR_ATTACHMENT0 + GLenum(count);
+    ++count;
+    width_ = color->width();
+    height_ = color->height();
+  }
+  if (depth) {
+    glNamedFramebufferTexture(id_, GL_DEPTH_ATTACHMENT, depth->id(), 0);
+    width_ = depth->width();
+    height_ = depth->height();
+  }
+  if (count) glNamedFramebufferDrawBuffers(id_, count, buffers);
+  else glNamedFramebufferDrawBuffer(id_, GL_NONE);
+  if (glCheckNamedFramebufferStatus(id_, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(ErrorCode::no_gl, "the driver refuses a framebuffer of " + std::to_string(count) +
+                                      " float targets; run `sfumato doctor`");
+}
+
+void Framebuffer::bind() const {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, id_);
+  glViewport(0, 0, width_, height_);
+}
+
+}  // namespace sfumato::gl

@@ -1,0 +1,77 @@
+// A 2D texture (also used as an image for atomics), move-only and labelled.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <string>
+#include <utility>
+
+#include "core/image.h"
+
+namespace sfumato::gl {
+
+class Texture {
+ public:
+  Texture() = default;
+  /// Immutable storage of one level (a pyramid is a list of textures: its sizes round up, GL's round down).
+  /// Filters nearest, clamps to the edge. Throws Error(out_of_memory) or Error(usage) beyond the driver's size.
+  Texture(const std::string& label, GLenum format, int width, int height);
+  ~Texture();
+  Texture(Texture&& other) noexcept { swap(other); }
+  Texture& operator=(Texture&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+
+  GLuint id() const { return id_; }
+  explicit operator bool() const { return id_ != 0; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  GLenum format() const { return format_; }
+  void bind(int unit) const { glBindTextureUnit(GLuint(unit), id_); }
+  void bind_image(int unit, GLenum access) const {
+    glBindImageTexture(GLuint(unit), id_, 0, GL_FALSE, 0, access, format_);
+  }
+  void set_linear_filter();
+  /// Every texel to this value; floats for float and normalised formats, integers for integer formats.
+  void clear(const vec4& value);
+  void clear_uint(std::uint32_t value);
+  /// Whole image, top row first. T decides the transfer format: float, vec2, vec3, vec4, uint32, Rgba8.
+  template <class T>
+  Image<T> download() const;
+  template <class T>
+  void upload(const Image<T>& image);
+
+ private:
+  void swap(Texture& other) {
+    std::swap(id_, other.id_);
+    std::swap(width_, other.width_);
+    std::swap(height_, other.height_);
+    std::swap(format_, other.format_);
+  }
+  GLuint id_ = 0;
+  int width_ = 0, height_ = 0;
+  GLenum format_ = 0;
+};
+
+/// Makes `texture` of that format and size unless it already is; contents are undefined afterwards.
+void ensure(Texture& texture, const std::string& label, GLenum format, int width, int height);
+
+/// A framebuffer over existing textures, for raster passes. Cheap; made for each use.
+class Framebuffer {
+ public:
+  /// Colour attachments in order; `depth` may be null.
+  Framebuffer(std::initializer_list<const Texture*> colors, const Texture* depth = nullptr);
+  ~Framebuffer() { glDeleteFramebuffers(1, &id_); }
+  Framebuffer(const Framebuffer&) = delete;
+  Framebuffer& operator=(const Framebuffer&) = delete;
+  /// Binds for drawing and sets the viewport to the whole.
+  void bind() const;
+  GLuint id() const { return id_; }
+
+ private:
+  GLuint id_ = 0;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace sfumato::gl

@@ -1,0 +1,13 @@
+// Every binding point of the house, in one place. Kept in step with shaders/bindings.glsl.
+#pragma once
+
+namespace sfumato::binding {
+
+enum Unit {
+  positions = 0, source_index = 1, colors = 2, normals = 3, radii = 4, field = 5, shadow = 6, batches = 7,
+  input = 8,    ///< 8..15: textures of the pass
+  places = 16,
+};
+enum Block { frame = 0 };
+
+}  // namespace sfumato::binding

@@ -1,0 +1,35 @@
+#include "passes/finish.h"
+
+#include <cmath>
+
+namespace sfumato {
+
+void EyeDomeLighting::run(const View& view, const RenderSettings& settings, const gl::Texture& color,
+                          const gl::Texture& depth, const gl::Texture& out) {
+  if (!pass_) pass_ = ScreenPass("passes/eye_dome_lighting.glsl", {GL_RGBA32F});
+  view.bind();
+  pass_.set("radius_px", settings.edl_radius).set("strength", settings.edl_strength);
+  // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same extent.
+  const Camera& camera = view.camera();
+  const double reference = camera.height / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
+  pass_.set("orthographic_distance", float(reference));
+  pass_.run({&color, &depth}, {&out});
+}
+
+void Finish::set(ScreenPass& pass, const RenderSettings& settings) {
+  pass.set("background_srgb", settings.background).set("is_transparent", settings.transparent);
+}
+
+void Finish::run(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& rgba8) {
+  if (!encode_) encode_ = ScreenPass("passes/finish.glsl", {GL_RGBA8}, {"ENCODE_SRGB"});
+  set(encode_, settings);
+  encode_.run({&color}, {&rgba8});
+}
+
+void Finish::run_linear(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& linear) {
+  if (!linear_) linear_ = ScreenPass("passes/finish.glsl", {GL_RGBA32F});
+  set(linear_, settings);
+  linear_.run({&color}, {&linear});
+}
+
+}  // namespace sfumato

@@ -1,0 +1,35 @@
+// The last steps of every picture: eye-dome lighting, background, linear to sRGB.
+#pragma once
+
+#include "gl/texture.h"
+#include "passes/light.h"
+#include "passes/screen_pass.h"
+#include "passes/view.h"
+
+namespace sfumato {
+
+/// Eye-dome lighting (Boucheny 2009), with the radius and strength that Potree users know. Darkens pixels that
+/// lie behind their neighbours; background neighbours do not count.
+class EyeDomeLighting {
+ public:
+  void run(const View& view, const RenderSettings& settings, const gl::Texture& color, const gl::Texture& depth,
+           const gl::Texture& out);
+
+ private:
+  ScreenPass pass_;
+};
+
+/// Background and encoding. `color` is linear and premultiplied.
+class Finish {
+ public:
+  /// `rgba8`: sRGB, straight alpha.
+  void run(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& rgba8);
+  /// `linear`: RGBA32F premultiplied over the background (alpha 1) or without one.
+  void run_linear(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& linear);
+
+ private:
+  void set(ScreenPass& pass, const RenderSettings& settings);
+  ScreenPass encode_, linear_;
+};
+
+}  // namespace sfumato

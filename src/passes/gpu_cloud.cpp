@@ -1,0 +1,158 @@
+#include "passes/gpu_cloud.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "gl/context.h"
+#include "passes/bindings.h"
+
+namespace sfumato {
+
+std::uint32_t encode_normal(const vec3& n) {
+  const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+  if (!(sum > 0)) return 0;
+  vec2 e = vec2(n.x, n.y) / sum;
+  if (n.z < 0) {
+    const vec2 folded = 1.0f - glm::abs(vec2(e.y, e.x));
+    e = {std::copysign(folded.x, e.x), std::copysign(folded.y, e.y)};
+  }
+  auto code = [](float v) { return std::uint32_t(std::lround((v * 0.5f + 0.5f) * 65535)); };
+  const std::uint32_t packed = code(e.x) | code(e.y) << 16;
+  // (0,0) says "no normal"; it decodes to -z, which the other three corners of the square say as well.
+  return packed ? packed : 0xffffffffu;
+}
+
+GpuCloud::GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std::uint32_t max_chunk_points)
+    : prepared_(prepared), colors_(std::move(colors)), bounds_(sfumato::bounds(prepared.cloud)) {
+  const PointCloud& cloud = prepared.cloud;
+  if (max_chunk_points == 0) {
+    // 3 GiB of positions is what llvmpipe was seen to accept in one buffer.
+    const std::uint64_t bytes_limit = (std::uint64_t(3) << 30) / sizeof(vec3);
+    max_chunk_points = std::uint32_t(std::min<std::uint64_t>(
+        std::uint64_t(gl::limits().max_texture_buffer_size), bytes_limit));
+  }
+  Chunk chunk;
+  auto close = [&] {
+    if (chunk.count == 0) return;
+    const std::string name = "points " + std::to_string(chunk.first);
+    chunk.positions = gl::TextureBuffer("position of " + name, GL_RGB32F,
+                                        std::span(cloud.positions).subspan(chunk.first, chunk.count));
+    chunk.source_index = gl::TextureBuffer("source index of " + name, GL_R32UI,
+                                           std::span(cloud.source_index).subspan(chunk.first, chunk.count));
+    chunk.batches = gl::TextureBuffer("batches of " + name, GL_RGBA32UI, chunk.batch_count * 16);
+    chunks_.push_back(std::move(chunk));
+  };
+  for (std::size_t b = 0; b < prepared.batches.size(); ++b) {
+    const Batch& batch = prepared.batches[b];
+    if (chunk.count == 0 || chunk.count + batch.count > max_chunk_points) {
+      close();
+      chunk = Chunk{};
+      chunk.first = batch.first;
+      chunk.first_batch = std::uint32_t(b);
+    }
+    chunk.count += batch.count;
+    ++chunk.batch_count;
+  }
+  close();
+}
+
+std::uint64_t GpuCloud::cull(const View& view) {
+  std::uint64_t points = 0;
+  std::vector<glm::uvec4> visible;
+  for (Chunk& chunk : chunks_) {
+    visible.clear();
+    std::uint32_t largest = 0;
+    for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
+      const Batch& batch = prepared_.batches[chunk.first_batch + b];
+      // Splats reach beyond the box of their centres.
+      const vec3 reach(4 * batch.spacing);
+      if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
+      visible.emplace_back(batch.first - chunk.first, batch.count, std::bit_cast<std::uint32_t>(batch.spacing), 0u);
+      largest = std::max(largest, batch.count);
+      points += batch.count;
+    }
+    chunk.visible_batches = std::uint32_t(visible.size());
+    chunk.groups_per_batch = (largest + 127) / 128;
+    chunk.batches.buffer().upload(visible.data(), visible.size() * sizeof(glm::uvec4));
+  }
+  return points;
+}
+
+void GpuCloud::bind_geometry(const Chunk& chunk) const {
+  chunk.positions.bind(binding::positions);
+  chunk.source_index.bind(binding::source_index);
+  chunk.batches.bind(binding::batches);
+}
+
+void GpuCloud::bind_colors(Chunk& chunk) {
+  if (!chunk.colors)
+    chunk.colors = gl::TextureBuffer("colors", GL_RGBA8, std::span<const Rgba8>(colors_).subspan(chunk.first, chunk.count));
+  chunk.colors.bind(binding::colors);
+}
+
+void GpuCloud::bind_normals(Chunk& chunk) {
+  if (!chunk.normals) {
+    std::vector<std::uint32_t> codes(chunk.count, 0);
+    const auto& normals = prepared_.cloud.normals;
+    if (!normals.empty())
+      for (std::uint32_t i = 0; i < chunk.count; ++i) codes[i] = encode_normal(normals[chunk.first + i]);
+    chunk.normals = gl::TextureBuffer("normals", GL_RG16, std::span<const std::uint32_t>(codes));
+  }
+  chunk.normals.bind(binding::normals);
+}
+
+void GpuCloud::bind_radii(Chunk& chunk) {
+  if (!chunk.radii)
+    chunk.radii = gl::TextureBuffer("radii", GL_R32F,
+                                    std::span<const float>(prepared_.cloud.radii).subspan(chunk.first, chunk.count));
+  chunk.radii.bind(binding::radii);
+}
+
+void GpuCloud::bind_field(const Chunk& chunk) const { chunk.field.bind(binding::field); }
+
+void GpuCloud::bind_shadow(Chunk& chunk) {
+  if (!chunk.shadow)
+    chunk.shadow = gl::TextureBuffer("shadow factors", GL_R32F,
+                                     std::span<const float>(std::vector<float>(chunk.count, 1.0f)));
+  chunk.shadow.bind(binding::shadow);
+}
+
+void GpuCloud::bind_places() {
+  if (!places_) {
+    const std::vector<std::uint32_t>& source = prepared_.cloud.source_index;
+    const std::size_t count = source.empty() ? 0 : std::size_t(*std::max_element(source.begin(), source.end())) + 1;
+    gl::require(count <= std::size_t(gl::limits().max_texture_buffer_size),
+                "a cloud of " + std::to_string(count) + " points", "larger texture buffers (or --max-points)");
+    std::vector<std::uint32_t> places(count, 0);
+    for (std::size_t i = 0; i < source.size(); ++i) places[source[i]] = std::uint32_t(i);
+    places_ = gl::TextureBuffer("places", GL_R32UI, std::span<const std::uint32_t>(places));
+  }
+  places_.bind(binding::places);
+}
+
+void GpuCloud::set_colors(std::vector<Rgba8> colors) {
+  colors_ = std::move(colors);
+  for (Chunk& chunk : chunks_) chunk.colors = {};
+}
+
+void GpuCloud::set_field(std::span<const float> values) {
+  for (Chunk& chunk : chunks_)
+    chunk.field = gl::TextureBuffer("field", GL_R32F, values.subspan(chunk.first, chunk.count));
+}
+
+void GpuCloud::set_shadow(std::span<const float> values) {
+  has_shadow_ = !values.empty();
+  for (Chunk& chunk : chunks_)
+    chunk.shadow = has_shadow_ ? gl::TextureBuffer("shadow factors", GL_R32F, values.subspan(chunk.first, chunk.count))
+                               : gl::TextureBuffer();
+}
+
+void GpuCloud::attributes_changed() {
+  for (Chunk& chunk : chunks_) {
+    chunk.normals = {};
+    chunk.radii = {};
+  }
+}
+
+}  // namespace sfumato

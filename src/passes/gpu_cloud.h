@@ -1,0 +1,73 @@
+// The cloud on the GPU: chunks of attribute buffers within the driver's limits, each holding many batches.
+// Attributes are uploaded on first use.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/prepared_cloud.h"
+#include "gl/buffer.h"
+#include "passes/view.h"
+
+namespace sfumato {
+
+class GpuCloud {
+ public:
+  struct Chunk {
+    std::uint32_t first = 0, count = 0;  ///< points [first, first + count) of the prepared cloud
+    std::uint32_t first_batch = 0, batch_count = 0;
+    std::uint32_t visible_batches = 0;   ///< set by cull()
+    std::uint32_t groups_per_batch = 0;  ///< work groups of 128 that cover the largest visible batch
+    gl::TextureBuffer positions, source_index, colors, normals, radii, field, shadow, batches;
+  };
+
+  /// Keeps a reference to `prepared`. `max_chunk_points` is for tests; 0 means the driver's limit.
+  explicit GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
+
+  const PreparedCloud& prepared() const { return prepared_; }
+  std::size_t size() const { return prepared_.cloud.size(); }
+  Bounds bounds() const { return bounds_; }   ///< world
+  float median_spacing() const { return prepared_.median_spacing; }
+  bool has_normals() const { return prepared_.available.has(Attribute::normal); }
+  std::vector<Chunk>& chunks() { return chunks_; }
+
+  /// Chooses the batches that the view may see, in every chunk; returns how many points they hold.
+  std::uint64_t cull(const View& view);
+  /// Binds positions, source index, batches; call for each chunk, then bind what the shader reads besides.
+  void bind_geometry(const Chunk& chunk) const;
+  void bind_colors(Chunk& chunk);
+  /// Normals, or a buffer of "none" when the cloud has none.
+  void bind_normals(Chunk& chunk);
+  void bind_radii(Chunk& chunk);
+  void bind_field(const Chunk& chunk) const;
+  /// Shadow factors, or a buffer of ones.
+  void bind_shadow(Chunk& chunk);
+  /// Place in the prepared cloud by source index; shared by all chunks.
+  void bind_places();
+
+  const std::vector<Rgba8>& colors() const { return colors_; }
+  void set_colors(std::vector<Rgba8> colors);
+  /// One float per point of the prepared cloud, read by shaders as `point_field(i)`.
+  void set_field(std::span<const float> values);
+  /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
+  void set_shadow(std::span<const float> values);
+  bool has_shadow() const { return has_shadow_; }
+  /// Forgets uploaded normals and radii after the prepared cloud was completed or changed.
+  void attributes_changed();
+
+ private:
+  const PreparedCloud& prepared_;
+  std::vector<Rgba8> colors_;
+  Bounds bounds_;
+  std::vector<Chunk> chunks_;
+  gl::TextureBuffer places_;
+  bool has_shadow_ = false;
+};
+
+/// Unit normal as two 16-bit octahedral coordinates; the zero vector becomes (0,0), which no unit normal uses.
+std::uint32_t encode_normal(const vec3& normal);
+
+}  // namespace sfumato

@@ -1,0 +1,82 @@
+#include "passes/points_to_pixels.h"
+
+#include <cmath>
+
+#include "passes/bindings.h"
+
+namespace sfumato {
+
+void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
+                           gl::Texture* index, const gl::Texture* reference, float min_gap) {
+  const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
+  gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0)];
+  if (!program) {
+    gl::Defines defines;
+    if (index) defines.push_back("WRITE_INDEX");
+    if (single) defines.push_back("SINGLE_PIXEL");
+    if (reference) defines.push_back("DEPTH_REFERENCE");
+    program = gl::Program::compute("passes/points_to_pixels.comp", defines);
+  }
+  program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
+  view.bind();
+  depth_bits.bind_image(0, GL_READ_WRITE);
+  if (index) index->bind_image(1, GL_READ_WRITE);
+  if (reference) reference->bind(binding::input);
+  for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
+    cloud.bind_geometry(chunk);
+    program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
+  }
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                                         gl::Texture& depth_bits, const gl::Texture* reference, float min_gap) {
+  gl::ensure(depth_bits, "nearest depth bits", GL_R32UI, view.width(), view.height());
+  depth_bits.clear_uint(0xffffffffu);
+  const std::uint64_t points = cloud.cull(view);
+  visit(cloud, view, footprint, depth_bits, nullptr, reference, min_gap);
+  return points;
+}
+
+std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Footprint& footprint, PixelLayer& layer,
+                                   gl::Timers& timers, const gl::Texture* reference, float min_gap) {
+  std::uint64_t points = 0;
+  {
+    auto timing = timers.scope("depth");
+    points = draw_depth(cloud, view, footprint, layer.depth_bits, reference, min_gap);
+  }
+  auto timing = timers.scope("index");
+  gl::ensure(layer.index, "nearest source index", GL_R32UI, view.width(), view.height());
+  layer.index.clear_uint(0xffffffffu);
+  visit(cloud, view, footprint, layer.depth_bits, &layer.index, reference, min_gap);
+  return points;
+}
+
+void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers) {
+  auto timing = timers.scope("resolve");
+  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
+  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
+  gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
+  if (!resolve_)
+    resolve_ = ScreenPass("passes/points_resolve.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+  view.bind();
+  cloud.bind_places();
+  bool first = true;
+  if (cloud.chunks().empty()) {
+    layer.albedo.clear(vec4(0));
+    layer.depth.clear(vec4(INFINITY));
+    layer.normal.clear(vec4(0, 0, 0, 1));
+  }
+  for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+    cloud.bind_geometry(chunk);
+    cloud.bind_colors(chunk);
+    cloud.bind_normals(chunk);
+    cloud.bind_shadow(chunk);
+    resolve_.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+    resolve_.set("has_normals", cloud.has_normals()).set("has_shadow", cloud.has_shadow());
+    resolve_.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth, &layer.normal});
+    first = false;
+  }
+}
+
+}  // namespace sfumato

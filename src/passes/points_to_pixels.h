@@ -1,0 +1,52 @@
+// Points to pixels in compute: one depth visit (atomicMin), one index visit, and a resolve that reads attributes
+// only for the points that survived. 4-6x faster than GL_POINTS on llvmpipe, and the only way that uses a
+// data-centre GPU. Ties go to the lowest source index: the image does not depend on the order of the points.
+#pragma once
+
+#include <cstdint>
+
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "gl/timer.h"
+#include "passes/gpu_cloud.h"
+#include "passes/screen_pass.h"
+
+namespace sfumato {
+
+enum class SizeMode { adaptive, pixels, world };
+
+/// The size of a point on the screen: a round disc of this diameter, at least 1 px and at most 64 px.
+struct Footprint {
+  SizeMode mode = SizeMode::pixels;
+  float size = 1;  ///< adaptive: factor on the batch's spacing; pixels: px; world: scene units
+};
+
+/// What survived, at the view's size. Also the input of the screen-space techniques.
+struct PixelLayer {
+  gl::Texture depth_bits;  ///< R32UI: eye depth as float bits, 0xffffffff where nothing
+  gl::Texture index;       ///< R32UI: source index, 0xffffffff where nothing
+  gl::Texture albedo;      ///< RGBA32F: linear colour, alpha 1 where covered
+  gl::Texture depth;       ///< R32F: eye depth, +inf where nothing
+  gl::Texture normal;      ///< RGBA32F: world normal facing the camera or 0; w = shadow factor
+};
+
+class PointsToPixels {
+ public:
+  /// Depth and index of the nearest point of every pixel; returns the number of points in visible batches.
+  /// With `reference` (R32F, view-sized), only points at least `min_gap` behind it count (Dobrev 2010, Sec. 3).
+  std::uint64_t draw(GpuCloud& cloud, const View& view, const Footprint& footprint, PixelLayer& layer,
+                     gl::Timers& timers, const gl::Texture* reference = nullptr, float min_gap = 0);
+  /// Only the depth visit, into `layer.depth_bits`: enough for light maps and culling.
+  std::uint64_t draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
+                           const gl::Texture* reference = nullptr, float min_gap = 0);
+  /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing).
+  void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers);
+
+ private:
+  void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
+             gl::Texture* index, const gl::Texture* reference, float min_gap);
+  gl::Program programs_[8];
+  ScreenPass resolve_;
+};
+
+}  // namespace sfumato

@@ -1,0 +1,44 @@
+// A screen filter: one GLSL function body, `bool filter_pixel(ivec2 pixel)`, wrapped as a fragment pass (faster on
+// software GL) or as a compute pass (faster on data-centre GPUs). SFUMATO_SCREEN_PASS=fragment|compute overrides.
+//
+// The body writes `out_0`, `out_1` ... (vec4, or uvec4 for integer formats) and returns false to leave the targets
+// of this pixel as they were. It reads its inputs with texelFetch from units UNIT_INPUT + k.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "gl/program.h"
+#include "gl/texture.h"
+
+namespace sfumato {
+
+enum class ScreenPassKind { automatic, fragment, compute };
+/// The kind in force: the environment, else fragment on software GL and compute elsewhere.
+ScreenPassKind default_screen_pass_kind();
+
+class ScreenPass {
+ public:
+  ScreenPass() = default;
+  /// `formats`: GL formats of the outputs, in order.
+  ScreenPass(const std::string& file, std::vector<GLenum> formats, const gl::Defines& defines = {},
+             ScreenPassKind kind = ScreenPassKind::automatic);
+
+  explicit operator bool() const { return bool(program_); }
+  gl::Program& program() { return program_; }
+  /// Sets a uniform; chains.
+  template <class T>
+  ScreenPass& set(std::string_view name, const T& value) {
+    program_.set(name, value);
+    return *this;
+  }
+  /// Binds `inputs` to UNIT_INPUT + k and runs over every pixel of `outputs` (all of one size).
+  void run(std::initializer_list<const gl::Texture*> inputs, std::initializer_list<const gl::Texture*> outputs);
+
+ private:
+  gl::Program program_;
+  bool compute_ = false;
+};
+
+}  // namespace sfumato

@@ -1,0 +1,29 @@
+#include "passes/shade.h"
+
+namespace sfumato {
+
+void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings, const Light& light,
+                        const dvec3& cloud_origin) {
+  // Light in eye space: w = 1 a position, w = 0 a direction towards it.
+  vec4 light_eye(0, 0, 0, 1);
+  if (light.kind == Light::Kind::point)
+    light_eye = vec4(view.eye_from_cloud() * glm::dvec4(light.vector - cloud_origin, 1));
+  else if (light.kind == Light::Kind::directional)
+    light_eye = vec4(view.eye_from_cloud() * glm::dvec4(light.vector, 0));
+  else if (view.camera().orthographic())
+    light_eye = vec4(0, 0, 1, 0);
+  program.set("light_eye", light_eye);
+  const Phong& phong = settings.phong;
+  program.set("phong", vec4(phong.ambient, phong.diffuse, phong.specular, phong.shininess));
+}
+
+void Shade::run(const View& view, const RenderSettings& settings, const Light& light, const dvec3& cloud_origin,
+                const Surface& surface, const gl::Texture& color) {
+  if (!pass_) pass_ = ScreenPass("passes/shade.glsl", {GL_RGBA32F});
+  view.bind();
+  set_light_uniforms(pass_.program(), view, settings, light, cloud_origin);
+  pass_.set("shading", int(settings.shading));
+  pass_.run({&surface.albedo, &surface.depth, &surface.normal}, {&color});
+}
+
+}  // namespace sfumato

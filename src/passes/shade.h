@@ -1,0 +1,32 @@
+// Deferred shading shared by every technique: Phong with the per-point shadow factor.
+#pragma once
+
+#include "gl/texture.h"
+#include "passes/light.h"
+#include "passes/screen_pass.h"
+#include "passes/view.h"
+
+namespace sfumato {
+
+/// What a pass leaves behind for shading, all of one size.
+struct Surface {
+  const gl::Texture& albedo;  ///< RGBA32F: linear colour premultiplied by coverage, coverage in alpha
+  const gl::Texture& depth;   ///< R32F: eye depth, +inf where nothing
+  const gl::Texture& normal;  ///< RGBA32F: world normal or 0 (then the light falls straight on); w = shadow factor m
+};
+
+/// Sets the uniforms of shaders/lighting.glsl (`light_eye`, `phong`) for a program that lights points itself.
+void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings, const Light& light,
+                        const dvec3& cloud_origin);
+
+class Shade {
+ public:
+  /// Writes the shaded colour, premultiplied, into `color` (RGBA32F).
+  void run(const View& view, const RenderSettings& settings, const Light& light, const dvec3& cloud_origin,
+           const Surface& surface, const gl::Texture& color);
+
+ private:
+  ScreenPass pass_;
+};
+
+}  // namespace sfumato

@@ -1,0 +1,64 @@
+// Raw points: the baseline every paper compares with, and the fastest honest look at a scan.
+//
+// One compute visit finds the nearest point of every pixel (Schuetz, Kerbl, Wimmer 2021, "Rendering Point Clouds
+// with Compute Shaders", without 64-bit atomics: a depth visit and an index visit), a resolve fetches colours for
+// the survivors only. Points are round and as large as the local spacing asks for, so that a surface near the
+// camera does not fall apart; eye-dome lighting gives shape to clouds without normals.
+
+#include "passes/points_to_pixels.h"
+#include "passes/shade.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+namespace {
+
+class Points final : public Technique {
+ public:
+  void describe(ParamList& p) override {
+    p.add("size_mode", footprint_.mode, {"adaptive", "pixels", "world"})
+        .help("adaptive: local point spacing times point_size; pixels; world: scene units");
+    p.add("point_size", footprint_.size)
+        .range(0.01, 1e6)
+        .unit("factor, px or scene units")
+        .help("diameter of a point, by size_mode; drawn at 1 to 64 px");
+  }
+
+  bool wants_edl() const override { return true; }
+
+  bool render(Frame& frame) override {
+    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
+
+    // The layer resolves straight into the target where nothing has to be shaded.
+    const bool shade = frame.settings.shading != Shading::albedo;
+    std::swap(layer_.depth, frame.target.depth);
+    std::swap(layer_.normal, frame.target.normal);
+    if (!shade) std::swap(layer_.albedo, frame.target.color);
+    to_pixels_.resolve(frame.cloud, view, layer_, frame.timers);
+    std::swap(layer_.depth, frame.target.depth);
+    std::swap(layer_.normal, frame.target.normal);
+    if (!shade) {
+      std::swap(layer_.albedo, frame.target.color);
+      return true;
+    }
+    auto timing = frame.timers.scope("shade");
+    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+               {layer_.albedo, frame.target.depth, frame.target.normal}, frame.target.color);
+    return true;
+  }
+
+ private:
+  Footprint footprint_{SizeMode::adaptive, 1.5f};
+  PointsToPixels to_pixels_;
+  PixelLayer layer_;
+  Shade shade_;
+};
+
+}  // namespace
+
+TechniqueInfo points_technique() {
+  return {"points", "raw points, adaptive size, eye-dome lighting",
+          [] { return std::unique_ptr<Technique>(new Points); }};
+}
+
+}  // namespace sfumato

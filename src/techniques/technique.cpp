@@ -1,0 +1,20 @@
+#include "techniques/technique.h"
+
+#include "core/error.h"
+
+namespace sfumato {
+
+const TechniqueInfo& find_technique(std::string_view name) {
+  std::vector<std::string> names;
+  std::string list;
+  for (const TechniqueInfo& info : all_techniques()) {
+    if (info.name == name) return info;
+    names.push_back(info.name);
+    list += (list.empty() ? "" : ", ") + info.name;
+  }
+  const std::string nearest = nearest_word(name, names);
+  throw Error(ErrorCode::usage, "there is no technique '" + std::string(name) + "'" +
+                                    (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list + ")");
+}
+
+}  // namespace sfumato

@@ -1,0 +1,155 @@
+#include "passes/screen_pass.h"
+
+#include <bit>
+
+#include "passes/finish.h"
+#include "passes/points_to_pixels.h"
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+class Passes : public GlTest {};
+
+// One body, two wrappers: the pictures must be the same bit for bit.
+TEST_F(Passes, FragmentAndComputeWrappersAgree) {
+  Image<vec4> image(37, 23);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (vec4& c : image) {
+    const float a = uniform(random);
+    c = vec4(uniform(random) * a, uniform(random) * a, uniform(random) * a, a);
+  }
+  gl::Texture in("in", GL_RGBA32F, 37, 23);
+  in.upload(image);
+  Image<Rgba8> results[2];
+  int k = 0;
+  for (ScreenPassKind kind : {ScreenPassKind::fragment, ScreenPassKind::compute}) {
+    gl::Texture out("out", GL_RGBA8, 37, 23);
+    ScreenPass pass("passes/finish.glsl", {GL_RGBA8}, {"ENCODE_SRGB"}, kind);
+    pass.set("background_srgb", vec3(1)).set("is_transparent", false);
+    pass.run({&in}, {&out});
+    results[k++] = out.download<Rgba8>();
+  }
+  for (std::size_t i = 0; i < results[0].size(); ++i) EXPECT_EQ(results[0].data()[i], results[1].data()[i]);
+  // and the value is that of the formula, within one rounding
+  const vec4 c = image.at(5, 7);
+  const double linear = c.r + (1 - c.a);
+  const double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  EXPECT_NEAR(results[0].at(5, 7).r, 255 * srgb, 0.6);
+}
+
+// Brute force: the nearest point of every pixel, ties to the lowest source index.
+TEST_F(Passes, PointsToPixelsKeepsTheNearestPoint) {
+  PointCloud cloud = sphere_cloud(5000);
+  for (std::size_t i = 0; i < 300; ++i) cloud.positions[i] = cloud.positions[i + 300];
+  const PointCloud file = cloud;
+  PreparedCloud prepared = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared, colors_of(prepared.cloud), 2000);
+  Camera camera = front_camera(61, 47);
+  camera.fit_depth_range(gpu.bounds());
+  const View view(camera, prepared.cloud.origin);
+  PointsToPixels to_pixels;
+  PixelLayer layer;
+  gl::Timers timers(false);
+  to_pixels.draw(gpu, view, {SizeMode::pixels, 1}, layer, timers);
+  to_pixels.resolve(gpu, view, layer, timers);
+  const auto index = layer.index.download<std::uint32_t>();
+  const auto depth = layer.depth.download<float>();
+
+  Image<std::uint32_t> expected(61, 47, 0xffffffffu);
+  Image<double> nearest(61, 47, INFINITY);
+  const Intrinsics k = camera.intrinsics();
+  const dmat4 v = camera.view(file.origin);
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    const dvec3 eye(v * glm::dvec4(dvec3(file.positions[i]), 1));
+    const double z = -eye.z, x = k.fx * eye.x / z + k.cx, y = -k.fy * eye.y / z + k.cy;
+    if (x < 0 || y < 0 || x >= 61 || y >= 47) continue;
+    if (z < nearest.at(int(x), int(y))) {
+      nearest.at(int(x), int(y)) = z;
+      expected.at(int(x), int(y)) = std::uint32_t(i);
+    }
+  }
+  std::size_t different = 0, covered = 0;
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    covered += expected.data()[i] != 0xffffffffu;
+    different += index.data()[i] != expected.data()[i];
+    if (index.data()[i] == expected.data()[i] && covered) {
+      if (index.data()[i] == 0xffffffffu) EXPECT_TRUE(std::isinf(depth.data()[i]));
+      else EXPECT_NEAR(depth.data()[i], nearest.data()[i], 1e-5);  // float depth near 4
+    }
+  }
+  EXPECT_GT(covered, 400u);
+  // Points on a pixel border may round to the other side in float: a few of thousands.
+  EXPECT_LE(different, covered / 200);
+}
+
+TEST_F(Passes, DiscsAreRoundAndOfTheAskedSize) {
+  PointCloud cloud;
+  cloud.positions = {vec3(0)};
+  cloud.colors = {{255, 0, 0, 255}};
+  PreparedCloud prepared = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared, prepared.cloud.colors);
+  Camera camera = front_camera(64, 64, 2);
+  camera.position = {0, -2, 0};
+  camera.fit_depth_range({{-1, -1, -1}, {1, 1, 1}});
+  const View view(camera, prepared.cloud.origin);
+  PointsToPixels to_pixels;
+  PixelLayer layer;
+  gl::Timers timers(false);
+  for (float diameter : {1.0f, 2.0f, 7.0f, 20.0f, 300.0f}) {
+    to_pixels.draw(gpu, view, {SizeMode::pixels, diameter}, layer, timers);
+    const auto index = layer.index.download<std::uint32_t>();
+    std::size_t count = 0, expected = 0;
+    const float radius = std::min(diameter, 64.0f) / 2;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        count += index.at(x, y) == 0;
+        expected += diameter <= 1 ? (x == 32 && y == 32)
+                                  : glm::length(vec2(x + 0.5f, y + 0.5f) - vec2(32)) <= radius;
+      }
+    EXPECT_EQ(count, expected) << diameter;
+  }
+}
+
+TEST_F(Passes, PeelingSkipsPointsInFrontOfTheReference) {
+  PointCloud cloud;
+  for (float y : {0.0f, 0.5f, 1.0f}) cloud.positions.push_back(vec3(0, y, 0));
+  PreparedCloud prepared = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared, colors_of(prepared.cloud));
+  Camera camera = front_camera(9, 9, 2);
+  camera.position = {0, -2, 0};
+  camera.fit_depth_range(gpu.bounds());
+  const View view(camera, prepared.cloud.origin);
+  PointsToPixels to_pixels;
+  gl::Texture bits, reference("reference", GL_R32F, 9, 9);
+  auto nearest = [&](float ref, float gap) {
+    reference.clear(vec4(ref));
+    to_pixels.draw_depth(gpu, view, {SizeMode::pixels, 1}, bits, &reference, gap);
+    const std::uint32_t word = bits.download<std::uint32_t>().at(4, 4);
+    return word == 0xffffffffu ? -1.0f : std::bit_cast<float>(word);
+  };
+  EXPECT_NEAR(nearest(-INFINITY, 0.1f), 2.0f, 1e-6);
+  EXPECT_NEAR(nearest(2.0f, 0.1f), 2.5f, 1e-6);
+  EXPECT_NEAR(nearest(2.0f, 0.7f), 3.0f, 1e-6);
+  EXPECT_EQ(nearest(3.0f, 0.1f), -1.0f);
+  EXPECT_EQ(nearest(INFINITY, 0.1f), -1.0f);
+}
+
+TEST_F(Passes, NormalsSurviveTheirEncoding) {
+  PointCloud cloud = sphere_cloud(2000);
+  cloud.normals.push_back(vec3(0, 0, -1));
+  cloud.normals.push_back(vec3(0));
+  for (const vec3& n : cloud.normals) {
+    const std::uint32_t code = encode_normal(n);
+    EXPECT_EQ(code == 0, n == vec3(0));
+    vec2 e = vec2(float(code & 0xffff), float(code >> 16)) / 65535.0f * 2.0f - 1.0f;
+    vec3 d(e, 1 - std::abs(e.x) - std::abs(e.y));
+    if (d.z < 0) d = vec3((1 - std::abs(e.y)) * (e.x >= 0 ? 1 : -1), (1 - std::abs(e.x)) * (e.y >= 0 ? 1 : -1), d.z);
+    if (n != vec3(0)) EXPECT_GT(glm::dot(glm::dvec3(glm::normalize(d)), glm::dvec3(n)), 1 - 1e-6);  // float rounding of both
+  }
+}
+
+}  // namespace

@@ -1,0 +1,186 @@
+// Contracts that every registered technique keeps, without being named here.
+#include <numeric>
+
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+class EveryTechnique : public GlTest, public ::testing::WithParamInterface<std::string> {
+ protected:
+  std::unique_ptr<Technique> make() { return find_technique(GetParam()).create(); }
+  RenderSettings settings() {
+    RenderSettings s;
+    s.transparent = true;
+    return s;
+  }
+  static std::size_t covered(const RenderOutput& out) {
+    return std::size_t(std::count_if(out.color_linear.begin(), out.color_linear.end(),
+                                     [](const vec4& c) { return c.a > 0; }));
+  }
+  static void expect_finite(const RenderOutput& out) {
+    for (const vec4& c : out.color_linear) {
+      ASSERT_TRUE(std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b) && std::isfinite(c.a));
+      ASSERT_GE(c.a, 0.0f);
+      ASSERT_LE(c.a, 1.0f);
+    }
+    for (float z : out.depth) ASSERT_FALSE(std::isnan(z));
+    for (const vec3& n : out.normal) {
+      const float length = glm::length(n);
+      ASSERT_TRUE(length == 0 || std::abs(length - 1) < 1e-3) << length;  // RG16 octahedral: 3e-5; blending: 1e-3
+    }
+  }
+};
+
+TEST_P(EveryTechnique, SurvivesPoorClouds) {
+  Renderer renderer(context());
+  auto technique = make();
+  PointCloud behind = sphere_cloud(100, 0.2f, vec3(0, -20, 0));
+  PointCloud same = sphere_cloud(50);
+  std::fill(same.positions.begin(), same.positions.end(), vec3(0.1f));
+  for (const PointCloud& cloud : {PointCloud{}, sphere_cloud(1, 0.1f), behind, same}) {
+    show(renderer, cloud, technique->needs());
+    const RenderOutput out = renderer.render(*technique, front_camera(48, 32), settings(), all_outputs());
+    expect_finite(out);
+    if (cloud.empty() || &cloud == &behind) EXPECT_EQ(covered(out), 0u);
+  }
+}
+
+TEST_P(EveryTechnique, DrawsASphereAtEverySize) {
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, sphere_cloud(20000), technique->needs());
+  for (auto [w, h] : {std::pair{1, 1}, {7, 5}, {64, 64}, {101, 67}, {64, 64}})
+    for (Projection projection : {Projection::perspective, Projection::orthographic}) {
+      Camera camera = front_camera(w, h);
+      camera.projection = projection;
+      camera.height_world = 3;
+      const RenderOutput out = renderer.render(*technique, camera, settings(), all_outputs());
+      ASSERT_EQ(out.rgba8.width(), w);
+      ASSERT_EQ(out.depth.height(), h);
+      expect_finite(out);
+      // The sphere's disc covers at least a seventh of the image; half of that must be there whatever the style.
+      if (w > 1) EXPECT_GT(covered(out), std::size_t(w * h) / 14) << w << "x" << h;
+    }
+}
+
+TEST_P(EveryTechnique, SameInputGivesTheSameImage) {
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, sphere_cloud(20000), technique->needs());
+  const RenderOutput a = renderer.render(*technique, front_camera(96, 64), settings(), all_outputs());
+  const RenderOutput b = renderer.render(*technique, front_camera(96, 64), settings(), all_outputs());
+  auto fresh = make();
+  const RenderOutput c = renderer.render(*fresh, front_camera(96, 64), settings(), all_outputs());
+  for (std::size_t i = 0; i < a.color_linear.size(); ++i) {
+    ASSERT_EQ(a.color_linear.data()[i], b.color_linear.data()[i]);
+    ASSERT_EQ(a.color_linear.data()[i], c.color_linear.data()[i]);
+  }
+}
+
+// Loading sorts, so a shuffled file proves nothing: the prepared cloud itself is shuffled, as one batch and as
+// many small GPU chunks.
+TEST_P(EveryTechnique, OrderOfPointsDoesNotMatter) {
+  auto technique = make();
+  PointCloud cloud = sphere_cloud(20000);
+  for (std::size_t i = 0; i < 500; ++i) cloud.positions[i] = cloud.positions[i + 500];  // coincident, other colours
+  PreparedCloud prepared = analysis::prepare(std::move(cloud), technique->needs(), {});
+  const Bounds box = bounds(prepared.cloud);
+  auto batches = [&](std::uint32_t count) {
+    std::vector<Batch> list;
+    const std::uint32_t n = std::uint32_t(prepared.cloud.size());
+    for (std::uint32_t first = 0; first < n; first += count)
+      list.push_back({first, std::min(count, n - first), vec3(box.min), vec3(box.max), prepared.median_spacing});
+    return list;
+  };
+  Renderer renderer(context());
+  prepared.batches = batches(std::uint32_t(prepared.cloud.size()));
+  renderer.set_cloud(prepared, colors_of(prepared.cloud));
+  const RenderOutput a = renderer.render(*technique, front_camera(96, 64), settings(), all_outputs());
+
+  std::vector<std::uint32_t> order(prepared.cloud.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  PreparedCloud shuffled = prepared;
+  shuffled.cloud = select(prepared.cloud, order);
+  shuffled.batches = batches(3000);
+  renderer.set_cloud(shuffled, colors_of(shuffled.cloud), 6000);
+  const RenderOutput b = renderer.render(*technique, front_camera(96, 64), settings(), all_outputs());
+  // Float sums change with the order of blending: 1e-4 is some 1000 roundings of 1e-7.
+  for (std::size_t i = 0; i < a.color_linear.size(); ++i)
+    for (int k = 0; k < 4; ++k)
+      ASSERT_NEAR(a.color_linear.data()[i][k], b.color_linear.data()[i][k], 1e-4) << "pixel " << i;
+}
+
+TEST_P(EveryTechnique, FurnaceKeepsTheOneColour) {
+  Renderer renderer(context());
+  auto technique = make();
+  PointCloud cloud = sphere_cloud(20000);
+  std::fill(cloud.colors.begin(), cloud.colors.end(), Rgba8{200, 100, 50, 255});
+  show(renderer, cloud, technique->needs());
+  RenderSettings s = settings();
+  s.shading = Shading::albedo;
+  s.edl.user = false;
+  const RenderOutput out = renderer.render(*technique, front_camera(96, 64), s, all_outputs());
+  auto linear = [](double c) { return std::pow((c / 255 + 0.055) / 1.055, 2.4); };
+  const vec3 expected(float(linear(200)), float(linear(100)), float(linear(50)));
+  for (const vec4& c : out.color_linear)
+    if (c.a > 1e-3f)
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k] / c.a, expected[k], 2e-3);  // half an 8-bit step at this level
+}
+
+TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, sphere_cloud(3000), technique->needs());
+  ParamList params;
+  RenderSettings s = settings();
+  technique->describe(params);
+  s.describe(params);
+  for (Param& param : params.all()) {
+    std::vector<std::string> values = param.choices;
+    if (param.kind == ParamKind::boolean) values = {"true", "false"};
+    for (const auto& end : {param.min, param.max})
+      if (end && (param.kind == ParamKind::real || param.kind == ParamKind::integer)) {
+        ParamList scratch;
+        float number = float(*end);
+        values.push_back(param.kind == ParamKind::integer ? std::to_string(long(*end))
+                                                          : scratch.add("x", number).get());
+      }
+    EXPECT_FALSE(param.help_text.empty()) << param.name;
+    const std::string before = param.get();
+    for (const std::string& value : values) {
+      SCOPED_TRACE(param.name + " = " + value);
+      param.set(value);
+      const PreparedCloud& prepared = renderer.prepared();
+      if (!technique->needs().without(prepared.available).empty()) show(renderer, sphere_cloud(3000), technique->needs());
+      expect_finite(renderer.render(*technique, front_camera(40, 30), s, all_outputs()));
+      for (const std::string& message : context().take_messages()) ADD_FAILURE() << "GL: " << message;
+    }
+    param.set(before);
+  }
+}
+
+TEST_P(EveryTechnique, DepthIsThatOfTheSphere) {
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, sphere_cloud(60000), technique->needs());
+  const RenderOutput out = renderer.render(*technique, front_camera(64, 64), settings(), all_outputs());
+  // Through the middle of the image the ray meets the unit sphere at distance ~3; splats and pyramids smooth over
+  // a few spacings (0.015 each).
+  EXPECT_NEAR(out.depth.at(32, 32), std::sqrt(16.09) - 1, 0.06);
+  EXPECT_TRUE(std::isinf(out.depth.at(1, 1)));
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> list;
+  for (const TechniqueInfo& info : all_techniques()) list.push_back(info.name);
+  return list;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryTechnique, ::testing::ValuesIn(names()),
+                         [](const auto& param_info) { return param_info.param; });
+
+}  // namespace
