@@ -1,0 +1,40 @@
+// The attributes a synthetic scan fills, as arrays to be written point by point from many threads.
+#pragma once
+
+#include "synth/synth.h"
+
+namespace sfumato::synth {
+
+struct Columns {
+  bool normals = true, intensity = true, classes = true, scanner = false, amplitude = false, outlier = false;
+  std::string piece;  ///< scalar with the primitive's number; empty: none
+};
+
+/// What a scan holds at one point.
+struct Sample {
+  SurfacePoint point;
+  vec3 color{0};
+  std::uint8_t alpha = 255, class_id = class_unassigned, outlier = 0, scanner = 0;
+  double reflectance = 0;  ///< 0..1, share of the light that comes back
+  double amplitude = 0;
+  std::uint32_t surface = 0;
+};
+
+class ColumnWriter {
+ public:
+  /// Gives `cloud` room for `count` points with those attributes.
+  ColumnWriter(PointCloud& cloud, std::size_t count, const Columns& columns);
+  void write(std::size_t i, const Sample& sample) const;
+
+ private:
+  float* add(PointCloud& cloud, const char* name, StoredType type);
+  PointCloud& cloud_;
+  bool normals_;
+  float *intensity_ = nullptr, *class_ = nullptr, *piece_ = nullptr, *scanner_ = nullptr, *amplitude_ = nullptr,
+        *outlier_ = nullptr;
+};
+
+/// A grey point anywhere in the box: what dust, birds and multiple reflections leave behind.
+Sample make_outlier(const Bounds& box, Random& random);
+
+}  // namespace sfumato::synth
