@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/attributes.h"
 #include "analysis/morton.h"
 #include "analysis/spacing.h"
 
@@ -43,16 +44,6 @@ std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
   return batches;
 }
 
-/// What the file brought.
-Attributes attributes_of(const PointCloud& cloud) {
-  Attributes found;
-  if (!cloud.normals.empty()) found = found | Attribute::normal;
-  if (!cloud.radii.empty()) found = found | Attribute::radius;
-  if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
-  if (cloud.scalar("cluster")) found = found | Attribute::cluster;
-  return found;
-}
-
 }  // namespace
 
 void PrepareOptions::describe(ParamList& p) {
@@ -62,17 +53,19 @@ void PrepareOptions::describe(ParamList& p) {
       .paper("Seemann 2018, K");
 }
 
-PreparedCloud prepare(PointCloud cloud, Attributes, const PrepareOptions&, Progress& progress) {
+PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options, Progress& progress) {
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
   keep_viewpoints(prepared.cloud);
   reorder(prepared.cloud, morton_order(prepared.cloud, progress));
   progress.check();
   prepared.batches = cut_batches(prepared.cloud.positions);
-  const NeighborTree tree(prepared.cloud.positions);
-  prepared.median_spacing = median_spacing(tree);
-  measure_batches(prepared.batches, tree, prepared.median_spacing, progress);
-  prepared.available = attributes_of(prepared.cloud);
+  {
+    const NeighborTree tree(prepared.cloud.positions);
+    prepared.median_spacing = median_spacing(tree);
+    measure_batches(prepared.batches, tree, prepared.median_spacing, progress);
+  }
+  complete(prepared, needs, options, progress);
   return prepared;
 }
 

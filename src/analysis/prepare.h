@@ -12,10 +12,15 @@ struct PrepareOptions {
   void describe(ParamList& p);
 };
 
-/// Sorts the cloud along a Morton curve, cuts it into batches of at most 10,240 points and measures its
-/// spacing. `available` names what the file brought; nothing is computed yet. Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar
+/// Sorts the cloud along a Morton curve, cuts it into batches of at most 10,240 points, measures its spacing and
+/// then does `complete`. Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar
 /// `scanner`. The result is the same for any number of threads. Throws Cancelled when the user stops it.
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
                       Progress& progress = no_progress());
+
+/// Computes those attributes of `needs` that the cloud lacks; neighbours are found once. What the file brought
+/// wins: only normals that are zero and radii that are not positive are computed.
+void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options,
+              Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

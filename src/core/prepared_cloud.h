@@ -39,10 +39,17 @@ struct Batch {
   float spacing = 0;            ///< local point spacing, scene units (same definition as median_spacing)
 };
 
+/// Values below which 2 % and 98 % of a field lie, so that a few outliers do not decide its range.
+struct Quantiles {
+  float q02 = 0, q98 = 0;
+};
+
 struct PreparedCloud {
   PointCloud cloud;             ///< Morton order, stable; `source_index` always filled
   std::vector<Batch> batches;
   float median_spacing = 0;     ///< side of the square per point, scene units: median of R_8 sqrt(pi/8)
+  float median_radius = 0;      ///< scene units; 0 while there are no radii
+  Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
 };
 

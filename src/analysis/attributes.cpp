@@ -1,0 +1,152 @@
+#include "analysis/attributes.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/neighbors.h"
+#include "analysis/normals.h"
+#include "analysis/quantiles.h"
+
+namespace sfumato::analysis {
+namespace {
+
+/// Neighbours that two steps need are kept up to this size; beyond it they are found a second time, which
+/// takes longer but does not fill the memory.
+constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
+
+bool missing(const vec3& normal) { return normal == vec3(0); }
+bool missing(float radius) { return !(radius > 0); }
+
+template <class T>
+bool complete_for_all(const std::vector<T>& values) {
+  return !values.empty() && std::none_of(values.begin(), values.end(), [](const T& v) { return missing(v); });
+}
+
+/// The same K neighbours for every point, in one array.
+class KeptNeighbors {
+ public:
+  KeptNeighbors(std::size_t points, std::size_t each) : each_(each), ids_(points * each) {}
+  void keep(std::uint32_t point, std::span<const std::uint32_t> ids) {
+    std::copy(ids.begin(), ids.end(), ids_.begin() + std::ptrdiff_t(point * each_));
+  }
+  std::span<const std::uint32_t> of(std::size_t point) const { return {ids_.data() + point * each_, each_}; }
+
+ private:
+  std::size_t each_;
+  std::vector<std::uint32_t> ids_;
+};
+
+/// One call of `complete`. Works on copies until all is there, so that a cancelled call changes nothing.
+class Completion {
+ public:
+  Completion(PreparedCloud& prepared, const PrepareOptions& options, Progress& progress)
+      : prepared_(prepared), cloud_(prepared.cloud), progress_(progress), tree_(cloud_.positions),
+        k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
+
+  void run(bool normals, bool radii, bool uncertainty) {
+    std::vector<vec3> new_normals;
+    std::vector<float> new_radii;
+    if (normals) new_normals = cloud_.normals, new_normals.resize(cloud_.size(), vec3(0));
+    if (radii) new_radii = cloud_.radii, new_radii.resize(cloud_.size(), 0.0f);
+    const bool keep = uncertainty && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
+    KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
+
+    const Orientation orientation(cloud_);
+    // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
+    const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
+    if (normals || radii || keep)
+      for_each_neighborhood(
+          tree_, int(k_),
+          [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
+            if (normals && missing(new_normals[i])) {
+              const auto normal = thinnest_direction(cloud_.positions, i, ids);
+              new_normals[i] = normal ? orientation.facing(i, *normal) : orientation.fallback(i);
+            }
+            if (radii && missing(new_radii[i])) {
+              const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
+              new_radii[i] = farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
+            }
+            if (keep) kept.keep(i, ids);
+          },
+          normals ? "normals" : "radii", progress_);
+    if (uncertainty)
+      cloud_.set_scalar(measure_uncertainty(normals ? new_normals : cloud_.normals,
+                                            radii ? new_radii : cloud_.radii, keep ? &kept : nullptr));
+    if (normals) cloud_.normals = std::move(new_normals);
+    if (radii) cloud_.radii = std::move(new_radii);
+  }
+
+ private:
+  ScalarField measure_uncertainty(const std::vector<vec3>& normals, const std::vector<float>& radii,
+                                  const KeptNeighbors* kept) {
+    ScalarField field{"uncertainty", 0, std::vector<float>(cloud_.size()), StoredType::float32};
+    auto measure = [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
+      field.values[i] = uncertainty_of(normals, radii[i], i, ids);
+    };
+    if (kept)
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cloud_.size(), 65'536), [&](const auto& range) {
+        progress_.check();
+        for (std::size_t i = range.begin(); i < range.end(); ++i) measure(std::uint32_t(i), kept->of(i));
+      });
+    else
+      for_each_neighborhood(
+          tree_, int(k_), [&](std::uint32_t i, auto ids, auto) { measure(i, ids); }, "uncertainty", progress_);
+    return field;
+  }
+
+  PreparedCloud& prepared_;
+  PointCloud& cloud_;
+  Progress& progress_;
+  NeighborTree tree_;
+  std::size_t k_;
+};
+
+}  // namespace
+
+Attributes attributes_of(const PointCloud& cloud) {
+  Attributes found;
+  if (complete_for_all(cloud.normals)) found = found | Attribute::normal;
+  if (complete_for_all(cloud.radii)) found = found | Attribute::radius;
+  if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
+  if (cloud.scalar("cluster")) found = found | Attribute::cluster;
+  return found;
+}
+
+float radius_of(float farthest, std::size_t neighbors) {
+  return 2 * farthest / std::sqrt(float(neighbors));  // (Seemann 2018, Eq. 20)
+}
+
+float uncertainty_of(const std::vector<vec3>& normals, float radius, std::uint32_t point,
+                     std::span<const std::uint32_t> neighbors) {
+  if (neighbors.empty()) return radius;
+  float sum = 0;
+  for (std::uint32_t j : neighbors) {
+    const float bend = 2 - std::min(1.0f, std::abs(glm::dot(normals[point], normals[j])));
+    sum += bend * bend;
+  }
+  return radius * sum / float(neighbors.size());  // (Seemann 2018, Eq. 21)
+}
+
+void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, Progress& progress) {
+  PointCloud& cloud = prepared.cloud;
+  if (cloud.empty()) {
+    prepared.available = prepared.available | needs.without(Attribute::cluster);
+    return;
+  }
+  const Attributes had = attributes_of(cloud);
+  const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
+  const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);
+  const bool radii = (uncertainty || needs.has(Attribute::radius)) && !had.has(Attribute::radius);
+  if (normals || radii || uncertainty) Completion(prepared, options, progress).run(normals, radii, uncertainty);
+  // Clusters come from the file only.
+  prepared.available = attributes_of(cloud);
+  if (prepared.available.has(Attribute::radius)) prepared.median_radius = quantile(cloud.radii, 0.5);
+  if (prepared.available.has(Attribute::uncertainty))
+    prepared.uncertainty_range = quantiles(cloud.scalar("uncertainty")->values);
+}
+
+}  // namespace sfumato::analysis

@@ -1,0 +1,33 @@
+// Normals of the points: the direction in which a neighbourhood is thinnest, turned to where it was seen from.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/point_cloud.h"
+
+namespace sfumato::analysis {
+
+/// Unit direction of least variance of `center` and its neighbours; nothing when they all coincide. Its sign is
+/// arbitrary. On a line, one of the directions across it.
+std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::uint32_t center,
+                                       std::span<const std::uint32_t> neighbors);
+
+/// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`, with
+/// the scalar `scanner` where there are several), else by a fixed rule that looks at the normal alone: upwards.
+class Orientation {
+ public:
+  explicit Orientation(const PointCloud& cloud);
+  vec3 facing(std::uint32_t point, const vec3& normal) const;
+  /// For a point whose neighbourhood has no normal: towards its scanner, else up.
+  vec3 fallback(std::uint32_t point) const;
+
+ private:
+  std::optional<vec3> to_scanner(std::uint32_t point) const;
+  const PointCloud& cloud_;
+  const ScalarField* scanner_;
+  vec3 up_, almost_up_;
+};
+
+}  // namespace sfumato::analysis
