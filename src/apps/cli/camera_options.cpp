@@ -1,0 +1,190 @@
+#include "camera_options.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "io/camera_json.h"
+
+namespace sfumato::cli {
+namespace {
+
+/// The frame that azimuth and elevation are measured in, as in core/camera.cpp: 0 looks from the front.
+struct Compass {
+  dvec3 up, front, right;
+  explicit Compass(UpAxis axis)
+      : up(up_vector(axis)),
+        front(std::abs(up.y) > 0.5 ? dvec3(0, 0, 1) : dvec3(0, -1, 0)),
+        right(glm::cross(up, front)) {}
+  double azimuth(const dvec3& from) const { return std::atan2(glm::dot(from, right), glm::dot(from, front)); }
+  double elevation(const dvec3& from) const { return std::asin(std::clamp(glm::dot(from, up), -1.0, 1.0)); }
+  dvec3 from(double azimuth, double elevation) const {
+    return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) + std::sin(elevation) * up;
+  }
+};
+
+double degrees_in(const char* option, const std::string& text, double low, double high) {
+  const double value = parse_number(option, text);
+  if (value < low || value > high)
+    throw Error(ErrorCode::usage, std::string(option) + ": " + text + " degrees is outside [" +
+                                      std::to_string(int(low)) + ", " + std::to_string(int(high)) + "]");
+  return glm::radians(value);
+}
+
+double view_angle(const std::string& text) { return degrees_in("--camera-view-angle", text, 0.001, 179); }
+
+}  // namespace
+
+void CameraOptions::declare(CommandLine& line) {
+  line.group("Camera (single options win over --camera)");
+  line.text("--resolution", resolution, "WxH", "picture size in pixels (1280x720)");
+  line.text("--camera", file, "FILE.json", "position, target, up, fov_y_deg, width, height in world coordinates");
+  line.text("--camera-position", position, "X,Y,Z", "where the camera stands");
+  line.text("--camera-focal-point", focal_point, "X,Y,Z", "what it looks at");
+  line.text("--camera-view-up", view_up, "X,Y,Z", "direction that is up in the picture");
+  line.text("--camera-direction", direction, "X,Y,Z", "direction of view");
+  line.text("--camera-azimuth-angle", azimuth_deg, "DEG", "turn about the up axis, 0 from the front (-45)");
+  line.text("--camera-elevation-angle", elevation_deg, "DEG", "height above the horizon, -90 to 90 (30)");
+  line.text("--camera-view-angle", view_angle_deg, "DEG", "full vertical angle (45)");
+  line.flag("--camera-orthographic", orthographic, "parallel projection");
+}
+
+std::optional<dvec3> CameraOptions::vector(const char* option, const std::optional<std::string>& text) const {
+  if (!text) return std::nullopt;
+  const std::vector<double> v = parse_numbers(option, *text, 3);
+  return dvec3(v[0], v[1], v[2]);
+}
+
+void CameraOptions::check() const {
+  auto refuse_pair = [](bool both, const char* what) {
+    if (both) throw Error(ErrorCode::usage, std::string(what) + " contradict each other: give one of them");
+  };
+  refuse_pair(position && (azimuth_deg || elevation_deg),
+              "--camera-position and --camera-azimuth-angle / --camera-elevation-angle");
+  refuse_pair(direction && (azimuth_deg || elevation_deg),
+              "--camera-direction and --camera-azimuth-angle / --camera-elevation-angle");
+  refuse_pair(position && focal_point && direction,
+              "--camera-direction and --camera-position with --camera-focal-point");
+  vector("--camera-position", position);
+  vector("--camera-focal-point", focal_point);
+  for (const auto& [option, text] : {std::pair("--camera-view-up", view_up), std::pair("--camera-direction", direction)})
+    if (const auto v = vector(option, text); v && glm::length(*v) <= 0)
+      throw Error(ErrorCode::usage, std::string(option) + ": 0,0,0 is no direction");
+  if (azimuth_deg) parse_number("--camera-azimuth-angle", *azimuth_deg);
+  if (elevation_deg) degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
+  if (view_angle_deg) view_angle(*view_angle_deg);
+  if (resolution) parse_resolution("--resolution", *resolution);
+}
+
+void CameraOptions::aim(Camera& camera, UpAxis up) const {
+  const double distance = glm::length(camera.target - camera.position);
+  const auto eye = vector("--camera-position", position), focal = vector("--camera-focal-point", focal_point);
+  const auto along = vector("--camera-direction", direction);
+  if (eye) camera.position = *eye;
+  if (focal) camera.target = *focal;
+  if (along) {
+    const dvec3 d = glm::normalize(*along);
+    const double reach = eye ? distance : glm::length(camera.target - camera.position);
+    if (eye) camera.target = camera.position + d * reach;
+    else camera.position = camera.target - d * reach;
+  }
+  if (azimuth_deg || elevation_deg) {
+    const Compass compass(up);
+    const dvec3 from = -camera.direction();
+    const double azimuth = azimuth_deg ? glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg)) : compass.azimuth(from);
+    const double elevation = elevation_deg ? degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90) : compass.elevation(from);
+    camera.position = camera.target + compass.from(azimuth, elevation) * glm::length(camera.target - camera.position);
+  }
+  if (glm::length(camera.target - camera.position) <= 0)
+    throw Error(ErrorCode::usage, "the camera's position and focal point are the same point");
+  if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
+}
+
+Camera CameraOptions::resolve(const Bounds& box, UpAxis up) const {
+  const std::optional<std::pair<int, int>> size =
+      resolution ? std::optional(parse_resolution("--resolution", *resolution)) : std::nullopt;
+  const std::optional<double> angle = view_angle_deg ? std::optional(view_angle(*view_angle_deg)) : std::nullopt;
+  Camera camera;
+  if (file || preset) {
+    camera = file ? io::read_camera(*file) : *preset;
+    const std::string name = file ? *file : "the preset's camera";
+    if (camera.custom_intrinsics && size)
+      throw Error(ErrorCode::usage, "--resolution does not go with the intrinsics of " + name +
+                                        ": they hold for its own width and height");
+    if (camera.custom_intrinsics && (angle || orthographic))
+      throw Error(ErrorCode::usage, "--camera-view-angle and --camera-orthographic do not go with the intrinsics of " + name);
+    if (size) camera = camera.resized(size->first, size->second);
+    if (angle) camera.fov_y = *angle;
+  } else {
+    const Compass compass(up);
+    double azimuth = glm::radians(-45.0), elevation = glm::radians(30.0);
+    if (azimuth_deg) azimuth = glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg));
+    if (elevation_deg) elevation = degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
+    if (const auto along = vector("--camera-direction", direction)) {
+      azimuth = compass.azimuth(-glm::normalize(*along));
+      elevation = compass.elevation(-glm::normalize(*along));
+    }
+    const auto [width, height] = size.value_or(std::pair(1280, 720));
+    camera = frame(box, up, width, height, azimuth, elevation, angle.value_or(glm::radians(45.0)),
+                   orthographic ? Projection::orthographic : Projection::perspective);
+  }
+  aim(camera, up);
+  if (orthographic && !camera.orthographic()) {
+    // The plane through the target keeps its size in the picture.
+    camera.projection = Projection::orthographic;
+    camera.height_world = 2 * std::tan(0.5 * camera.fov_y) * glm::length(camera.target - camera.position);
+  }
+  return camera;
+}
+
+std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees) {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < frames; ++i) {
+    // A full turn does not repeat its first frame; an arc includes both ends.
+    const bool closed = std::abs(std::fmod(degrees, 360.0)) < 1e-9;
+    const double share = frames == 1 ? 0 : double(i) / (closed ? frames : frames - 1);
+    const dmat4 turn = glm::rotate(dmat4(1), glm::radians(degrees * share), up);
+    Camera camera = start;
+    camera.position = start.target + dvec3(turn * glm::dvec4(start.position - start.target, 0));
+    camera.up = dvec3(turn * glm::dvec4(start.up, 0));
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
+  auto key = [&](std::ptrdiff_t i) -> const Camera& {
+    return keys[std::size_t(std::clamp<std::ptrdiff_t>(i, 0, std::ptrdiff_t(keys.size()) - 1))];
+  };
+  std::vector<Camera> cameras;
+  for (int i = 0; i < frames; ++i) {
+    const double place = frames == 1 ? 0 : double(i) / (frames - 1) * double(keys.size() - 1);
+    const std::ptrdiff_t k = std::min(std::ptrdiff_t(place), std::max<std::ptrdiff_t>(0, std::ptrdiff_t(keys.size()) - 2));
+    const double t = place - double(k);
+    auto blend = [&](const auto& a, const auto& b, const auto& c, const auto& d) {
+      return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) +
+                    t * t * t * (3.0 * b - a - 3.0 * c + d));
+    };
+    Camera camera = key(k);
+    camera.position = blend(key(k - 1).position, key(k).position, key(k + 1).position, key(k + 2).position);
+    camera.target = blend(key(k - 1).target, key(k).target, key(k + 1).target, key(k + 2).target);
+    camera.up = glm::normalize(glm::mix(key(k).up, key(k + 1).up, t));
+    camera.fov_y = glm::mix(key(k).fov_y, key(k + 1).fov_y, t);
+    camera.height_world = glm::mix(key(k).height_world, key(k + 1).height_world, t);
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+Bounds framing_box(const PointCloud& cloud) {
+  const Bounds full = bounds(cloud);
+  Bounds box = robust_bounds(cloud);
+  const dvec3 room = box.size() / 6.0;
+  for (int k = 0; k < 3; ++k) {
+    if (box.min[k] - full.min[k] <= room[k]) box.min[k] = full.min[k];
+    if (full.max[k] - box.max[k] <= room[k]) box.max[k] = full.max[k];
+  }
+  return box;
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,59 @@
+// One command's options: declared with the place of their value, parsed, listed by --help. A thin face over CLI11,
+// so that its headers are compiled once.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sfumato::cli {
+
+using Words = std::vector<std::string>;
+
+class CommandLine {
+ public:
+  CommandLine(const std::string& name, const std::string& description);
+  ~CommandLine();
+
+  /// Heading in --help of the options that follow.
+  void group(const std::string& title);
+  /// `names` in CLI11's spelling: "-o,--output". `metavar` also shows range and default.
+  void flag(const std::string& names, bool& value, const std::string& help);
+  void text(const std::string& names, std::string& value, const std::string& metavar, const std::string& help);
+  void text(const std::string& names, std::optional<std::string>& value, const std::string& metavar,
+            const std::string& help);
+  void positional(const std::string& metavar, std::string& value, const std::string& help);
+  void positionals(const std::string& metavar, Words& values, const std::string& help);
+  /// `apply` gets the value once the whole line has parsed, in the order of declaration. `hidden`: not in --help.
+  void handler(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
+               std::function<void(const std::string&)> apply);
+  /// Called with the first word that is no option here; may throw a better error than "unknown option".
+  void explain_unknown(std::function<void(const std::string&)> explain);
+  void footer(const std::string& text);
+
+  /// False when --help was asked for; it is then on stdout. A later value of an option wins over an earlier one.
+  /// Throws Error(usage): unknown options name the nearest.
+  bool parse(const Words& words);
+  /// Long name and value of every option given, in the order of declaration; a flag's value is "true" or "false".
+  std::vector<std::pair<std::string, std::string>> given() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Values, all throwing Error(usage) that names the option.
+double parse_number(const std::string& option, std::string_view text);
+long parse_whole(const std::string& option, std::string_view text, long least);
+std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count);
+/// "1280x720" or "1280,720".
+std::pair<int, int> parse_resolution(const std::string& option, std::string_view text);
+Words split(std::string_view text, char separator);
+/// The words as a line that a POSIX shell reads back.
+std::string quote(const Words& words);
+
+}  // namespace sfumato::cli

@@ -1,0 +1,37 @@
+// sfumato doctor: what the graphics driver can do, and what to do when something lacks.
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "console.h"
+#include "core/version.h"
+#include "gl/context.h"
+
+namespace sfumato::cli {
+
+int doctor_command(const Words& words) {
+  CommandLine line("sfumato doctor", "Checks the graphics driver. Exit code 4 when no OpenGL 4.5 is usable.");
+  if (!line.parse(words)) return 0;
+  const auto context = gl::Context::create_headless();
+  const gl::Limits& l = context->limits();
+  std::string text;
+  auto row = [&](const char* key, const std::string& value) { text += fmt::format("{:<26}{}\n", key, value); };
+  auto fast = [](bool has, const char* without) { return has ? std::string("yes") : std::string("no, ") + without; };
+  row("sfumato", version());
+  row("GL version", l.version);
+  row("renderer", l.renderer);
+  row("vendor", l.vendor);
+  row("kind", l.software ? "software (every technique works; a GPU driver would be faster)" : "GPU");
+  row("largest texture", fmt::format("{} px", l.max_texture_size));
+  row("largest texture buffer", fmt::format("{} texels", l.max_texture_buffer_size));
+  row("largest storage buffer", fmt::format("{:.0f} MiB", double(l.max_storage_block_size) / (1 << 20)));
+  row("work groups per axis", std::to_string(l.max_work_groups));
+  row("fast: float atomics", fast(l.float_atomics, "--fast has no effect"));
+  row("fast: 64-bit atomics", fast(l.int64_atomics, "points take two passes instead of one"));
+  if (l.software)
+    text += "\nTo use a GPU: install its driver (Mesa: libgl1-mesa-dri and libegl-mesa0; NVIDIA: libnvidia-egl or the\n"
+            "vendor's package with EGL) and give this user access to /dev/dri/renderD* (groups render, video).\n";
+  print(text);
+  return 0;
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,104 @@
+#include "legend.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/colormap.h"
+#include "text.h"
+
+namespace sfumato::cli {
+namespace {
+
+std::string title_of(const std::string& source) {
+  std::string title = source;
+  std::replace(title.begin(), title.end(), '_', ' ');
+  return title;
+}
+
+struct Panel {
+  int x, y, width, height, pad;
+  Panel(const Image<Rgba8>& image, int content_width, int content_height, int pad_px)
+      : width(content_width + 2 * pad_px), height(content_height + 2 * pad_px), pad(pad_px) {
+    x = image.width() - width - pad;
+    y = image.height() - height - pad;
+  }
+  void draw(Image<Rgba8>& image, const vec3& background) const {
+    const vec3 c = background * 255.0f + 0.5f;
+    fill(image, x, y, width, height, {std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z), 255}, 210);
+  }
+};
+
+void draw_bar(Image<Rgba8>& image, const Coloring& coloring, const vec3& background, const Text& text) {
+  const int em = text.size(), bar_width = std::max(4, em), bar_height = std::max(3 * em, image.height() * 35 / 100);
+  int decimals = 0;
+  std::vector<double> ticks = nice_ticks(coloring.low, coloring.high, std::max(2, bar_height / (3 * em)), decimals);
+  const std::string title = title_of(coloring.source);
+  int label_width = 0;
+  for (double tick : ticks) label_width = std::max(label_width, text.width(fmt::format("{:.{}f}", tick, decimals)));
+  const int content_width = std::max(text.width(title), bar_width + em + label_width);
+  const Panel panel(image, content_width, bar_height + 2 * em, em * 2 / 3);
+  panel.draw(image, background);
+
+  const Rgba8 ink = ink_on(background);
+  const int left = panel.x + panel.pad, top = panel.y + panel.pad + 2 * em - em / 2;
+  text.draw(image, left, panel.y + panel.pad + em * 3 / 4, title, ink);
+  const Colormap map = Colormap::named(coloring.colormap);
+  for (int row = 0; row < bar_height; ++row)
+    fill(image, left, top + row, bar_width, 1, map.at(1 - (row + 0.5) / bar_height));
+  for (double tick : ticks) {
+    const double share = coloring.high != coloring.low ? (tick - coloring.low) / (coloring.high - coloring.low) : 0.5;
+    const int y = top + int(std::lround((1 - share) * (bar_height - 1)));
+    fill(image, left + bar_width, y, std::max(2, em / 3), std::max(1, em / 16), ink);
+    text.draw(image, left + bar_width + em * 2 / 3, y + em * 3 / 8, fmt::format("{:.{}f}", tick, decimals), ink);
+  }
+}
+
+void draw_classes(Image<Rgba8>& image, const Coloring& coloring, const vec3& background, const Text& text) {
+  const int em = text.size(), line = em * 3 / 2;
+  std::vector<ClassShare> shown = coloring.classes;
+  const std::size_t room = std::size_t(std::max(1, (image.height() * 8 / 10) / line));
+  if (shown.size() > room) {  // the classes with most points, in their own order
+    std::sort(shown.begin(), shown.end(), [](auto& a, auto& b) { return a.points > b.points; });
+    shown.resize(room);
+    std::sort(shown.begin(), shown.end(), [](auto& a, auto& b) { return a.id < b.id; });
+  }
+  int label_width = 0;
+  for (const ClassShare& entry : shown) label_width = std::max(label_width, text.width(class_name(entry.id)));
+  const Panel panel(image, line + label_width, line * int(shown.size()), em * 2 / 3);
+  panel.draw(image, background);
+  const Rgba8 ink = ink_on(background);
+  int y = panel.y + panel.pad;
+  for (const ClassShare& entry : shown) {
+    fill(image, panel.x + panel.pad, y + (line - em) / 2, em, em, class_color(entry.id));
+    text.draw(image, panel.x + panel.pad + line, y + (line - em) / 2 + em * 7 / 8, class_name(entry.id), ink);
+    y += line;
+  }
+}
+
+}  // namespace
+
+std::vector<double> nice_ticks(double low, double high, int count, int& decimals) {
+  if (low > high) std::swap(low, high);
+  decimals = 3;
+  if (!(high > low)) return {low};
+  const double raw = (high - low) / count, power = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10 * power;
+  for (double factor : {5.0, 2.0, 1.0})
+    if (factor * power >= raw) step = factor * power;
+  decimals = std::clamp(-int(std::floor(std::log10(step) + 1e-9)), 0, 9);
+  std::vector<double> ticks;
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k)
+    ticks.push_back(k == 0 ? 0 : k * step);
+  return ticks;
+}
+
+void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& background) {
+  if (coloring.kind != ColorKind::scalar && coloring.kind != ColorKind::classes) return;
+  const Text text(std::clamp(image.height() / 42, 9, 64));
+  if (coloring.kind == ColorKind::scalar) draw_bar(image, coloring, background, text);
+  else draw_classes(image, coloring, background, text);
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,50 @@
+// sfumato: point clouds to pictures. This file picks the command and turns errors into one line and an exit code.
+#include <cstdio>
+#include <filesystem>
+#include <new>
+
+#include "commands.h"
+#include "console.h"
+#include "core/version.h"
+
+namespace {
+
+using namespace sfumato;
+
+int run(const cli::Words& words) {
+  if (!words.empty()) {
+    const cli::Words rest(words.begin() + 1, words.end());
+    if (words[0] == "info") return cli::info_command(rest);
+    if (words[0] == "techniques") return cli::techniques_command(rest);
+    if (words[0] == "synth") return cli::synth_command(rest);
+    if (words[0] == "convert") return cli::convert_command(rest);
+    if (words[0] == "doctor") return cli::doctor_command(rest);
+    if (words[0] == "--version") {
+      cli::print("sfumato " + std::string(version()) + "\n");
+      return 0;
+    }
+  }
+  return cli::render_command(words);
+}
+
+int fail(ErrorCode code, const char* what) {
+  std::fprintf(stderr, "sfumato: %s\n", what);
+  return int(code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::catch_interrupt();
+  try {
+    return run(cli::Words(argv + 1, argv + argc));
+  } catch (const Error& error) {
+    return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::out_of_memory, "out of memory; --max-points N renders a subsample");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(ErrorCode::io, error.what());
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::usage, error.what());
+  }
+}

@@ -1,0 +1,137 @@
+#include "parameters.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/error.h"
+
+namespace sfumato::cli {
+namespace {
+
+std::string number(double value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
+std::string help_of(const Param& param) {
+  return param.help_text + (param.unit_text.empty() ? "" : " (" + param.unit_text + ")");
+}
+
+bool is_boolean_word(const std::string& word) {
+  static const std::set<std::string> words = {"true", "false", "on", "off", "yes", "no", "1", "0", "auto"};
+  return words.contains(word);
+}
+
+/// A parameter that only techniques outside the choice have deserves to be told so.
+void explain_foreign(const std::string& word, const std::string& chosen) {
+  const std::string name = word.substr(word.find_first_not_of('-'));
+  const std::size_t dot = name.find('.');
+  std::string owners;
+  for (const TechniqueInfo& info : all_techniques()) {
+    ChosenTechnique other(info);
+    if (dot != std::string::npos ? info.name == name.substr(0, dot) && other.parameters.find(name.substr(dot + 1))
+                                 : other.parameters.find(name) != nullptr)
+      owners += (owners.empty() ? "" : ", ") + info.name;
+  }
+  if (!owners.empty())
+    throw Error(ErrorCode::usage, word + " is a parameter of " + owners + ", not of " + chosen + " (choose with -t)");
+}
+
+}  // namespace
+
+ChosenTechnique::ChosenTechnique(const TechniqueInfo& info) : name(info.name), technique(info.create()) {
+  technique->describe(parameters);
+  own_count = parameters.all().size();
+  settings.describe(parameters);
+}
+
+Choice::Choice(const std::string& names) {
+  for (const std::string& name : split(names, ','))
+    techniques.push_back(std::make_unique<ChosenTechnique>(find_technique(name)));
+  prepare.describe(prepare_parameters);
+}
+
+std::vector<Param*> Choice::find(const std::string& name) {
+  std::vector<Param*> found;
+  for (const auto& chosen : techniques)
+    if (Param* param = chosen->parameters.find(name)) found.push_back(param);
+  if (Param* param = prepare_parameters.find(name)) found.push_back(param);
+  return found;
+}
+
+void Choice::declare(CommandLine& line) {
+  std::set<std::string> seen;
+  auto declare_one = [&](const Param& param) {
+    if (!seen.insert(param.name).second) return;
+    line.handler("--" + with_dashes(param.name), describe_values(param), help_of(param), false,
+                 [found = find(param.name)](const std::string& text) {
+                   for (Param* each : found) each->set(text);
+                 });
+  };
+  for (const auto& chosen : techniques) {
+    line.group("Parameters of " + chosen->name);
+    for (std::size_t i = 0; i < chosen->own_count; ++i) declare_one(chosen->parameters.all()[i]);
+  }
+  line.group("Parameters of every technique");
+  for (const Param& param : techniques.front()->parameters.all()) declare_one(param);
+  line.group("Parameters of the analysis before rendering");
+  for (const Param& param : prepare_parameters.all()) declare_one(param);
+
+  // Qualified names come last, so that they win over the plain ones wherever they stand on the line.
+  seen.clear();
+  std::string chosen_names;
+  for (const auto& chosen : techniques) {
+    chosen_names += (chosen_names.empty() ? "" : ", ") + chosen->name;
+    if (!seen.insert(chosen->name).second) continue;
+    for (Param& param : chosen->parameters.all())
+      line.handler("--" + chosen->name + "." + with_dashes(param.name), "", "", true,
+                   [&param](const std::string& text) { param.set(text); });
+  }
+  line.explain_unknown([chosen_names](const std::string& word) { explain_foreign(word, chosen_names); });
+}
+
+Words Choice::complete_booleans(const Words& words) {
+  Words out = words;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!out[i].starts_with("--") || out[i].find('=') != std::string::npos) continue;
+    const std::string name = out[i].substr(2);
+    const std::vector<Param*> found = find(name.substr(name.find('.') == std::string::npos ? 0 : name.find('.') + 1));
+    if (found.empty() || found.front()->kind != ParamKind::boolean) continue;
+    if (i + 1 == out.size() || !is_boolean_word(out[i + 1])) out[i] += "=true";
+  }
+  return out;
+}
+
+std::string default_technique() {
+  for (const TechniqueInfo& info : all_techniques())
+    if (info.name == "surface") return info.name;
+  return "points";
+}
+
+std::string describe_values(const Param& param) {
+  std::string text;
+  if (param.kind == ParamKind::choice) {
+    for (const std::string& choice : param.choices) text += (text.empty() ? "" : "|") + choice;
+  } else {
+    text = kind_name(param.kind);
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    if (param.min || param.max)
+      text += " [" + (param.min ? number(*param.min) : "") + ".." + (param.max ? number(*param.max) : "") + "]";
+    if (param.can_be_auto) text += "|auto";
+  }
+  return text + " (" + param.default_text + ")";
+}
+
+const char* kind_name(ParamKind kind) {
+  static const char* names[] = {"bool", "int", "float", "choice", "string", "float_list", "vec3"};
+  return names[int(kind)];
+}
+
+std::string with_dashes(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+}  // namespace sfumato::cli

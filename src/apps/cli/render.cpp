@@ -1,0 +1,252 @@
+// sfumato FILE... -o OUT: files to pictures.
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "camera_options.h"
+#include "commands.h"
+#include "console.h"
+#include "contact_sheet.h"
+#include "core/version.h"
+#include "io/camera_json.h"
+#include "io/image_exr.h"
+#include "io/image_png.h"
+#include "io/npy.h"
+#include "legend.h"
+#include "preset.h"
+#include "render_options.h"
+#include "report.h"
+
+namespace sfumato::cli {
+namespace {
+
+/// Wall time of the stages, for the report.
+class Stopwatch {
+ public:
+  explicit Stopwatch(RenderReport& report) : report_(report) {}
+  void lap(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    for (auto& [name, sum] : report_.stages_ms)
+      if (name == stage) {
+        sum += ms;
+        return;
+      }
+    report_.stages_ms.emplace_back(stage, ms);
+  }
+
+ private:
+  RenderReport& report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// All files as one scene with the origin of the first, less what is hidden.
+PointCloud read_scene(const RenderOptions& options, RenderReport& report, Console& console) {
+  PointCloud scene;
+  for (const std::string& file : options.files) {
+    io::ReadResult result = io::read(file, options.read, console);
+    for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
+    report.points_read += result.report.points;
+    if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point to render in it");
+    if (options.files.size() == 1) scene = std::move(result.cloud);
+    else append(scene, result.cloud);
+  }
+  if (options.read.max_points) scene = subsample(scene, std::size_t(*options.read.max_points));
+  if (options.up_axis) scene.up = *options.up_axis;
+  report.points_hidden = hide_classes(scene, options.hidden_classes);
+  if (scene.empty())
+    throw Error(ErrorCode::bad_input, options.files[0] + ": every point is withheld or of a hidden class; show them "
+                                                          "with --hide-classes none");
+  report.points_rendered = scene.size();
+  return scene;
+}
+
+/// Everything from the prepared cloud to files; one instance a command.
+class Studio {
+ public:
+  Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command, Console& console)
+      : options_(options), choice_(choice), report_(report), command_(std::move(command)), console_(console),
+        context_(gl::Context::create_headless()), renderer_(*context_) {
+    report_.techniques.resize(choice_.techniques.size());
+    const std::string extension = extension_of(options_.output);
+    wants_.color = extension == ".png";
+    wants_.color_linear = extension == ".exr" || extension == ".npy";
+    wants_.depth = extension == ".exr" || !options_.output_depth.empty();
+    wants_.normal = extension == ".exr" || !options_.output_normal.empty();
+    wants_.timings = options_.timings || options_.json;
+    for (const auto& chosen : choice_.techniques) {
+      chosen->settings.background = options_.background;
+      chosen->settings.transparent = options_.no_background;
+      chosen->settings.edl.resolve(chosen->technique->wants_edl());
+    }
+  }
+
+  void set_scene(PointCloud scene) {
+    Attributes needs;
+    for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
+    if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
+    PreparedCloud prepared = analysis::prepare(std::move(scene), needs, choice_.prepare, console_);
+    coloring_ = color_points(prepared.cloud, options_.color);
+    report_.color_by = coloring_.source;
+    renderer_.set_cloud(std::move(prepared), coloring_.colors);
+    coloring_.colors = {};
+  }
+
+  /// Renders one frame with every technique and writes its files. `n` fills the names of a path's frames.
+  void shoot(const Camera& camera, int n, Stopwatch& watch) {
+    const int limit = context_->limits().max_texture_size;
+    if (camera.width > limit || camera.height > limit)
+      throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
+                                                "lower --resolution", camera.width, camera.height, limit));
+    std::vector<Panel> panels;
+    RenderOutput out;
+    for (std::size_t i = 0; i < choice_.techniques.size(); ++i) {
+      ChosenTechnique& chosen = *choice_.techniques[i];
+      console_.check();
+      console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
+      out = renderer_.render(*chosen.technique, camera, chosen.settings, wants_, console_);
+      report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.notes};
+      if (choice_.techniques.size() > 1) panels.push_back({chosen.name, std::move(out.rgba8)});
+    }
+    console_.check();
+    watch.lap("render");
+    if (!panels.empty()) {
+      if (options_.legend) draw_legend(panels.back().image, coloring_, options_.background);
+      if (wants_.color) out.rgba8 = contact_sheet(panels, options_.background, options_.no_background);
+    } else if (options_.legend && wants_.color) {
+      draw_legend(out.rgba8, coloring_, options_.background);
+    }
+    write(out, camera, n);
+    watch.lap("write");
+  }
+
+ private:
+  std::string name_of(const std::string& pattern, int n) {
+    const std::string name = options_.path.empty() ? pattern : frame_name(pattern, n);
+    report_.outputs.push_back(name);
+    return name;
+  }
+
+  void write(const RenderOutput& out, const Camera& camera, int n) {
+    if (!options_.output.empty()) {
+      const std::string name = name_of(options_.output, n), extension = extension_of(name);
+      if (extension == ".png") {
+        io::write_png(name, out.rgba8, options_.no_background,
+                      {{"Software", std::string("sfumato ") + version()}, {"Command", command_},
+                       {"Camera", io::camera_to_json(camera)}});
+      } else if (extension == ".exr") {
+        io::write_exr(name, out.color_linear, out.depth, out.normal, command_);
+      } else {
+        io::write_npy(name, out.color_linear);
+      }
+    }
+    if (!options_.output_depth.empty()) io::write_npy(name_of(options_.output_depth, n), out.depth);
+    if (!options_.output_normal.empty()) io::write_npy(name_of(options_.output_normal, n), out.normal);
+    if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
+  }
+
+  const RenderOptions& options_;
+  Choice& choice_;
+  RenderReport& report_;
+  std::string command_;
+  Console& console_;
+  std::unique_ptr<gl::Context> context_;
+  Renderer renderer_;
+  RenderWants wants_;
+  Coloring coloring_;
+};
+
+std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis up) {
+  if (options.path.empty()) return {first};
+  if (options.path == "orbit") return orbit(first, up_vector(up), options.frame_count, options.orbit_degrees);
+  std::vector<Camera> keys = io::read_camera_path(options.path);
+  for (Camera& key : keys) key = key.resized(first.width, first.height);
+  return interpolate(keys, options.frame_count);
+}
+
+std::string timings_text(const RenderReport& report, const Choice& choice) {
+  std::string text;
+  for (std::size_t i = 0; i < report.techniques.size(); ++i) {
+    const TechniqueReport& one = report.techniques[i];
+    text += fmt::format("{}:\n", choice.techniques[i]->name);
+    for (const PassTiming& pass : one.passes) text += fmt::format("  {:<32}{:>10.2f} ms\n", pass.name, pass.ms);
+    text += fmt::format("  {:<32}{:>10.2f} ms\n", "total", one.total_ms);
+  }
+  for (const auto& [stage, ms] : report.stages_ms) text += fmt::format("{:<34}{:>10.2f} ms\n", stage + ", wall time", ms);
+  text.pop_back();
+  return text;
+}
+
+void tell(const RenderReport& report, const RenderOptions& options, const Choice& choice, Console& console) {
+  for (std::size_t i = 0; i < report.techniques.size(); ++i)
+    for (const std::string& note : report.techniques[i].notes)
+      console.say(choice.techniques[i]->name + ": " + note);
+  if (report.points_hidden > 0)
+    console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})", report.points_hidden,
+                            options.hide_classes));
+  if (options.timings) console.say(timings_text(report, choice));
+  const std::string& first = report.outputs.front();
+  console.say(report.frames > 1
+                  ? fmt::format("wrote {} ... {} ({} frames)", first, report.outputs.back(), report.frames)
+                  : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered, report.color_by));
+}
+
+}  // namespace
+
+int render_command(const Words& words) {
+  Preset preset;
+  if (const std::string file = peek(words, 0, "preset"); !file.empty()) preset = load_preset(file);
+  std::string names = peek(words, 't', "technique");
+  if (names.empty()) names = preset.technique.empty() ? default_technique() : preset.technique;
+
+  Choice choice(names);
+  RenderOptions options;
+  CommandLine line("sfumato",
+                   "Renders point clouds to pictures. Commands: info, techniques, synth, convert, doctor\n"
+                   "(sfumato COMMAND --help).");
+  options.declare(line);
+  choice.declare(line);
+  Words all = preset.words;
+  all.insert(all.end(), words.begin(), words.end());
+  if (!line.parse(choice.complete_booleans(all))) return 0;
+  if (options.version) {
+    print("sfumato " + std::string(version()) + "\n");
+    return 0;
+  }
+  options.camera.preset = preset.camera;
+  options.check(choice.techniques.size());
+  for (const auto& chosen : choice.techniques) Light::parse(chosen->settings.light_text);
+  // A wrong camera file should not cost the time of reading a large scan.
+  options.camera.resolve({dvec3(0), dvec3(1)}, UpAxis::pos_z);
+
+  Console console(options.quiet);
+  RenderReport report;
+  Stopwatch watch(report);
+  PointCloud scene = read_scene(options, report, console);
+  watch.lap("read");
+  const Camera camera = options.camera.resolve(framing_box(scene), scene.up);
+  const std::vector<Camera> cameras = cameras_of(options, camera, scene.up);
+  report.frames = int(cameras.size());
+
+  Words command = words;
+  command.insert(command.begin(), "sfumato");
+  Studio studio(options, choice, report, quote(command), console);
+  studio.set_scene(std::move(scene));
+  watch.lap("prepare");
+  for (std::size_t n = 0; n < cameras.size(); ++n) {
+    if (cameras.size() > 1) console.set_stage(fmt::format("frame {}/{}", n + 1, cameras.size()));
+    studio.shoot(cameras[n], int(n), watch);
+  }
+  if (!options.save_preset.empty()) {
+    std::optional<Camera> kept = preset.camera;
+    if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
+    save_preset(options.save_preset, choice, line.given(), kept);
+    report.outputs.push_back(options.save_preset);
+  }
+  tell(report, options, choice, console);
+  if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
+  return 0;
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,137 @@
+#include "report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/version.h"
+
+namespace sfumato::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json list(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
+
+/// The text of a parameter as the JSON value of its kind.
+Json value_of(const Param& param, const std::string& text) {
+  if (text == "auto" && param.can_be_auto) return "auto";
+  switch (param.kind) {
+    case ParamKind::boolean: return text == "true";
+    case ParamKind::integer:
+    case ParamKind::real: return Json::parse(text, nullptr, false);
+    case ParamKind::real_list:
+    case ParamKind::vector3: return Json::parse("[" + text + "]", nullptr, false);
+    default: return text;
+  }
+}
+
+Json describe(const Param& param) {
+  Json json;
+  json["name"] = param.name;
+  json["kind"] = kind_name(param.kind);
+  json["default"] = value_of(param, param.default_text);
+  if (param.kind == ParamKind::choice) json["choices"] = param.choices;
+  if (param.min || param.max) json["range"] = {param.min ? Json(*param.min) : Json(), param.max ? Json(*param.max) : Json()};
+  json["auto"] = param.can_be_auto;
+  json["unit"] = param.unit_text;
+  json["help"] = param.help_text;
+  json["paper"] = param.paper_text;
+  return json;
+}
+
+Json describe(const TechniqueInfo& info) {
+  const ChosenTechnique chosen(info);
+  Json json;
+  json["name"] = info.name;
+  json["summary"] = info.summary;
+  Json needs = Json::array();
+  const Attributes attributes = chosen.technique->needs();
+  if (attributes.has(Attribute::normal)) needs.push_back("normal");
+  if (attributes.has(Attribute::radius)) needs.push_back("radius");
+  if (attributes.has(Attribute::uncertainty)) needs.push_back("uncertainty");
+  if (attributes.has(Attribute::cluster)) needs.push_back("cluster");
+  json["needs"] = needs;
+  json["parameters"] = Json::array();
+  json["shared_parameters"] = Json::array();
+  const auto& all = chosen.parameters.all();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    json[i < chosen.own_count ? "parameters" : "shared_parameters"].push_back(describe(all[i]));
+  return json;
+}
+
+Json resolved(const ParamList& parameters) {
+  Json json = Json::object();
+  for (const Param& param : parameters.all()) json[param.name] = value_of(param, param.resolved());
+  return json;
+}
+
+Json timings(const TechniqueReport& report) {
+  Json json = Json::object();
+  for (const PassTiming& pass : report.passes)
+    json[pass.name] = json.value(pass.name, 0.0) + pass.ms;
+  json["total"] = report.total_ms;
+  return json;
+}
+
+}  // namespace
+
+std::string info_json(const io::ReadReport& report, double median_spacing) {
+  Json json;
+  json["file"] = report.file.string();
+  json["format"] = report.format;
+  json["points"] = report.points;
+  json["points_finite"] = report.points_finite;
+  json["points_dropped"] = report.points_dropped;
+  json["bounds_min"] = report.points_finite ? list(report.bounds_min) : Json();
+  json["bounds_max"] = report.points_finite ? list(report.bounds_max) : Json();
+  json["attributes"] = Json::object();
+  for (const io::AttributeStats& a : report.attributes)
+    json["attributes"][a.name] = {{"min", a.min}, {"max", a.max}, {"mean", a.mean}};
+  json["crs"] = report.crs;
+  json["median_spacing"] = report.points_finite ? Json(median_spacing) : Json();
+  return json.dump(2) + "\n";
+}
+
+std::string techniques_json(const std::string& name) {
+  if (!name.empty()) return describe(find_technique(name)).dump(2) + "\n";
+  Json json = Json::array();
+  for (const TechniqueInfo& info : all_techniques()) json.push_back(describe(info));
+  return json.dump(2) + "\n";
+}
+
+std::string render_json(const RenderReport& report, const Choice& choice, const std::string& camera_json) {
+  Json json;
+  json["outputs"] = report.outputs;
+  if (choice.techniques.size() == 1) {
+    json["technique"] = choice.techniques[0]->name;
+    json["parameters"] = resolved(choice.techniques[0]->parameters);
+  } else {
+    for (const auto& chosen : choice.techniques) {
+      json["technique"].push_back(chosen->name);
+      json["parameters"][chosen->name] = resolved(chosen->parameters);
+    }
+  }
+  json["analysis_parameters"] = resolved(choice.prepare_parameters);
+  json["color_by"] = report.color_by;
+  json["points_read"] = report.points_read;
+  json["points_hidden"] = report.points_hidden;
+  json["points_rendered"] = report.points_rendered;
+  std::uint64_t drawn = 0;
+  for (const TechniqueReport& one : report.techniques) drawn = std::max(drawn, one.points_drawn);
+  json["points_drawn"] = drawn;
+  json["frames"] = report.frames;
+  for (std::size_t i = 0; i < report.techniques.size(); ++i) {
+    if (report.techniques.size() == 1) json["timings_ms"] = timings(report.techniques[i]);
+    else json["timings_ms"][choice.techniques[i]->name] = timings(report.techniques[i]);
+  }
+  for (const auto& [stage, ms] : report.stages_ms) json["stages_ms"][stage] = ms;
+  Json notes = Json::array();
+  for (const TechniqueReport& one : report.techniques)
+    for (const std::string& note : one.notes) notes.push_back(note);
+  json["notes"] = notes;
+  json["camera"] = Json::parse(camera_json);
+  json["version"] = version();
+  return json.dump(2) + "\n";
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,40 @@
+// What the commands print with --json.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/io.h"
+#include "parameters.h"
+#include "techniques/renderer.h"
+
+namespace sfumato::cli {
+
+std::string info_json(const io::ReadReport& report, double median_spacing);
+
+/// One technique as an object when `name` is given, else the list of all.
+std::string techniques_json(const std::string& name);
+
+/// What one technique did, over all frames.
+struct TechniqueReport {
+  std::vector<PassTiming> passes;  ///< of the last frame
+  double total_ms = 0;             ///< GPU, of the last frame
+  std::uint64_t points_drawn = 0;
+  std::vector<std::string> notes;
+};
+
+struct RenderReport {
+  std::vector<std::string> outputs;
+  std::uint64_t points_read = 0, points_hidden = 0, points_rendered = 0;
+  std::string color_by;
+  int frames = 1;
+  std::vector<TechniqueReport> techniques;                 ///< in the order of the choice
+  std::vector<std::pair<std::string, double>> stages_ms;   ///< wall time: read, prepare, render, write
+};
+
+/// One technique: `technique` is its name, `parameters` and `timings_ms` are flat. Several: `technique` is the list,
+/// and both are keyed by technique.
+std::string render_json(const RenderReport& report, const Choice& choice, const std::string& camera_json);
+
+}  // namespace sfumato::cli

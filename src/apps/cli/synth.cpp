@@ -1,0 +1,77 @@
+// sfumato synth: synthetic scans with known truth.
+#include <filesystem>
+
+#include "commands.h"
+#include "console.h"
+#include "core/param.h"
+#include "io/camera_json.h"
+#include "io/io.h"
+#include "io/npy.h"
+#include "parameters.h"
+#include "synth/scene.h"
+#include "synth/synth.h"
+
+namespace sfumato::cli {
+namespace {
+
+void write_truth(const synth::Scene& scene, const std::string& folder, const Camera& camera, Console& console) {
+  const synth::Truth truth = synth::truth(scene, camera, console);
+  const std::filesystem::path out(folder);
+  std::filesystem::create_directories(out);
+  io::write_npy(out / "depth.npy", truth.depth);
+  io::write_npy(out / "normal.npy", truth.normal);
+  io::write_npy(out / "color.npy", truth.color);
+  io::write_npy(out / "class.npy", truth.class_id);
+  io::write_camera(out / "camera.json", camera);
+  console.say("wrote " + folder + ": depth.npy normal.npy color.npy class.npy camera.json");
+}
+
+std::string scene_list() {
+  std::string text;
+  for (const std::string& name : synth::scene_names()) text += (text.empty() ? "" : ", ") + name;
+  return text + ", mesh";
+}
+
+}  // namespace
+
+int synth_command(const Words& words) {
+  std::string scene_name, output;
+  std::optional<std::string> input, truth_folder, camera_file;
+  bool quiet = false;
+  synth::SampleOptions options;
+  ParamList parameters;
+  options.describe(parameters);
+
+  CommandLine line("sfumato synth", "Samples a synthetic scene like a scanner would. Scenes: " + scene_list() + ".");
+  line.positional("SCENE", scene_name, scene_list());
+  line.text("-o,--output", output, "FILE", "the scan to write: .las .laz .ply");
+  line.text("--input", input, "FILE.ply|obj", "the mesh to sample (scene mesh)");
+  line.text("--truth", truth_folder, "DIR", "write what a perfect renderer shows from --camera");
+  line.text("--camera", camera_file, "C.json", "camera of --truth");
+  line.flag("--quiet", quiet, "no progress");
+  line.group("Sampling");
+  for (Param& param : parameters.all())
+    line.handler("--" + with_dashes(param.name), describe_values(param),
+                 param.help_text + (param.unit_text.empty() ? "" : " (" + param.unit_text + ")"), false,
+                 [&param](const std::string& text) { param.set(text); });
+  if (!line.parse(words)) return 0;
+  if (scene_name.empty() || (output.empty() && !truth_folder))
+    throw Error(ErrorCode::usage, "usage: sfumato synth SCENE -o FILE; scenes: " + scene_list());
+  if (input.has_value() != (scene_name == "mesh"))
+    throw Error(ErrorCode::usage, "--input FILE.ply|obj goes with the scene mesh, and mesh needs it");
+  if (truth_folder && !camera_file) throw Error(ErrorCode::usage, "--truth needs --camera C.json");
+
+  Console console(quiet);
+  const std::optional<Camera> camera = camera_file ? std::optional(io::read_camera(*camera_file)) : std::nullopt;
+  const synth::Scene scene =
+      input ? synth::make_mesh_scene(io::read_mesh(*input, console)) : synth::make_scene(scene_name);
+  if (!output.empty()) {
+    const PointCloud cloud = synth::sample(scene, options, console);
+    io::write(output, cloud, console);
+    console.say("wrote " + output + " (" + std::to_string(cloud.size()) + " points)");
+  }
+  if (truth_folder) write_truth(scene, *truth_folder, *camera, console);
+  return 0;
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,193 @@
+#include "core/coloring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/colormap.h"
+#include "core/error.h"
+#include "core/param.h"
+
+namespace sfumato {
+namespace {
+
+constexpr Rgba8 unknown_gray{128, 128, 128, 255};
+
+bool has_colors(const PointCloud& cloud) {
+  return std::any_of(cloud.colors.begin(), cloud.colors.end(),
+                     [](const Rgba8& c) { return c.r != 0 || c.g != 0 || c.b != 0; });
+}
+
+bool varies(const ScalarField* field) {
+  if (!field || field->values.empty()) return false;
+  const float first = field->values[0];
+  return std::any_of(field->values.begin(), field->values.end(),
+                     [&](float v) { return std::isfinite(v) && v != first; });
+}
+
+/// World coordinate along up, as offset + float.
+ScalarField elevation(const PointCloud& cloud) {
+  const dvec3 up = up_vector(cloud.up);
+  ScalarField field{"elevation", glm::dot(up, cloud.origin), {}, StoredType::float32};
+  field.values.reserve(cloud.size());
+  for (const vec3& p : cloud.positions) field.values.push_back(glm::dot(vec3(up), p));
+  return field;
+}
+
+/// 2 and 98 % quantiles of at most a million finite values; all values when these coincide.
+std::array<double, 2> stretch(const ScalarField& field) {
+  const std::size_t stride = std::max<std::size_t>(1, field.values.size() / 1'000'000);
+  std::vector<float> sample;
+  for (std::size_t i = 0; i < field.values.size(); i += stride)
+    if (std::isfinite(field.values[i])) sample.push_back(field.values[i]);
+  if (sample.empty()) return {field.offset, field.offset + 1};
+  auto quantile = [&](double q) {
+    const auto nth = sample.begin() + std::ptrdiff_t(std::lround(q * double(sample.size() - 1)));
+    std::nth_element(sample.begin(), nth, sample.end());
+    return *nth;
+  };
+  float low = quantile(0.02), high = quantile(0.98);
+  if (low == high) {
+    const auto [least, most] = std::minmax_element(sample.begin(), sample.end());
+    low = *least, high = *most;
+  }
+  return {field.offset + double(low), field.offset + double(high)};
+}
+
+void color_scalar(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
+  out.kind = ColorKind::scalar;
+  out.colormap = !settings.colormap.empty() ? settings.colormap : out.source == "intensity" ? "gray" : "viridis";
+  const Colormap map = Colormap::named(out.colormap);
+  const std::array<double, 2> range = settings.range ? *settings.range : stretch(field);
+  out.low = range[0], out.high = range[1];
+  std::array<Rgba8, 1024> table;
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = map.at(double(i) / double(table.size() - 1));
+  const double span = out.high - out.low;
+  const double scale = span != 0 ? double(table.size() - 1) / span : 0;
+  const double shift = (field.offset - out.low) * scale + (span != 0 ? 0.5 : 0.5 * double(table.size()));
+  out.colors.reserve(field.values.size());
+  for (float value : field.values) {
+    if (!std::isfinite(value)) {
+      out.colors.push_back(unknown_gray);
+      continue;
+    }
+    const double place = std::clamp(double(value) * scale + shift, 0.0, double(table.size() - 1));
+    out.colors.push_back(table[std::size_t(place)]);
+  }
+}
+
+void color_classes(const ScalarField& field, Coloring& out) {
+  out.kind = ColorKind::classes;
+  std::map<int, std::size_t> counts;
+  out.colors.reserve(field.values.size());
+  int last_id = -1;
+  Rgba8 last_color = unknown_gray;
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    if (!std::isfinite(field.values[i])) {
+      out.colors.push_back(unknown_gray);
+      continue;
+    }
+    const int id = int(std::lround(field.value(i)));
+    if (id != last_id) last_id = id, last_color = class_color(id);
+    ++counts[id];
+    out.colors.push_back(last_color);
+  }
+  for (const auto& [id, points] : counts) out.classes.push_back({id, points});
+}
+
+void color_normals(const PointCloud& cloud, Coloring& out) {
+  if (cloud.normals.empty())
+    throw Error(ErrorCode::usage, "cannot colour by normal: the cloud has no normals");
+  out.kind = ColorKind::normal;
+  out.colors.reserve(cloud.size());
+  for (const vec3& n : cloud.normals) {
+    const vec3 c = glm::clamp(0.5f * (n + 1.0f), 0.0f, 1.0f) * 255.0f + 0.5f;
+    out.colors.push_back(n == vec3(0) ? unknown_gray
+                                      : Rgba8{std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z), 255});
+  }
+}
+
+}  // namespace
+
+std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
+  if (color_by == "auto") {
+    if (has_colors(cloud)) return "rgb";
+    return varies(cloud.scalar("intensity")) ? "intensity" : "elevation";
+  }
+  if (color_by == "elevation" || color_by == "normal" || cloud.scalar(color_by)) return std::string(color_by);
+  if (color_by == "rgb" && !cloud.colors.empty()) return "rgb";
+  std::vector<std::string> names = {"auto", "elevation", "normal"};
+  if (!cloud.colors.empty()) names.push_back("rgb");
+  for (const ScalarField& field : cloud.scalars) names.push_back(field.name);
+  const std::string near = nearest_word(color_by, names);
+  std::string all;
+  for (const std::string& name : names) all += " " + name;
+  throw Error(ErrorCode::usage, "the cloud has no '" + std::string(color_by) + "' to colour by" +
+                                    (near.empty() ? ";" : "; did you mean '" + near + "'?") + " it has:" + all);
+}
+
+Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
+  Coloring out;
+  out.source = resolve_color_by(cloud, settings.color_by);
+  if (!settings.colormap.empty()) Colormap::named(settings.colormap);  // a wrong name is refused whatever is shown
+  if (out.source == "rgb") {
+    out.colors = cloud.colors;
+    for (Rgba8& c : out.colors) c.a = 255;
+  } else if (out.source == "normal") {
+    color_normals(cloud, out);
+  } else if (out.source == "classification" && settings.colormap.empty() && !settings.range) {
+    color_classes(*cloud.scalar("classification"), out);
+  } else {
+    color_scalar(out.source == "elevation" && !cloud.scalar("elevation") ? elevation(cloud)
+                                                                         : *cloud.scalar(out.source),
+                 settings, out);
+  }
+  return out;
+}
+
+std::string class_name(int id) {
+  static const char* names[] = {"never classified", "unclassified", "ground", "low vegetation",
+                                "medium vegetation", "high vegetation", "building", "low noise", "model key point",
+                                "water", "rail", "road surface", "overlap", "wire guard", "wire conductor",
+                                "transmission tower", "wire connector", "bridge deck", "high noise",
+                                "overhead structure", "ignored ground", "snow", "temporal exclusion"};
+  return id >= 0 && id < int(std::size(names)) ? names[id] : "class " + std::to_string(id);
+}
+
+Rgba8 class_color(int id) {
+  static const std::uint32_t colors[] = {0x8c8c8c, 0x9a9a9a, 0xa1522e, 0x8fdc5a, 0x45b83a, 0x127a2c, 0xffa800,
+                                         0xff00ff, 0xff2a2a, 0x2a5cff, 0x6b4f8a, 0x5a5a66, 0xffe600, 0xc9b037,
+                                         0xe0c84a, 0x7f6a2a, 0xb39a2f, 0x3fb8c4, 0xc800c8, 0x2f8f9d, 0x7a5a45,
+                                         0xf2f6ff, 0x555555};
+  if (id >= 0 && id < int(std::size(colors))) {
+    const std::uint32_t c = colors[id];
+    return {std::uint8_t(c >> 16), std::uint8_t(c >> 8 & 255), std::uint8_t(c & 255), 255};
+  }
+  // Codes that users define: spread over hues so that neighbours differ, always the same colour for one code.
+  const float hue = std::fmod(float(id < 0 ? -id : id) * 0.61803399f, 1.0f) * 6;
+  auto channel = [&](float centre) {
+    const float d = std::abs(std::fmod(hue - centre + 9, 6.0f) - 3);
+    return std::uint8_t(60 + 170 * std::clamp(2 - d, 0.0f, 1.0f));
+  };
+  return {channel(0), channel(2), channel(4), 255};
+}
+
+std::size_t hide_classes(PointCloud& cloud, const std::vector<int>& classes) {
+  const ScalarField* code = cloud.scalar("classification");
+  const ScalarField* withheld = cloud.scalar("withheld");
+  if ((!code || classes.empty()) && !withheld) return 0;
+  std::vector<std::uint32_t> kept;
+  kept.reserve(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (withheld && withheld->value(i) > 0.5) continue;
+    if (code && std::isfinite(code->values[i]) &&
+        std::find(classes.begin(), classes.end(), int(std::lround(code->value(i)))) != classes.end())
+      continue;
+    kept.push_back(std::uint32_t(i));
+  }
+  const std::size_t hidden = cloud.size() - kept.size();
+  if (hidden > 0) cloud = select(cloud, kept);
+  return hidden;
+}
+
+}  // namespace sfumato

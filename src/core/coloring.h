@@ -1,0 +1,54 @@
+// Which colour a point has: its own, or one that shows an attribute.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/point_cloud.h"
+
+namespace sfumato {
+
+struct ColorSettings {
+  std::string color_by = "auto";  ///< auto, rgb, intensity, classification, elevation, normal or any scalar
+  std::string colormap;           ///< empty: gray for intensity, viridis for everything else
+  std::optional<std::array<double, 2>> range;  ///< empty: the 2-98 % percentiles
+};
+
+enum class ColorKind { rgb, scalar, classes, normal };
+
+struct ClassShare {
+  int id = 0;
+  std::size_t points = 0;
+};
+
+/// The colours of a cloud and what is needed to explain them in a legend.
+struct Coloring {
+  std::vector<Rgba8> colors;  ///< one per point of the cloud, sRGB
+  ColorKind kind = ColorKind::rgb;
+  std::string source;                ///< what `auto` became
+  std::string colormap;              ///< scalar only
+  double low = 0, high = 1;          ///< scalar only: values at the ends of the colour map
+  std::vector<ClassShare> classes;   ///< classes only: those that occur, ascending
+};
+
+/// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then intensity unless missing
+/// or constant, then elevation: a cloud is never black. Throws Error(usage) naming the nearest attribute.
+std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
+
+/// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.
+/// `normal` needs normals: Error(usage) without.
+Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
+
+/// ASPRS name of a classification code ("ground", "building", "class 70"), LAS 1.4 R15 table 17.
+std::string class_name(int id);
+/// The colours Potree users know: 2 brown, 3-5 greens, 6 orange, 7 magenta, 9 blue, 12 yellow.
+Rgba8 class_color(int id);
+
+/// Removes points of the named classes and points flagged withheld. Returns how many were removed.
+std::size_t hide_classes(PointCloud& cloud, const std::vector<int>& classes);
+
+}  // namespace sfumato
