@@ -28,9 +28,10 @@ bool has_extension(const char* list, const char* name) {
   return false;
 }
 
-void GLAPIENTRY on_message(GLenum, GLenum, GLuint, GLenum severity, GLsizei length, const GLchar* text,
+void GLAPIENTRY on_message(GLenum source, GLenum, GLuint, GLenum severity, GLsizei length, const GLchar* text,
                            const void* user) {
-  if (severity != GL_DEBUG_SEVERITY_HIGH) return;
+  // Mesa reports compiler warnings as severe, and only while its shader cache is cold; errors are thrown anyway.
+  if (severity != GL_DEBUG_SEVERITY_HIGH || source == GL_DEBUG_SOURCE_SHADER_COMPILER) return;
   auto* messages = static_cast<std::vector<std::string>*>(const_cast<void*>(user));
   messages->emplace_back(text, length < 0 ? std::strlen(text) : std::size_t(length));
 }

@@ -310,13 +310,25 @@ void CloudBuilder::decode_positions(Cursor& cursor, Batch& batch, std::vector<V>
   for (std::size_t i = 0; i < batch.kept; ++i) to[i] = V(axis[0][i], axis[1][i], axis[2][i]);
 }
 
+template <class T>
+void CloudBuilder::load_counted(Cursor& cursor, const Batch& batch, std::size_t index, T* out) const {
+  const Column& column = columns_[index];
+  if (std::is_same_v<T, float> && column.stored == StoredType::float64) {
+    double values[batch_size];  // statistics tell what the file holds, not what float keeps of it
+    load(column, batch.at(column), batch.count, swap_, values);
+    accumulate(values, batch.count, cursor.stats[index]);
+    std::copy(values, values + batch.count, out);
+  } else {
+    load(column, batch.at(column), batch.count, swap_, out);
+    accumulate(out, batch.count, cursor.stats[index]);
+  }
+  batch.compact(out);
+}
+
 void CloudBuilder::decode_normals(Cursor& cursor, const Batch& batch) {
   float axis[3][batch_size], off[batch_size];
   for (int k = 0; k < 3; ++k) {
-    const Column& column = columns_[std::size_t(normal_[k])];
-    load(column, batch.at(column), batch.count, swap_, axis[k]);
-    batch.compact(axis[k]);
-    accumulate(axis[k], batch.kept, cursor.stats[std::size_t(normal_[k])]);
+    load_counted(cursor, batch, std::size_t(normal_[k]), axis[k]);
   }
   vec3* to = normals_.data() + cursor.at;
   float worst = 0;
@@ -345,10 +357,7 @@ void CloudBuilder::decode_colors(Cursor& cursor, const Batch& batch) {
     for (int k = 0; k < 4; ++k) {
       const int index = k < 3 ? color_[k] : alpha_;
       if (index < 0) continue;
-      const Column& column = columns_[std::size_t(index)];
-      load(column, batch.at(column), batch.count, swap_, values[k]);
-      batch.compact(values[k]);
-      accumulate(values[k], batch.kept, cursor.stats[std::size_t(index)]);
+      load_counted(cursor, batch, std::size_t(index), values[k]);
     }
   };
   if (byte_colors_) {
@@ -366,12 +375,10 @@ void CloudBuilder::decode_colors(Cursor& cursor, const Batch& batch) {
 }
 
 template <class T>
-void CloudBuilder::decode_values(Cursor& cursor, const Batch& batch, std::size_t column_index, std::vector<T>& out) {
-  const Column& column = columns_[column_index];
+void CloudBuilder::decode_values(Cursor& cursor, const Batch& batch, std::size_t column,
+                                 std::vector<T>& out) {
   T values[batch_size];
-  load(column, batch.at(column), batch.count, swap_, values);
-  batch.compact(values);
-  accumulate(values, batch.kept, cursor.stats[column_index]);
+  load_counted(cursor, batch, column, values);
   std::copy(values, values + batch.kept, out.begin() + std::ptrdiff_t(cursor.at));
 }
 

@@ -30,7 +30,7 @@ std::size_t size_of(StoredType type);
 /// is complete: without ny, nx is a scalar. False when x, y or z is missing.
 bool assign_roles(std::vector<Column>& columns);
 
-/// Minimum, maximum and sum over finite values.
+/// Minimum, maximum and sum over finite values: of coordinates over kept points, of attributes over all records.
 struct Stats {
   double min = std::numeric_limits<double>::infinity(), max = -min, sum = 0;
   std::uint64_t count = 0;
@@ -76,6 +76,9 @@ class CloudBuilder {
   void decode_batch(Cursor& cursor, Batch& batch, std::uint64_t place);
   template <class T, class V>
   void decode_positions(Cursor& cursor, Batch& batch, std::vector<V>& out);
+  /// Loads a column of the batch, counts its statistics over all records, and leaves the kept ones.
+  template <class T>
+  void load_counted(Cursor& cursor, const Batch& batch, std::size_t index, T* out) const;
   void decode_normals(Cursor& cursor, const Batch& batch);
   void decode_colors(Cursor& cursor, const Batch& batch);
   template <class T>

@@ -1,6 +1,7 @@
 // What a format brings to the table in io.cpp, and what the readers share.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -34,6 +35,23 @@ struct Format {
 // attributes; `read` fills in file and format, and subsamples.
 bool is_ply(std::string_view head);
 ReadResult read_ply(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+Mesh read_ply_mesh(const std::filesystem::path& file, Progress& progress);
 void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+
+bool is_pcd(std::string_view head);
+ReadResult read_pcd(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+bool is_obj(std::string_view head);
+ReadResult read_obj(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+Mesh read_obj_mesh(const std::filesystem::path& file, Progress& progress);
+
+bool is_text(std::string_view head);
+ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+/// The triangles of a polygon whose corners are record numbers, as a fan. `vertex_of` maps records to kept vertices,
+/// -1 for dropped ones, whose triangles are left out. False when a corner names no record.
+bool add_fan(const std::vector<std::int64_t>& polygon, const std::vector<std::int64_t>& vertex_of, Mesh& mesh);
+/// `vertex_of` for `add_fan`: from the places kept in `cloud.grid_index`.
+std::vector<std::int64_t> kept_vertices(const PointCloud& cloud, std::uint64_t records);
 
 }  // namespace sfumato::io

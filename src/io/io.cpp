@@ -12,7 +12,11 @@ namespace {
 /// Ordered: content decides before the extension, and of two formats that recognise it the first wins.
 const std::vector<Format>& table() {
   static const std::vector<Format> formats = {
-      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply},
+      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, read_ply_mesh},
+      {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd},
+      {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh},
+      // Last: any lines of numbers are text.
+      {"text", {".xyz", ".txt", ".csv", ".pts", ".asc"}, "lines of numbers, columns guessed", is_text, read_text},
   };
   return formats;
 }

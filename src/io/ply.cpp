@@ -8,6 +8,7 @@
 #include "io/format.h"
 #include "io/parallel.h"
 #include "io/ply_header.h"
+#include "io/text_rows.h"
 
 namespace sfumato::io {
 namespace {
@@ -103,11 +104,53 @@ void read_walked(const File& file, const PlyHeader& header, std::uint64_t begin,
   builder.finish(cursors, result);
 }
 
-ReadResult read_vertices(const File& file, const PlyHeader& header, bool keep_places, Progress& progress) {
+/// One vertex a line; the numbers of lists are passed over.
+class VertexLines final : public LineGrammar {
+ public:
+  explicit VertexLines(const PlyElement& vertex) : vertex_(vertex) {}
+  bool parse(std::string_view line, double* row) const override {
+    const char *at = line.data(), *end = at + line.size();
+    for (const PlyProperty& property : vertex_.properties) {
+      const double value = next_number(at, end, property.name);
+      if (!property.is_list) {
+        *row++ = value;
+        continue;
+      }
+      if (!(value >= 0 && value <= double(line.size()))) throw LineError("the list '" + property.name + "' is too long");
+      for (int i = 0; i < int(value); ++i) next_number(at, end, property.name);
+    }
+    return true;
+  }
+
+ private:
+  const PlyElement& vertex_;
+};
+
+void read_lines(const File& file, const PlyHeader& header, bool keep_places, Progress& progress, ReadResult& result) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  std::vector<Column> columns = vertex_columns(file, vertex);
+  const VertexLines grammar(vertex);
+  const TextBlocks text = cut_lines(file, header.data_begin, header.lines + 1, grammar, progress);
+  std::uint64_t before = 0;
+  for (std::size_t i = 0; i < header.vertex; ++i) before += std::min(header.elements[i].count, text.rows);
+  const std::uint64_t left = text.rows - std::min(text.rows, before);
+  if (vertex.count > left)
+    bad_input(file.path(), "line " + std::to_string(text.lines),
+              "the file ends after " + std::to_string(left) + " points, expected " + count_of(vertex) +
+                  "; it is cut short, fetch it again");
+  read_rows(file, text, before, before + vertex.count, grammar, std::move(columns), keep_places, progress, result);
+}
+
+}  // namespace
+
+ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places, Progress& progress) {
   ReadResult result;
   result.cloud.up = header.up;
   result.cloud.crs = result.report.crs = header.crs;
-  if (header.ascii) bad_input(file.path(), "header", "ascii PLY is not read yet");
+  if (header.ascii) {
+    read_lines(file, header, keep_places, progress, result);
+    return result;
+  }
   PlyWalker walker(file, header.big_endian, header.data_begin);
   for (std::size_t i = 0; i < header.vertex; ++i) walker.skip_element(header.elements[i], progress);
   if (header.elements[header.vertex].has_list())
@@ -117,13 +160,11 @@ ReadResult read_vertices(const File& file, const PlyHeader& header, bool keep_pl
   return result;
 }
 
-}  // namespace
-
 bool is_ply(std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r"); }
 
 ReadResult read_ply(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);
-  return read_vertices(file, read_ply_header(file), false, progress);
+  return read_ply_vertices(file, read_ply_header(file), false, progress);
 }
 
 }  // namespace sfumato::io

@@ -14,6 +14,7 @@ namespace sfumato::io {
 namespace {
 
 constexpr std::size_t header_limit = 1 << 20;
+constexpr std::size_t most_properties = 4096;
 
 std::optional<StoredType> parse_type(const std::string& word) {
   static const std::pair<const char*, StoredType> names[] = {
@@ -125,6 +126,8 @@ PlyHeader read_ply_header(const File& file) {
     } else if (word == "property") {
       if (header.elements.empty()) lines.fail("found a property before any element; export it again");
       header.elements.back().properties.push_back(parse_property(lines, words));
+      if (header.elements.back().properties.size() > most_properties)
+        lines.fail("found more than " + std::to_string(most_properties) + " properties of one element");
     } else if (word == "comment") {
       parse_comment(words, header);
     } else if (!word.empty() && word != "obj_info") {

@@ -39,6 +39,9 @@ struct PlyHeader {
 /// Error(bad_input) names the line of the header that is wrong.
 PlyHeader read_ply_header(const File& file);
 
+/// The points alone. `keep_places` puts each point's place in the file into `cloud.grid_index`.
+ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places, Progress& progress);
+
 /// Walks over the records of an element with lists, one after the other, in a binary file.
 class PlyWalker {
  public:

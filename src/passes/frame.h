@@ -25,6 +25,7 @@ struct Frame {
   const RenderSettings& settings;
   Light light;                    ///< settings.light_text, parsed
   Target& target;
+  bool wants_normal;              ///< the caller reads target.normal; else it may stay undefined
   gl::Timers& timers;
   Progress& progress;
 };

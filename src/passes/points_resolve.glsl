@@ -9,15 +9,15 @@ layout(binding = UNIT_PLACES) uniform usamplerBuffer places;
 uniform uint chunk_first;
 uniform uint chunk_count;
 uniform bool write_background;
-uniform bool has_normals;
-uniform bool has_shadow;
 
 bool filter_pixel(ivec2 pixel) {
   uint source = texelFetch(source_index, pixel, 0).x;
   if (source == 0xffffffffu) {
     out_0 = vec4(0.0);
     out_1 = vec4(infinity);
+#ifdef WRITE_NORMAL
     out_2 = vec4(0.0, 0.0, 0.0, 1.0);
+#endif
     return write_background;
   }
   uint i = texelFetch(places, int(source)).x - chunk_first;
@@ -25,13 +25,17 @@ bool filter_pixel(ivec2 pixel) {
   float depth = uintBitsToFloat(texelFetch(depth_bits, pixel, 0).x);
   out_0 = vec4(point_color(int(i)), 1.0);
   out_1 = vec4(depth);
-  vec3 normal = vec3(0.0);
-  if (has_normals) {
-    normal = point_normal(int(i));
-    vec3 eye_normal = mat3(frame.eye_from_cloud) * normal;
-    vec3 eye = eye_from_pixel(vec2(pixel) + 0.5, depth);
-    if (dot(eye_normal, to_camera(eye)) < 0.0) normal = -normal;  // unoriented: towards the camera
-  }
-  out_2 = vec4(normal, has_shadow ? point_shadow(int(i)) : 1.0);
+#ifdef WRITE_NORMAL
+  out_2 = vec4(0.0, 0.0, 0.0, 1.0);
+#ifdef HAS_NORMALS
+  vec3 normal = point_normal(int(i));
+  vec3 eye_normal = mat3(frame.eye_from_cloud) * normal;
+  vec3 eye = eye_from_pixel(vec2(pixel) + 0.5, depth);
+  out_2.xyz = dot(eye_normal, to_camera(eye)) < 0.0 ? -normal : normal;  // unoriented: towards the camera
+#endif
+#ifdef HAS_SHADOW
+  out_2.w = point_shadow(int(i));
+#endif
+#endif
   return true;
 }

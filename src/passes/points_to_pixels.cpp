@@ -52,29 +52,44 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
   return points;
 }
 
-void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers) {
+void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,
+                             bool with_normals) {
   auto timing = timers.scope("resolve");
   gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
   gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
-  gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
-  if (!resolve_)
-    resolve_ = ScreenPass("passes/points_resolve.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+  if (with_normals) gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
+  ScreenPass& resolve =
+      resolve_[with_normals * 1 + (with_normals && cloud.has_normals()) * 2 + (with_normals && cloud.has_shadow()) * 4];
+  if (!resolve) {
+    gl::Defines defines;
+    std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
+    if (with_normals) {
+      defines.push_back("WRITE_NORMAL");
+      formats.push_back(GL_RGBA32F);
+      if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
+      if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
+    }
+    resolve = ScreenPass("passes/points_resolve.glsl", formats, defines);
+  }
   view.bind();
   cloud.bind_places();
   bool first = true;
   if (cloud.chunks().empty()) {
     layer.albedo.clear(vec4(0));
     layer.depth.clear(vec4(INFINITY));
-    layer.normal.clear(vec4(0, 0, 0, 1));
+    if (with_normals) layer.normal.clear(vec4(0, 0, 0, 1));
   }
   for (GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
     cloud.bind_colors(chunk);
-    cloud.bind_normals(chunk);
-    cloud.bind_shadow(chunk);
-    resolve_.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
-    resolve_.set("has_normals", cloud.has_normals()).set("has_shadow", cloud.has_shadow());
-    resolve_.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth, &layer.normal});
+    resolve.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+    if (with_normals) {
+      if (cloud.has_normals()) cloud.bind_normals(chunk);
+      if (cloud.has_shadow()) cloud.bind_shadow(chunk);
+      resolve.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth, &layer.normal});
+    } else {
+      resolve.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth});
+    }
     first = false;
   }
 }

@@ -39,14 +39,15 @@ class PointsToPixels {
   /// Only the depth visit, into `layer.depth_bits`: enough for light maps and culling.
   std::uint64_t draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
                            const gl::Texture* reference = nullptr, float min_gap = 0);
-  /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing).
-  void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers);
+  /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
+  /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
+  void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers, bool with_normals = true);
 
  private:
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap);
   gl::Program programs_[8];
-  ScreenPass resolve_;
+  ScreenPass resolve_[8];
 };
 
 }  // namespace sfumato

@@ -34,7 +34,7 @@ std::string output_declarations(const std::vector<GLenum>& formats, bool compute
     const Format& f = describe(formats[i]);
     const std::string n = std::to_string(i), type = f.integer ? "uvec4" : "vec4";
     if (compute)
-      text += type + " out_" + n + ";\nlayout(" + f.glsl + ", binding = " + n + ") writeonly uniform " +
+      text += type + " out_" + n + " = " + type + "(0);\nlayout(" + f.glsl + ", binding = " + n + ") writeonly uniform " +
               (f.integer ? "uimage2D" : "image2D") + " image_" + n + ";\n";
     else
       text += "layout(location = " + n + ") out " + type + " out_" + n + ";\n";

@@ -50,7 +50,8 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   glFinish();
   const auto start = std::chrono::steady_clock::now();
 
-  Frame frame{*s.cloud, camera, settings, Light::parse(settings.light_text), s.target, timers, progress};
+  Frame frame{*s.cloud, camera, settings, Light::parse(settings.light_text), s.target, wants.normal, timers,
+              progress};
   while (!technique.render(frame)) progress.check();
 
   Auto<bool> edl = settings.edl;

@@ -29,12 +29,16 @@ class Points final : public Technique {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
 
-    // The layer resolves straight into the target where nothing has to be shaded.
-    const bool shade = frame.settings.shading != Shading::albedo;
+    // Resolve straight into the target; only what has to be shaded takes the way through another texture. Points
+    // without normals and shadows are lit evenly: their colour is their albedo.
+    const Shading shading = frame.settings.shading;
+    const bool has_light = frame.cloud.has_normals() || frame.cloud.has_shadow();
+    const bool shade = shading == Shading::lit ? has_light || !evenly_lit(frame.settings.phong)
+                                               : shading != Shading::albedo;
     std::swap(layer_.depth, frame.target.depth);
     std::swap(layer_.normal, frame.target.normal);
     if (!shade) std::swap(layer_.albedo, frame.target.color);
-    to_pixels_.resolve(frame.cloud, view, layer_, frame.timers);
+    to_pixels_.resolve(frame.cloud, view, layer_, frame.timers, shade || frame.wants_normal);
     std::swap(layer_.depth, frame.target.depth);
     std::swap(layer_.normal, frame.target.normal);
     if (!shade) {
@@ -48,6 +52,8 @@ class Points final : public Technique {
   }
 
  private:
+  static bool evenly_lit(const Phong& phong) { return phong.ambient + phong.diffuse == 1; }
+
   Footprint footprint_{SizeMode::adaptive, 1.5f};
   PointsToPixels to_pixels_;
   PixelLayer layer_;

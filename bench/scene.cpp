@@ -1,0 +1,56 @@
+#include "scene.h"
+
+#include "analysis/prepare.h"
+#include "gl/context.h"
+#include "io/io.h"
+#include "tori.h"
+
+namespace sfumato::bench {
+
+Renderer& tori_renderer(std::size_t count, Attributes needs) {
+  static std::unique_ptr<gl::Context> context = gl::Context::create_headless();
+  static Renderer renderer(*context);
+  static std::size_t loaded = 0;
+  if (loaded != count || !needs.without(renderer.prepared().available).empty()) {
+    PreparedCloud prepared = analysis::prepare(io::read(tori_file(count)).cloud, needs, {});
+    std::vector<Rgba8> colors = prepared.cloud.colors;
+    for (Rgba8& c : colors) c.a = 255;
+    renderer.set_cloud(std::move(prepared), std::move(colors));
+    loaded = count;
+  }
+  return renderer;
+}
+
+Camera tori_camera(int frame, int width, int height) {
+  Camera camera;
+  const double angle = glm::radians(double(frame));
+  camera.position = {3.2 * std::sin(angle), -3.2 * std::cos(angle), 2.2};
+  camera.target = {0, 0, 0};
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
+RenderSettings plain_settings(Shading shading, bool edl) {
+  RenderSettings settings;
+  settings.shading = shading;
+  settings.edl.user = edl;
+  return settings;
+}
+
+void time_frames(benchmark::State& state, Technique& technique, std::size_t count, const RenderSettings& settings,
+                 int width, int height) {
+  Renderer& renderer = tori_renderer(count, technique.needs());
+  renderer.render(technique, tori_camera(0, width, height), settings);  // shaders and uploads
+  int frame = 0;
+  for (auto _ : state)
+    state.SetIterationTime(1e-3 * renderer.render(technique, tori_camera(++frame, width, height), settings).total_ms);
+}
+
+void set(Technique& technique, const std::string& name, const std::string& value) {
+  ParamList params;
+  technique.describe(params);
+  params.find(name)->set(value);
+}
+
+}  // namespace sfumato::bench

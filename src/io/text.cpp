@@ -1,0 +1,284 @@
+// Lines of numbers (XYZ, TXT, CSV, PTS, ASC): blanks, tabs, commas and semicolons separate, mixed as they come. The
+// columns are named by a header line or guessed from the first lines; the guess is a note of the report.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+
+#include "io/columns.h"
+#include "io/file.h"
+#include "io/format.h"
+#include "io/text_rows.h"
+
+namespace sfumato::io {
+namespace {
+
+constexpr std::size_t sample_lines = 100;
+constexpr std::size_t most_columns = 256;
+
+bool is_separator(char c) { return c == ',' || c == ';'; }
+
+bool is_comment(std::string_view line) {
+  const char* at = skip_blanks(line.data(), line.data() + line.size());
+  const std::string_view text(at, std::size_t(line.data() + line.size() - at));
+  return text.starts_with('#') || text.starts_with("//") || text.starts_with('%');
+}
+
+/// The words of a line. An empty cell between two commas is a word too; one behind the last comma is not.
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> words;
+  const char *at = line.data(), *end = at + line.size();
+  while ((at = skip_blanks(at, end)) < end) {
+    const char* word = at;
+    while (at < end && !is_blank(*at) && !is_separator(*at)) ++at;
+    words.emplace_back(word, std::size_t(at - word));
+    at = skip_blanks(at, end);
+    if (at < end && is_separator(*at)) ++at;
+  }
+  return words;
+}
+
+std::optional<double> to_number(std::string_view word) {
+  double value = 0;
+  const char* end = word.data() + word.size();
+  if (word.empty()) return std::nan("");
+  if (parse_number(word.data(), end, value) != end) return std::nullopt;
+  return value;
+}
+
+/// All words as numbers, or nothing.
+std::optional<std::vector<double>> to_numbers(const std::vector<std::string_view>& words) {
+  std::vector<double> numbers;
+  for (std::string_view word : words) {
+    const std::optional<double> number = to_number(word);
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/// `//X` and `"Red"` are x and red; the case of other names is kept.
+std::string clean_name(std::string_view word) {
+  while (!word.empty() && (word.front() == '/' || word.front() == '#' || word.front() == '"')) word.remove_prefix(1);
+  while (!word.empty() && word.back() == '"') word.remove_suffix(1);
+  return std::string(word);
+}
+
+/// What the first lines of a file tell.
+struct Beginning {
+  std::vector<std::string> header;         ///< names, when the last line before the numbers holds some
+  std::vector<std::vector<double>> rows;   ///< the first lines of numbers
+  std::uint64_t begin = 0, first_line = 1; ///< where the numbers begin
+  bool has_count = false;                  ///< a lone count came first (PTS)
+};
+
+Beginning look_at_beginning(const File& file) {
+  Beginning found;
+  LineReader lines(file, 0, 1);
+  std::string_view line;
+  std::uint64_t at = 0;
+  std::size_t looked = 0;
+  while (found.rows.size() < sample_lines && looked++ < 10 * sample_lines && lines.next(line)) {
+    const std::uint64_t here = at;
+    at += line.size() + 1;
+    if (here == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);  // byte order mark
+    std::vector<std::string_view> words = split(line);
+    if (words.empty()) continue;
+    std::optional<std::vector<double>> numbers = is_comment(line) ? std::nullopt : to_numbers(words);
+    const bool lone = numbers && numbers->size() == 1;
+    if (found.rows.empty() && (!numbers || lone)) {
+      found.begin = at;
+      found.first_line = lines.line_number() + 1;
+      found.has_count = found.has_count || lone;
+      if (numbers) continue;
+      found.header.clear();
+      for (std::string_view word : words)
+        if (const std::string name = clean_name(word); !name.empty()) found.header.push_back(name);
+    } else if (numbers && !lone) {
+      found.rows.push_back(std::move(*numbers));
+    }
+  }
+  return found;
+}
+
+/// Questions about a column of the first lines.
+class Sample {
+ public:
+  explicit Sample(const std::vector<std::vector<double>>& rows) : rows_(rows) {}
+  bool are_bytes(std::size_t first) const {
+    return all(first, 3, [](const double* v) {
+      for (int k = 0; k < 3; ++k)
+        if (!(v[k] >= 0 && v[k] <= 255 && v[k] == std::floor(v[k]))) return false;
+      return true;
+    });
+  }
+  bool are_fractions(std::size_t first) const {
+    return all(first, 3, [](const double* v) {
+      return v[0] >= 0 && v[0] <= 1 && v[1] >= 0 && v[1] <= 1 && v[2] >= 0 && v[2] <= 1;
+    });
+  }
+  bool are_normals(std::size_t first) const {
+    return all(first, 3, [](const double* v) {
+      const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      return square == 0 || std::abs(square - 1) < 0.02 || !std::isfinite(square);
+    });
+  }
+
+ private:
+  template <class Test>
+  bool all(std::size_t first, std::size_t count, Test&& test) const {
+    return std::all_of(rows_.begin(), rows_.end(), [&](const std::vector<double>& row) {
+      return row.size() >= first + count && test(row.data() + first);
+    });
+  }
+  const std::vector<std::vector<double>>& rows_;
+};
+
+std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width) {
+  const Sample sample(rows);
+  std::vector<std::string> names = {"x", "y", "z"};
+  bool color = false, normal = false, intensity = false;
+  const auto add = [&](std::initializer_list<const char*> group) { names.insert(names.end(), group.begin(), group.end()); };
+  while (names.size() < width) {
+    const std::size_t at = names.size(), left = width - at;
+    // x y z i r g b: three bytes behind one more column are the colour, and the column is the intensity.
+    const bool shifted = left >= 4 && !intensity && sample.are_bytes(at + 1) && (left == 4 || !sample.are_bytes(at));
+    if (left >= 3 && !color && !shifted && sample.are_bytes(at)) {
+      add({"red", "green", "blue"});
+      color = true;
+    } else if (left >= 3 && !normal && sample.are_normals(at)) {
+      add({"nx", "ny", "nz"});
+      normal = true;
+    } else if (left >= 3 && !color && !shifted && sample.are_fractions(at)) {
+      add({"red", "green", "blue"});
+      color = true;
+    } else if (!intensity) {
+      add({"intensity"});
+      intensity = true;
+    } else {
+      names.push_back("column_" + std::to_string(at + 1));
+    }
+  }
+  return names;
+}
+
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
+
+/// The columns of a line by name; `_` is passed over.
+class PointLines final : public LineGrammar {
+ public:
+  PointLines(std::vector<bool> wanted, bool allow_counts) : wanted_(std::move(wanted)), allow_counts_(allow_counts) {}
+  bool counts(std::string_view line) const override { return LineGrammar::counts(line) && !is_comment(line); }
+  bool parse(std::string_view line, double* row) const override {
+    const char *at = line.data(), *end = at + line.size();
+    for (std::size_t k = 0; k < wanted_.size(); ++k) {
+      at = skip_blanks(at, end);
+      if (at == end || *at == '#') {
+        if (k == 1 && allow_counts_) return false;  // the count of the next scan
+        throw LineError("found " + std::to_string(k) + " numbers, expected " + std::to_string(wanted_.size()));
+      }
+      double value = std::nan("");
+      if (!is_separator(*at)) {
+        const char* behind = parse_number(at, end, value);
+        const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
+        if (!wanted_[k]) behind = word_end(at, end);
+        else if (!whole)
+          throw LineError("found '" + std::string(at, word_end(at, std::min(end, at + 20))) + "', expected a number in column " +
+                          std::to_string(k + 1));
+        at = skip_blanks(behind, end);
+      }
+      if (at < end && is_separator(*at)) ++at;
+      if (wanted_[k]) *row++ = value;
+    }
+    return true;
+  }
+
+ private:
+  static const char* word_end(const char* at, const char* end) {
+    while (at < end && !is_blank(*at) && !is_separator(*at)) ++at;
+    return at;
+  }
+  std::vector<bool> wanted_;
+  bool allow_counts_;
+};
+
+/// Names of the columns: what the user says, else the header line, else the guess.
+std::vector<std::string> name_columns(const File& file, const Beginning& beginning, const ReadOptions& options,
+                                      std::vector<std::string>& notes) {
+  std::size_t width = most_columns + 1;
+  for (const std::vector<double>& row : beginning.rows) width = std::min(width, row.size());
+  const std::string place = "line " + std::to_string(beginning.first_line);
+  if (beginning.rows.empty() && options.columns.empty())
+    bad_input(file.path(), place, "found no line of numbers, expected lines 'x y z ...'; this is no text of points");
+  if (!options.columns.empty()) {
+    if (!beginning.rows.empty() && options.columns.size() > width)
+      bad_input(file.path(), place, "found " + std::to_string(width) + " numbers, expected " +
+                                        std::to_string(options.columns.size()) + " as the columns given; name fewer");
+    return options.columns;
+  }
+  if (width < 3 || width > most_columns)
+    bad_input(file.path(), place, "found " + std::to_string(std::min(width, most_columns)) +
+                                      " numbers in a line, expected x y z and at most " + std::to_string(most_columns) +
+                                      "; this is no text of points");
+  if (beginning.header.size() == width) {
+    std::vector<Column> columns;
+    for (const std::string& name : beginning.header) columns.push_back({name});
+    if (assign_roles(columns)) {
+      notes.push_back("columns from the header line: " + join(beginning.header));
+      return beginning.header;
+    }
+  }
+  std::vector<std::string> names = guess_columns(beginning.rows, width);
+  notes.push_back("columns guessed from the first " + std::to_string(beginning.rows.size()) + " lines: " + join(names) +
+                  " (--columns names them otherwise)");
+  return names;
+}
+
+}  // namespace
+
+bool is_text(std::string_view head) {
+  // Printable as far as we see, and a line that starts with three numbers somewhere.
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 && c != '\n' && !is_blank(c); };
+  if (std::any_of(head.begin(), head.end(), is_control)) return false;
+  while (!head.empty()) {
+    const std::size_t end = std::min(head.find('\n'), head.size());
+    const std::vector<std::string_view> words = split(head.substr(0, end));
+    const bool numbers = words.size() >= 3 && std::all_of(words.begin(), words.begin() + 3, [](std::string_view word) {
+                           return to_number(word).has_value();
+                         });
+    if (numbers) return true;
+    head.remove_prefix(std::min(head.size(), end + 1));
+  }
+  return false;
+}
+
+ReadResult read_text(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+  const File file(path);
+  const Beginning beginning = look_at_beginning(file);
+  ReadResult result;
+  const std::vector<std::string> names = name_columns(file, beginning, options, result.report.notes);
+  std::vector<Column> columns;
+  std::vector<bool> wanted;
+  for (const std::string& name : names) {
+    wanted.push_back(name != "_");
+    if (name != "_") columns.push_back({name, StoredType::float64});
+  }
+  if (!assign_roles(columns))
+    throw Error(options.columns.empty() ? ErrorCode::bad_input : ErrorCode::usage,
+                path.string() + ": the columns " + join(names) + " lack x, y or z; name them");
+  const PointLines grammar(std::move(wanted), beginning.has_count);
+  const TextBlocks text = cut_lines(file, beginning.begin, beginning.first_line, grammar, progress);
+  read_rows(file, text, 0, text.rows, grammar, std::move(columns), false, progress, result);
+  if (result.report.points == 0)
+    bad_input(path, "line " + std::to_string(text.lines), "the file ends without a point; this is no text of points");
+  // Text says nothing about types: float unless the numbers need the offset.
+  for (ScalarField& field : result.cloud.scalars)
+    field.type = field.offset == 0 ? StoredType::float32 : StoredType::float64;
+  return result;
+}
+
+}  // namespace sfumato::io
