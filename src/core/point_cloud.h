@@ -38,6 +38,8 @@ struct Grid {
 struct LasScaling {
   dvec3 scale{0.001}, offset{0};
   bool colors_16bit = true;  ///< false: the file held 0..255 in its 16-bit fields
+  bool colors_shifted = false;  ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
+  int point_format = -1;     ///< of the file, 0 to 10; -1 unknown
 };
 
 /// Axis that points away from the ground.

@@ -5,6 +5,7 @@
 
 #include "io/file.h"
 #include "io/format.h"
+#include "io/las.h"
 
 namespace sfumato::io {
 namespace {
@@ -15,6 +16,9 @@ const std::vector<Format>& table() {
       {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, read_ply_mesh},
       {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd},
       {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh},
+      {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las},
+      {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz},
+      {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las},
       // Last: any lines of numbers are text.
       {"text", {".xyz", ".txt", ".csv", ".pts", ".asc"}, "lines of numbers, columns guessed", is_text, read_text},
   };

@@ -1,0 +1,15 @@
+// The octree of a COPC 1.0 file: a list of LASzip chunks.
+#pragma once
+
+#include <vector>
+
+#include "io/laz_chunk.h"
+
+namespace sfumato::io::las {
+
+/// The nodes that hold points, by their place in the file, so that their points come in the order of a linear read.
+/// Throws Error(bad_input) for pages outside the file, cycles, duplicate or impossible nodes, and counts beyond the
+/// header's.
+std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& header, const LazLayout& layout);
+
+}  // namespace sfumato::io::las

@@ -1,0 +1,143 @@
+#include "io/las.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "io/copc_hierarchy.h"
+#include "io/las_points.h"
+#include "io/laz_table.h"
+
+namespace sfumato::io {
+namespace las {
+namespace {
+
+// Points per task of uncompressed files, and per step of a sequential read.
+constexpr std::size_t block_size = 1 << 16;
+// Compressed points that are stored without their file having proved them byte by byte: below this a wrong count
+// costs little; above it the cloud grows only as the chunks come out right.
+constexpr std::uint64_t trusted_points = 1 << 22;
+constexpr std::uint64_t trusted_ratio = 64;
+
+using Stats = PointCollector::Stats;
+
+std::vector<std::uint8_t> first_record(const InputFile& file, const Header& header, std::uint64_t byte) {
+  // The first point of a chunk, and so of a file, is stored as it is, compressed or not.
+  std::vector<std::uint8_t> record(header.count ? header.record_length : 0);
+  file.read(byte, record.data(), record.size());
+  return record;
+}
+
+ReadResult read_uncompressed(const InputFile& file, const Header& header, Progress& progress) {
+  PointCollector points(header, first_record(file, header, header.point_data));
+  points.resize(header.count);  // the header check has seen that the file holds them
+  const std::size_t blocks = (header.count + block_size - 1) / block_size;
+  std::vector<Stats> stats(blocks, points.empty_stats());
+  parallel_tasks(blocks, progress, "reading points", [&](std::size_t i) {
+    const std::size_t first = i * block_size, count = std::min<std::size_t>(block_size, header.count - first);
+    std::vector<std::uint8_t> records(count * header.record_length);
+    file.read(header.point_data + first * header.record_length, records.data(), records.size());
+    points.unpack(first, records.data(), count, stats[i]);
+  });
+  return points.finish(stats, progress);
+}
+
+ReadResult read_chunks(const InputFile& file, const Header& header, const LazLayout& layout,
+                       const std::vector<LazChunk>& chunks, Progress& progress) {
+  PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
+  const std::uint64_t total = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
+  const bool is_trusted =
+      total <= trusted_points || total * points.bytes_per_point() <= trusted_ratio * file.size();
+  if (is_trusted) points.reserve(total);
+  std::vector<Stats> stats(chunks.size(), points.empty_stats());
+  for (std::size_t begin = 0, end = 0; begin < chunks.size(); begin = end) {
+    std::uint64_t last_point = chunks[begin].first;
+    while (end < chunks.size() && (end == begin || is_trusted || last_point - chunks[begin].first < trusted_points)) {
+      last_point += chunks[end].count;
+      ++end;
+    }
+    points.resize(last_point);
+    parallel_tasks(end - begin, progress, "decoding points", [&](std::size_t task) {
+      const LazChunk& chunk = chunks[begin + task];
+      LazDecoder decoder(file, layout, chunk);
+      std::vector<std::uint8_t> records;
+      for (std::size_t done = 0; done < chunk.count;) {
+        progress.check();
+        const std::size_t count = std::min<std::size_t>(block_size, chunk.count - done);
+        records.resize(count * layout.record_length);
+        decoder.decode(records.data(), count);
+        points.unpack(chunk.first + done, records.data(), count, stats[begin + task]);
+        done += count;
+      }
+    });
+  }
+  return points.finish(stats, progress);
+}
+
+// Without a chunk table the chunks of point formats 0 to 5 can only be found by decoding one after the other.
+ReadResult read_run(const InputFile& file, const Header& header, const LazLayout& layout, Progress& progress) {
+  if (layout.is_chunked && layout.chunk_size == variable_chunks)
+    file.fail(header.point_data, "found no chunk table, expected one in a file of chunks of varying size; "
+                                 "the file is truncated or damaged, fetch it again");
+  const std::uint64_t byte = header.point_data + (layout.is_chunked ? 8 : 0);
+  PointCollector points(header, first_record(file, header, byte));
+  LazDecoder decoder(file, layout, {byte, file.size() - std::min(byte, file.size()), 0, std::uint32_t(header.count)},
+                     true);
+  Stats stats = points.empty_stats();
+  std::vector<std::uint8_t> records(block_size * header.record_length);
+  for (std::uint64_t done = 0; done < header.count;) {
+    progress.check();
+    const std::size_t count = std::min<std::uint64_t>(block_size, header.count - done);
+    decoder.decode(records.data(), count);
+    points.resize(done + count);
+    points.unpack(done, records.data(), count, stats);
+    done += count;
+    progress.update(double(done) / double(header.count), "decoding points");
+  }
+  return points.finish({stats}, progress);
+}
+
+ReadResult read_compressed(const InputFile& file, const Header& header, Progress& progress) {
+  const LazLayout layout = read_laz_layout(file, header);
+  if (header.count == 0) return read_chunks(file, header, layout, {}, progress);
+  if (header.is_copc()) {
+    const std::vector<LazChunk> nodes = read_copc_nodes(file, header, layout);
+    const std::uint64_t points = nodes.empty() ? 0 : nodes.back().first + nodes.back().count;
+    if (points != header.count)
+      file.fail(247, "found " + std::to_string(header.count) + " points in the header, expected the " +
+                         std::to_string(points) + " of the octree; the file is truncated or damaged");
+    return read_chunks(file, header, layout, nodes, progress);
+  }
+  std::string reason;
+  if (auto chunks = read_chunk_table(file, header, layout, reason))
+    return read_chunks(file, header, layout, *chunks, progress);
+  ReadResult result = layout.is_layered
+                          ? read_chunks(file, header, layout, walk_layered_chunks(file, header, layout), progress)
+                          : read_run(file, header, layout, progress);
+  result.report.notes.push_back(reason + "; the points were found without it");
+  return result;
+}
+
+constexpr std::size_t format_byte = 104;
+
+}  // namespace
+}  // namespace las
+
+bool is_las(std::string_view head) { return head.starts_with("LASF"); }
+
+bool is_laz(std::string_view head) {
+  return is_las(head) && head.size() > las::format_byte && (std::uint8_t(head[las::format_byte]) & 0x80) != 0;
+}
+
+bool is_copc(std::string_view head) {
+  // COPC puts its record right behind a header of 375 bytes; the user id follows two reserved bytes.
+  return is_laz(head) && head.size() > 382 && head.substr(377, 5) == std::string_view("copc\0", 5);
+}
+
+ReadResult read_las(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+  const las::InputFile file(path);
+  const las::Header header = las::read_header(file);
+  return header.compressed ? las::read_compressed(file, header, progress)
+                           : las::read_uncompressed(file, header, progress);
+}
+
+}  // namespace sfumato::io

@@ -1,0 +1,49 @@
+// The dimensions of a LAS point record as a table, so that reader and writer share one description of each
+// point format and of the extra bytes behind it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/point_cloud.h"
+#include "io/las_header.h"
+
+namespace sfumato::io::las {
+
+/// One dimension: where its bits are in the record, and what they mean (value = raw * scale + offset).
+struct Field {
+  std::string name;
+  StoredType type = StoredType::uint8;
+  std::uint16_t byte = 0;
+  std::uint8_t shift = 0, bits = 0;  ///< of a bit field inside a uint8; bits = 0: the whole value
+  double scale = 1, offset = 0;
+  bool optional = false;  ///< left out of cloud and report when it is zero in every point
+  bool is_extra = false;  ///< lies in the extra bytes
+
+  bool is_color() const { return !is_extra && (name == "red" || name == "green" || name == "blue"); }
+  /// Whether a float may fail to hold the value, so that the remainder goes into a field of its own.
+  bool needs_residual() const;
+};
+
+std::size_t size_of(StoredType type);
+
+/// The standard dimensions of a point format (0 to 10) in the order of reports. Coordinates (bytes 0 to 11) and
+/// wave packets are not among them.
+std::vector<Field> standard_fields(int format);
+bool has_gps_time(int format);
+bool has_color(int format);
+
+/// The dimensions in the extra bytes: those the extra bytes records (all of them, in file order) describe, then
+/// undescribed bytes one by one, at most 16. Notes say what was left out.
+std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& notes);
+
+/// The extra bytes record (192 bytes a field) that describes `fields`.
+std::vector<std::uint8_t> extra_bytes_record(const std::vector<Field>& fields);
+
+/// Scalars that hold what the float of another scalar, or the 8 bits of a colour, cannot: added to the value on
+/// writing, so that LAS to LAS loses nothing.
+inline const std::string residual_suffix = "_residual";
+inline const std::string rgb_low_name = "rgb_low_bytes";  ///< red << 16 | green << 8 | blue
+
+}  // namespace sfumato::io::las

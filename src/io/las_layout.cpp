@@ -1,0 +1,262 @@
+#include "io/las_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace sfumato::io::las {
+namespace {
+
+constexpr double int32_reach = 2147483647.0;
+
+struct Range {
+  double low = 0, high = 0;
+  bool is_whole = true, is_finite = true;
+};
+
+Range range_of(const Source& source, const PointCloud& cloud) {
+  Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double value = source.value(cloud, i);
+    range.is_finite &= std::isfinite(value);
+    range.is_whole &= value == std::trunc(value);
+    range.low = std::min(range.low, value);
+    range.high = std::max(range.high, value);
+  }
+  if (cloud.empty()) range.low = range.high = 0;
+  return range;
+}
+
+// Least and largest value of an integer type; floats reach everywhere.
+std::pair<double, double> limits_of(const Field& field) {
+  if (field.bits) return {0, double((1 << field.bits) - 1)};
+  switch (field.type) {
+    case StoredType::uint8: return {0, 255};
+    case StoredType::int8: return {-128, 127};
+    case StoredType::uint16: return {0, 65535};
+    case StoredType::int16: return {-32768, 32767};
+    case StoredType::uint32: return {0, 4294967295.0};
+    case StoredType::int32: return {-2147483648.0, int32_reach};
+    // Beyond 2^53 a double skips whole numbers.
+    case StoredType::uint64: return {0, 9007199254740992.0};
+    case StoredType::int64: return {-9007199254740992.0, 9007199254740992.0};
+    default: return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  }
+}
+
+bool is_float(StoredType type) { return type == StoredType::float32 || type == StoredType::float64; }
+
+bool fits(const Range& range, const Field& field) {
+  if (is_float(field.type)) return true;
+  const auto [low, high] = limits_of(field);
+  const bool is_stepped = field.scale != 1;  // the scan angle of formats 6 to 10, in 0.006 degrees
+  return range.is_finite && (is_stepped || range.is_whole) && range.low >= low * field.scale &&
+         range.high <= high * field.scale;
+}
+
+bool is_rank(const Range& range) { return range.is_finite && range.is_whole && range.low >= -128 && range.high <= 127; }
+
+// Wave packets are not kept: their formats become the same ones without them.
+int without_waves(int format) {
+  switch (format) {
+    case 4: return 1;
+    case 5: return 3;
+    case 9: return 6;
+    case 10: return 8;
+    default: return format;
+  }
+}
+
+const Field* find(const std::vector<Field>& fields, const std::string& name) {
+  for (const Field& field : fields)
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+// The format with the fewest bytes that has what the cloud needs: of formats 0 to 3, or of 6 to 8.
+int least_format(bool is_extended, bool gps_time, bool color, bool nir) {
+  if (is_extended) return nir ? 8 : color ? 7 : 6;
+  return (gps_time ? 1 : 0) + (color ? 2 : 0);
+}
+
+template <class T>
+T clamped(double value) {
+  if (!std::isfinite(value)) return 0;
+  return T(std::clamp(std::round(value), double(std::numeric_limits<T>::min()), double(std::numeric_limits<T>::max())));
+}
+
+void put_value(const Field& field, double value, std::uint8_t* record) {
+  std::uint8_t* at = record + field.byte;
+  if (field.bits) {
+    *at = std::uint8_t(*at | (unsigned(clamped<std::uint8_t>(value)) & ((1u << field.bits) - 1)) << field.shift);
+    return;
+  }
+  if (field.scale != 1) value /= field.scale;
+  switch (field.type) {
+    case StoredType::uint8: return put(at, clamped<std::uint8_t>(value));
+    case StoredType::int8: return put(at, clamped<std::int8_t>(value));
+    case StoredType::uint16: return put(at, clamped<std::uint16_t>(value));
+    case StoredType::int16: return put(at, clamped<std::int16_t>(value));
+    case StoredType::uint32: return put(at, clamped<std::uint32_t>(value));
+    case StoredType::int32: return put(at, clamped<std::int32_t>(value));
+    case StoredType::uint64: return put(at, std::uint64_t(std::max(0.0, std::round(value))));
+    case StoredType::int64: return put(at, std::int64_t(std::round(value)));
+    case StoredType::float32: return put(at, float(value));
+    case StoredType::float64: return put(at, value);
+  }
+}
+
+// The cloud's own scaling when it reaches all points; else powers of ten near a float's precision.
+void choose_scaling(const PointCloud& cloud, WriteLayout& layout) {
+  const Bounds box = bounds(cloud);
+  if (cloud.las) {
+    layout.scale = cloud.las->scale;
+    layout.offset = cloud.las->offset;
+    bool reaches = true;
+    for (int axis = 0; axis < 3; ++axis)
+      reaches &= layout.scale[axis] != 0 &&
+                 std::max(std::abs(box.min[axis] - layout.offset[axis]), std::abs(box.max[axis] - layout.offset[axis])) <
+                     std::abs(layout.scale[axis]) * (int32_reach - 1);
+    if (reaches) return;
+  }
+  const dvec3 size = box.size();
+  const double extent = std::max({size.x, size.y, size.z, 1e-9});
+  // 2^23 steps over the cloud: a float relative to its centre is no finer.
+  layout.scale = dvec3(std::pow(10, std::floor(std::log10(extent / 8388608.0))));
+  for (int axis = 0; axis < 3; ++axis)
+    layout.offset[axis] = std::round(box.center()[axis] / layout.scale[axis]) * layout.scale[axis];
+}
+
+std::vector<Source> sources_of(const PointCloud& cloud) {
+  std::vector<Source> sources;
+  auto residual_of = [&](const std::string& name) { return cloud.scalar(name + residual_suffix); };
+  for (const ScalarField& scalar : cloud.scalars) {
+    const std::string& name = scalar.name;
+    const bool is_residual =
+        name == rgb_low_name ||
+        (name.ends_with(residual_suffix) && cloud.scalar(name.substr(0, name.size() - residual_suffix.size())));
+    if (is_residual && !(name == rgb_low_name && cloud.colors.empty())) continue;
+    sources.push_back({Field{name, scalar.type}, &scalar, residual_of(name)});
+  }
+  auto add = [&](const char* name, int axis, bool is_radius) {
+    Source source{Field{name, StoredType::float32}};
+    source.normal_axis = axis;
+    source.is_radius = is_radius;
+    sources.push_back(source);
+  };
+  if (!cloud.normals.empty()) add("nx", 0, false), add("ny", 1, false), add("nz", 2, false);
+  if (!cloud.radii.empty()) add("radius", -1, true);
+  return sources;
+}
+
+// A type that holds the values: the one of the scalar's file, else a float, of 64 bits when the value is a sum.
+StoredType extra_type(const Source& source, const Range& range) {
+  if (!is_float(source.field.type) && fits(range, source.field)) return source.field.type;
+  if (source.residual || (source.scalar && source.scalar->offset != 0)) return StoredType::float64;
+  return source.field.type == StoredType::float64 ? StoredType::float64 : StoredType::float32;
+}
+
+}  // namespace
+
+double Source::value(const PointCloud& cloud, std::size_t i) const {
+  if (normal_axis >= 0) return cloud.normals[i][normal_axis];
+  if (is_radius) return cloud.radii[i];
+  if (!residual) return scalar->value(i);
+  const double rest = residual->value(i);
+  // The two parts first: their sum is exact, and only then meets the large offset.
+  return std::isfinite(rest) ? scalar->offset + (double(scalar->values[i]) + rest) : scalar->value(i);
+}
+
+WriteLayout choose_layout(const PointCloud& cloud) {
+  WriteLayout layout;
+  choose_scaling(cloud, layout);
+  if (cloud.las) {
+    layout.colors_shifted = cloud.las->colors_shifted;
+    layout.colors_16bit = cloud.las->colors_16bit;
+  }
+  std::vector<Source> sources = sources_of(cloud);
+  std::vector<Range> ranges;
+  for (const Source& source : sources) ranges.push_back(range_of(source, cloud));
+
+  // Formats 0 to 5 have no room for classes above 31, more than 7 returns, fractions of degrees, ...
+  const std::vector<Field> old_fields = standard_fields(3), new_fields = standard_fields(8);
+  bool needs_extended = cloud.las && cloud.las->point_format >= 6, gps_time = false, nir = false;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::string& name = sources[i].field.name;
+    gps_time |= name == "gps_time";
+    nir |= name == "nir" && fits(ranges[i], *find(new_fields, name));
+    const Field *old_field = find(old_fields, name), *new_field = find(new_fields, name);
+    if (!new_field || !fits(ranges[i], *new_field)) continue;
+    needs_extended |= name == "scan_angle" ? !is_rank(ranges[i]) : !old_field || !fits(ranges[i], *old_field);
+  }
+  layout.format = least_format(needs_extended, gps_time, !cloud.colors.empty(), nir);
+  if (cloud.las && cloud.las->point_format >= 0) {
+    const int own = without_waves(cloud.las->point_format);
+    const bool has_all = has_gps_time(own) >= gps_time && has_color(own) == !cloud.colors.empty() &&
+                         (own == 8) >= nir && (own >= 6) >= needs_extended;
+    if (has_all) layout.format = own;
+  }
+
+  const std::vector<Field> standard = standard_fields(layout.format);
+  std::size_t byte = min_record_length[std::size_t(layout.format)];
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    Source& source = sources[i];
+    const Field* field = find(standard, source.field.name);
+    if (field && !field->is_color() && fits(ranges[i], *field)) {
+      source.field = *field;
+    } else {
+      source.field.type = extra_type(source, ranges[i]);
+      source.field.is_extra = true;
+      source.field.byte = std::uint16_t(byte);
+      // A LAS name has 32 bytes; shortened ones must stay different.
+      std::string name = source.field.name.substr(0, 32);
+      for (int k = 2; !names.insert(name).second; ++k) name = source.field.name.substr(0, 28) + "_" + std::to_string(k);
+      source.field.name = name;
+      byte += size_of(source.field.type);
+      layout.extra.push_back(source.field);
+    }
+    if (byte > 65535)
+      throw Error(ErrorCode::usage, "the cloud has " + std::to_string(sources.size()) +
+                                        " attributes, more than a LAS record holds; write .ply instead");
+    layout.sources.push_back(source);
+  }
+  layout.record_length = std::uint16_t(byte);
+  return layout;
+}
+
+std::array<std::int32_t, 3> WriteLayout::steps(const PointCloud& cloud, std::size_t i) const {
+  std::array<std::int32_t, 3> result;
+  const dvec3 world = cloud.world(i);
+  for (int axis = 0; axis < 3; ++axis)
+    result[std::size_t(axis)] = clamped<std::int32_t>((world[axis] - offset[axis]) / scale[axis]);
+  return result;
+}
+
+void WriteLayout::pack(const PointCloud& cloud, std::size_t first, std::size_t count, std::uint8_t* records) const {
+  const ScalarField* low = cloud.scalar(rgb_low_name);
+  const std::size_t color = !cloud.colors.empty() ? find(standard_fields(format), "red")->byte : 0;
+  // A scan without return numbers has one return a point.
+  const bool has_number = cloud.scalar("return_number"), has_total = cloud.scalar("number_of_returns");
+  for (std::size_t i = first; i < first + count; ++i) {
+    std::uint8_t* record = records + (i - first) * record_length;
+    const std::array<std::int32_t, 3> xyz = steps(cloud, i);
+    std::memcpy(record, xyz.data(), sizeof xyz);
+    if (!has_number) record[14] = 1;
+    if (!has_total) record[14] = std::uint8_t(record[14] | 1 << (format >= 6 ? 4 : 3));
+    for (const Source& source : sources) put_value(source.field, source.value(cloud, i), record);
+    if (cloud.colors.empty()) continue;
+    const Rgba8& rgba = cloud.colors[i];
+    const double packed = low ? low->value(i) : 0;
+    const auto low_bytes = std::uint32_t(std::isfinite(packed) ? packed : 0);
+    const std::uint8_t channels[3] = {rgba.r, rgba.g, rgba.b};
+    for (unsigned c = 0; c < 3; ++c) {
+      const unsigned high = channels[c];
+      const unsigned rest = low ? (low_bytes >> (16 - 8 * c)) & 255 : colors_shifted ? 0 : high;
+      put<std::uint16_t>(record + color + 2 * c, std::uint16_t(colors_16bit ? high << 8 | rest : high));
+    }
+  }
+}
+
+}  // namespace sfumato::io::las

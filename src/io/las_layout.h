@@ -1,0 +1,42 @@
+// How a cloud is laid out as LAS point records.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/point_cloud.h"
+#include "io/las_fields.h"
+
+namespace sfumato::io::las {
+
+/// Where the values of one field come from.
+struct Source {
+  Field field;
+  const ScalarField* scalar = nullptr;
+  const ScalarField* residual = nullptr;  ///< added to `scalar`
+  int normal_axis = -1;                   ///< 0 to 2: the normal's component instead
+  bool is_radius = false;
+
+  double value(const PointCloud& cloud, std::size_t i) const;
+};
+
+struct WriteLayout {
+  int format = 0;
+  std::uint16_t record_length = 0;
+  dvec3 scale{0.001}, offset{0};
+  bool colors_shifted = false, colors_16bit = true;
+  std::vector<Source> sources;  ///< fields that get values; the others stay zero
+  std::vector<Field> extra;     ///< those of them in the extra bytes, in order
+
+  /// The coordinates of point `i` in steps of `scale` from `offset`.
+  std::array<std::int32_t, 3> steps(const PointCloud& cloud, std::size_t i) const;
+  /// Writes points [first, first + count) as packed records into zeroed memory.
+  void pack(const PointCloud& cloud, std::size_t first, std::size_t count, std::uint8_t* records) const;
+};
+
+/// The cloud's own format and scaling where they hold its values; every scalar finds a place. Throws Error(usage)
+/// when a record would be longer than 65535 bytes.
+WriteLayout choose_layout(const PointCloud& cloud);
+
+}  // namespace sfumato::io::las

@@ -1,0 +1,344 @@
+#include "io/las_points.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace sfumato::io::las {
+namespace {
+
+// Records handled at a time: the columns walk them one after the other, so that they should stay in cache.
+constexpr std::size_t batch = 4096;
+// Points per task of the passes over the whole cloud.
+constexpr std::size_t pass_size = 1 << 18;
+
+double raw_value(const Field& field, const std::uint8_t* record) {
+  const std::uint8_t* at = record + field.byte;
+  switch (field.type) {
+    case StoredType::uint8: return *at;
+    case StoredType::int8: return get<std::int8_t>(at);
+    case StoredType::uint16: return get<std::uint16_t>(at);
+    case StoredType::int16: return get<std::int16_t>(at);
+    case StoredType::uint32: return get<std::uint32_t>(at);
+    case StoredType::int32: return get<std::int32_t>(at);
+    case StoredType::uint64: return double(get<std::uint64_t>(at));
+    case StoredType::int64: return double(get<std::int64_t>(at));
+    case StoredType::float32: return get<float>(at);
+    case StoredType::float64: return get<double>(at);
+  }
+  return 0;
+}
+
+// A round number near the middle of the box: the grid of the origin is ten times finer than the box.
+double round_center(double low, double high) {
+  const double extent = high - low, center = 0.5 * (low + high);
+  if (extent <= 0) return center;
+  const double step = std::pow(10, std::floor(std::log10(extent)) - 1);
+  return std::round(center / step) * step;
+}
+
+}  // namespace
+
+PointCollector::PointCollector(const Header& header, const std::vector<std::uint8_t>& first_record)
+    : header_(header) {
+  std::vector<Field> fields = standard_fields(header.format);
+  const std::vector<Field> extra = extra_fields(header, notes_);
+  fields.insert(fields.end(), extra.begin(), extra.end());
+  for (Field& field : fields) {
+    Column column{field};
+    if (field.is_color()) color_columns_[field.name == "red" ? 0 : field.name == "green" ? 1 : 2] = int(columns_.size());
+    if (field.needs_residual() && !first_record.empty()) {
+      const double value = std::trunc(raw_value(field, first_record.data()) * field.scale + field.offset);
+      if (std::abs(value) >= 65536 && std::abs(value) < 1e15) column.base = value;
+    }
+    columns_.push_back(std::move(column));
+  }
+}
+
+std::size_t PointCollector::bytes_per_point() const {
+  std::size_t bytes = sizeof(vec3) + 6;
+  for (const Column& column : columns_) bytes += column.field.needs_residual() ? 8 : 4;
+  return bytes;
+}
+
+void PointCollector::reserve(std::size_t points) {
+  positions_.reserve(points);
+  if (color_columns_[0] >= 0) colors_.reserve(points);
+  for (Column& column : columns_) {
+    if (column.field.is_color()) continue;
+    column.values.reserve(points);
+    if (column.field.needs_residual()) column.residuals.reserve(points);
+  }
+}
+
+void PointCollector::resize(std::size_t points) {
+  positions_.resize(points);
+  if (color_columns_[0] >= 0) colors_.resize(points);
+  for (Column& column : columns_) {
+    if (column.field.is_color()) continue;
+    column.values.resize(points);
+    if (column.field.needs_residual()) column.residuals.resize(points);
+  }
+}
+
+PointCollector::Stats PointCollector::empty_stats() const {
+  Stats stats;
+  stats.low.fill(std::numeric_limits<std::int32_t>::max());
+  stats.high.fill(std::numeric_limits<std::int32_t>::min());
+  stats.fields.resize(columns_.size());
+  return stats;
+}
+
+template <class T>
+void PointCollector::unpack_values(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
+                                   FieldStats& stats) {
+  const Field& field = column.field;
+  const std::size_t stride = header_.record_length;
+  const std::uint8_t* at = records + field.byte;
+  float* out = column.values.data() + first;
+  if (field.bits) {
+    const unsigned mask = (1u << field.bits) - 1;
+    unsigned low = mask, high = 0;
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < count; ++i, at += stride) {
+      const unsigned value = (unsigned(*at) >> field.shift) & mask;
+      low = std::min(low, value);
+      high = std::max(high, value);
+      sum += value;
+      out[i] = float(value);
+    }
+    stats.min = std::min(stats.min, double(low));
+    stats.max = std::max(stats.max, double(high));
+    stats.sum += double(sum);
+    stats.count += count;
+    return;
+  }
+  float* residual = field.needs_residual() ? column.residuals.data() + first : nullptr;
+  double low = stats.min, high = stats.max, sum = 0;
+  std::uint64_t finite = 0;
+  for (std::size_t i = 0; i < count; ++i, at += stride) {
+    const double value = double(get<T>(at)) * field.scale + field.offset;
+    if (std::is_integral_v<T> || std::isfinite(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+      sum += value;
+      ++finite;
+    }
+    const double delta = value - column.base;
+    out[i] = float(delta);
+    if (!residual) continue;
+    const float rest = float(delta - double(out[i]));
+    residual[i] = std::isfinite(rest) ? rest : 0;
+    stats.has_residual |= residual[i] != 0;
+    stats.is_inexact |= std::isfinite(value) && column.base + (double(out[i]) + double(residual[i])) != value;
+  }
+  stats.min = low;
+  stats.max = high;
+  stats.sum += sum;
+  stats.count += finite;
+}
+
+void PointCollector::unpack_column(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
+                                   FieldStats& stats) {
+  switch (column.field.type) {
+    case StoredType::uint8: return unpack_values<std::uint8_t>(column, first, records, count, stats);
+    case StoredType::int8: return unpack_values<std::int8_t>(column, first, records, count, stats);
+    case StoredType::uint16: return unpack_values<std::uint16_t>(column, first, records, count, stats);
+    case StoredType::int16: return unpack_values<std::int16_t>(column, first, records, count, stats);
+    case StoredType::uint32: return unpack_values<std::uint32_t>(column, first, records, count, stats);
+    case StoredType::int32: return unpack_values<std::int32_t>(column, first, records, count, stats);
+    case StoredType::uint64: return unpack_values<std::uint64_t>(column, first, records, count, stats);
+    case StoredType::int64: return unpack_values<std::int64_t>(column, first, records, count, stats);
+    case StoredType::float32: return unpack_values<float>(column, first, records, count, stats);
+    case StoredType::float64: return unpack_values<double>(column, first, records, count, stats);
+  }
+}
+
+void PointCollector::unpack(std::size_t first, const std::uint8_t* records, std::size_t count, Stats& stats) {
+  const std::size_t stride = header_.record_length;
+  for (std::size_t begin = 0; begin < count; begin += batch) {
+    const std::size_t n = std::min(batch, count - begin);
+    const std::uint8_t* block = records + begin * stride;
+    for (std::size_t i = 0; i < n; ++i) {
+      vec3& position = positions_[first + begin + i];
+      for (int axis = 0; axis < 3; ++axis) {
+        const std::int32_t value = get<std::int32_t>(block + i * stride + 4 * std::size_t(axis));
+        stats.low[std::size_t(axis)] = std::min(stats.low[std::size_t(axis)], value);
+        stats.high[std::size_t(axis)] = std::max(stats.high[std::size_t(axis)], value);
+        std::memcpy(&position[axis], &value, sizeof value);
+      }
+    }
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      if (!columns_[c].field.is_color()) unpack_column(columns_[c], first + begin, block, n, stats.fields[c]);
+    for (std::size_t channel = 0; channel < 3 && color_columns_[channel] >= 0; ++channel) {
+      const std::size_t c = std::size_t(color_columns_[channel]);
+      FieldStats& s = stats.fields[c];
+      const std::uint8_t* at = block + columns_[c].field.byte;
+      std::uint16_t low = 0xFFFF, high = 0;
+      std::uint64_t sum = 0;
+      for (std::size_t i = 0; i < n; ++i, at += stride) {
+        const std::uint16_t value = get<std::uint16_t>(at);
+        colors_[first + begin + i][channel] = value;
+        low = std::min(low, value);
+        high = std::max(high, value);
+        sum += value;
+      }
+      s.min = std::min(s.min, double(low));
+      s.max = std::max(s.max, double(high));
+      s.sum += double(sum);
+      s.count += n;
+    }
+  }
+}
+
+ReadResult PointCollector::finish(const std::vector<Stats>& parts, Progress& progress) {
+  Stats total = empty_stats();
+  for (const Stats& part : parts) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      total.low[axis] = std::min(total.low[axis], part.low[axis]);
+      total.high[axis] = std::max(total.high[axis], part.high[axis]);
+    }
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      FieldStats& sum = total.fields[c];
+      const FieldStats& add = part.fields[c];
+      sum.min = std::min(sum.min, add.min);
+      sum.max = std::max(sum.max, add.max);
+      sum.sum += add.sum;
+      sum.count += add.count;
+      sum.has_residual |= add.has_residual;
+      sum.is_inexact |= add.is_inexact;
+    }
+  }
+  ReadResult result;
+  result.report.points = result.report.points_finite = positions_.size();
+  result.report.notes = notes_;
+  result.report.crs = result.cloud.crs = read_crs(header_);
+  result.cloud.up = UpAxis::pos_z;
+  result.cloud.las = LasScaling{header_.scale, header_.offset};
+  result.cloud.las->point_format = header_.format;
+  if (header_.format == 4 || header_.format == 5 || header_.format >= 9)
+    result.report.notes.push_back("wave packets are not read");
+  place_points(result, total, progress);
+  place_colors(result, total, progress);
+  place_scalars(result, total);
+  place_normals_and_radii(result);
+  return result;
+}
+
+void PointCollector::place_points(ReadResult& result, const Stats& total, Progress& progress) {
+  PointCloud& cloud = result.cloud;
+  if (!positions_.empty()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = header_.scale[axis] * total.low[std::size_t(axis)] + header_.offset[axis];
+      const double b = header_.scale[axis] * total.high[std::size_t(axis)] + header_.offset[axis];
+      result.report.bounds_min[axis] = std::min(a, b);
+      result.report.bounds_max[axis] = std::max(a, b);
+      cloud.origin[axis] = round_center(std::min(a, b), std::max(a, b));
+      // A float holds 2^24 steps; beyond that the file's last digits are lost.
+      if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > 15e6)
+        result.report.notes.push_back(std::string("the ") + "xyz"[axis] +
+                                      " coordinates have more digits than a float holds and are rounded");
+    }
+  }
+  const dvec3 scale = header_.scale, shift = header_.offset, origin = cloud.origin;
+  parallel_tasks((positions_.size() + pass_size - 1) / pass_size, progress, "placing points", [&](std::size_t task) {
+    const std::size_t last = std::min(positions_.size(), (task + 1) * pass_size);
+    for (std::size_t i = task * pass_size; i < last; ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        std::int32_t steps;
+        std::memcpy(&steps, &positions_[i][axis], sizeof steps);
+        positions_[i][axis] = float(scale[axis] * steps + shift[axis] - origin[axis]);
+      }
+  });
+  cloud.positions = std::move(positions_);
+}
+
+void PointCollector::place_colors(ReadResult& result, const Stats& total, Progress& progress) {
+  if (colors_.empty()) return;
+  double high = 0;
+  for (int column : color_columns_) high = std::max(high, total.fields[std::size_t(column)].max);
+  const bool is_8bit = high <= 255;
+  result.cloud.las->colors_16bit = !is_8bit;
+  if (is_8bit && high > 0) result.report.notes.push_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
+  std::vector<Rgba8>& colors = result.cloud.colors;
+  colors.resize(colors_.size());
+  std::vector<float> low(is_8bit ? 0 : colors_.size());
+  const std::size_t tasks = (colors_.size() + pass_size - 1) / pass_size;
+  // Which of the two usual ways from 8 to 16 bits the file used, if any: then the low bytes are known.
+  std::vector<char> repeats(tasks, 1), shifts(tasks, 1);
+  parallel_tasks(tasks, progress, "placing colours", [&](std::size_t task) {
+    const std::size_t last = std::min(colors_.size(), (task + 1) * pass_size);
+    for (std::size_t i = task * pass_size; i < last; ++i) {
+      const auto& [r, g, b] = colors_[i];
+      if (is_8bit) {
+        colors[i] = {std::uint8_t(r), std::uint8_t(g), std::uint8_t(b), 255};
+        continue;
+      }
+      colors[i] = {std::uint8_t(r >> 8), std::uint8_t(g >> 8), std::uint8_t(b >> 8), 255};
+      low[i] = float((r & 255) << 16 | (g & 255) << 8 | (b & 255));
+      if ((r & 255) != r >> 8 || (g & 255) != g >> 8 || (b & 255) != b >> 8) repeats[task] = 0;
+      if (low[i] != 0) shifts[task] = 0;
+    }
+  });
+  colors_ = {};
+  auto all = [](const std::vector<char>& flags) { return std::find(flags.begin(), flags.end(), 0) == flags.end(); };
+  result.cloud.las->colors_shifted = !is_8bit && all(shifts);
+  if (!is_8bit && !all(shifts) && !all(repeats))
+    result.cloud.set_scalar({rgb_low_name, 0, std::move(low), StoredType::uint32});
+}
+
+void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    Column& column = columns_[c];
+    const Field& field = column.field;
+    const FieldStats& stats = total.fields[c];
+    const bool is_zero = stats.count == positions_.size() && stats.min == 0 && stats.max == 0;
+    if (field.optional && is_zero) continue;
+    // An extra field may carry what its standard namesake cannot (an intensity of 0 to 1): it stands for it.
+    const bool is_replaced = std::any_of(columns_.begin(), columns_.end(), [&](const Column& other) {
+      return other.field.is_extra && !field.is_extra && other.field.name == field.name;
+    });
+    if (is_replaced) continue;
+    const double n = double(std::max<std::uint64_t>(1, stats.count));
+    result.report.attributes.push_back(stats.count ? AttributeStats{field.name, stats.min, stats.max, stats.sum / n}
+                                                   : AttributeStats{field.name});
+    if (field.is_color()) continue;
+    // Two bytes that are seldom used cost eight in the cloud: nothing is lost by leaving zeros out.
+    if (is_zero && !field.is_extra && (field.name == "user_data" || field.name == "point_source_id")) continue;
+    const bool is_scaled = field.scale != 1 || field.offset != 0;
+    StoredType type = field.type;
+    if (is_scaled) type = field.is_extra ? StoredType::float64 : StoredType::float32;
+    result.cloud.set_scalar({field.name, column.base, std::move(column.values), type});
+    if (stats.has_residual)
+      result.cloud.set_scalar({field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
+    if (stats.is_inexact)
+      result.report.notes.push_back(field.name + " has more digits than are kept (48 bits around its first value)");
+    column.values = {};
+    column.residuals = {};
+  }
+}
+
+void PointCollector::place_normals_and_radii(ReadResult& result) {
+  PointCloud& cloud = result.cloud;
+  const ScalarField *x = cloud.scalar("nx"), *y = cloud.scalar("ny"), *z = cloud.scalar("nz");
+  if (x && y && z) {
+    cloud.normals.resize(cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const vec3 normal(float(x->value(i)), float(y->value(i)), float(z->value(i)));
+      const float squared = glm::dot(normal, normal);
+      if (!std::isfinite(squared) || squared == 0) ++result.report.normals_dropped;
+      // Unit normals stay bit for bit: a float's rounding of the length is below 1e-5.
+      else cloud.normals[i] = std::abs(squared - 1) < 1e-5f ? normal : normal / std::sqrt(squared);
+    }
+  }
+  if (const ScalarField* radius = cloud.scalar("radius")) {
+    cloud.radii.resize(cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i) cloud.radii[i] = float(radius->value(i));
+  }
+  std::erase_if(cloud.scalars, [&](const ScalarField& field) {
+    return (!cloud.normals.empty() && (field.name == "nx" || field.name == "ny" || field.name == "nz")) ||
+           (!cloud.radii.empty() && field.name == "radius");
+  });
+}
+
+}  // namespace sfumato::io::las

@@ -1,0 +1,66 @@
+// From packed point records to a cloud: the one path that LAS, LAZ and COPC share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "io/io.h"
+#include "io/las_fields.h"
+
+namespace sfumato::io::las {
+
+/// Collects records into a cloud in file order. `unpack` may be called from several threads for disjoint ranges.
+class PointCollector {
+ public:
+  struct FieldStats {
+    double min = std::numeric_limits<double>::infinity(), max = -min, sum = 0;
+    std::uint64_t count = 0;
+    bool has_residual = false, is_inexact = false;
+  };
+  /// Statistics of one run of records; combined in file order, so that the result does not depend on threads.
+  struct Stats {
+    std::array<std::int32_t, 3> low, high;
+    std::vector<FieldStats> fields;
+  };
+
+  /// `first_record`: the file's first point, whose large values (GPS time) become the offsets of the scalars.
+  PointCollector(const Header& header, const std::vector<std::uint8_t>& first_record);
+
+  void reserve(std::size_t points);
+  /// Room for `points` points in all.
+  void resize(std::size_t points);
+  std::size_t bytes_per_point() const;
+  /// Stores `count` records as points [first, first + count).
+  void unpack(std::size_t first, const std::uint8_t* records, std::size_t count, Stats& stats);
+  Stats empty_stats() const;
+  /// The cloud, relative to an origin near its centre, and what the report says about points and attributes.
+  ReadResult finish(const std::vector<Stats>& parts, Progress& progress);
+
+ private:
+  struct Column {
+    Field field;
+    double base = 0;  ///< offset of the scalar
+    std::vector<float> values, residuals;
+  };
+
+  void unpack_column(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
+                     FieldStats& stats);
+  template <class T>
+  void unpack_values(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
+                     FieldStats& stats);
+  void place_points(ReadResult& result, const Stats& total, Progress& progress);
+  void place_colors(ReadResult& result, const Stats& total, Progress& progress);
+  void place_scalars(ReadResult& result, const Stats& total);
+  void place_normals_and_radii(ReadResult& result);
+
+  Header header_;
+  std::vector<std::string> notes_;
+  std::vector<Column> columns_;
+  std::vector<vec3> positions_;  ///< until `finish`, the bits of the file's integers
+  std::vector<std::array<std::uint16_t, 3>> colors_;
+  std::array<int, 3> color_columns_{-1, -1, -1};
+};
+
+}  // namespace sfumato::io::las
