@@ -1,0 +1,81 @@
+#!/bin/sh
+# The shell scripts parse, and install-deps does what it promises. Every program that could reach the network or
+# change the system is a stub here; each stub notes that it was called.
+# usage: scripts_test.sh SOURCE_DIR
+set -eu
+source_dir=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+calls=$work/calls
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+stub() { # NAME BODY
+  rm -f "$work/bin/$1"
+  printf '#!/bin/sh\necho "%s $*" >>"%s"\n%s\n' "$1" "$calls" "$2" >"$work/bin/$1"
+  chmod +x "$work/bin/$1"
+}
+
+# Only stubs and a few harmless tools are on the PATH, so sudo is absent whatever the machine has.
+fresh_machine() { # MISSING_PACKAGE USER_ID
+  rm -rf "${work:?}/bin"
+  mkdir "$work/bin"
+  : >"$calls"
+  for tool in sh env head; do ln -s "$(command -v $tool)" "$work/bin/$tool"; done
+  stub dpkg-query "for last; do :; done; [ \"\$last\" = '$1' ] || printf installed"
+  stub id "echo $2"
+  # shellcheck disable=SC2016  # expanded by the stub
+  stub apt-get 'case "$*" in *indextargets*) echo http://mirror.example/debian/ ;; esac'
+  stub apt-cache 'exit 100' # knows no package
+  # shellcheck disable=SC2016
+  stub tee 'while read -r line; do echo "$1: $line"; done >>'"$work/written"
+  : >"$work/written"
+}
+
+install_deps() { PATH=$work/bin "$source_dir/scripts/install-deps" >"$work/output" 2>&1; }
+
+for script in demo test scripts/install-deps scripts/demo scripts/pictures scripts/strip; do
+  sh -n "$source_dir/$script" || fail "$script does not parse"
+  [ -x "$source_dir/$script" ] || fail "$script is not executable"
+done
+
+# Nothing missing: no root, no network, not a word.
+fresh_machine none 1000
+install_deps || fail "exit code $? with nothing missing"
+if grep -q -E 'apt|tee' "$calls" || [ -s "$work/output" ]; then fail "did something with nothing missing"; fi
+
+# Missing, neither root nor sudo: a clear line, nothing called.
+fresh_machine liblzf-dev 1000
+if install_deps; then fail "succeeded without root"; fi
+grep -q 'missing packages: liblzf-dev$' "$work/output" || fail "did not name the package"
+grep -q 'as root' "$work/output" || fail "did not say what to do"
+if grep -q apt "$calls"; then fail "called apt without root"; fi
+
+# With sudo it goes through sudo.
+# shellcheck disable=SC2016
+stub sudo 'exec "$@"'
+install_deps || fail "exit code $? with sudo"
+grep -q '^sudo .*apt-get .*install .* liblzf-dev$' "$calls" || fail "did not install through sudo"
+
+# Root: exactly what is missing is installed, and no source is added for it.
+fresh_machine liblzf-dev 0
+install_deps || fail "exit code $? as root"
+grep -q '^apt-get .*install -y --no-install-recommends liblzf-dev$' "$calls" || fail "did not install the package"
+[ ! -s "$work/written" ] || fail "added a source for a package that needs none"
+
+# LASzip on Debian 12: the next release from apt's own mirror, with everything else of it pinned away.
+if grep -q '^VERSION_CODENAME=bookworm' /etc/os-release; then
+  fresh_machine liblaszip-dev 0
+  install_deps || fail "exit code $? for LASzip"
+  for wanted in 'sources: URIs: http://mirror.example/debian/' 'sources: Suites: trixie' 'trixie: Package: \*$' \
+    'trixie: Pin-Priority: -1$' 'trixie: Package: liblaszip-dev liblaszip8 liblaszip-api8$'; do
+    grep -q "$wanted" "$work/written" || fail "did not write '$wanted'"
+  done
+  grep -q 'adding the source http://mirror.example/debian/ trixie' "$work/output" || fail "did not name the source"
+else
+  echo "SKIPPED: the LASzip source is for Debian 12"
+fi
+echo "all scripts keep their promises"
