@@ -17,7 +17,9 @@ void Builder::place(dvec3 origin, double yaw) {
   sin_ = exact ? std::round(std::sin(yaw)) : std::sin(yaw);
 }
 
-dvec3 Builder::turn(dvec3 v) const { return {cos_ * v.x - sin_ * v.y, sin_ * v.x + cos_ * v.y, v.z}; }
+dvec3 Builder::turn(dvec3 v) const {
+  return {cos_ * v.x - sin_ * v.y, sin_ * v.x + cos_ * v.y, v.z};
+}
 
 Primitive& Builder::add(Primitive p, Finish finish) {
   p.center = to_world(p.center);
@@ -52,8 +54,8 @@ Primitive& Builder::wall(double x0, double x1, double z0, double z1, double y, i
 }
 
 Primitive& Builder::floor(double x0, double x1, double y0, double y1, double z, Finish finish, int facing) {
-  return quad({0.5 * (x0 + x1), 0.5 * (y0 + y1), z}, {1, 0, 0}, {0, facing > 0 ? 1.0 : -1.0, 0}, 0.5 * (x1 - x0),
-              0.5 * (y1 - y0), finish);
+  return quad({0.5 * (x0 + x1), 0.5 * (y0 + y1), z}, {1, 0, 0}, {0, facing > 0 ? 1.0 : -1.0, 0},
+              0.5 * (x1 - x0), 0.5 * (y1 - y0), finish);
 }
 
 void Builder::box(dvec3 lo, dvec3 hi, Finish finish) {
@@ -92,7 +94,8 @@ Primitive& Builder::disc(dvec3 center, dvec3 normal, double radius, Finish finis
   return add(p, finish);
 }
 
-Primitive& Builder::cone(dvec3 base, dvec3 axis, double height, double radius, double top_radius, Finish finish) {
+Primitive& Builder::cone(dvec3 base, dvec3 axis, double height, double radius, double top_radius,
+                         Finish finish) {
   Primitive p;
   p.shape = Shape::cone;
   p.center = base;

@@ -1,5 +1,5 @@
-// Words to build scenes with: everything is placed in a local frame (x along a wall, y into it, z up) that can be
-// moved and turned about z.
+// Words to build scenes with: everything is placed in a local frame (x along a wall, y into it, z up) that
+// can be moved and turned about z.
 #pragma once
 
 #include <numbers>
@@ -31,8 +31,8 @@ class Builder {
 
   /// Rectangle with axes `x` and `y` and normal x cross y.
   Primitive& quad(dvec3 center, dvec3 x, dvec3 y, double half_x, double half_y, Finish finish);
-  /// Upright wall from (x0, y, z0) to (x1, y, z1), seen from -y; `facing` +1 turns it to +y. Openings are given in
-  /// (x, z) of the local frame.
+  /// Upright wall from (x0, y, z0) to (x1, y, z1), seen from -y; `facing` +1 turns it to +y. Openings are
+  /// given in (x, z) of the local frame.
   Primitive& wall(double x0, double x1, double z0, double z1, double y, int facing, Finish finish,
                   const std::vector<Opening>& openings = {});
   /// Horizontal rectangle, seen from above or (facing -1) from below.
@@ -65,6 +65,7 @@ struct TreeShape {
 /// A tree with a trunk, three generations of branches and leaves as discs, at the local (0, 0, 0).
 void add_tree(Builder& b, const TreeShape& shape, Finish bark, Finish leaf);
 /// A ball or cone of leaves: half axes `size`, around `center`.
-void add_bush(Builder& b, dvec3 center, dvec3 size, int leaves, double leaf_radius, std::uint64_t seed, Finish leaf);
+void add_bush(Builder& b, dvec3 center, dvec3 size, int leaves, double leaf_radius, std::uint64_t seed,
+              Finish leaf);
 
 }  // namespace sfumato::synth

@@ -12,7 +12,8 @@ Bvh::Bvh(const std::vector<Bounds>& boxes) : items_(boxes.size()) {
   split(0, 0, std::uint32_t(boxes.size()), boxes);
 }
 
-void Bvh::split(std::uint32_t node, std::uint32_t first, std::uint32_t count, const std::vector<Bounds>& boxes) {
+void Bvh::split(std::uint32_t node, std::uint32_t first, std::uint32_t count,
+                const std::vector<Bounds>& boxes) {
   dvec3 lo(std::numeric_limits<double>::infinity()), hi = -lo, center_lo = lo, center_hi = hi;
   for (std::uint32_t i = first; i < first + count; ++i) {
     const Bounds& box = boxes[items_[i]];

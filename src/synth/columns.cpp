@@ -4,38 +4,44 @@
 
 namespace sfumato::synth {
 
-ColumnWriter::ColumnWriter(PointCloud& cloud, std::size_t count, const Columns& columns)
+ColumnWriter::ColumnWriter(PointCloud& cloud, const Columns& columns)
     : cloud_(cloud), normals_(columns.normals) {
-  cloud.positions.resize(count);
-  if (normals_) cloud.normals.resize(count);
-  cloud.colors.resize(count);
-  cloud.scalars.reserve(6);  // the pointers below stay valid
-  if (columns.intensity) intensity_ = add(cloud, "intensity", StoredType::uint16);
-  if (columns.classes) class_ = add(cloud, "classification", StoredType::uint8);
-  if (!columns.piece.empty()) piece_ = add(cloud, columns.piece.c_str(), StoredType::uint8);
-  if (columns.scanner) scanner_ = add(cloud, "scanner", StoredType::uint8);
-  if (columns.amplitude) amplitude_ = add(cloud, "amplitude", StoredType::float32);
-  if (columns.outlier) outlier_ = add(cloud, "outlier", StoredType::uint8);
+  const auto add = [&](Column column, bool asked, const std::string& name, StoredType type) {
+    place_[column] = -1;
+    if (!asked) return;
+    ScalarField field;
+    field.name = name;
+    field.type = type;
+    place_[column] = int(cloud_.scalars.size());
+    cloud_.scalars.push_back(std::move(field));
+  };
+  add(intensity, columns.intensity, "intensity", StoredType::uint16);
+  add(class_id, columns.classes, "classification", StoredType::uint8);
+  add(piece, !columns.piece.empty(), columns.piece, StoredType::uint8);
+  add(scanner, columns.scanner, "scanner", StoredType::uint8);
+  add(amplitude, columns.amplitude, "amplitude", StoredType::float32);
+  add(outlier, columns.outlier, "outlier", StoredType::uint8);
 }
 
-float* ColumnWriter::add(PointCloud& cloud, const char* name, StoredType type) {
-  ScalarField field;
-  field.name = name;
-  field.type = type;
-  field.values.resize(cloud.size());
-  return cloud.set_scalar(std::move(field)).values.data();
+void ColumnWriter::resize(std::size_t count) {
+  cloud_.positions.resize(count);
+  if (normals_) cloud_.normals.resize(count);
+  cloud_.colors.resize(count);
+  for (ScalarField& field : cloud_.scalars) field.values.resize(count);
 }
 
-void ColumnWriter::write(std::size_t i, const Sample& s) const {
+void ColumnWriter::write(std::size_t i, const Sample& s) {
   cloud_.positions[i] = vec3(s.point.position - cloud_.origin);
   if (normals_) cloud_.normals[i] = vec3(s.point.normal);
   cloud_.colors[i] = to_srgb(s.color, s.alpha);
-  if (intensity_) intensity_[i] = float(std::floor(65535 * s.reflectance + 0.5));
-  if (class_) class_[i] = s.class_id;
-  if (piece_) piece_[i] = float(s.surface);
-  if (scanner_) scanner_[i] = s.scanner;
-  if (amplitude_) amplitude_[i] = float(s.amplitude);
-  if (outlier_) outlier_[i] = s.outlier;
+  const float values[column_count] = {float(std::floor(65535 * s.reflectance + 0.5)),
+                                      float(s.class_id),
+                                      float(s.surface),
+                                      float(s.scanner),
+                                      float(s.amplitude),
+                                      float(s.outlier)};
+  for (std::size_t c = 0; c < column_count; ++c)
+    if (place_[c] >= 0) cloud_.scalars[std::size_t(place_[c])].values[i] = values[c];
 }
 
 Sample make_outlier(const Bounds& box, Random& random) {

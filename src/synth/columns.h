@@ -22,18 +22,20 @@ struct Sample {
 
 class ColumnWriter {
  public:
-  /// Gives `cloud` room for `count` points with those attributes.
-  ColumnWriter(PointCloud& cloud, std::size_t count, const Columns& columns);
-  void write(std::size_t i, const Sample& sample) const;
+  /// Gives `cloud` those attributes; points are then written by index, from any thread.
+  ColumnWriter(PointCloud& cloud, const Columns& columns);
+  void resize(std::size_t count);
+  void write(std::size_t i, const Sample& sample);
 
  private:
-  float* add(PointCloud& cloud, const char* name, StoredType type);
+  enum Column { intensity, class_id, piece, scanner, amplitude, outlier, column_count };
   PointCloud& cloud_;
   bool normals_;
-  float *intensity_ = nullptr, *class_ = nullptr, *piece_ = nullptr, *scanner_ = nullptr, *amplitude_ = nullptr,
-        *outlier_ = nullptr;
+  std::array<int, column_count> place_;  ///< in cloud_.scalars, -1: not asked for
 };
 
+/// Colour, class and reflectance of a place on the scene's surface.
+Sample surface_sample(const Scene& scene, std::uint32_t surface, const SurfacePoint& point);
 /// A grey point anywhere in the box: what dust, birds and multiple reflections leave behind.
 Sample make_outlier(const Bounds& box, Random& random);
 

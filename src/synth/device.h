@@ -9,7 +9,9 @@ namespace sfumato::synth {
 class CameraRays {
  public:
   explicit CameraRays(const Camera& camera)
-      : k_(camera.intrinsics()), to_world_(camera.inverse_view()), direction_(camera.direction()),
+      : k_(camera.intrinsics()),
+        to_world_(camera.inverse_view()),
+        direction_(camera.direction()),
         orthographic_(camera.orthographic()) {}
 
   /// Through a place of the picture in pixels; from the camera, or from the plane of eye depth 0.

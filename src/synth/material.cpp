@@ -7,12 +7,15 @@ namespace sfumato::synth {
 namespace {
 
 double hash(std::int64_t x, std::int64_t y, std::int64_t z = 0) {
-  const std::uint64_t key = std::uint64_t(x) * 0x9E3779B97F4A7C15ull ^ std::uint64_t(y) * 0xC2B2AE3D27D4EB4Full ^
+  const std::uint64_t key = std::uint64_t(x) * 0x9E3779B97F4A7C15ull ^
+                            std::uint64_t(y) * 0xC2B2AE3D27D4EB4Full ^
                             std::uint64_t(z) * 0x165667B19E3779F9ull;
   return double(mix_bits(key + 0x27D4EB2Full) >> 11) * 0x1p-53;
 }
 
-double smooth(double t) { return t * t * (3 - 2 * t); }
+double smooth(double t) {
+  return t * t * (3 - 2 * t);
+}
 
 /// Value noise in [-1, 1], about one feature a unit.
 double noise(dvec3 p) {
@@ -28,11 +31,16 @@ double noise(dvec3 p) {
 }
 
 /// Three octaves, in about [-1, 1].
-double cloudy(dvec3 p) { return 0.55 * noise(p) + 0.3 * noise(2.03 * p + 7.1) + 0.15 * noise(4.1 * p + 3.7); }
+double cloudy(dvec3 p) {
+  return 0.55 * noise(p) + 0.3 * noise(2.03 * p + 7.1) + 0.15 * noise(4.1 * p + 3.7);
+}
 
-vec3 mix(vec3 a, vec3 b, double t) { return glm::mix(a, b, float(std::clamp(t, 0.0, 1.0))); }
+vec3 mix(vec3 a, vec3 b, double t) {
+  return glm::mix(a, b, float(std::clamp(t, 0.0, 1.0)));
+}
 
-/// 0 in the joint (of half width `joint`), 1 on the piece; u and v are positions inside the piece in scene units.
+/// 0 in the joint (of half width `joint`), 1 on the piece; u and v are positions inside the piece in scene
+/// units.
 double off_joint(double u, double v, double width, double height, double joint) {
   const double edge = std::min(std::min(u, width - u), std::min(v, height - v));
   return smooth(std::clamp(edge / joint - 0.3, 0.0, 1.0));
@@ -50,23 +58,24 @@ Piece masonry(dvec2 uv, double width, double height, double shift, double jitter
   const double along = uv.x / width + offset;
   const std::int64_t index = std::int64_t(std::floor(along));
   // Joints move by up to half the jitter, so no two stones need have one length.
-  const double left = double(index) + 0.5 * jitter * hash(row, index), right = double(index) + 1 +
-                      0.5 * jitter * hash(row, index + 1);
+  const double left = double(index) + 0.5 * jitter * hash(row, index),
+               right = double(index) + 1 + 0.5 * jitter * hash(row, index + 1);
   const bool before = along < left;
   const std::int64_t id = before ? index - 1 : index;
   const double start = before ? double(index) - 1 + 0.5 * jitter * hash(row, index - 1) : left;
   const double end = before ? left : right;
   Piece piece;
   piece.tint = 2 * hash(row, id, 5) - 1;
-  piece.presence = off_joint((along - start) * width, uv.y - double(row) * height, (end - start) * width, height,
-                             joint);
+  piece.presence =
+      off_joint((along - start) * width, uv.y - double(row) * height, (end - start) * width, height, joint);
   return piece;
 }
 
 vec3 pieces(const Material& m, Piece piece, double mottling) {
   const double brightness = 1 + m.contrast * (piece.tint + 0.6 * mottling);
   // Bright pieces are a little warmer than dark ones, as fired clay and limestone are.
-  const vec3 warm(1.0f + 0.25f * float(m.contrast * piece.tint), 1, 1.0f - 0.25f * float(m.contrast * piece.tint));
+  const vec3 warm(1.0f + 0.25f * float(m.contrast * piece.tint), 1,
+                  1.0f - 0.25f * float(m.contrast * piece.tint));
   return mix(m.second * float(1 + 0.3 * mottling), m.color * warm * float(brightness), piece.presence);
 }
 
@@ -77,16 +86,24 @@ vec3 albedo(const Material& m, const SurfacePoint& s, std::uint32_t primitive) {
   const double mottling = cloudy(3.0 * p / std::max(m.size, 1e-6) * 0.35);
   vec3 color = m.color;
   switch (m.pattern) {
-    case Pattern::plain: color *= float(1 + m.contrast * mottling); break;
+    case Pattern::plain:
+      color *= float(1 + m.contrast * mottling);
+      break;
     case Pattern::checker: {
       const dvec3 cell = glm::floor((p + 1e-7) / m.size);
       const bool odd = std::int64_t(cell.x + cell.y + cell.z) & 1;
       color = (odd ? m.second : m.color) * float(1 + m.contrast * mottling);
       break;
     }
-    case Pattern::bricks: color = pieces(m, masonry(s.uv, m.size, 0.32 * m.size, 0.5, 0, 0.035 * m.size), mottling); break;
-    case Pattern::ashlar: color = pieces(m, masonry(s.uv, m.size, 0.5 * m.size, 0.5, 0.7, 0.02 * m.size), mottling); break;
-    case Pattern::paving: color = pieces(m, masonry(s.uv, m.size, m.size, 0.5, 0.3, 0.025 * m.size), mottling); break;
+    case Pattern::bricks:
+      color = pieces(m, masonry(s.uv, m.size, 0.32 * m.size, 0.5, 0, 0.035 * m.size), mottling);
+      break;
+    case Pattern::ashlar:
+      color = pieces(m, masonry(s.uv, m.size, 0.5 * m.size, 0.5, 0.7, 0.02 * m.size), mottling);
+      break;
+    case Pattern::paving:
+      color = pieces(m, masonry(s.uv, m.size, m.size, 0.5, 0.3, 0.025 * m.size), mottling);
+      break;
     case Pattern::plaster: {
       // Stains are drawn out downwards, as rain does.
       const double streaks = cloudy(dvec3(1.7 * p.x, 1.7 * p.y, 0.35 * p.z));
@@ -104,7 +121,8 @@ vec3 albedo(const Material& m, const SurfacePoint& s, std::uint32_t primitive) {
     case Pattern::wood: {
       const double plank = std::floor(s.uv.x / m.size), inside = s.uv.x / m.size - plank;
       const double offset = hash(std::int64_t(plank), 3);
-      const double grain = std::sin(40 * inside + 6 * cloudy(dvec3(4 * inside, 0.8 * s.uv.y / m.size + 9 * offset, plank)));
+      const double grain =
+          std::sin(40 * inside + 6 * cloudy(dvec3(4 * inside, 0.8 * s.uv.y / m.size + 9 * offset, plank)));
       color = mix(m.color, m.second, 0.35 + 0.3 * grain) * float(1 + m.contrast * (2 * offset - 1));
       if (std::min(inside, 1 - inside) < 0.02) color *= 0.4f;
       break;
@@ -140,7 +158,9 @@ vec3 albedo(const Material& m, const SurfacePoint& s, std::uint32_t primitive) {
   return glm::clamp(color, vec3(0.003f), vec3(0.97f));
 }
 
-double luminance(vec3 c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+double luminance(vec3 c) {
+  return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+}
 
 Rgba8 to_srgb(vec3 linear, std::uint8_t alpha) {
   const auto encode = [](float v) {

@@ -8,15 +8,28 @@
 
 namespace sfumato::synth {
 
-enum class Pattern { plain, checker, bricks, ashlar, plaster, paving, roof_tiles, wood, grass, leaf, marble, cloth };
+enum class Pattern {
+  plain,
+  checker,
+  bricks,
+  ashlar,
+  plaster,
+  paving,
+  roof_tiles,
+  wood,
+  grass,
+  leaf,
+  marble,
+  cloth
+};
 
 struct Material {
   Pattern pattern = Pattern::plain;
-  vec3 color{0.5f};         ///< linear albedo
-  vec3 second{0.3f};        ///< linear albedo of joints, veins, the other squares ...
-  double size = 0.3;        ///< scene units: a brick's length, a square's side, a vein's distance
-  double contrast = 0.15;   ///< relative variation from piece to piece and of the mottling
-  double dirt_height = 0;   ///< scene units: darker towards z = 0 below this height (rain splash, moss)
+  vec3 color{0.5f};        ///< linear albedo
+  vec3 second{0.3f};       ///< linear albedo of joints, veins, the other squares ...
+  double size = 0.3;       ///< scene units: a brick's length, a square's side, a vein's distance
+  double contrast = 0.15;  ///< relative variation from piece to piece and of the mottling
+  double dirt_height = 0;  ///< scene units: darker towards z = 0 below this height (rain splash, moss)
   std::uint8_t alpha = 255;
 };
 

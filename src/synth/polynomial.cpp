@@ -1,6 +1,6 @@
 // Roots of a quartic by nested derivatives: between two neighbouring roots of the derivative a polynomial is
-// monotone, so that a bracketed Newton iteration finds the one root there or proves that there is none. Slower
-// than Ferrari's formula and without its cancellation.
+// monotone, so that a bracketed Newton iteration finds the one root there or proves that there is none.
+// Slower than Ferrari's formula and without its cancellation.
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
-// Random numbers that belong to a point, not to a thread: every point, ray or primitive starts its own sequence
-// from (seed, stream, index), so a result never depends on who computed it.
+// Random numbers that belong to a point, not to a thread: every point, ray or primitive starts its own
+// sequence from (seed, stream, index), so a result never depends on who computed it.
 #pragma once
 
 #include <cmath>

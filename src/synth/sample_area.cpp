@@ -10,6 +10,12 @@
 namespace sfumato::synth {
 namespace {
 
+bool analytic(const Scene& scene) {
+  return !scene.primitives.empty();
+}
+
+}  // namespace
+
 Sample surface_sample(const Scene& scene, std::uint32_t surface, const SurfacePoint& point) {
   Sample s;
   s.point = point;
@@ -20,10 +26,6 @@ Sample surface_sample(const Scene& scene, std::uint32_t surface, const SurfacePo
   s.reflectance = luminance(s.color);
   return s;
 }
-
-bool analytic(const Scene& scene) { return !scene.primitives.empty(); }
-
-}  // namespace
 
 PointCloud sample_area(const Scene& scene, const SampleOptions& options, Progress& progress) {
   std::vector<double> up_to(scene.surface_count());
@@ -39,7 +41,8 @@ PointCloud sample_area(const Scene& scene, const SampleOptions& options, Progres
   columns.piece = scene.piece_scalar;
   columns.outlier = outliers > 0;
   PointCloud cloud;
-  const ColumnWriter writer(cloud, count, columns);
+  ColumnWriter writer(cloud, columns);
+  writer.resize(count);
   const std::uint64_t seed = std::uint64_t(options.seed);
 
   parallel_blocks(count, 16384, progress, "sampling", [&](std::size_t begin, std::size_t end) {
@@ -54,9 +57,10 @@ PointCloud sample_area(const Scene& scene, const SampleOptions& options, Progres
       Random random(seed, Stream::area, i - before);
       const double pick = random.uniform() * total;
       const std::size_t surface =
-          scene.equal_counts ? (i - before) % up_to.size()
-                             : std::min(std::size_t(std::upper_bound(up_to.begin(), up_to.end(), pick) - up_to.begin()),
-                                        up_to.size() - 1);
+          scene.equal_counts
+              ? (i - before) % up_to.size()
+              : std::min(std::size_t(std::upper_bound(up_to.begin(), up_to.end(), pick) - up_to.begin()),
+                         up_to.size() - 1);
       Sample s = surface_sample(scene, std::uint32_t(surface), scene.sample_surface(surface, random));
       if (options.sigma > 0) s.point.position += options.sigma * random.gaussian() * s.point.normal;
       writer.write(i, s);
@@ -66,7 +70,8 @@ PointCloud sample_area(const Scene& scene, const SampleOptions& options, Progres
 }
 
 PointCloud sample_by_camera(const Scene& scene, const std::vector<Camera>& cameras, int block_px, int seed) {
-  if (block_px < 1) throw Error(ErrorCode::usage, "synth: block_px is " + std::to_string(block_px) + "; give 1 or more");
+  if (block_px < 1)
+    throw Error(ErrorCode::usage, "synth: block_px is " + std::to_string(block_px) + "; give 1 or more");
   std::vector<Sample> found;
   for (std::size_t view = 0; view < cameras.size(); ++view) {
     const Camera& camera = cameras[view];
@@ -95,7 +100,8 @@ PointCloud sample_by_camera(const Scene& scene, const std::vector<Camera>& camer
   columns.piece = scene.piece_scalar;
   columns.scanner = true;
   PointCloud cloud;
-  const ColumnWriter writer(cloud, found.size(), columns);
+  ColumnWriter writer(cloud, columns);
+  writer.resize(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) writer.write(i, found[i]);
   for (const Camera& camera : cameras) cloud.scanners.push_back(camera.position);
   return cloud;

@@ -71,9 +71,8 @@ std::vector<Hit> Scene::intersect_all(const Ray& ray) const {
     const Roots roots = crossings(primitives[surface], ray);
     for (int i = 0; i < roots.count; ++i) add(roots.t[std::size_t(i)], surface);
   });
-  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-    return a.t != b.t ? a.t < b.t : a.surface < b.surface;
-  });
+  std::sort(hits.begin(), hits.end(),
+            [](const Hit& a, const Hit& b) { return a.t != b.t ? a.t < b.t : a.surface < b.surface; });
   return hits;
 }
 
@@ -93,8 +92,7 @@ SurfacePoint Scene::sample_surface(std::size_t surface, Random& random) const {
 }
 
 vec3 Scene::surface_albedo(std::uint32_t surface, const SurfacePoint& point) const {
-  if (surface < primitives.size())
-    return albedo(materials[primitives[surface].material], point, surface);
+  if (surface < primitives.size()) return albedo(materials[primitives[surface].material], point, surface);
   if (mesh.colors.empty()) return albedo(materials.front(), point, 0);
   const std::size_t triangle = surface - primitives.size();
   const dvec3 weights = barycentric(triangle, point.position);
@@ -120,7 +118,8 @@ SurfacePoint Scene::describe_surface(std::uint32_t surface, dvec3 position) cons
   return describe_triangle(triangle, barycentric(triangle, position));
 }
 
-std::optional<double> Scene::triangle_crossing(std::size_t triangle, const Ray& ray) const {  // Moeller, Trumbore 1997
+std::optional<double> Scene::triangle_crossing(std::size_t triangle,
+                                               const Ray& ray) const {  // Moeller, Trumbore 1997
   const auto& corners = mesh.triangles[triangle];
   const dvec3 a(mesh.positions[corners[0]]);
   const dvec3 e1 = dvec3(mesh.positions[corners[1]]) - a, e2 = dvec3(mesh.positions[corners[2]]) - a;
@@ -175,12 +174,14 @@ Scene make_mesh_scene(Mesh mesh) {
       const double twice_area = glm::length(normal);
       if (!(twice_area > 0)) continue;
       total += twice_area;
-      // Weighted by the corner's angle, so that the tessellation does not tilt the normal (Thuermer, Wuethrich 1998).
+      // Weighted by the corner's angle, so that the tessellation does not tilt the normal (Thuermer,
+      // Wuethrich 1998).
       normals[corners[i]] += normal / twice_area * std::atan2(twice_area, glm::dot(to_next, to_last));
     }
   }
   if (!(total > 0))
-    throw Error(ErrorCode::bad_input, "mesh: no triangle has an area, so there is nothing to sample; give a file with faces");
+    throw Error(ErrorCode::bad_input,
+                "mesh: no triangle has an area, so there is nothing to sample; give a file with faces");
   scene.mesh_normals.reserve(normals.size());
   for (const dvec3& n : normals)
     scene.mesh_normals.emplace_back(glm::dot(n, n) > 0 ? glm::normalize(n) : dvec3(0, 0, 1));

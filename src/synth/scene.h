@@ -1,5 +1,5 @@
-// A scene that rays can be cast into: primitives or a triangle mesh, materials, and where the simulated devices
-// stand.
+// A scene that rays can be cast into: primitives or a triangle mesh, materials, and where the simulated
+// devices stand.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ enum ClassId : std::uint8_t {
   class_ground = 2,
   class_low_vegetation = 3,
   class_high_vegetation = 5,
-  class_building = 6,  ///< outer walls, roofs, the tower
+  class_building = 6,    ///< outer walls, roofs, the tower
   class_stonework = 64,  ///< columns, arches, gate
   class_ceiling = 65,
   class_furniture = 66,  ///< whatever stands around: furniture, fountain, benches
@@ -44,13 +44,13 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Primitive> primitives;
   Mesh mesh;
-  std::vector<vec3> mesh_normals;  ///< unit, per vertex, weighted by the angle of each corner
-  std::vector<dvec3> scanners;     ///< terrestrial scanners, world
-  std::vector<Camera> cameras;     ///< RGB-D cameras
-  std::optional<Camera> held_out;  ///< a camera that takes no part in the scan, to judge pictures by
+  std::vector<vec3> mesh_normals;     ///< unit, per vertex, weighted by the angle of each corner
+  std::vector<dvec3> scanners;        ///< terrestrial scanners, world
+  std::vector<Camera> cameras;        ///< RGB-D cameras
+  std::optional<Camera> held_out;     ///< a camera that takes no part in the scan, to judge pictures by
   Sampling natural = Sampling::area;  ///< how `automatic` samples it
-  bool equal_counts = false;       ///< every primitive gets as many points, whatever its area
-  std::string piece_scalar;        ///< scalar that holds the primitive's number, if any (the tori's `layer`)
+  bool equal_counts = false;          ///< every primitive gets as many points, whatever its area
+  std::string piece_scalar;  ///< scalar that holds the primitive's number, if any (the tori's `layer`)
   Bounds box;
 
   /// Call once after the surfaces are complete: box and search structure.
@@ -86,5 +86,6 @@ Scene make_scene(const std::string& name);
 Scene make_mesh_scene(Mesh mesh);
 
 Scene make_courtyard();
+Scene make_room();
 
 }  // namespace sfumato::synth

@@ -10,7 +10,9 @@ bool within_angle(double x, double y, double limit) {
   return limit >= M_PI || std::abs(std::atan2(y, x)) <= limit;
 }
 
-double half_width(const Primitive& p, double y) { return p.a + (p.c - p.a) * (y + p.b) / (2 * p.b); }
+double half_width(const Primitive& p, double y) {
+  return p.a + (p.c - p.a) * (y + p.b) / (2 * p.b);
+}
 
 bool on_quad(const Primitive& p, dvec2 q) {
   if (std::abs(q.y) > p.b || std::abs(q.x) > half_width(p, q.y)) return false;
@@ -52,8 +54,9 @@ void sphere_crossings(const Primitive& p, dvec3 o, dvec3 d, Roots& roots) {
 void cone_crossings(const Primitive& p, dvec3 o, dvec3 d, Roots& roots) {
   // x^2 + y^2 = (a + k z)^2
   const double k = (p.b - p.a) / p.c, radius = p.a + k * o.z;
-  const Roots both = quadratic(d.x * d.x + d.y * d.y - k * k * d.z * d.z, o.x * d.x + o.y * d.y - k * radius * d.z,
-                               o.x * o.x + o.y * o.y - radius * radius);
+  const Roots both =
+      quadratic(d.x * d.x + d.y * d.y - k * k * d.z * d.z, o.x * d.x + o.y * d.y - k * radius * d.z,
+                o.x * o.x + o.y * o.y - radius * radius);
   for (int i = 0; i < both.count; ++i) {
     const dvec3 q = o + both.t[std::size_t(i)] * d;
     if (q.z >= 0 && q.z <= p.c && within_angle(q.x, q.y, p.d)) roots.add(both.t[std::size_t(i)]);
@@ -78,7 +81,9 @@ void torus_crossings(const Primitive& p, dvec3 o, dvec3 d, Roots& roots) {
   }
 }
 
-double quad_frame_area(const Primitive& p) { return 2 * p.b * (p.a + p.c); }
+double quad_frame_area(const Primitive& p) {
+  return 2 * p.b * (p.a + p.c);
+}
 
 }  // namespace
 
@@ -100,10 +105,18 @@ Roots crossings(const Primitive& p, const Ray& ray) {
   const dvec3 o = p.to_local(ray.origin - p.center), d = p.to_local(ray.direction);
   switch (p.shape) {
     case Shape::quad:
-    case Shape::disc: flat_crossing(p, o, d, roots); break;
-    case Shape::sphere: sphere_crossings(p, o, d, roots); break;
-    case Shape::torus: torus_crossings(p, o, d, roots); break;
-    case Shape::cone: cone_crossings(p, o, d, roots); break;
+    case Shape::disc:
+      flat_crossing(p, o, d, roots);
+      break;
+    case Shape::sphere:
+      sphere_crossings(p, o, d, roots);
+      break;
+    case Shape::torus:
+      torus_crossings(p, o, d, roots);
+      break;
+    case Shape::cone:
+      cone_crossings(p, o, d, roots);
+      break;
   }
   return roots;
 }
@@ -115,10 +128,14 @@ double area(const Primitive& p) {
       for (const Opening& opening : p.openings) sum -= opening.area();
       return sum;
     }
-    case Shape::disc: return M_PI * (p.a * p.a - p.b * p.b);
-    case Shape::sphere: return 2 * M_PI * p.a * p.a * (p.c - p.b);
-    case Shape::torus: return 4 * M_PI * p.a * p.b * p.c;
-    case Shape::cone: return p.d * (p.a + p.b) * std::hypot(p.c, p.b - p.a);
+    case Shape::disc:
+      return M_PI * (p.a * p.a - p.b * p.b);
+    case Shape::sphere:
+      return 2 * M_PI * p.a * p.a * (p.c - p.b);
+    case Shape::torus:
+      return 4 * M_PI * p.a * p.b * p.c;
+    case Shape::cone:
+      return p.d * (p.a + p.b) * std::hypot(p.c, p.b - p.a);
   }
   return 0;
 }
@@ -135,7 +152,8 @@ SurfacePoint sample(const Primitive& p, Random& random) {
       break;
     }
     case Shape::disc: {
-      const double radius = std::sqrt(random.uniform(p.b * p.b, p.a * p.a)), angle = random.uniform(0, 2 * M_PI);
+      const double radius = std::sqrt(random.uniform(p.b * p.b, p.a * p.a)),
+                   angle = random.uniform(0, 2 * M_PI);
       q = dvec3(radius * std::cos(angle), radius * std::sin(angle), 0);
       break;
     }
@@ -202,10 +220,18 @@ Bounds bounds(const Primitive& p) {
   // Half extents of the solid's box in its own frame, then the box of that box.
   dvec3 lo(-p.a), hi(p.a);
   switch (p.shape) {
-    case Shape::quad: hi = dvec3(std::max(p.a, p.c), p.b, 0), lo = -hi; break;
-    case Shape::disc: lo.z = hi.z = 0; break;
-    case Shape::sphere: lo.z = p.a * p.b, hi.z = p.a * p.c; break;
-    case Shape::torus: hi = dvec3(p.a + p.b, p.a + p.b, p.b), lo = -hi; break;
+    case Shape::quad:
+      hi = dvec3(std::max(p.a, p.c), p.b, 0), lo = -hi;
+      break;
+    case Shape::disc:
+      lo.z = hi.z = 0;
+      break;
+    case Shape::sphere:
+      lo.z = p.a * p.b, hi.z = p.a * p.c;
+      break;
+    case Shape::torus:
+      hi = dvec3(p.a + p.b, p.a + p.b, p.b), lo = -hi;
+      break;
     case Shape::cone: {
       const double widest = std::max(p.a, p.b);
       lo = dvec3(-widest, -widest, 0), hi = dvec3(widest, widest, p.c);

@@ -38,9 +38,9 @@ struct Opening {
 
 struct Primitive {
   Shape shape = Shape::quad;
-  bool inward = false;         ///< the outside is on the axis' side (vaults, arches, basins)
-  std::uint8_t class_id = 1;   ///< ASPRS class
-  std::uint8_t material = 0;   ///< index into Scene::materials
+  bool inward = false;        ///< the outside is on the axis' side (vaults, arches, basins)
+  std::uint8_t class_id = 1;  ///< ASPRS class
+  std::uint8_t material = 0;  ///< index into Scene::materials
   double a = 1, b = 1, c = 1, d = M_PI;
   dvec3 center{0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
   std::vector<Opening> openings;
@@ -56,8 +56,8 @@ struct Roots {
   void add(double value) { t[std::size_t(count++)] = value; }
 };
 
-/// A place on a surface: world position, unit normal on the outer side, and surface coordinates in scene units
-/// that materials draw their patterns with.
+/// A place on a surface: world position, unit normal on the outer side, and surface coordinates in scene
+/// units that materials draw their patterns with.
 struct SurfacePoint {
   dvec3 position{0}, normal{0};
   dvec2 uv{0};
@@ -72,8 +72,8 @@ SurfacePoint sample(const Primitive& primitive, Random& random);
 SurfacePoint describe_point(const Primitive& primitive, dvec3 position_world);
 Bounds bounds(const Primitive& primitive);
 
-/// Real roots of c[0] + c[1] t + ... + c[degree] t^degree in [lo, hi], ascending; degree at most 4. Double roots
-/// that do not change the sign may be missed: a ray that only touches a surface does not cross it.
+/// Real roots of c[0] + c[1] t + ... + c[degree] t^degree in [lo, hi], ascending; degree at most 4. Double
+/// roots that do not change the sign may be missed: a ray that only touches a surface does not cross it.
 Roots polynomial_roots(const std::array<double, 5>& c, int degree, double lo, double hi);
 
 }  // namespace sfumato::synth

@@ -35,7 +35,8 @@ struct Growth {
           const dvec3 u = any_normal_to(direction), v = glm::cross(direction, u);
           const dvec3 out = std::cos(angle) * u + std::sin(angle) * v;
           const double spread = random.uniform(0.7, 1.1);
-          branch(base, glm::normalize(std::cos(spread) * direction + std::sin(spread) * out + dvec3(0, 0, 0.12)),
+          branch(base,
+                 glm::normalize(std::cos(spread) * direction + std::sin(spread) * out + dvec3(0, 0, 0.12)),
                  length * random.uniform(0.5, 0.68), radius * 0.6, generation - 1);
         }
       }
@@ -53,8 +54,8 @@ void add_tree(Builder& b, const TreeShape& shape, Finish bark, Finish leaf) {
   b.cone({0, 0, -0.05}, {0, 0, 1}, 0.35, 1.6 * shape.trunk_radius, 1.12 * shape.trunk_radius, bark);
   growth.branch({0, 0, 0.3}, glm::normalize(dvec3(0.03, -0.05, 1)), trunk, 1.12 * shape.trunk_radius, 3);
 
-  // Leaves: clusters around the ends of twigs, kept inside the crown's ellipsoid, tilted like a canopy that seeks
-  // the light: partly outwards, partly up.
+  // Leaves: clusters around the ends of twigs, kept inside the crown's ellipsoid, tilted like a canopy that
+  // seeks the light: partly outwards, partly up.
   const dvec3 crown(0, 0, 0.66 * shape.height);
   const dvec3 half(shape.crown_radius, shape.crown_radius, 0.36 * shape.height);
   for (int i = 0; i < shape.leaves; ++i) {
@@ -72,11 +73,13 @@ void add_tree(Builder& b, const TreeShape& shape, Finish bark, Finish leaf) {
   }
 }
 
-void add_bush(Builder& b, dvec3 center, dvec3 size, int leaves, double leaf_radius, std::uint64_t seed, Finish leaf) {
+void add_bush(Builder& b, dvec3 center, dvec3 size, int leaves, double leaf_radius, std::uint64_t seed,
+              Finish leaf) {
   for (int i = 0; i < leaves; ++i) {
     Random random(seed, Stream::layout_leaf, std::uint64_t(i));
     const dvec3 direction = random_direction(random);
-    const double lumps = 0.9 + 0.1 * std::sin(5 * direction.x + 3 * direction.z) * std::sin(6 * direction.y + 1);
+    const double lumps =
+        0.9 + 0.1 * std::sin(5 * direction.x + 3 * direction.z) * std::sin(6 * direction.y + 1);
     const dvec3 p = center + size * direction * lumps * std::pow(random.uniform(0.5, 1), 0.4);
     b.disc(p, glm::normalize(direction / size + 0.6 / size.z * random_direction(random)), leaf_radius, leaf);
   }

@@ -13,7 +13,8 @@ Truth truth(const Scene& scene, const Camera& camera, Progress& progress) {
   const CameraRays rays(camera);
   parallel_blocks(image.depth.size(), 4096, progress, "ray casting", [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Ray ray = rays.through(double(i % std::size_t(width)) + 0.5, double(i / std::size_t(width)) + 0.5);
+      const Ray ray =
+          rays.through(double(i % std::size_t(width)) + 0.5, double(i / std::size_t(width)) + 0.5);
       const auto hit = scene.intersect(ray);
       if (!hit) continue;
       image.depth.data()[i] = float(hit->t * glm::dot(ray.direction, rays.direction()));

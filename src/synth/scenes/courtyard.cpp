@@ -1,5 +1,6 @@
-// The demo: the court of a country house. An arcaded wing with a gate at the back (+y), another at the right (+x),
-// a round tower in their corner, low walls to the left and in front, a fountain, beds, and a tree in front.
+// The demo: the court of a country house. An arcaded wing with a gate at the back (+y), another at the right
+// (+x), a round tower in their corner, low walls to the left and in front, a fountain, beds, and a tree in
+// front.
 #include <cmath>
 
 #include "synth/builder.h"
@@ -13,30 +14,42 @@ constexpr double bay = 2.4, arch_radius = 1.02, spring = 2.45, arcade_top = 3.95
 
 struct Court {
   Builder b{"courtyard"};
-  Finish limestone, trim, plaster, ashlar, brick, tiles, wood, glass, paving, gravel, grass, soil, bark, leaf, hedge,
-      water, bronze;
+  Finish limestone, trim, plaster, ashlar, brick, tiles, wood, glass, paving, gravel, grass, soil, bark, leaf,
+      hedge, water, bronze, clay;
 
   Court() {
-    const auto make = [this](Pattern pattern, vec3 color, vec3 second, double size, double contrast, double dirt,
-                             std::uint8_t class_id) {
+    const auto make = [this](Pattern pattern, vec3 color, vec3 second, double size, double contrast,
+                             double dirt, std::uint8_t class_id) {
       return Finish{b.material({pattern, color, second, size, contrast, dirt}), class_id};
     };
     limestone = make(Pattern::plain, from_srgb(222, 207, 180), vec3(0), 0.6, 0.10, 0.7, class_stonework);
     trim = make(Pattern::plain, from_srgb(232, 221, 199), vec3(0), 0.8, 0.07, 0, class_stonework);
-    plaster = make(Pattern::plaster, from_srgb(226, 178, 118), from_srgb(190, 160, 130), 1.5, 0.10, 0.9, class_building);
-    ashlar = make(Pattern::ashlar, from_srgb(186, 168, 140), from_srgb(128, 116, 100), 0.62, 0.16, 0.8, class_building);
-    brick = make(Pattern::bricks, from_srgb(172, 98, 72), from_srgb(196, 184, 168), 0.26, 0.18, 0.5, class_building);
-    tiles = make(Pattern::roof_tiles, from_srgb(186, 96, 62), from_srgb(104, 52, 38), 0.24, 0.22, 0, class_building);
-    wood = make(Pattern::wood, from_srgb(118, 80, 50), from_srgb(78, 50, 32), 0.16, 0.14, 0.3, class_stonework);
+    plaster = make(Pattern::plaster, from_srgb(226, 178, 118), from_srgb(190, 160, 130), 1.5, 0.10, 0.9,
+                   class_building);
+    ashlar = make(Pattern::ashlar, from_srgb(186, 168, 140), from_srgb(128, 116, 100), 0.62, 0.16, 0.8,
+                  class_building);
+    brick = make(Pattern::bricks, from_srgb(172, 102, 78), from_srgb(182, 156, 136), 0.44, 0.20, 0.5,
+                 class_building);
+    tiles = make(Pattern::roof_tiles, from_srgb(186, 96, 62), from_srgb(104, 52, 38), 0.24, 0.22, 0,
+                 class_building);
+    wood =
+        make(Pattern::wood, from_srgb(118, 80, 50), from_srgb(78, 50, 32), 0.16, 0.14, 0.3, class_stonework);
     glass = make(Pattern::plain, from_srgb(66, 84, 96), vec3(0), 0.5, 0.25, 0, class_building);
-    paving = make(Pattern::paving, from_srgb(190, 180, 164), from_srgb(128, 120, 106), 0.6, 0.13, 0, class_ground);
+    paving =
+        make(Pattern::paving, from_srgb(190, 180, 164), from_srgb(128, 120, 106), 0.6, 0.13, 0, class_ground);
     gravel = make(Pattern::plain, from_srgb(168, 152, 124), vec3(0), 0.12, 0.16, 0, class_ground);
-    grass = make(Pattern::grass, from_srgb(112, 148, 62), from_srgb(74, 112, 48), 0.7, 0.18, 0, class_low_vegetation);
-    soil = make(Pattern::grass, from_srgb(136, 140, 84), from_srgb(150, 134, 100), 1.0, 0.14, 0, class_ground);
+    grass = make(Pattern::grass, from_srgb(112, 148, 62), from_srgb(74, 112, 48), 0.7, 0.18, 0,
+                 class_low_vegetation);
+    soil =
+        make(Pattern::grass, from_srgb(136, 140, 84), from_srgb(150, 134, 100), 1.0, 0.14, 0, class_ground);
     bark = make(Pattern::plain, from_srgb(104, 84, 66), vec3(0), 0.1, 0.3, 0, class_high_vegetation);
-    leaf = make(Pattern::leaf, from_srgb(126, 164, 58), from_srgb(58, 112, 48), 1.1, 0.25, 0, class_high_vegetation);
-    hedge = make(Pattern::leaf, from_srgb(88, 128, 66), from_srgb(40, 84, 46), 0.5, 0.25, 0, class_high_vegetation);
-    water = make(Pattern::marble, from_srgb(96, 148, 156), from_srgb(60, 112, 128), 1.2, 0.05, 0, class_furniture);
+    leaf = make(Pattern::leaf, from_srgb(126, 164, 58), from_srgb(58, 112, 48), 1.1, 0.25, 0,
+                class_high_vegetation);
+    hedge = make(Pattern::leaf, from_srgb(88, 128, 66), from_srgb(40, 84, 46), 0.5, 0.25, 0,
+                 class_high_vegetation);
+    water = make(Pattern::marble, from_srgb(96, 148, 156), from_srgb(60, 112, 128), 1.2, 0.05, 0,
+                 class_furniture);
+    clay = make(Pattern::plain, from_srgb(188, 106, 72), vec3(0), 0.12, 0.12, 0, class_furniture);
     bronze = make(Pattern::plain, from_srgb(92, 128, 112), from_srgb(0, 0, 0), 0.2, 0.2, 0, class_furniture);
   }
 
@@ -71,7 +84,8 @@ struct Court {
     b.wall(o.x_min, o.x_max, z, z + height, deep, -1, glass);
     b.box({x - 0.03, deep - 0.04, z}, {x + 0.03, deep, z + height}, trim);
     for (double part : {0.36, 0.7})
-      b.box({o.x_min, deep - 0.04, z + part * height - 0.02}, {o.x_max, deep, z + part * height + 0.02}, trim);
+      b.box({o.x_min, deep - 0.04, z + part * height - 0.02}, {o.x_max, deep, z + part * height + 0.02},
+            trim);
     b.box({o.x_min - 0.14, y - 0.1, z - 0.12}, {o.x_max + 0.14, y + 0.02, z}, trim);
     b.box({o.x_min - 0.14, y - 0.07, z + height}, {o.x_max + 0.14, y + 0.02, z + height + 0.16}, trim);
     b.box({o.x_min - 0.12, y - 0.04, z}, {o.x_min, y + 0.02, z + height}, trim);
@@ -102,8 +116,7 @@ struct Court {
       column(x0 + i * bay, 0.2);
       if (i < bays)
         b.floor(x0 + i * bay, x0 + i * bay + 0.5 * bay - arch_radius, 0, 0.4, spring, limestone, -1);
-      if (i > 0)
-        b.floor(x0 + i * bay - 0.5 * bay + arch_radius, x0 + i * bay, 0, 0.4, spring, limestone, -1);
+      if (i > 0) b.floor(x0 + i * bay - 0.5 * bay + arch_radius, x0 + i * bay, 0, 0.4, spring, limestone, -1);
     }
     b.wall(x0, x1, spring, arcade_top, 0, -1, as(limestone, class_stonework), front);
     b.wall(x0, x1, spring, arcade_top, 0.4, 1, as(plaster, class_stonework), front);
@@ -154,8 +167,10 @@ struct Court {
     const Opening way{x - radius, x + radius, 0, start, true};
     b.reveal(way, front, wing_depth - front, limestone);
     b.wall(x - half, x + half, 0, top, front, -1, as(ashlar, class_stonework), {way});
-    b.quad({x - half, 0.5 * (front + wing_depth), 0.5 * top}, {0, -1, 0}, {0, 0, 1}, 0.5 * (wing_depth - front), 0.5 * top, plaster);
-    b.quad({x + half, 0.5 * (front + wing_depth), 0.5 * top}, {0, 1, 0}, {0, 0, 1}, 0.5 * (wing_depth - front), 0.5 * top, plaster);
+    b.quad({x - half, 0.5 * (front + wing_depth), 0.5 * top}, {0, -1, 0}, {0, 0, 1},
+           0.5 * (wing_depth - front), 0.5 * top, plaster);
+    b.quad({x + half, 0.5 * (front + wing_depth), 0.5 * top}, {0, 1, 0}, {0, 0, 1},
+           0.5 * (wing_depth - front), 0.5 * top, plaster);
     b.wall(x - half, x + half, 0, top, wing_depth + 0.02, 1, as(ashlar, class_building), {way});
     archivolt(x, start, radius, front);
     b.box({x - radius - 0.3, front - 0.06, start - 0.16}, {x - radius + 0.02, front + 0.02, start}, trim);
@@ -178,8 +193,8 @@ struct Court {
     const double slope = std::hypot(wide, rise), depth = 0.5 * (wing_depth + 0.1 - (front - 0.05)) + 0.15;
     const double cy = 0.5 * (front - 0.05 + wing_depth + 0.1);
     for (double side : {-1.0, 1.0})
-      b.quad({x + side * 0.5 * wide, cy, top + 0.2 + 0.5 * rise}, {0, side, 0}, {-side * wide / slope, 0, rise / slope},
-             depth, 0.5 * slope, tiles);
+      b.quad({x + side * 0.5 * wide, cy, top + 0.2 + 0.5 * rise}, {0, side, 0},
+             {-side * wide / slope, 0, rise / slope}, depth, 0.5 * slope, tiles);
     b.sphere({x, front, top + 0.2 + rise + 0.22}, 0.2, trim);
     for (double side : {-1.0, 1.0}) {
       b.cone({x + side * wide, front - 0.1, top + 0.18}, {0, 0, 1}, 0.35, 0.12, 0.08, trim);
@@ -245,8 +260,8 @@ struct Court {
 
   void pot(double x, double y, std::uint64_t seed) {
     b.place({x, y, 0});
-    b.cone({0, 0, 0}, {0, 0, 1}, 0.5, 0.22, 0.32, as(brick, class_furniture));
-    b.torus({0, 0, 0.5}, {0, 0, 1}, 0.32, 0.045, as(brick, class_furniture));
+    b.cone({0, 0, 0}, {0, 0, 1}, 0.5, 0.22, 0.32, clay);
+    b.torus({0, 0, 0.5}, {0, 0, 1}, 0.32, 0.045, clay);
     add_bush(b, {0, 0, 0.95}, {0.42, 0.42, 0.46}, 700, 0.045, seed, hedge);
     b.place({});
   }
@@ -269,13 +284,13 @@ Scene make_courtyard() {
 
   // Ground: flagstones in the court, a gravel path through both gates, meadow around.
   b.floor(-court_x, inner_x, -court_y, inner_y, 0, c.paving);
-  Primitive& meadow = b.floor(-15, 16, -13, 14, 0, c.soil);
-  const double cx = 0.5, cy = 0.5;  // its centre
+  Primitive& meadow = b.floor(-11.5, 14.5, -9.5, 12.5, 0, c.soil);
+  const double cx = 1.5, cy = 1.5;  // its centre
   meadow.openings = {{-court_x - cx, inner_x - cx, -court_y - cy, inner_y - cy, false},
-                     {-1.5 - cx, 1.5 - cx, -13 - cy, -court_y - cy, false},
-                     {-1.5 - cx, 1.5 - cx, inner_y - cy, 14 - cy, false}};
-  b.floor(-1.5, 1.5, -13, -court_y, 0, c.gravel);
-  b.floor(-1.5, 1.5, inner_y, 14, 0, c.gravel);
+                     {-1.5 - cx, 1.5 - cx, -9.5 - cy, -court_y - cy, false},
+                     {-1.5 - cx, 1.5 - cx, inner_y - cy, 12.5 - cy, false}};
+  b.floor(-1.5, 1.5, -9.5, -court_y, 0, c.gravel);
+  b.floor(-1.5, 1.5, inner_y, 12.5, 0, c.gravel);
 
   const double gate_half = 2.2;
   b.place({0, court_y, 0});
@@ -317,12 +332,13 @@ Scene make_courtyard() {
   add_bush(b, {0, 0, 0.5}, {0.8, 0.7, 0.55}, 2500, 0.05, 33, c.hedge);
   b.place({4.7, -3.5, 0.2});
   TreeShape tree;
-  tree.height = 6.6, tree.crown_radius = 2.5, tree.trunk_radius = 0.2, tree.leaves = 26000, tree.leaf_radius = 0.062;
+  tree.height = 6.6, tree.crown_radius = 2.5, tree.trunk_radius = 0.2, tree.leaves = 26000,
+  tree.leaf_radius = 0.062;
   add_tree(b, tree, c.bark, c.leaf);
   b.place({});
 
   // Two stations in the court and one on a mast outside, which sees the roofs.
-  b.scene.scanners = {{-4.6, -0.6, 1.7}, {1.2, -6.2, 1.7}, {-12.5, -11, 9.5}};
+  b.scene.scanners = {{-4.6, -0.6, 1.7}, {1.2, -6.2, 1.7}, {-11.2, -9.2, 9.0}};
   b.scene.natural = Sampling::scanners;
   return std::move(b.scene);
 }

@@ -5,7 +5,8 @@
 namespace sfumato::synth {
 namespace {
 
-/// Three tori inside each other (Dobrev 2010): ring radius 1, tube radii 0.45, 0.30 and 0.15, equal point counts.
+/// Three tori inside each other (Dobrev 2010): ring radius 1, tube radii 0.45, 0.30 and 0.15, equal point
+/// counts.
 Scene make_tori() {
   Builder b("tori");
   const double tubes[3] = {0.45, 0.30, 0.15};
@@ -58,16 +59,19 @@ Scene make_spheres() {
       {{-1.6, 1.1, 0.75}, 0.75, Pattern::plain, from_srgb(70, 120, 130), from_srgb(0, 0, 0), 0.5},
   };
   for (const auto& s : spheres)
-    b.sphere(s.center, s.radius, {b.material(patterned(s.pattern, s.color, s.second, s.size)), class_furniture});
-  b.scene.cameras = {camera_at({-3.2, -4.6, 2.6}, {0, 0, 0.7}, 45), camera_at({3.4, -4.2, 2.0}, {0, 0, 0.7}, 45)};
+    b.sphere(s.center, s.radius,
+             {b.material(patterned(s.pattern, s.color, s.second, s.size)), class_furniture});
+  b.scene.cameras = {camera_at({-3.2, -4.6, 2.6}, {0, 0, 0.7}, 45),
+                     camera_at({3.4, -4.2, 2.0}, {0, 0, 0.7}, 45)};
   return std::move(b.scene);
 }
 
 /// A square of side 2 in the plane z = 0.
 Scene make_plane() {
   Builder b("plane");
-  const Finish squares{b.material(patterned(Pattern::checker, from_srgb(214, 206, 190), from_srgb(110, 128, 140), 0.25)),
-                       class_ground};
+  const Finish squares{
+      b.material(patterned(Pattern::checker, from_srgb(214, 206, 190), from_srgb(110, 128, 140), 0.25)),
+      class_ground};
   b.floor(-1, 1, -1, 1, 0, squares);
   b.scene.cameras = {camera_at({0, -1.6, 1.6}, {0, 0, 0}, 50), camera_at({0, 0, 2.6}, {0, 0, 0}, 50)};
   return std::move(b.scene);
@@ -77,8 +81,11 @@ struct Entry {
   const char* name;
   Scene (*make)();
 };
-constexpr Entry scenes[] = {{"courtyard", make_courtyard}, {"tori", make_tori},
-                            {"spheres", make_spheres}, {"plane", make_plane}};
+constexpr Entry scenes[] = {{"courtyard", make_courtyard},
+                            {"room", make_room},
+                            {"tori", make_tori},
+                            {"spheres", make_spheres},
+                            {"plane", make_plane}};
 
 }  // namespace
 
