@@ -9,5 +9,6 @@
 #define UNIT_BATCHES 7        // RGBA32UI: first, count, spacing (float bits), 0
 #define UNIT_INPUT 8          // 8..15: textures of the pass
 #define UNIT_PLACES 16        // R32UI, place in the sorted cloud of each source index
+#define UNIT_LIST 17          // R32UI, places within the chunk in drawing order
 
 #define BLOCK_FRAME 0

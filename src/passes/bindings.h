@@ -7,6 +7,7 @@ enum Unit {
   positions = 0, source_index = 1, colors = 2, normals = 3, radii = 4, field = 5, shadow = 6, batches = 7,
   input = 8,    ///< 8..15: textures of the pass
   places = 16,
+  list = 17,    ///< places within the chunk, in drawing order
 };
 enum Block { frame = 0 };
 

@@ -31,6 +31,9 @@ class GpuCloud {
   std::size_t size() const { return prepared_.cloud.size(); }
   Bounds bounds() const { return bounds_; }   ///< world
   float median_spacing() const { return prepared_.median_spacing; }
+  /// Largest radius of each batch and the median radius of all points, scene units; measured on first use.
+  const std::vector<float>& largest_radii();
+  float median_radius();
   bool has_normals() const { return prepared_.available.has(Attribute::normal); }
   std::vector<Chunk>& chunks() { return chunks_; }
 
@@ -65,6 +68,9 @@ class GpuCloud {
   std::vector<Chunk> chunks_;
   gl::TextureBuffer places_;
   bool has_shadow_ = false;
+  std::vector<float> largest_radii_;
+  float median_radius_ = 0;
+  void measure_radii();
 };
 
 /// Unit normal as two 16-bit octahedral coordinates; the zero vector becomes (0,0), which no unit normal uses.

@@ -1,0 +1,23 @@
+// The splats of a chunk, read from the cloud's buffers; `i` counts within the chunk.
+//   SPLAT_FIELD   only points whose field is above, or not above, the threshold (a NaN is not above)
+#include "cloud.glsl"
+#include "splat.glsl"
+
+uniform float splat_radius_scale;
+uniform float splat_radius_limit;  // scene units, before the scale
+#ifdef SPLAT_FIELD
+uniform float splat_field_threshold;
+uniform bool splat_field_above;
+#endif
+
+// Radius 0 where the filter leaves the point out. A point without a normal faces the camera.
+Splat cloud_splat(int i) {
+  vec3 center = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
+  vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
+  if (dot(normal, normal) < 0.25) normal = to_camera(center);
+  float radius = min(point_radius(i), splat_radius_limit) * splat_radius_scale;
+#ifdef SPLAT_FIELD
+  if ((point_field(i) > splat_field_threshold) != splat_field_above) radius = 0.0;
+#endif
+  return Splat(center, normal, radius);
+}

@@ -1,0 +1,152 @@
+#include "passes/splat_raster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/error.h"
+#include "gl/context.h"
+#include "passes/bindings.h"
+
+namespace sfumato {
+namespace {
+
+/// Largest width in pixels that a splat of this radius can have with its centre in the box; infinite when it may
+/// reach the plane of the eye.
+double largest_size_px(const View& view, const Batch& batch, double radius) {
+  const Camera& camera = view.camera();
+  const double scale = std::max(camera.intrinsics().fx, camera.intrinsics().fy);
+  if (camera.orthographic()) return 2 * radius * scale;
+  double nearest = 1e300;
+  for (int corner = 0; corner < 8; ++corner) {
+    const dvec3 p{corner & 1 ? batch.box_max.x : batch.box_min.x, corner & 2 ? batch.box_max.y : batch.box_min.y,
+                  corner & 4 ? batch.box_max.z : batch.box_min.z};
+    nearest = std::min(nearest, -(view.eye_from_cloud() * glm::dvec4(p, 1)).z);
+  }
+  // Discs that end before splat_near() are not drawn, whatever the box says.
+  const double z = std::max(nearest, 1e-4 * camera.far_plane - radius);
+  if (z <= 2 * radius) return 1e300;
+  const Intrinsics k = camera.intrinsics();
+  const double slope = std::max(std::max(k.cx, camera.width - k.cx) / k.fx, std::max(k.cy, camera.height - k.cy) / k.fy);
+  // A splat seen on the border may have its centre beyond it. Slopes of the touching planes: notes on the sphere.
+  const double s = (slope * z + radius) / (z - radius);
+  const double half = (s * radius * radius + radius * z * std::sqrt(1 + s * s)) / (z * z - radius * radius);
+  return 2 * half * scale;
+}
+
+}  // namespace
+
+SplatPath default_splat_path() {
+  const char* text = std::getenv("SFUMATO_SPLAT_PATH");
+  if (!text || text == std::string_view("automatic")) return SplatPath::automatic;
+  if (text == std::string_view("points")) return SplatPath::points;
+  if (text == std::string_view("quads")) return SplatPath::quads;
+  throw Error(ErrorCode::usage, "SFUMATO_SPLAT_PATH is '" + std::string(text) + "', not automatic, points or quads");
+}
+
+SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape, SplatPath path) {
+  SplatBatches chosen;
+  const std::vector<float>& radii = cloud.largest_radii();
+  const std::vector<Batch>& batches = cloud.prepared().batches;
+  for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
+    SplatBatches::OfChunk& ranges = chosen.chunks.emplace_back();
+    for (std::uint32_t b = chunk.first_batch; b < chunk.first_batch + chunk.batch_count; ++b) {
+      const Batch& batch = batches[b];
+      const float radius = std::min(radii[b], shape.radius_limit) * shape.radius_scale;
+      // The screen filter reaches one pixel further than the disc: at most the size of a pixel on the far side.
+      const float pixel = shape.prefilter_px * float((view.camera().orthographic() ? 1 : view.camera().far_plane) /
+                                                     view.camera().pixels_per_unit());
+      const vec3 reach(std::max(radius, pixel));
+      if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
+      chosen.points_seen += batch.count;
+      // A sprite that is cut at a narrow image may need twice its width (splat.vert).
+      const double size_px = 2 * std::max(largest_size_px(view, batch, radius), 2.0 * shape.prefilter_px) + 2;
+      const bool too_large = size_px > gl::limits().max_point_size;
+      if (path == SplatPath::quads || (too_large && path == SplatPath::automatic)) {
+        ranges.quads.add(6 * (batch.first - chunk.first), 6 * batch.count);
+        chosen.fallbacks += batch.count;
+      } else {
+        ranges.points.add(batch.first - chunk.first, batch.count);
+      }
+    }
+  }
+  return chosen;
+}
+
+void set_splat_uniforms(gl::Program& program, const SplatShape& shape) {
+  program.set("splat_radius_scale", shape.radius_scale).set("splat_radius_limit", shape.radius_limit);
+  program.set("splat_prefilter_px", shape.prefilter_px).set("splat_field_threshold", shape.field_threshold);
+  program.set("splat_field_above", shape.part == SplatPart::above);
+}
+
+gl::Defines splat_defines(gl::Defines defines, const SplatShape& shape) {
+  if (shape.prefilter_px > 0) defines.push_back("SPLAT_PREFILTER");
+  if (shape.part != SplatPart::all && std::find(defines.begin(), defines.end(), "SPLAT_FIELD") == defines.end())
+    defines.push_back("SPLAT_FIELD");
+  return defines;
+}
+
+SplatRaster::SplatRaster(std::string fragment_file, gl::Defines defines)
+    : fragment_file_(std::move(fragment_file)), defines_(std::move(defines)) {}
+
+bool SplatRaster::defined(std::string_view name) const {
+  return std::find(defines_.begin(), defines_.end(), name) != defines_.end();
+}
+
+gl::Program& SplatRaster::program(const GpuCloud& cloud, const SplatShape& shape, bool quads, bool list,
+                                  const SetUniforms& set_uniforms) {
+  const bool filter = shape.prefilter_px > 0, field = shape.part != SplatPart::all;
+  gl::Program& chosen = programs_[(quads ? 1 : 0) + (filter ? 2 : 0) + (field ? 4 : 0) + (list ? 8 : 0)];
+  if (!chosen) {
+    gl::Defines defines = splat_defines(defines_, shape);
+    if (quads) defines.push_back("SPLAT_QUADS");
+    if (list) defines.push_back("SPLAT_LIST");
+    chosen = gl::Program::raster("passes/splat.vert", fragment_file_, defines);
+  }
+  set_splat_uniforms(chosen, shape);
+  chosen.set("splat_has_shadow", cloud.has_shadow());
+  if (set_uniforms) set_uniforms(chosen);
+  return chosen;
+}
+
+void SplatRaster::bind(GpuCloud& cloud, GpuCloud::Chunk& chunk) {
+  cloud.bind_geometry(chunk);
+  cloud.bind_normals(chunk);
+  cloud.bind_radii(chunk);
+  if (defined("SPLAT_COLOR")) {
+    cloud.bind_colors(chunk);
+    if (cloud.has_shadow()) cloud.bind_shadow(chunk);
+  }
+  if (chunk.field) cloud.bind_field(chunk);
+}
+
+void SplatRaster::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                       const gl::State& state, const SetUniforms& set_uniforms) {
+  view.bind();
+  state.apply();
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
+    const SplatBatches::OfChunk& ranges = batches.chunks[c];
+    bind(cloud, cloud.chunks()[c]);
+    for (bool quads : {false, true}) {
+      const SplatBatches::Ranges& list = quads ? ranges.quads : ranges.points;
+      if (list.first.empty()) continue;
+      program(cloud, shape, quads, false, set_uniforms).use();
+      glMultiDrawArrays(quads ? GL_TRIANGLES : GL_POINTS, list.first.data(), list.count.data(),
+                        GLsizei(list.first.size()));
+    }
+  }
+}
+
+void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
+                            const gl::TextureBuffer& list, GLint first, GLsizei count, bool as_quads,
+                            const gl::State& state, const SetUniforms& set_uniforms) {
+  view.bind();
+  state.apply();
+  bind(cloud, cloud.chunks()[chunk]);
+  list.bind(binding::list);
+  program(cloud, shape, as_quads, true, set_uniforms).use();
+  const int corners = as_quads ? 6 : 1;
+  glDrawArrays(as_quads ? GL_TRIANGLES : GL_POINTS, first * corners, count * corners);
+}
+
+}  // namespace sfumato

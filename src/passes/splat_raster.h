@@ -1,0 +1,98 @@
+// Splats through the rasteriser, for every technique that draws discs or spheres.
+//
+// A technique brings its own fragment file, which includes shaders/splat_fragment.glsl (ray casting, weights, what
+// the vertex stage hands over), and the targets and blending that go with it:
+//
+//   SplatRaster raster("techniques/mine/mine.frag", {"SPLAT_COLOR"});
+//   SplatBatches batches = choose_batches(cloud, view, shape);       // once a frame
+//   gl::Framebuffer framebuffer({&sums}); framebuffer.bind();
+//   raster.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::add},
+//               [&](gl::Program& p) { p.set("mine", mine); });
+//
+// Definitions: SPLAT_COLOR (colour and shadow factor), SPLAT_FIELD (the scalar; set shape.part), SPLAT_SPHERE (the
+// primitive covers the ball of that radius and not only the disc), KERNEL_GAUSSIAN, and whatever the fragment file
+// itself looks at. Textures of the pass are bound to UNIT_INPUT + k, images to image units, by the caller.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "gl/program.h"
+#include "gl/state.h"
+#include "passes/gpu_cloud.h"
+
+namespace sfumato {
+
+enum class SplatKernel { wendland, gaussian };
+
+/// Which points a pass draws: all, or those on one side of a threshold of the cloud's field.
+enum class SplatPart { all, not_above, above };
+
+struct SplatShape {
+  float radius_scale = 1;
+  float radius_limit = std::numeric_limits<float>::infinity();  ///< scene units, applied before the scale
+  float prefilter_px = 0;       ///< radius of the screen filter (antialiasing); 0 = off
+  SplatPart part = SplatPart::all;
+  float field_threshold = 0;    ///< of GpuCloud::set_field; needs the definition SPLAT_FIELD
+};
+
+/// How the splats of a batch reach the pixels. `automatic` chooses per batch by its size on the screen; the rest
+/// are for tests. SFUMATO_SPLAT_PATH=automatic|points|quads overrides automatic.
+enum class SplatPath { automatic, points, quads };
+SplatPath default_splat_path();
+
+/// The batches that a view may see, by the way they are drawn.
+struct SplatBatches {
+  struct Ranges {
+    std::vector<GLint> first, count;
+    void add(std::uint32_t range_first, std::uint32_t range_count) {
+      first.push_back(GLint(range_first));
+      count.push_back(GLint(range_count));
+    }
+  };
+  struct OfChunk {
+    Ranges points;  ///< in points of the chunk
+    Ranges quads;   ///< in vertices: six a point
+  };
+  std::vector<OfChunk> chunks;
+  std::uint64_t points_seen = 0;
+  std::uint64_t fallbacks = 0;  ///< points drawn as quads because a sprite might exceed the driver's limit
+};
+SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                            SplatPath path = default_splat_path());
+
+class SplatRaster {
+ public:
+  SplatRaster() = default;
+  explicit SplatRaster(std::string fragment_file, gl::Defines defines = {});
+  explicit operator bool() const { return !fragment_file_.empty(); }
+
+  using SetUniforms = std::function<void(gl::Program&)>;
+  /// Draws into the bound framebuffer, batches in their order: the picture is the same every time.
+  void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+            const gl::State& state, const SetUniforms& set_uniforms = {});
+  /// Draws points [first, first + count) of `list` (R32UI places within the one chunk) as sprites; what is larger
+  /// than the driver's sprites is cut off, so ask `choose_batches` first whether any batch needs quads.
+  void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
+                 const gl::TextureBuffer& list, GLint first, GLsizei count, bool as_quads, const gl::State& state,
+                 const SetUniforms& set_uniforms = {});
+
+ private:
+  gl::Program& program(const GpuCloud& cloud, const SplatShape& shape, bool quads, bool list,
+                       const SetUniforms& set_uniforms);
+  void bind(GpuCloud& cloud, GpuCloud::Chunk& chunk);
+  bool defined(std::string_view name) const;
+  std::string fragment_file_;
+  gl::Defines defines_;
+  gl::Program programs_[16];
+};
+
+/// Sets the uniforms of shaders/splat_cloud.glsl, for compute passes over splats too.
+void set_splat_uniforms(gl::Program& program, const SplatShape& shape);
+/// Definitions that follow from the shape.
+gl::Defines splat_defines(gl::Defines defines, const SplatShape& shape);
+
+}  // namespace sfumato

@@ -1,0 +1,66 @@
+#include "passes/splat_surface.h"
+
+#include <limits>
+
+#include "passes/bindings.h"
+
+namespace sfumato {
+
+void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                                const SplatBatches& batches) {
+  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
+  nearest_t_.clear(vec4(std::numeric_limits<float>::infinity()));
+  if (!nearest_) nearest_ = SplatRaster("passes/splat_nearest.frag");
+  gl::Framebuffer framebuffer({&nearest_t_});
+  framebuffer.bind();
+  nearest_.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::min});
+}
+
+void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+                        const SplatSurfaceTargets& targets, gl::Timers& timers) {
+  const int width = view.width(), height = view.height();
+  batches_ = choose_batches(cloud, view, shape);
+  {
+    auto timing = timers.scope("visibility");
+    draw_nearest(cloud, view, shape, batches_);
+  }
+  {
+    auto timing = timers.scope("accumulate");
+    const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
+    gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
+    gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
+    color_sum_.clear(vec4(0));
+    normal_sum_.clear(vec4(0));
+    SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (gaussian ? 2 : 0)];
+    if (!raster) {
+      gl::Defines defines{"SPLAT_COLOR"};
+      if (shadow) defines.push_back("SPLAT_SHADOW");
+      if (gaussian) defines.push_back("KERNEL_GAUSSIAN");
+      raster = SplatRaster("passes/splat_accumulate.frag", defines);
+    }
+    auto draw_into = [&](const gl::Framebuffer& framebuffer) {
+      framebuffer.bind();
+      nearest_t_.bind(binding::input);
+      raster.draw(cloud, view, shape, batches_, {.blend = gl::State::Blend::add},
+                  [&](gl::Program& program) { program.set("epsilon", blend.epsilon); });
+    };
+    if (shadow) {
+      gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);
+      shadow_sum_.clear(vec4(0));
+      draw_into(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}));
+    } else {
+      draw_into(gl::Framebuffer({&color_sum_, &normal_sum_}));
+    }
+  }
+  auto timing = timers.scope("normalize");
+  gl::ensure(targets.albedo, "albedo", GL_RGBA32F, width, height);
+  gl::ensure(targets.depth, "eye depth", GL_R32F, width, height);
+  gl::ensure(targets.normal, "normal", GL_RGBA32F, width, height);
+  if (!normalize_) normalize_ = ScreenPass("passes/splat_normalize.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+  normalize_.set("has_shadow", cloud.has_shadow());
+  view.bind();
+  const gl::Texture& shadow_sum = cloud.has_shadow() ? shadow_sum_ : color_sum_;
+  normalize_.run({&color_sum_, &normal_sum_, &shadow_sum}, {&targets.albedo, &targets.depth, &targets.normal});
+}
+
+}  // namespace sfumato

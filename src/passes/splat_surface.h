@@ -1,0 +1,44 @@
+// Three-pass surface splatting (Botsch et al. 2005): visibility, accumulation, normalisation.
+// The technique `splats` is this plus shading; others use it for the opaque part of their picture.
+#pragma once
+
+#include "gl/texture.h"
+#include "gl/timer.h"
+#include "passes/screen_pass.h"
+#include "passes/splat_raster.h"
+
+namespace sfumato {
+
+struct SplatBlend {
+  float epsilon = 0;  ///< scene units along the ray: how far behind the nearest hit a splat still counts
+  SplatKernel kernel = SplatKernel::wendland;
+};
+
+/// What the passes leave, at the view's size: textures of the caller, made when missing.
+struct SplatSurfaceTargets {
+  gl::Texture& albedo;  ///< RGBA32F: linear colour, alpha 1 where covered
+  gl::Texture& depth;   ///< R32F: eye depth of the weighted ray distance, +inf where nothing
+  gl::Texture& normal;  ///< RGBA32F: world normal facing the camera or 0; w = shadow factor
+};
+
+class SplatSurface {
+ public:
+  /// All three passes. `nearest_t()` then holds the unshifted front ray distance.
+  void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+            const SplatSurfaceTargets& targets, gl::Timers& timers);
+  /// Only the visibility pass, for techniques that accumulate in their own way.
+  void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches);
+
+  /// R32F: ray distance of the nearest hit of every pixel, +inf where nothing.
+  const gl::Texture& nearest_t() const { return nearest_t_; }
+  /// How the batches of the last draw were chosen.
+  const SplatBatches& batches() const { return batches_; }
+
+ private:
+  SplatBatches batches_;
+  gl::Texture nearest_t_, color_sum_, normal_sum_, shadow_sum_;
+  SplatRaster nearest_, accumulate_[4];
+  ScreenPass normalize_;
+};
+
+}  // namespace sfumato

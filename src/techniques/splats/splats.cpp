@@ -1,0 +1,82 @@
+// Surface splatting: every point is a disc in its tangent plane, and the discs of a surface are averaged.
+//
+// M. Botsch, A. Hornung, M. Zwicker, L. Kobbelt, "High-Quality Surface Splatting on Today's GPUs", Symposium on
+// Point-Based Graphics 2005: nearest hit first, then weighted sums of everything within epsilon of it, then
+// division and lighting once a pixel. The classic that all five papers compare with.
+//
+// Where we differ: the depth that is compared is the distance along the ray and not eye depth, so that epsilon means
+// the same in the corners of a wide view; normals are averaged facing the camera, because scans know no inside.
+
+#include "passes/shade.h"
+#include "passes/splat_surface.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+namespace {
+
+struct Parameters {
+  Auto<float> epsilon;
+  SplatKernel kernel = SplatKernel::wendland;
+  bool antialias = true;
+  float radius_scale = 1;
+  bool clamp_radius = true;
+
+  void describe(ParamList& p) {
+    p.add("epsilon", epsilon)
+        .at_least(0)
+        .unit("scene units")
+        .help("how far behind the nearest hit a splat still counts as the same surface (auto: 2 median spacings)")
+        .paper("Botsch 2005, epsilon");
+    p.add("kernel", kernel, {"wendland", "gaussian"}).help("weight of a hit by its distance from the splat's centre");
+    p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
+    p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
+    p.add("clamp_radius", clamp_radius)
+        .help("limit radii to twice their median, so that isolated points do not become big discs");
+  }
+};
+
+class Splats final : public Technique {
+ public:
+  void describe(ParamList& p) override { parameters_.describe(p); }
+
+  Attributes needs() const override { return Attribute::normal | Attribute::radius; }
+
+  bool render(Frame& frame) override {
+    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    SplatShape shape;
+    shape.radius_scale = parameters_.radius_scale;
+    if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+    if (parameters_.antialias) shape.prefilter_px = 1;
+    SplatBlend blend;
+    blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
+    blend.kernel = parameters_.kernel;
+
+    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+
+    auto timing = frame.timers.scope("shade");
+    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+               {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+    return true;
+  }
+
+  std::vector<std::string> notes() const override {
+    if (surface_.batches().fallbacks == 0) return {};
+    return {std::to_string(surface_.batches().fallbacks) + " points drawn as quads: near the camera, a point sprite "
+            "of this driver would be too small"};
+  }
+
+ private:
+  Parameters parameters_;
+  SplatSurface surface_;
+  gl::Texture albedo_;
+  Shade shade_;
+};
+
+}  // namespace
+
+TechniqueInfo splats_technique() {
+  return {"splats", "surface splatting: discs averaged to a smooth lit surface",
+          [] { return std::unique_ptr<Technique>(new Splats); }};
+}
+
+}  // namespace sfumato

@@ -1,0 +1,339 @@
+// Surface splatting against the oracle, analytic answers, and its own ways of drawing against each other.
+#include <cstdlib>
+#include <random>
+
+#include "reference/compare.h"
+#include "reference/gl_fixture.h"
+#include "reference/splat_oracle.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+constexpr float epsilon = 0.05f;
+
+PointCloud disc(vec3 center, vec3 normal, float radius, Rgba8 color = {200, 100, 50, 255}) {
+  PointCloud cloud;
+  cloud.positions = {center};
+  cloud.normals = {glm::normalize(normal)};
+  cloud.radii = {radius};
+  cloud.colors = {color};
+  return cloud;
+}
+
+PointCloud discs(std::initializer_list<PointCloud> list) {
+  PointCloud cloud;
+  for (const PointCloud& one : list) {
+    cloud.positions.push_back(one.positions[0]);
+    cloud.normals.push_back(one.normals[0]);
+    cloud.radii.push_back(one.radii[0]);
+    cloud.colors.push_back(one.colors[0]);
+  }
+  return cloud;
+}
+
+/// Discs of all sizes and directions in a ball of radius 1.2 at the origin.
+PointCloud disc_soup(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  PointCloud cloud;
+  while (cloud.size() < count) {
+    const vec3 p(uniform(random), uniform(random), uniform(random));
+    const vec3 n(uniform(random), uniform(random), uniform(random));
+    if (glm::length(p) > 1 || glm::length(n) < 0.1f) continue;
+    cloud.positions.push_back(1.2f * p);
+    cloud.normals.push_back(glm::normalize(n));
+    cloud.radii.push_back(0.04f + 0.1f * std::abs(uniform(random)));
+    auto code = [&] { return std::uint8_t(127.5f + 127.5f * uniform(random)); };
+    cloud.colors.push_back({code(), code(), code(), 255});
+  }
+  return cloud;
+}
+
+Camera camera_at(dvec3 position, int width, int height, double fov_deg = 45) {
+  Camera camera;
+  camera.position = position;
+  camera.target = {0, 0, 0};
+  camera.fov_y = glm::radians(fov_deg);
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
+class Splats : public GlTest {
+ protected:
+  Splats() {
+    settings_.transparent = true;
+    settings_.shading = Shading::albedo;
+    set("epsilon", "0.05");
+    set("antialias", "false");
+    set("clamp_radius", "false");
+  }
+  void set(const std::string& name, const std::string& value) { set_parameter(*technique_, name, value); }
+  RenderOutput render(const PointCloud& cloud, const Camera& camera) {
+    Renderer renderer(context());
+    show(renderer, cloud, technique_->needs());
+    return renderer.render(*technique_, camera, settings_, all_outputs());
+  }
+  /// Near and far as the renderer fits them.
+  static Camera fitted(Camera camera, const PointCloud& cloud) {
+    camera.fit_depth_range(bounds(cloud));
+    return camera;
+  }
+  template <class Weight>
+  static OracleImages expected(const PointCloud& cloud, const Camera& asked, Weight weight, double eps = epsilon) {
+    const Camera camera = fitted(asked, cloud);
+    const std::vector<OracleSplat> splats = oracle_splats(cloud);
+    return oracle_images(camera, [&](const OracleRay& ray) {
+      return oracle_surface(ray, splats, splat_near(camera), eps, weight);
+    });
+  }
+  void expect_like_oracle(const RenderOutput& out, const OracleImages& oracle) {
+    // Normals are stored in 2 x 16 bit (3e-5 rad); on a disc seen at 10:1 that shifts the hit by 3e-4 radii, and
+    // weights and colours with it. Float itself adds 1e-6.
+    const Difference color = compare(out.color_linear, oracle.color, oracle.band, 2e-3);
+    EXPECT_LT(color.max, 4e-3);
+    EXPECT_LT(color.mean, 2e-5);
+    const Difference depth = compare(out.depth, oracle.depth, oracle.band, 1e-3);
+    EXPECT_LT(depth.max, 1e-3);
+    EXPECT_LT(depth.mean, 1e-5);
+    const Difference normal = compare(out.normal, oracle.normal, oracle.band, 1e-2);
+    EXPECT_LT(normal.max, 1e-2);  // sums of opposing normals magnify the weights' error
+    EXPECT_LT(normal.mean, 1e-4);
+    EXPECT_LT(color.band, out.depth.size() / 5) << "the band must not swallow the test";
+    EXPECT_LT(color.flips, 0.2);  // the band is 10 to 100 roundings wide
+    EXPECT_LT(std::abs(depth.bias), 0.1);
+  }
+  std::unique_ptr<Technique> technique_ = find_technique("splats").create();
+  RenderSettings settings_;
+};
+
+// Core test 1: covered pixels = analytic disc, depth = plane depth.
+TEST_F(Splats, FacingDiscIsTheAnalyticDisc) {
+  const Camera camera = camera_at({0, -4, 0}, 81, 61);
+  const RenderOutput out = render(disc({0, 0, 0}, {0, 1, 0}, 0.7f), camera);
+  const double radius_px = 0.7 * camera.pixels_per_unit() / 4;
+  for (int y = 0; y < 61; ++y)
+    for (int x = 0; x < 81; ++x) {
+      const double distance = std::hypot(x + 0.5 - 40.5, y + 0.5 - 30.5);
+      if (std::abs(distance - radius_px) < 1e-3) continue;
+      ASSERT_EQ(out.color_linear.at(x, y).a, distance < radius_px ? 1 : 0) << x << "," << y;
+      // A 16-bit normal tilts the plane by up to 3e-5 over 0.7.
+      if (distance < radius_px) ASSERT_NEAR(out.depth.at(x, y), 4, 3e-5);
+    }
+}
+
+// Core test 2: what an affine projection of the disc would fail.
+TEST_F(Splats, TiltedDiscInTheCornerOfAWideView) {
+  for (Projection projection : {Projection::perspective, Projection::orthographic}) {
+    Camera camera = camera_at({0, -1, 0}, 96, 72, 100);
+    camera.projection = projection;
+    camera.height_world = 2.4;
+    const PointCloud cloud = disc({1.2f, 0, 0.85f}, {0.6f, 1, 0.5f}, 0.4f);
+    const RenderOutput out = render(cloud, camera);
+    const OracleImages oracle = expected(cloud, camera, wendland);
+    EXPECT_GT(std::count_if(oracle.depth.begin(), oracle.depth.end(), [](float z) { return std::isfinite(z); }), 100);
+    const Difference depth = compare(out.depth, oracle.depth, oracle.band, 1e-4);
+    EXPECT_LT(depth.max, 1e-4);  // 16-bit normal on a disc of 0.4
+    EXPECT_LT(depth.band, 20u);
+  }
+}
+
+// Core test 3: (w1 c1 + w2 c2) / (w1 + w2) in every pixel.
+TEST_F(Splats, CoplanarDiscsBlendByTheirWeights) {
+  const Camera camera = camera_at({0, -4, 0}, 64, 64);
+  const PointCloud cloud = discs({disc({-0.2f, 0, 0}, {0, 1, 0}, 0.6f, {255, 0, 0, 255}),
+                                  disc({0.3f, 0, 0}, {0, -1, 0}, 0.7f, {0, 0, 255, 255})});
+  const RenderOutput out = render(cloud, camera);
+  const double px = camera.pixels_per_unit() / 4;
+  int both = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double px_x = (x + 0.5 - 32) / px, px_y = (y + 0.5 - 32) / px;
+      const double rho1 = std::hypot(px_x + 0.2, px_y) / 0.6, rho2 = std::hypot(px_x - 0.3, px_y) / 0.7;
+      if (rho1 > 0.999 || rho2 > 0.999) continue;
+      ++both;
+      const double w1 = wendland(rho1), w2 = wendland(rho2);
+      ASSERT_NEAR(out.color_linear.at(x, y).r, w1 / (w1 + w2), 1e-3);  // 16-bit normals; 1e-3 is a quarter of a step
+      ASSERT_NEAR(out.color_linear.at(x, y).b, w2 / (w1 + w2), 1e-3);
+    }
+  EXPECT_GT(both, 50);
+}
+
+// Core test 4: epsilon decides what belongs to the surface.
+TEST_F(Splats, OnlyWhatIsWithinEpsilonContributes) {
+  const Camera camera = camera_at({0, -4, 0}, 33, 33);
+  for (auto [gap, mixes] : {std::pair{0.04f, true}, {0.06f, false}}) {
+    const PointCloud cloud = discs({disc({0, 0, 0}, {0, 1, 0}, 0.5f, {255, 0, 0, 255}),
+                                    disc({0, gap, 0}, {0, 1, 0}, 0.5f, {0, 0, 255, 255})});
+    const vec4 middle = render(cloud, camera).color_linear.at(16, 16);
+    EXPECT_NEAR(middle.b, mixes ? 0.5 : 0, 1e-3) << gap;
+  }
+}
+
+// Core test 5 and the rest of the equations: a soup of discs, every projection and both kernels.
+TEST_F(Splats, SoupMatchesTheOracle) {
+  const PointCloud cloud = disc_soup(600, 11);
+  Camera perspective = camera_at({0.4, -3, 0.5}, 90, 70);
+  Camera off_centre = perspective;
+  off_centre.custom_intrinsics = Intrinsics{80, 75, 30, 44};
+  Camera orthographic = perspective;
+  orthographic.projection = Projection::orthographic;
+  orthographic.height_world = 2.6;
+  for (const Camera& camera : {perspective, off_centre, orthographic}) {
+    set("kernel", "wendland");
+    expect_like_oracle(render(cloud, camera), expected(cloud, camera, wendland));
+    set("kernel", "gaussian");
+    expect_like_oracle(render(cloud, camera), expected(cloud, camera, gaussian));
+  }
+}
+
+TEST_F(Splats, SphereHasItsDepthAndNormals) {
+  PointCloud cloud = sphere_cloud(20000);
+  const float radius = 0.04f;  // spacing 0.025
+  cloud.radii.assign(cloud.size(), radius);
+  const Camera camera = camera_at({0, -4, 0}, 96, 96);
+  const RenderOutput out = render(cloud, camera);
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+      const double middle = -glm::dot(ray.origin, ray.direction);
+      const double away2 = glm::dot(ray.origin, ray.origin) - middle * middle;
+      if (away2 > 0.8) continue;  // the rim, where discs stick out
+      const double t = middle - std::sqrt(1 - away2);
+      const dvec3 n = ray.origin + t * ray.direction;
+      ASSERT_EQ(out.color_linear.at(x, y).a, 1);
+      // A tangent disc leaves the sphere by r^2/2 at its rim, seen at up to 63 degrees; less where it weighs most.
+      ASSERT_NEAR(out.depth.at(x, y), t * ray.cosine, 0.5 * radius * radius / std::sqrt(1 - away2)) << x << "," << y;
+      ASSERT_GT(glm::dot(n, dvec3(out.normal.at(x, y))), std::cos(0.5 * radius));  // averaged on both sides
+    }
+}
+
+struct WithPath {
+  explicit WithPath(const char* path) { setenv("SFUMATO_SPLAT_PATH", path, 1); }
+  ~WithPath() { unsetenv("SFUMATO_SPLAT_PATH"); }
+};
+
+TEST_F(Splats, SpritesAndQuadsGiveTheSamePicture) {
+  const PointCloud cloud = disc_soup(400, 5);
+  for (const char* antialias : {"false", "true"})
+    for (Camera camera : {camera_at({0.4, -2.5, 0.5}, 77, 61), camera_at({0.1, -1.4, 0}, 9, 50)}) {
+      set("antialias", antialias);
+      RenderOutput results[2];
+      int k = 0;
+      for (const char* path : {"points", "quads"}) {
+        const WithPath with(path);
+        results[k++] = render(cloud, camera);
+      }
+      // The same fragments with the same arithmetic, in the same order.
+      for (std::size_t i = 0; i < results[0].depth.size(); ++i) {
+        ASSERT_EQ(results[0].color_linear.data()[i], results[1].color_linear.data()[i]) << i;
+        ASSERT_EQ(results[0].depth.data()[i], results[1].depth.data()[i]) << i;
+      }
+    }
+}
+
+TEST_F(Splats, ADiscLargerThanAnySpriteIsStillDrawn) {
+  // The camera stands 0.01 before a wall of radius 50: the box reaches through the plane of the eye.
+  const Camera camera = camera_at({0, -0.01, 0}, 64, 48, 90);
+  const RenderOutput out = render(disc({0, 0, 0}, {0.3f, 1, 0}, 50), camera);
+  const auto covered = std::count_if(out.depth.begin(), out.depth.end(), [](float z) { return std::isfinite(z); });
+  EXPECT_EQ(covered, 64 * 48);
+  ASSERT_EQ(out.notes.size(), 1u);
+  EXPECT_NE(out.notes[0].find("1 points drawn as quads"), std::string::npos);
+}
+
+TEST_F(Splats, ASplatWhoseCentreIsOutsideIsNotLost) {
+  const Camera camera = camera_at({0, -2, 0}, 40, 40);
+  const PointCloud cloud = disc({1.5f, 0, 0}, {0, 1, 0}, 1.2f);  // centre 30 px beyond the right border
+  const RenderOutput out = render(cloud, camera);
+  const OracleImages oracle = expected(cloud, camera, wendland);
+  const Difference depth = compare(out.depth, oracle.depth, oracle.band, 1e-3);
+  EXPECT_LT(depth.max, 1e-4);
+  EXPECT_GT(std::count_if(out.depth.begin(), out.depth.end(), [](float z) { return std::isfinite(z); }), 200);
+}
+
+// Discs far below a pixel: sampling alone loses most of them, the screen filter keeps a closed surface.
+TEST_F(Splats, AntialiasingClosesTinySplats) {
+  PointCloud cloud = sphere_cloud(60000);
+  cloud.radii.assign(cloud.size(), 0.004f);
+  const Camera camera = camera_at({0, -4, 0}, 64, 64);
+  auto share = [&] {
+    const RenderOutput out = render(cloud, camera);
+    int inside = 0, covered = 0;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        if (std::hypot(x - 31.5, y - 31.5) > 15) continue;
+        ++inside;
+        covered += out.color_linear.at(x, y).a > 0;
+      }
+    return double(covered) / inside;
+  };
+  EXPECT_LT(share(), 0.9);
+  set("antialias", "true");
+  EXPECT_EQ(share(), 1);
+}
+
+TEST_F(Splats, AntialiasingLeavesLargeSplatsAlone) {
+  PointCloud cloud = sphere_cloud(500);
+  cloud.radii.assign(cloud.size(), 0.25f);  // 16 px
+  const Camera camera = camera_at({0, -4, 0}, 160, 160);
+  const RenderOutput off = render(cloud, camera);
+  set("antialias", "true");
+  const RenderOutput on = render(cloud, camera);
+  // Inside a disc the filter only raises weights within 1 px of a centre.
+  double mean = 0;
+  for (std::size_t i = 0; i < off.color_linear.size(); ++i)
+    mean += glm::length(off.color_linear.data()[i] - on.color_linear.data()[i]) / double(off.color_linear.size());
+  EXPECT_LT(mean, 2e-3);
+}
+
+TEST_F(Splats, ClampedRadiiKeepOutliersSmall) {
+  PointCloud cloud = sphere_cloud(3000, 0.5f);
+  cloud.radii.assign(cloud.size(), 0.02f);
+  cloud.positions.push_back({1.2f, 0, 1.0f});
+  cloud.normals.push_back({0, -1, 0});
+  cloud.colors.push_back({255, 255, 255, 255});
+  cloud.radii.push_back(0.5f);
+  const Camera camera = camera_at({0, -4, 0}, 128, 128);
+  auto corner = [&] {
+    const RenderOutput out = render(cloud, camera);
+    int covered = 0;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 84; x < 128; ++x) covered += std::isfinite(out.depth.at(x, y));
+    return covered;
+  };
+  const double px = camera.pixels_per_unit() / 4;
+  EXPECT_GT(corner(), 1000);
+  set("clamp_radius", "true");
+  EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.04 * px, 2), 10);  // radius 2 x 0.02; 10 = its rim in px
+  set("radius_scale", "2");
+  EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.08 * px, 2), 20);
+}
+
+TEST_F(Splats, ShadowFactorsAreAveragedLikeColours) {
+  const PointCloud cloud = discs({disc({-0.2f, 0, 0}, {0, 1, 0}, 0.6f), disc({0.3f, 0, 0}, {0, 1, 0}, 0.7f)});
+  PreparedCloud prepared = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared, colors_of(prepared.cloud));
+  const std::vector<float> factors{0.25f, 1};
+  std::vector<float> sorted;
+  for (std::uint32_t source : prepared.cloud.source_index) sorted.push_back(factors[source]);
+  gpu.set_shadow(sorted);
+  Camera camera = camera_at({0, -4, 0}, 48, 48);
+  camera.fit_depth_range(gpu.bounds());
+  Target target(48, 48);
+  gl::Timers timers(false);
+  RenderSettings lit;
+  Frame frame{gpu, camera, lit, Light::parse(lit.light_text), target, timers, no_progress()};
+  ASSERT_TRUE(technique_->render(frame));
+  const Image<vec4> normal = target.normal.download<vec4>();
+  std::vector<OracleSplat> splats = oracle_splats(cloud);
+  for (std::size_t i = 0; i < 2; ++i) splats[i].shadow = factors[i];
+  for (int x = 4; x < 44; ++x) {
+    const OracleSurface s = oracle_surface(oracle_ray(camera, x + 0.5, 24.5), splats, splat_near(camera), epsilon, wendland);
+    if (!s.fragile) EXPECT_NEAR(normal.at(x, 24).w, s.shadow, 1e-3) << x;
+  }
+}
+
+}  // namespace
