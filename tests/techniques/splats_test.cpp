@@ -325,7 +325,7 @@ TEST_F(Splats, ShadowFactorsAreAveragedLikeColours) {
   Target target(48, 48);
   gl::Timers timers(false);
   RenderSettings lit;
-  Frame frame{gpu, camera, lit, Light::parse(lit.light_text), target, timers, no_progress()};
+  Frame frame{gpu, camera, lit, Light::parse(lit.light_text), target, true, timers, no_progress()};
   ASSERT_TRUE(technique_->render(frame));
   const Image<vec4> normal = target.normal.download<vec4>();
   std::vector<OracleSplat> splats = oracle_splats(cloud);
