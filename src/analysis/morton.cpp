@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t grain = 65'536;       // points between two looks at Progress
 constexpr std::size_t refined_from = 16;    // longer runs of one cell are sorted again inside their own box
+constexpr double largest_extent = 1e18;     // squared distances must stay finite in float
 constexpr int bits_per_axis = 21;           // 3 x 21 = 63 bits
 
 struct Entry {
@@ -111,6 +112,10 @@ std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progr
   });
   // Coincident points are never compared by key: bring them into the order of the file first.
   if (!std::is_sorted(entries.begin(), entries.end())) tbb::parallel_sort(entries.begin(), entries.end());
+  const Box box = box_of(entries, cloud.positions);
+  if (n > 0 && glm::distance(dvec3(box.min), dvec3(box.max)) > largest_extent)
+    throw Error(ErrorCode::bad_input,
+                "the points spread over more than 1e18 units: some coordinates are damaged, filter them out");
   sort_along_curve(entries, cloud.positions, progress);
   std::vector<std::uint32_t> order(n);
   tbb::parallel_for(Range(0, n, grain), [&](const Range& range) {

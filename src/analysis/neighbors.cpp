@@ -10,9 +10,9 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t shortest_leaf = 4, longest_leaf = 12;
+constexpr std::size_t shortest_leaf = 8, longest_leaf = 20;
 constexpr std::size_t segment = 4'096;        // leaves end at its multiples, so that segments are cut in parallel
-constexpr std::size_t leaves_per_block = 1'024;  // about 8,000 points between two looks at Progress
+constexpr std::size_t leaves_per_block = 512;  // about 7,000 points between two looks at Progress
 constexpr int most_candidates = 2'048;
 
 struct Box {
@@ -40,13 +40,13 @@ class KNearest {
  public:
   static constexpr bool merges_coincident = false;
   explicit KNearest(std::size_t k) : k_(k) { heap_.reserve(k); }
-  void start(std::uint32_t except) {
+  /// `limit`: squared distance that all k points are known to be below.
+  void start(std::uint32_t except, float limit = std::numeric_limits<float>::infinity()) {
     except_ = except;
+    limit_ = limit;
     heap_.clear();
   }
-  float limit() const {
-    return heap_.size() < k_ ? std::numeric_limits<float>::infinity() : distance2_of(heap_.front());
-  }
+  float limit() const { return limit_; }
   void add(std::uint32_t id, float distance2) {
     if (id == except_) return;
     if (heap_.size() == k_) {
@@ -55,12 +55,14 @@ class KNearest {
     }
     heap_.push_back(sort_key(distance2, id));
     std::push_heap(heap_.begin(), heap_.end());
+    if (heap_.size() == k_) limit_ = distance2_of(heap_.front());
   }
   const std::vector<std::uint64_t>& heap() const { return heap_; }
 
  private:
   std::size_t k_;
   std::uint32_t except_ = 0;
+  float limit_ = 0;
   std::vector<std::uint64_t> heap_;
 };
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
@@ -104,10 +106,10 @@ class LeafSearch {
     Box box;
     for (std::uint32_t i = first; i < last; ++i) box.add(positions_[i]);
     center_ = 0.5f * box.low + 0.5f * box.high;
-    around_center_.start(nobody);
+    around_center_.start(nobody, limit_from_the_curve(first, last));
     tree_.search(center_, around_center_);
+    if (around_center_.heap().size() <= k_) return false;
     radius_at_center_ = std::sqrt(around_center_.limit());
-    if (!std::isfinite(radius_at_center_)) return false;
     const float reach = rounding * (radius_at_center_ + 0.5f * glm::distance(box.low, box.high));
     const float reach2 = reach * reach;
     count_ = 0;
@@ -122,6 +124,24 @@ class LeafSearch {
       }
       return true;
     });
+  }
+
+  /// A squared distance from the centre below which there are more than k points: those before and after the leaf
+  /// on the curve are mostly near, and finding the last of them is quicker than narrowing a search from infinity.
+  float limit_from_the_curve(std::uint32_t first, std::uint32_t last) {
+    const std::size_t margin = k_;
+    const std::size_t from = first > margin ? first - margin : 0, to = std::min(positions_.size(), last + margin);
+    if (to - from <= k_) return std::numeric_limits<float>::infinity();
+    distances2_.resize(to - from);
+    for (std::size_t i = from; i < to; ++i) {
+      const vec3 d = positions_[i] - center_;
+      distances2_[i - from] = d.x * d.x + d.y * d.y + d.z * d.z;
+    }
+    const auto last_needed = distances2_.begin() + std::ptrdiff_t(k_);
+    std::nth_element(distances2_.begin(), last_needed, distances2_.end());
+    const float limit = std::nextafter(*last_needed, std::numeric_limits<float>::infinity());
+    distances2_.resize(k_);
+    return limit;
   }
 
   /// The k candidates nearest to point i, all of which are within `radius`.

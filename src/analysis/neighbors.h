@@ -14,7 +14,7 @@
 
 namespace sfumato::analysis {
 
-/// A tree of boxes over an array of points, eight children a node. A leaf is a run of 4 to 12 consecutive points
+/// A tree of boxes over an array of points, eight children a node. A leaf is a run of 8 to 20 consecutive points
 /// that ends where the curve makes its longest jump; a node covers eight consecutive nodes of the level below.
 /// Correct for any order of the points, fast for Morton order. Keeps a view of the positions.
 class NeighborTree {

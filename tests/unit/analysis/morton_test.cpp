@@ -51,6 +51,15 @@ TEST(Morton, AFarOutlierDoesNotFlattenTheCurve) {
   EXPECT_LT(mean_step(cloud.positions, order), 0.08);
 }
 
+TEST(Morton, RefusesDamagedCoordinates) {
+  try {
+    morton_order(cloud_of({vec3(0), vec3(3e38f)}));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_input);
+  }
+}
+
 TEST(Morton, CoincidentPointsKeepTheOrderOfTheFile) {
   PointCloud cloud;
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(vec3(float(i % 2), 0, 0));
