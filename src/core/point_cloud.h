@@ -34,12 +34,20 @@ struct Grid {
   std::optional<dvec3> viewpoint;
 };
 
+/// A scalar that its LAS file held as whole numbers: value = number * scale + offset.
+struct LasStep {
+  std::string name;
+  StoredType type = StoredType::int32;
+  double scale = 1, offset = 0;
+};
+
 /// Fixed-point description of LAS coordinates, kept so that LAS -> LAS/LAZ loses nothing.
 struct LasScaling {
   dvec3 scale{0.001}, offset{0};
-  bool colors_16bit = true;  ///< false: the file held 0..255 in its 16-bit fields
+  bool colors_16bit = true;     ///< false: the file held 0..255 in its 16-bit fields
   bool colors_shifted = false;  ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
-  int point_format = -1;     ///< of the file, 0 to 10; -1 unknown
+  int point_format = -1;        ///< of the file, 0 to 10; -1 unknown
+  std::vector<LasStep> steps;   ///< of extra bytes
 };
 
 /// Axis that points away from the ground.

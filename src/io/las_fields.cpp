@@ -21,10 +21,9 @@ std::string descriptor_name(const std::uint8_t* descriptor) {
 
 bool Field::needs_residual() const {
   switch (type) {
-    case StoredType::uint8: case StoredType::int8: case StoredType::uint16: case StoredType::int16:
-      // Scan angles come in steps of 0.006 degrees that the writer knows; a scaled extra byte does not.
-      return is_extra && (scale != 1 || offset != 0);
-    case StoredType::float32: return scale != 1 || offset != 0;
+    // Scaled or not, a float tells the numbers of 16 bits apart, and the writer knows the scale.
+    case StoredType::uint8: case StoredType::int8: case StoredType::uint16: case StoredType::int16: return false;
+    case StoredType::float32: return is_scaled();
     default: return true;
   }
 }
@@ -134,6 +133,10 @@ std::vector<std::uint8_t> extra_bytes_record(const std::vector<Field>& fields) {
                              std::begin(extra_types)));
     const std::size_t length = std::min(fields[i].name.size(), longest_name);
     std::memcpy(d + 4, fields[i].name.data(), length);
+    if (!fields[i].is_scaled()) continue;
+    d[3] = 8 | 16;  // scale and offset hold
+    put(d + 112, fields[i].scale);
+    put(d + 136, fields[i].offset);
   }
   return record;
 }

@@ -22,6 +22,7 @@ struct Field {
   bool is_extra = false;  ///< lies in the extra bytes
 
   bool is_color() const { return !is_extra && (name == "red" || name == "green" || name == "blue"); }
+  bool is_scaled() const { return scale != 1 || offset != 0; }
   /// Whether a float may fail to hold the value, so that the remainder goes into a field of its own.
   bool needs_residual() const;
 };

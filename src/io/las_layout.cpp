@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 
 namespace sfumato::io::las {
@@ -92,7 +93,7 @@ void put_value(const Field& field, double value, std::uint8_t* record) {
     *at = std::uint8_t(*at | (unsigned(clamped<std::uint8_t>(value)) & ((1u << field.bits) - 1)) << field.shift);
     return;
   }
-  if (field.scale != 1) value /= field.scale;
+  if (field.is_scaled()) value = (value - field.offset) / field.scale;
   switch (field.type) {
     case StoredType::uint8: return put(at, clamped<std::uint8_t>(value));
     case StoredType::int8: return put(at, clamped<std::int8_t>(value));
@@ -148,6 +149,24 @@ std::vector<Source> sources_of(const PointCloud& cloud) {
   if (!cloud.normals.empty()) add("nx", 0, false), add("ny", 1, false), add("nz", 2, false);
   if (!cloud.radii.empty()) add("radius", -1, true);
   return sources;
+}
+
+// The step of the scalar's file when all values still lie on it: a hundredth is more than a float's rounding of
+// 16 bits, or two floats' of 32, makes of it.
+std::optional<LasStep> step_of(const Source& source, const PointCloud& cloud) {
+  if (!cloud.las || !source.scalar) return std::nullopt;
+  for (const LasStep& step : cloud.las->steps) {
+    if (step.name != source.scalar->name) continue;
+    const auto [low, high] = limits_of(Field{step.name, step.type});
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const double number = (source.value(cloud, i) - step.offset) / step.scale;
+      if (is_float(step.type)) continue;
+      if (!(std::abs(number - std::round(number)) < 0.01 && std::round(number) >= low && std::round(number) <= high))
+        return std::nullopt;
+    }
+    return step;
+  }
+  return std::nullopt;
 }
 
 // A type that holds the values: the one of the scalar's file, else a float, of 64 bits when the value is a sum.
@@ -207,7 +226,13 @@ WriteLayout choose_layout(const PointCloud& cloud) {
     if (field && !field->is_color() && fits(ranges[i], *field)) {
       source.field = *field;
     } else {
-      source.field.type = extra_type(source, ranges[i]);
+      if (const std::optional<LasStep> step = step_of(source, cloud)) {
+        source.field.type = step->type;
+        source.field.scale = step->scale;
+        source.field.offset = step->offset;
+      } else {
+        source.field.type = extra_type(source, ranges[i]);
+      }
       source.field.is_extra = true;
       source.field.byte = std::uint16_t(byte);
       // A LAS name has 32 bytes; shortened ones must stay different.

@@ -47,8 +47,10 @@ PointCollector::PointCollector(const Header& header, const std::vector<std::uint
   for (Field& field : fields) {
     Column column{field};
     if (field.is_color()) color_columns_[field.name == "red" ? 0 : field.name == "green" ? 1 : 2] = int(columns_.size());
-    if (field.needs_residual() && !first_record.empty()) {
-      const double value = std::trunc(raw_value(field, first_record.data()) * field.scale + field.offset);
+    if (field.is_scaled()) {
+      column.base = field.offset;
+    } else if (field.needs_residual() && !first_record.empty()) {
+      const double value = std::trunc(raw_value(field, first_record.data()));
       if (std::abs(value) >= 65536 && std::abs(value) < 1e15) column.base = value;
     }
     columns_.push_back(std::move(column));
@@ -292,7 +294,7 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     Column& column = columns_[c];
     const Field& field = column.field;
     const FieldStats& stats = total.fields[c];
-    const bool is_zero = stats.count == positions_.size() && stats.min == 0 && stats.max == 0;
+    const bool is_zero = stats.count == result.cloud.size() && stats.min == 0 && stats.max == 0;
     if (field.optional && is_zero) continue;
     // An extra field may carry what its standard namesake cannot (an intensity of 0 to 1): it stands for it.
     const bool is_replaced = std::any_of(columns_.begin(), columns_.end(), [&](const Column& other) {
@@ -305,13 +307,14 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     if (field.is_color()) continue;
     // Two bytes that are seldom used cost eight in the cloud: nothing is lost by leaving zeros out.
     if (is_zero && !field.is_extra && (field.name == "user_data" || field.name == "point_source_id")) continue;
-    const bool is_scaled = field.scale != 1 || field.offset != 0;
     StoredType type = field.type;
-    if (is_scaled) type = field.is_extra ? StoredType::float64 : StoredType::float32;
+    if (field.is_scaled()) type = field.is_extra ? StoredType::float64 : StoredType::float32;
+    if (field.is_scaled() && field.is_extra)
+      result.cloud.las->steps.push_back({field.name, field.type, field.scale, field.offset});
     result.cloud.set_scalar({field.name, column.base, std::move(column.values), type});
     if (stats.has_residual)
       result.cloud.set_scalar({field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
-    if (stats.is_inexact)
+    if (stats.is_inexact && !field.is_scaled())
       result.report.notes.push_back(field.name + " has more digits than are kept (48 bits around its first value)");
     column.values = {};
     column.residuals = {};
