@@ -179,7 +179,7 @@ dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {
   for (int k = 0; k < 3; ++k) {
     const double largest = std::max(std::abs(min[k]), std::abs(max[k]));
     // Floats at 16 times the extent still resolve a millionth of it.
-    if (largest <= 16 * extent || (extent == 0 && as_float) || largest == 0) continue;
+    if (largest <= 16 * extent || (extent == 0 && double(float(min[k])) == min[k])) continue;
     // A multiple of a power of two no finer than float's step at these numbers: float - origin is then exact.
     const double step = std::exp2(std::max(std::floor(std::log2(std::max(extent / 8, largest * 0x1p-60))),
                                            std::floor(std::log2(largest)) - (as_float ? 23 : 52)));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <charconv>
 #include <cstring>
 #include <functional>
@@ -110,8 +111,8 @@ class HeaderParser {
     if (header_.fields.empty()) fail("the header names no FIELDS; export it again");
     for (const Field& field : header_.fields) {
       const bool known = field.type == 'F' ? field.size == 4 || field.size == 8
-                                           : (field.type == 'I' || field.type == 'U') &&
-                                                 (field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8);
+                                           : (field.type == 'I' || field.type == 'U') && field.size <= 8 &&
+                                                 std::has_single_bit(field.size);
       if (!known && !field.is_padding())
         fail("found field '" + field.name + "' of type " + field.type + std::to_string(field.size) +
              ", expected F4 F8 or I and U of 1 2 4 8 bytes; export it again");
@@ -264,8 +265,10 @@ void read_compressed(const File& file, const Header& header, bool organised, Pro
     bad_input(file.path(), "byte " + std::to_string(file.size()),
               "the file ends after " + std::to_string(room) + " bytes of compressed points, expected " +
                   std::to_string(sizes[0]) + "; it is cut short, fetch it again");
-  // One LZF reference of 3 bytes stands for at most 264: more than 88 times the input cannot come out.
-  if (sizes[1] % header.points != 0 || sizes[1] / header.points != record || sizes[1] / 88 > sizes[0])
+  // One LZF reference of 3 bytes stands for at most 264: more than 88 times the input cannot come out. And liblzf
+  // reads a first byte even when there is none.
+  const bool as_promised = sizes[1] % header.points == 0 && sizes[1] / header.points == record;
+  if (!as_promised || sizes[0] == 0 || sizes[1] / 88 > sizes[0])
     bad_input(file.path(), "byte " + std::to_string(header.data_begin + 4),
               "found " + std::to_string(sizes[1]) + " bytes of points packed in " + std::to_string(sizes[0]) +
                   ", expected " + std::to_string(header.points) + " points of " + std::to_string(record) +
@@ -311,7 +314,8 @@ ReadResult read_pcd(const std::filesystem::path& path, const ReadOptions&, Progr
   else read_compressed(file, header, organised, progress, result);
   PointCloud& cloud = result.cloud;
   if (organised)
-    cloud.grids.push_back({0, cloud.size(), std::uint32_t(header.width), std::uint32_t(header.height), header.viewpoint});
+    cloud.grids.push_back(
+        {0, cloud.size(), std::uint32_t(header.width), std::uint32_t(header.height), header.viewpoint});
   // The default viewpoint of an unorganised cloud, 0 0 0, says nothing.
   if (organised || header.viewpoint != dvec3(0)) cloud.scanners.push_back(header.viewpoint);
   return result;

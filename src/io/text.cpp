@@ -46,11 +46,13 @@ std::optional<double> to_number(std::string_view word) {
   return value;
 }
 
-/// All words as numbers, or nothing.
-std::optional<std::vector<double>> to_numbers(const std::vector<std::string_view>& words) {
+/// All words as numbers, or nothing. Words of columns that the user passes over may be anything.
+std::optional<std::vector<double>> to_numbers(const std::vector<std::string_view>& words,
+                                              const std::vector<std::string>& columns) {
   std::vector<double> numbers;
-  for (std::string_view word : words) {
-    const std::optional<double> number = to_number(word);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const bool unwanted = i < columns.size() && columns[i] == "_";
+    const std::optional<double> number = unwanted ? std::nan("") : to_number(words[i]);
     if (!number) return std::nullopt;
     numbers.push_back(*number);
   }
@@ -72,7 +74,7 @@ struct Beginning {
   bool has_count = false;                  ///< a lone count came first (PTS)
 };
 
-Beginning look_at_beginning(const File& file) {
+Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns) {
   Beginning found;
   LineReader lines(file, 0, 1);
   std::string_view line;
@@ -84,7 +86,7 @@ Beginning look_at_beginning(const File& file) {
     if (here == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);  // byte order mark
     std::vector<std::string_view> words = split(line);
     if (words.empty()) continue;
-    std::optional<std::vector<double>> numbers = is_comment(line) ? std::nullopt : to_numbers(words);
+    std::optional<std::vector<double>> numbers = is_comment(line) ? std::nullopt : to_numbers(words, columns);
     const bool lone = numbers && numbers->size() == 1;
     if (found.rows.empty() && (!numbers || lone)) {
       found.begin = at;
@@ -138,7 +140,9 @@ std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& r
   const Sample sample(rows);
   std::vector<std::string> names = {"x", "y", "z"};
   bool color = false, normal = false, intensity = false;
-  const auto add = [&](std::initializer_list<const char*> group) { names.insert(names.end(), group.begin(), group.end()); };
+  const auto add = [&](std::initializer_list<const char*> group) {
+    names.insert(names.end(), group.begin(), group.end());
+  };
   while (names.size() < width) {
     const std::size_t at = names.size(), left = width - at;
     // x y z i r g b: three bytes behind one more column are the colour, and the column is the intensity.
@@ -171,7 +175,8 @@ std::string join(const std::vector<std::string>& names) {
 /// The columns of a line by name; `_` is passed over.
 class PointLines final : public LineGrammar {
  public:
-  PointLines(std::vector<bool> wanted, bool allow_counts) : wanted_(std::move(wanted)), allow_counts_(allow_counts) {}
+  PointLines(std::vector<bool> wanted, bool allow_counts)
+      : wanted_(std::move(wanted)), allow_counts_(allow_counts) {}
   bool counts(std::string_view line) const override { return LineGrammar::counts(line) && !is_comment(line); }
   bool parse(std::string_view line, double* row) const override {
     const char *at = line.data(), *end = at + line.size();
@@ -187,8 +192,8 @@ class PointLines final : public LineGrammar {
         const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
         if (!wanted_[k]) behind = word_end(at, end);
         else if (!whole)
-          throw LineError("found '" + std::string(at, word_end(at, std::min(end, at + 20))) + "', expected a number in column " +
-                          std::to_string(k + 1));
+          throw LineError("found '" + std::string(at, word_end(at, std::min(end, at + 20))) +
+                          "', expected a number in column " + std::to_string(k + 1));
         at = skip_blanks(behind, end);
       }
       if (at < end && is_separator(*at)) ++at;
@@ -258,7 +263,7 @@ bool is_text(std::string_view head) {
 
 ReadResult read_text(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
-  const Beginning beginning = look_at_beginning(file);
+  const Beginning beginning = look_at_beginning(file, options.columns);
   ReadResult result;
   const std::vector<std::string> names = name_columns(file, beginning, options, result.report.notes);
   std::vector<Column> columns;

@@ -21,6 +21,7 @@ inline std::filesystem::path temp_file(const std::string& name) {
 
 inline std::filesystem::path write_file(const std::string& name, const std::string& bytes) {
   const std::filesystem::path path = temp_file(name);
+  std::filesystem::remove(path);  // a fresh file: some file systems flush one that is truncated and written again
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }

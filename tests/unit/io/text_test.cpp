@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <cmath>
+#include <random>
+
+#include "io/text_rows.h"
+#include "unit/io/files.h"
+#include "unit/io/truth.h"
+
+namespace sfumato {
+namespace {
+
+using test::write_file;
+
+io::ReadResult read_text(const std::string& bytes, const std::string& name = "a.txt", const io::ReadOptions& options = {}) {
+  return io::read(write_file(name, bytes), options);
+}
+
+TEST(TextTest, NumbersAreRoundedExactly) {
+  std::mt19937_64 random(7);
+  const char* formats[] = {"%.3f", "%.9g", "%.17g", "%.6e", "%g", "%.12f"};
+  char text[400];
+  for (int i = 0; i < 20000; ++i) {
+    const double written = std::ldexp(double(std::int64_t(random())), int(random() % 120) - 100);
+    const int length = std::snprintf(text, sizeof text, formats[i % 6], written);
+    double expected = 0, found = 0;
+    std::from_chars(text, text + length, expected);
+    ASSERT_EQ(io::parse_number(text, text + length, found), text + length) << text;
+    ASSERT_EQ(found, expected) << text;
+  }
+}
+
+TEST(TextTest, NumbersOfEverySpelling) {
+  const auto parse = [](std::string_view text) {
+    double value = -1;
+    const char* end = io::parse_number(text.data(), text.data() + text.size(), value);
+    return std::pair(end ? int(end - text.data()) : -1, value);
+  };
+  EXPECT_EQ(parse("+12.5"), std::pair(5, 12.5));
+  EXPECT_EQ(parse("-.5"), std::pair(3, -0.5));
+  EXPECT_EQ(parse("5."), std::pair(2, 5.0));
+  EXPECT_EQ(parse("1e+3,"), std::pair(4, 1000.0));
+  EXPECT_EQ(parse("12345678901234567890123"), std::pair(23, 12345678901234567890123.0));
+  EXPECT_EQ(parse("1e400").second, HUGE_VAL);
+  EXPECT_TRUE(std::isnan(parse("nan").second));
+  EXPECT_EQ(parse("-inf").second, -HUGE_VAL);
+  EXPECT_EQ(parse("abc").first, -1);
+  EXPECT_EQ(parse("").first, -1);
+  EXPECT_EQ(parse("-").first, -1);
+  EXPECT_EQ(parse("1e").first, 1);
+}
+
+TEST(TextTest, SeparatorsMayBeMixed) {
+  const PointCloud cloud = read_text("1 2\t3\n4,5;6\r\n\n 7 , 8 ; 9 ,\n# a remark\n10;11;12").cloud;
+  EXPECT_EQ(cloud.positions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}}));
+  EXPECT_EQ(cloud.up, UpAxis::pos_z);
+}
+
+TEST(TextTest, AnEmptyCellIsNoNumberAndMovesNothing) {
+  const PointCloud cloud = read_text("x,y,z,a,b\n1,2,3,,5\n6,7,8,9,10\n,1,1,1,1\n").cloud;
+  ASSERT_EQ(cloud.size(), 2u);  // the last one has no x
+  EXPECT_TRUE(std::isnan(cloud.scalar("a")->value(0)));
+  EXPECT_EQ(cloud.scalar("b")->value(0), 5);
+}
+
+struct Guess {
+  const char* line;
+  const char* columns;
+};
+
+TEST(TextTest, ColumnsAreGuessedFromTheirNumbers) {
+  const Guess guesses[] = {
+      {"1.5 2.5 3.5", "x,y,z"},
+      {"1.5 2.5 3.5 -1200", "x,y,z,intensity"},
+      {"1.5 2.5 3.5 10 200 30", "x,y,z,red,green,blue"},
+      {"1.5 2.5 3.5 0.6 0 -0.8", "x,y,z,nx,ny,nz"},
+      {"1.5 2.5 3.5 0.1 0.9 0.5", "x,y,z,red,green,blue"},
+      {"1.5 2.5 3.5 -1200 10 200 30", "x,y,z,intensity,red,green,blue"},
+      {"1.5 2.5 3.5 0.25 10 200 30", "x,y,z,intensity,red,green,blue"},
+      {"1.5 2.5 3.5 25 10 200 30", "x,y,z,intensity,red,green,blue"},
+      {"1.5 2.5 3.5 10 200 30 0.25", "x,y,z,red,green,blue,intensity"},
+      {"1.5 2.5 3.5 10 200 30 0.6 0 -0.8", "x,y,z,red,green,blue,nx,ny,nz"},
+      {"1.5 2.5 3.5 0.6 0 -0.8 10 200 30", "x,y,z,nx,ny,nz,red,green,blue"},
+      {"1.5 2.5 3.5 700 800", "x,y,z,intensity,column_5"},
+  };
+  for (const Guess& guess : guesses) {
+    const io::ReadResult result = read_text(std::string(guess.line) + "\n" + guess.line + "\n");
+    ASSERT_EQ(result.report.notes.size(), 1u);
+    EXPECT_NE(result.report.notes[0].find(std::string(": ") + guess.columns + " ("), std::string::npos)
+        << guess.line << ": " << result.report.notes[0];
+  }
+}
+
+TEST(TextTest, HeaderLinesNameTheColumns) {
+  const io::ReadResult result =
+      read_text("# exported\n//X Y Z R G B Scalar_field Nx Ny Nz\n1 2 3 10 20 30 0.5 0 0 1\n");
+  EXPECT_EQ(result.cloud.colors.at(0), (Rgba8{10, 20, 30, 255}));
+  EXPECT_EQ(result.cloud.normals.at(0), vec3(0, 0, 1));
+  EXPECT_EQ(result.cloud.scalar("Scalar_field")->value(0), 0.5);
+  EXPECT_NE(result.report.notes.at(0).find("header line"), std::string::npos);
+  // Another order, and quotes.
+  EXPECT_EQ(read_text("\"id\";\"z\";\"x\";\"y\"\n9;3;1;2\n").cloud.positions.at(0), vec3(1, 2, 3));
+}
+
+TEST(TextTest, TheUsersColumnsWin) {
+  io::ReadOptions options;
+  options.columns = {"_", "z", "y", "x", "intensity"};
+  const PointCloud cloud = read_text("x y z a b\nname 3 2 1 7\nother 6 5 4 8\n", "a.txt", options).cloud;
+  EXPECT_EQ(cloud.positions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(cloud.scalar("intensity")->value(1), 8);
+  EXPECT_EQ(cloud.scalars.size(), 1u);
+  options.columns = {"x", "y", "intensity"};
+  const std::optional<Error> error = test::error_of(write_file("b.txt", "1 2 3\n"), options);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), ErrorCode::usage);
+}
+
+TEST(TextTest, PtsCountsArePassedOver) {
+  const io::ReadResult result = read_text("2\n1 2 3 -5 1 2 3\n4 5 6 9 255 0 0\n1\n7 8 9 0 1 1 1\n", "a.pts");
+  EXPECT_EQ(result.report.points, 3u);
+  EXPECT_EQ(result.cloud.colors.at(1), (Rgba8{255, 0, 0, 255}));
+  EXPECT_EQ(result.cloud.scalar("intensity")->value(0), -5);
+}
+
+TEST(TextTest, LargeCoordinatesKeepTheirDigits) {
+  const PointCloud cloud = read_text("500000.001 6600000.002 12.003\n500010.004 6600020.005 15.006\n").cloud;
+  EXPECT_NEAR(cloud.world(0).y, 6600000.002, 2e-6);  // 24 bits of a 20 m cloud
+  EXPECT_NEAR(cloud.world(1).x, 500010.004, 2e-6);
+}
+
+TEST(TextTest, ManyBlocksKeepFileOrderAndLineNumbers) {
+  std::string bytes;
+  const int n = 500000;
+  for (int i = 0; i < n; ++i) bytes += std::to_string(i) + ".5 2.25 -3 " + std::to_string(i % 3000 + 256) + "\n";
+  const io::ReadResult result = read_text(bytes);
+  ASSERT_EQ(result.cloud.size(), std::size_t(n));
+  for (int i = 0; i < n; ++i) {
+    ASSERT_EQ(result.cloud.positions[std::size_t(i)].x, float(i) + 0.5f);
+    ASSERT_EQ(result.cloud.scalars[0].values[std::size_t(i)], float(i % 3000 + 256));
+  }
+  // Damage in two blocks: the first one is named.
+  const std::size_t at = bytes.find("\n300000.5");
+  bytes[bytes.size() - 3] = 'x';
+  bytes[at + 1] = 'x';
+  const std::optional<Error> error = test::error_of(write_file("b.txt", bytes));
+  ASSERT_TRUE(error);
+  EXPECT_NE(std::string(error->what()).find("line 300001:"), std::string::npos) << error->what();
+}
+
+TEST(TextTest, FilesWithoutAPointAreBadInput) {
+  const std::pair<const char*, const char*> cases[] = {{"", "empty"},
+                                                       {"\n\n\n", "no line of numbers"},
+                                                       {"hello world\nthis is prose\n", "no line of numbers"},
+                                                       {"x,y,z\n", "no line of numbers"},
+                                                       {"1 2\n3 4\n", "found 2 numbers"},
+                                                       {"1 2 3\n4 5 6\n7 8\n", "found 2 numbers"},
+                                                       {"1 2 3\n4 oops 6\n", "line 2: found 'oops'"}};
+  for (const auto& [bytes, message] : cases) {
+    const std::optional<Error> error = test::error_of(write_file("a.txt", bytes));
+    ASSERT_TRUE(error.has_value()) << bytes;
+    EXPECT_EQ(error->code(), ErrorCode::bad_input) << bytes;
+    EXPECT_NE(std::string(error->what()).find(message), std::string::npos) << error->what();
+  }
+}
+
+TEST(TextTest, CutAndChangedFilesNeverCrash) {
+  const std::string bytes = "x,y,z,intensity\n1,2,3,4\n5 , 6;7\t8\n";
+  test::expect_cuts_are_safe("a.csv", bytes, 2);
+  test::expect_changes_are_safe("b.csv", bytes);
+  test::expect_changes_are_safe("c.pts", "2\n1 2 3\n4 5 6\n");
+}
+
+}  // namespace
+}  // namespace sfumato
