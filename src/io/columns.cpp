@@ -1,116 +1,17 @@
 #include "io/columns.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 #include <utility>
 
 namespace sfumato::io {
 namespace {
 
-constexpr std::size_t batch_size = 512;  // every scratch array of a batch stays in the first-level cache
-
-bool is_wide(StoredType type) {
-  return type == StoredType::float64 || type == StoredType::int32 || type == StoredType::uint32 ||
-         type == StoredType::int64 || type == StoredType::uint64;
-}
-
-bool is_integer(StoredType type) { return type != StoredType::float32 && type != StoredType::float64; }
-
-/// The vector at `count` zeros. Large pages halve the cost of first touching the memory.
-template <class T>
-void allocate(std::vector<T>& values, std::size_t count) {
-  values.reserve(count);
-  constexpr std::uintptr_t page = 2 << 20;
-  const std::uintptr_t first = (std::uintptr_t(values.data()) + page - 1) / page * page;
-  const std::uintptr_t last = (std::uintptr_t(values.data()) + count * sizeof(T)) / page * page;
-  if (first < last) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
-  values.resize(count);
-}
-
-template <class T>
-T swapped(T value) {
-  std::byte bytes[sizeof(T)];
-  std::memcpy(bytes, &value, sizeof(T));
-  std::reverse(bytes, bytes + sizeof(T));
-  std::memcpy(&value, bytes, sizeof(T));
-  return value;
-}
-
-template <class In, class Out>
-void load_as(const std::byte* from, std::size_t stride, std::size_t count, bool swap, Out* out) {
-  for (std::size_t i = 0; i < count; ++i) {
-    In value;
-    std::memcpy(&value, from + i * stride, sizeof value);
-    out[i] = Out(swap ? swapped(value) : value);
-  }
-}
-
-template <class Out>
-void load(const Column& column, const std::byte* from, std::size_t count, bool swap, Out* out) {
-  const std::size_t stride = column.stride;
-  switch (column.layout) {
-    case StoredType::uint8: return load_as<std::uint8_t>(from, stride, count, false, out);
-    case StoredType::int8: return load_as<std::int8_t>(from, stride, count, false, out);
-    case StoredType::uint16: return load_as<std::uint16_t>(from, stride, count, swap, out);
-    case StoredType::int16: return load_as<std::int16_t>(from, stride, count, swap, out);
-    case StoredType::uint32: return load_as<std::uint32_t>(from, stride, count, swap, out);
-    case StoredType::int32: return load_as<std::int32_t>(from, stride, count, swap, out);
-    case StoredType::uint64: return load_as<std::uint64_t>(from, stride, count, swap, out);
-    case StoredType::int64: return load_as<std::int64_t>(from, stride, count, swap, out);
-    case StoredType::float64: return load_as<double>(from, stride, count, swap, out);
-    case StoredType::float32:
-      if (swap) return load_as<float>(from, stride, count, true, out);
-      return load_as<float>(from, stride, count, false, out);
-  }
-}
-
-/// Adds the finite values to `stats`; false when some were not finite. Eight independent lanes, so that the
-/// compiler can use vector registers.
-template <class T>
-bool accumulate(const T* values, std::size_t count, Stats& stats) {
-  using Sum = std::conditional_t<std::is_integral_v<T>, std::uint32_t, double>;
-  constexpr std::size_t lanes = 8;
-  T low[lanes], high[lanes];
-  Sum sum[lanes] = {};
-  std::fill_n(low, lanes, std::numeric_limits<T>::max());
-  std::fill_n(high, lanes, std::numeric_limits<T>::lowest());
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    for (std::size_t k = 0; k < lanes; ++k) {
-      const T value = values[i + k];
-      low[k] = value < low[k] ? value : low[k];
-      high[k] = value > high[k] ? value : high[k];
-      sum[k] += Sum(value);
-    }
-  for (; i < count; ++i) {
-    low[0] = values[i] < low[0] ? values[i] : low[0];
-    high[0] = values[i] > high[0] ? values[i] : high[0];
-    sum[0] += Sum(values[i]);
-  }
-  double total = 0;
-  for (Sum part : sum) total += double(part);
-  if (count == 0) return true;
-  if (std::isfinite(total)) {
-    stats.merge({double(*std::min_element(low, low + lanes)), double(*std::max_element(high, high + lanes)), total,
-                 count});
-    return true;
-  }
-  bool all = true;
-  for (i = 0; i < count; ++i) {
-    const double value = double(values[i]);
-    if (std::isfinite(value)) stats.merge({value, value, value, 1});
-    else all = false;
-  }
-  return all;
-}
-
 /// The role that a column of this name plays, by the names common programs write.
 Role role_of(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   static const std::pair<Role, std::vector<std::string>> names[] = {
       {Role::x, {"x"}},
       {Role::y, {"y"}},
@@ -128,20 +29,39 @@ Role role_of(std::string name) {
   return Role::scalar;
 }
 
+}  // namespace
+
+bool is_wide(StoredType type) {
+  return type == StoredType::float64 || type == StoredType::int32 || type == StoredType::uint32 ||
+         type == StoredType::int64 || type == StoredType::uint64;
+}
+
+bool is_integer(StoredType type) {
+  return type != StoredType::float32 && type != StoredType::float64;
+}
+
 int column_of(const std::vector<Column>& columns, Role role) {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i].role == role) return int(i);
   return -1;
 }
 
-}  // namespace
-
 std::size_t size_of(StoredType type) {
   switch (type) {
-    case StoredType::uint8: case StoredType::int8: return 1;
-    case StoredType::uint16: case StoredType::int16: return 2;
-    case StoredType::uint32: case StoredType::int32: case StoredType::float32: return 4;
-    case StoredType::uint64: case StoredType::int64: case StoredType::float64: return 8;
+    case StoredType::uint8:
+    case StoredType::int8:
+      return 1;
+    case StoredType::uint16:
+    case StoredType::int16:
+      return 2;
+    case StoredType::uint32:
+    case StoredType::int32:
+    case StoredType::float32:
+      return 4;
+    case StoredType::uint64:
+    case StoredType::int64:
+    case StoredType::float64:
+      return 8;
   }
   return 0;
 }
@@ -165,11 +85,13 @@ bool assign_roles(std::vector<Column>& columns) {
     const bool complete =
         std::all_of(group.begin(), group.end(), [&](Role role) { return column_of(columns, role) >= 0; });
     for (Column& column : columns)
-      if (!complete && std::find(group.begin(), group.end(), column.role) != group.end()) column.role = Role::scalar;
+      if (!complete && std::find(group.begin(), group.end(), column.role) != group.end())
+        column.role = Role::scalar;
     return complete;
   };
   demote({Role::nx, Role::ny, Role::nz});
-  if (!demote({Role::red, Role::green, Role::blue})) demote({Role::red, Role::green, Role::blue, Role::alpha});
+  if (!demote({Role::red, Role::green, Role::blue}))
+    demote({Role::red, Role::green, Role::blue, Role::alpha});
   return demote({Role::x, Role::y, Role::z});
 }
 
@@ -188,296 +110,23 @@ dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {
   return origin;
 }
 
-ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values, const Stats& stats) {
+ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values,
+                        const Stats& stats) {
   ScalarField field{std::move(name), 0, {}, type};
   if (stats.count > 0) {
     const double largest = std::max(std::abs(stats.min), std::abs(stats.max)), range = stats.max - stats.min;
     if (largest > 16 * range || (is_integer(type) && largest > 0x1p24)) {
-      // Float holds what all values share? Then no offset is needed; else the middle, whole for whole numbers.
+      // Float holds what all values share? Then no offset is needed; else the middle, whole for whole
+      // numbers.
       const bool exact = std::all_of(values.begin(), values.end(),
                                      [](double v) { return !std::isfinite(v) || double(float(v)) == v; });
-      if (!exact) field.offset = is_integer(type) || range > 64 ? std::round(stats.min + 0.5 * range) : stats.min;
+      if (!exact)
+        field.offset = is_integer(type) || range > 64 ? std::round(stats.min + 0.5 * range) : stats.min;
     }
   }
   field.values.resize(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) field.values[i] = float(values[i] - field.offset);
   return field;
-}
-
-/// Up to `batch_size` records in memory, and which of them stay.
-struct CloudBuilder::Batch {
-  const std::byte* block = nullptr;
-  std::size_t first = 0, count = 0, kept = 0;
-  std::uint16_t keep[batch_size];
-
-  const std::byte* at(const Column& column) const { return block + column.offset + first * column.stride; }
-  bool all() const { return kept == count; }
-  template <class T>
-  void compact(T* values) const {
-    if (!all())
-      for (std::size_t i = 0; i < kept; ++i) values[i] = values[keep[i]];
-  }
-};
-
-CloudBuilder::CloudBuilder(std::vector<Column> columns, std::size_t rows, bool big_endian, bool keep_places)
-    : columns_(std::move(columns)), swap_(big_endian), keep_places_(keep_places) {
-  const Role roles[] = {Role::x, Role::y, Role::z, Role::nx, Role::ny, Role::nz, Role::red, Role::green, Role::blue};
-  for (int k = 0; k < 3; ++k) {
-    xyz_[k] = column_of(columns_, roles[k]);
-    normal_[k] = column_of(columns_, roles[3 + k]);
-    color_[k] = column_of(columns_, roles[6 + k]);
-    wide_positions_ = wide_positions_ || is_wide(columns_[std::size_t(xyz_[k])].stored);
-  }
-  alpha_ = column_of(columns_, Role::alpha);
-  radius_ = column_of(columns_, Role::radius);
-  if (wide_positions_) allocate(world_, rows);
-  else allocate(positions_, rows);
-  if (normal_[0] >= 0) allocate(normals_, rows);
-  if (color_[0] >= 0) {
-    byte_colors_ = true;
-    for (int column : {color_[0], color_[1], color_[2], alpha_ < 0 ? color_[0] : alpha_})
-      byte_colors_ = byte_colors_ && columns_[std::size_t(column)].layout == StoredType::uint8;
-    if (byte_colors_) allocate(colors_, rows);
-    else allocate(raw_colors_, rows);
-  }
-  if (radius_ >= 0) allocate(radii_, rows);
-  if (keep_places_) allocate(places_, rows);
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (columns_[i].role != Role::scalar) continue;
-    Field& field = fields_.emplace_back();
-    field.column = i;
-    if (is_wide(columns_[i].stored)) allocate(field.wide, rows);
-    else allocate(field.narrow, rows);
-  }
-}
-
-CloudBuilder::Cursor CloudBuilder::cursor(std::size_t begin, std::size_t end) const {
-  return {begin, begin, end, 0, 0, std::vector<Stats>(columns_.size())};
-}
-
-void CloudBuilder::decode(Cursor& cursor, const std::byte* block, std::size_t first, std::size_t count,
-                          std::uint64_t place) {
-  for (std::size_t done = 0; done < count; done += batch_size) {
-    Batch batch;
-    batch.block = block;
-    batch.first = first + done;
-    batch.count = std::min(batch_size, count - done);
-    decode_batch(cursor, batch, place + done);
-  }
-}
-
-void CloudBuilder::decode_batch(Cursor& cursor, Batch& batch, std::uint64_t place) {
-  if (wide_positions_) decode_positions<double>(cursor, batch, world_);
-  else decode_positions<float>(cursor, batch, positions_);
-  if (normal_[0] >= 0) decode_normals(cursor, batch);
-  if (color_[0] >= 0) decode_colors(cursor, batch);
-  if (radius_ >= 0) decode_values(cursor, batch, std::size_t(radius_), radii_);
-  for (Field& field : fields_) {
-    if (field.wide.empty()) decode_values(cursor, batch, field.column, field.narrow);
-    else decode_values(cursor, batch, field.column, field.wide);
-  }
-  if (keep_places_)
-    for (std::size_t i = 0; i < batch.kept; ++i)
-      places_[cursor.at + i] = std::uint32_t(place + (batch.all() ? i : batch.keep[i]));
-  cursor.at += batch.kept;
-  cursor.records += batch.count;
-}
-
-template <class T, class V>
-void CloudBuilder::decode_positions(Cursor& cursor, Batch& batch, std::vector<V>& out) {
-  T axis[3][batch_size];
-  Stats stats[3];
-  bool finite = true;
-  for (int k = 0; k < 3; ++k) {
-    const Column& column = columns_[std::size_t(xyz_[k])];
-    load(column, batch.at(column), batch.count, swap_, axis[k]);
-    finite = accumulate(axis[k], batch.count, stats[k]) && finite;
-  }
-  batch.kept = batch.count;
-  if (!finite) {
-    batch.kept = 0;
-    for (std::size_t i = 0; i < batch.count; ++i)
-      if (std::isfinite(axis[0][i]) && std::isfinite(axis[1][i]) && std::isfinite(axis[2][i]))
-        batch.keep[batch.kept++] = std::uint16_t(i);
-    for (int k = 0; k < 3; ++k) {
-      batch.compact(axis[k]);
-      stats[k] = {};
-      accumulate(axis[k], batch.kept, stats[k]);
-    }
-  }
-  for (int k = 0; k < 3; ++k) cursor.stats[std::size_t(xyz_[k])].merge(stats[k]);
-  V* to = out.data() + cursor.at;
-  for (std::size_t i = 0; i < batch.kept; ++i) to[i] = V(axis[0][i], axis[1][i], axis[2][i]);
-}
-
-template <class T>
-void CloudBuilder::load_counted(Cursor& cursor, const Batch& batch, std::size_t index, T* out) const {
-  const Column& column = columns_[index];
-  if (std::is_same_v<T, float> && column.stored == StoredType::float64) {
-    double values[batch_size];  // statistics tell what the file holds, not what float keeps of it
-    load(column, batch.at(column), batch.count, swap_, values);
-    accumulate(values, batch.count, cursor.stats[index]);
-    std::copy(values, values + batch.count, out);
-  } else {
-    load(column, batch.at(column), batch.count, swap_, out);
-    accumulate(out, batch.count, cursor.stats[index]);
-  }
-  batch.compact(out);
-}
-
-void CloudBuilder::decode_normals(Cursor& cursor, const Batch& batch) {
-  float axis[3][batch_size], off[batch_size];
-  for (int k = 0; k < 3; ++k) {
-    load_counted(cursor, batch, std::size_t(normal_[k]), axis[k]);
-  }
-  vec3* to = normals_.data() + cursor.at;
-  float worst = 0;
-  for (std::size_t i = 0; i < batch.kept; ++i) {
-    to[i] = vec3(axis[0][i], axis[1][i], axis[2][i]);
-    off[i] = std::abs(axis[0][i] * axis[0][i] + axis[1][i] * axis[1][i] + axis[2][i] * axis[2][i] - 1);
-  }
-  for (std::size_t i = 0; i < batch.kept; ++i) worst = off[i] <= worst ? worst : off[i];  // NaN stays
-  // Unit vectors as written by other programs stay bit for bit; only the others are worked on.
-  constexpr float unit = 1e-5f;
-  if (worst <= unit) return;
-  for (std::size_t i = 0; i < batch.kept; ++i) {
-    if (off[i] <= unit) continue;
-    const double length = glm::length(dvec3(to[i]));
-    if (length > 0 && std::isfinite(length)) {
-      to[i] = vec3(dvec3(to[i]) / length);
-    } else {
-      to[i] = vec3(0);
-      ++cursor.normals_dropped;
-    }
-  }
-}
-
-void CloudBuilder::decode_colors(Cursor& cursor, const Batch& batch) {
-  const auto channels = [&](auto (&values)[4][batch_size]) {
-    for (int k = 0; k < 4; ++k) {
-      const int index = k < 3 ? color_[k] : alpha_;
-      if (index < 0) continue;
-      load_counted(cursor, batch, std::size_t(index), values[k]);
-    }
-  };
-  if (byte_colors_) {
-    std::uint8_t values[4][batch_size];
-    if (alpha_ < 0) std::memset(values[3], 255, sizeof values[3]);
-    channels(values);
-    Rgba8* to = colors_.data() + cursor.at;
-    for (std::size_t i = 0; i < batch.kept; ++i) to[i] = {values[0][i], values[1][i], values[2][i], values[3][i]};
-  } else {
-    float values[4][batch_size] = {};
-    channels(values);
-    vec4* to = raw_colors_.data() + cursor.at;
-    for (std::size_t i = 0; i < batch.kept; ++i) to[i] = {values[0][i], values[1][i], values[2][i], values[3][i]};
-  }
-}
-
-template <class T>
-void CloudBuilder::decode_values(Cursor& cursor, const Batch& batch, std::size_t column,
-                                 std::vector<T>& out) {
-  T values[batch_size];
-  load_counted(cursor, batch, column, values);
-  std::copy(values, values + batch.kept, out.begin() + std::ptrdiff_t(cursor.at));
-}
-
-void CloudBuilder::close_gaps(const std::vector<Cursor>& cursors) {
-  const auto close = [&](auto& values) {
-    if (values.empty()) return;
-    auto to = values.begin();
-    for (const Cursor& cursor : cursors) {
-      const auto from = values.begin() + std::ptrdiff_t(cursor.begin);
-      const auto last = values.begin() + std::ptrdiff_t(cursor.at);
-      to = to == from ? last : std::copy(from, last, to);
-    }
-    values.erase(to, values.end());
-  };
-  close(positions_), close(world_), close(normals_), close(colors_), close(raw_colors_), close(radii_), close(places_);
-  for (Field& field : fields_) close(field.narrow), close(field.wide);
-}
-
-void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, PointCloud& cloud) {
-  cloud.origin = choose_origin(min, max, !wide_positions_);
-  if (wide_positions_) {
-    allocate(cloud.positions, world_.size());
-    for (std::size_t i = 0; i < world_.size(); ++i) cloud.positions[i] = vec3(world_[i] - cloud.origin);
-    world_ = {};
-    return;
-  }
-  cloud.positions = std::move(positions_);
-  if (cloud.origin != dvec3(0))
-    for (vec3& p : cloud.positions) p = vec3(dvec3(p) - cloud.origin);
-}
-
-void CloudBuilder::finish_colors(const std::vector<Stats>& stats) {
-  if (raw_colors_.empty()) return;
-  // Fractions, bytes in a wider type, or 16 bit: the file does not say, its largest value does.
-  const auto factor = [&](std::initializer_list<int> group) {
-    double largest = 0;
-    bool integers = true;
-    for (int column : group) {
-      largest = std::max(largest, stats[std::size_t(column)].max);
-      integers = integers && is_integer(columns_[std::size_t(column)].stored);
-    }
-    if (!integers && largest <= 1) return 255.0f;
-    return largest <= 255 ? 1.0f : 1 / 256.0f;
-  };
-  const float color_factor = factor({color_[0], color_[1], color_[2]});
-  const float alpha_factor = alpha_ < 0 ? 1.0f : factor({alpha_});
-  const auto byte = [](float value, float scale) {
-    const float scaled = scale < 1 ? value * scale : value * scale + 0.5f;  // 16 bit: >> 8, others rounded
-    return scaled > 0 ? std::uint8_t(std::min(scaled, 255.0f)) : std::uint8_t(0);  // NaN: 0
-  };
-  allocate(colors_, raw_colors_.size());
-  for (std::size_t i = 0; i < colors_.size(); ++i) {
-    const vec4& c = raw_colors_[i];
-    colors_[i] = {byte(c.x, color_factor), byte(c.y, color_factor), byte(c.z, color_factor),
-                  alpha_ < 0 ? std::uint8_t(255) : byte(c.w, alpha_factor)};
-  }
-  raw_colors_ = {};
-}
-
-void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
-  std::vector<Stats> stats(columns_.size());
-  ReadReport& report = result.report;
-  for (const Cursor& cursor : cursors) {
-    for (std::size_t i = 0; i < stats.size(); ++i) stats[i].merge(cursor.stats[i]);
-    report.points += cursor.records;
-    report.points_finite += cursor.at - cursor.begin;
-    report.normals_dropped += cursor.normals_dropped;
-  }
-  report.points_dropped = report.points - report.points_finite;
-  close_gaps(cursors);
-  if (report.points_finite > 0)
-    for (int k = 0; k < 3; ++k) {
-      report.bounds_min[k] = stats[std::size_t(xyz_[k])].min;
-      report.bounds_max[k] = stats[std::size_t(xyz_[k])].max;
-    }
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    const Role role = columns_[i].role;
-    if (role == Role::skip || role == Role::x || role == Role::y || role == Role::z) continue;
-    AttributeStats attribute{columns_[i].name};
-    if (stats[i].count > 0)
-      attribute = {columns_[i].name, stats[i].min, stats[i].max, stats[i].sum / double(stats[i].count)};
-    report.attributes.push_back(attribute);
-  }
-  PointCloud& cloud = result.cloud;
-  finish_positions(report.bounds_min, report.bounds_max, cloud);
-  finish_colors(stats);
-  cloud.normals = std::move(normals_);
-  cloud.colors = std::move(colors_);
-  cloud.radii = std::move(radii_);
-  cloud.grid_index = std::move(places_);
-  for (Field& field : fields_) {
-    const Column& column = columns_[field.column];
-    if (is_wide(column.stored)) {
-      cloud.scalars.push_back(make_scalar(column.name, column.stored, field.wide, stats[field.column]));
-      field.wide = {};
-    } else {
-      cloud.scalars.push_back({column.name, 0, std::move(field.narrow), column.stored});
-    }
-  }
 }
 
 }  // namespace sfumato::io

@@ -1,6 +1,6 @@
-// From records of numbers to a cloud: what all point formats share. A reader names its columns and where they lie in
-// memory, sizes a CloudBuilder by a count it has checked against the file, and decodes records through cursors,
-// one per thread, that own disjoint ranges of rows.
+// From records of numbers to a cloud: what all point formats share. A reader names its columns and where they
+// lie in memory, sizes a CloudBuilder by a count it has checked against the file, and decodes records through
+// cursors, one per thread, that own disjoint ranges of rows.
 #pragma once
 
 #include <cstddef>
@@ -17,32 +17,40 @@ namespace sfumato::io {
 enum class Role : std::uint8_t { skip, x, y, z, nx, ny, nz, red, green, blue, alpha, radius, scalar };
 
 struct Column {
-  std::string name;                           ///< as in the file
-  StoredType stored = StoredType::float32;    ///< as the file declares it
-  StoredType layout = StoredType::float32;    ///< as it lies in the memory given to `decode`
-  std::size_t offset = 0, stride = 0;         ///< bytes from the block's start, and from record to record
+  std::string name;                         ///< as in the file
+  StoredType stored = StoredType::float32;  ///< as the file declares it
+  StoredType layout = StoredType::float32;  ///< as it lies in the memory given to `decode`
+  std::size_t offset = 0, stride = 0;       ///< bytes from the block's start, and from record to record
   Role role = Role::scalar;
 };
 
 std::size_t size_of(StoredType type);
+/// Types that a float does not hold.
+bool is_wide(StoredType type);
+bool is_integer(StoredType type);
+/// The first column of that role; -1 when there is none.
+int column_of(const std::vector<Column>& columns, Role role);
 
-/// Sets the roles by the usual names (x, nx, normal_x, red, r, diffuse_red, radius ...). A group counts only when it
-/// is complete: without ny, nx is a scalar. False when x, y or z is missing.
+/// Sets the roles by the usual names (x, nx, normal_x, red, r, diffuse_red, radius ...). A group counts only
+/// when it is complete: without ny, nx is a scalar. False when x, y or z is missing.
 bool assign_roles(std::vector<Column>& columns);
 
-/// Minimum, maximum and sum over finite values: of coordinates over kept points, of attributes over all records.
+/// Minimum, maximum and sum over finite values: of coordinates over kept points, of attributes over all
+/// records.
 struct Stats {
   double min = std::numeric_limits<double>::infinity(), max = -min, sum = 0;
   std::uint64_t count = 0;
   void merge(const Stats& other);
 };
 
-/// Where the local (0,0,0) of points within [min, max] goes: zero unless the numbers are so much larger than the
-/// cloud that float would show it. `as_float`: the file holds floats, which the origin then keeps exactly.
+/// Where the local (0,0,0) of points within [min, max] goes: zero unless the numbers are so much larger than
+/// the cloud that float would show it. `as_float`: the file holds floats, which the origin then keeps
+/// exactly.
 dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float);
 
 /// Chooses the offset of the scalar field: zero unless float would lose digits that the file has.
-ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values, const Stats& stats);
+ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values,
+                        const Stats& stats);
 
 class CloudBuilder {
  public:
@@ -53,13 +61,15 @@ class CloudBuilder {
     std::vector<Stats> stats;  ///< one per column
   };
 
-  /// Allocates `rows` rows: the caller has checked that the file can hold so many. `keep_places` keeps each point's
-  /// record number in `grid_index`.
-  CloudBuilder(std::vector<Column> columns, std::size_t rows, bool big_endian = false, bool keep_places = false);
+  /// Allocates `rows` rows: the caller has checked that the file can hold so many. `keep_places` keeps each
+  /// point's record number in `grid_index`.
+  CloudBuilder(std::vector<Column> columns, std::size_t rows, bool big_endian = false,
+               bool keep_places = false);
 
   Cursor cursor(std::size_t begin, std::size_t end) const;
   /// Records [first, first + count) of `block`; `place` is the record number of the first of them.
-  void decode(Cursor& cursor, const std::byte* block, std::size_t first, std::size_t count, std::uint64_t place);
+  void decode(Cursor& cursor, const std::byte* block, std::size_t first, std::size_t count,
+              std::uint64_t place);
   /// Closes the gaps that dropped points left, chooses origin and offsets, fills cloud and report.
   void finish(std::vector<Cursor>& cursors, ReadResult& result);
 
@@ -93,7 +103,7 @@ class CloudBuilder {
   bool wide_positions_ = false, byte_colors_ = false, keep_places_ = false;
 
   std::vector<vec3> positions_, normals_;
-  std::vector<dvec3> world_;      ///< positions of files that hold doubles, until the origin is known
+  std::vector<dvec3> world_;  ///< positions of files that hold doubles, until the origin is known
   std::vector<Rgba8> colors_;
   std::vector<vec4> raw_colors_;  ///< colours that are not bytes, until their range is known
   std::vector<float> radii_;

@@ -17,14 +17,17 @@ namespace {
 
 constexpr std::size_t buffer_size = 1 << 20;
 
-std::string cause(int error) { return std::generic_category().message(error); }
+std::string cause(int error) {
+  return std::generic_category().message(error);
+}
 
 }  // namespace
 
 File::File(const std::filesystem::path& path) : path_(path) {
   handle_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (handle_ < 0)
-    throw Error(ErrorCode::io, path.string() + ": cannot open (" + cause(errno) + "); check the name and permissions");
+    throw Error(ErrorCode::io,
+                path.string() + ": cannot open (" + cause(errno) + "); check the name and permissions");
   struct stat info {};
   const bool known = ::fstat(handle_, &info) == 0;
   if (!known || !S_ISREG(info.st_mode)) {
@@ -34,7 +37,9 @@ File::File(const std::filesystem::path& path) : path_(path) {
   size_ = std::uint64_t(info.st_size);
 }
 
-File::~File() { ::close(handle_); }
+File::~File() {
+  ::close(handle_);
+}
 
 void File::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {
@@ -44,8 +49,9 @@ void File::read(std::uint64_t offset, std::span<std::byte> bytes) const {
       throw Error(ErrorCode::io, path_.string() + ": byte " + std::to_string(offset) + ": read failed (" +
                                      cause(errno) + "); check the disk");
     if (got == 0)
-      throw Error(ErrorCode::io, path_.string() + ": byte " + std::to_string(offset) +
-                                     ": the file ends here but was longer when opened; wait until it is written");
+      throw Error(ErrorCode::io,
+                  path_.string() + ": byte " + std::to_string(offset) +
+                      ": the file ends here but was longer when opened; wait until it is written");
     bytes = bytes.subspan(std::size_t(got));
     offset += std::uint64_t(got);
   }
@@ -59,8 +65,8 @@ std::string File::read_text(std::uint64_t offset, std::size_t count) const {
 
 AtomicWriter::AtomicWriter(const std::filesystem::path& path) : path_(path) {
   static std::atomic<unsigned> serial{0};
-  const std::string name =
-      "." + path.filename().string() + "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp";
+  const std::string name = "." + path.filename().string() + "." + std::to_string(::getpid()) + "." +
+                           std::to_string(serial++) + ".tmp";
   const std::filesystem::path temporary = path.parent_path() / name;
   handle_ = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (handle_ < 0) fail("cannot create a file beside it");

@@ -11,8 +11,8 @@
 
 namespace sfumato::io {
 
-/// A regular file open for reading. Reads are positional (pread), so several threads may share one File, and a
-/// file cut short under us is an error instead of the SIGBUS a mapping would give.
+/// A regular file open for reading. Reads are positional (pread), so several threads may share one File, and
+/// a file cut short under us is an error instead of the SIGBUS a mapping would give.
 class File {
  public:
   /// Throws Error(io) when the file is missing, not regular or not readable.
@@ -34,8 +34,8 @@ class File {
   std::uint64_t size_ = 0;
 };
 
-/// Writes to a temporary name in the same folder; `commit` gives the file its name. Without it (an error, Ctrl-C)
-/// the temporary is deleted and an older file of that name stays as it was.
+/// Writes to a temporary name in the same folder; `commit` gives the file its name. Without it (an error,
+/// Ctrl-C) the temporary is deleted and an older file of that name stays as it was.
 class AtomicWriter {
  public:
   explicit AtomicWriter(const std::filesystem::path& path);

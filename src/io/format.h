@@ -22,14 +22,15 @@ struct Format {
   std::string name;
   std::vector<std::string> extensions;  ///< lower case, with the dot
   std::string description;
-  SniffFunction sniff = nullptr;        ///< null: known by its extension only
+  SniffFunction sniff = nullptr;  ///< null: known by its extension only
   ReadFunction read = nullptr;
   WriteFunction write = nullptr;
   MeshFunction read_mesh = nullptr;
 };
 
 /// Error(bad_input) with the one line every reader owes its user: file, place, what is wrong, what to do.
-[[noreturn]] void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what);
+[[noreturn]] void bad_input(const std::filesystem::path& file, const std::string& place,
+                            const std::string& what);
 
 // Each of these is one file of this folder. Readers return file order and fill report.points... bounds and
 // attributes; `read` fills in file and format, and subsamples.
@@ -48,9 +49,10 @@ Mesh read_obj_mesh(const std::filesystem::path& file, Progress& progress);
 bool is_text(std::string_view head);
 ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
-/// The triangles of a polygon whose corners are record numbers, as a fan. `vertex_of` maps records to kept vertices,
-/// -1 for dropped ones, whose triangles are left out. False when a corner names no record.
-bool add_fan(const std::vector<std::int64_t>& polygon, const std::vector<std::int64_t>& vertex_of, Mesh& mesh);
+/// The triangles of a polygon whose corners are record numbers, as a fan. `vertex_of` maps records to kept
+/// vertices, -1 for dropped ones, whose triangles are left out. False when a corner names no record.
+bool add_fan(const std::vector<std::int64_t>& polygon, const std::vector<std::int64_t>& vertex_of,
+             Mesh& mesh);
 /// `vertex_of` for `add_fan`: from the places kept in `cloud.grid_index`.
 std::vector<std::int64_t> kept_vertices(const PointCloud& cloud, std::uint64_t records);
 

@@ -20,14 +20,19 @@ const std::vector<Format>& table() {
       {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz},
       {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las},
       // Last: any lines of numbers are text.
-      {"text", {".xyz", ".txt", ".csv", ".pts", ".asc"}, "lines of numbers, columns guessed", is_text, read_text},
+      {"text",
+       {".xyz", ".txt", ".csv", ".pts", ".asc"},
+       "lines of numbers, columns guessed",
+       is_text,
+       read_text},
   };
   return formats;
 }
 
 std::string lower_name(const std::filesystem::path& file) {
   std::string name = file.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   return name;
 }
 
@@ -48,15 +53,17 @@ std::string all_extensions(bool writable) {
 const Format& find_format(const std::filesystem::path& file) {
   const File opened(file);
   if (opened.size() == 0)
-    throw Error(ErrorCode::bad_input, file.string() + ": byte 0: the file is empty; fetch or export it again");
+    throw Error(ErrorCode::bad_input,
+                file.string() + ": byte 0: the file is empty; fetch or export it again");
   const std::string head = opened.read_text(0, 4096);
   for (const Format& format : table())
     if (format.read && format.sniff && format.sniff(head)) return format;
   const std::string name = lower_name(file);
   for (const Format& format : table())
     if (format.read && has_extension(format, name)) return format;
-  throw Error(ErrorCode::bad_input, file.string() + ": not a point cloud format I know; convert it to one of " +
-                                        all_extensions(false));
+  throw Error(
+      ErrorCode::bad_input,
+      file.string() + ": not a point cloud format I know; convert it to one of " + all_extensions(false));
 }
 
 }  // namespace
@@ -78,7 +85,8 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
   if (format.read_mesh) return format.read_mesh(file, progress);
-  throw Error(ErrorCode::bad_input, file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
+  throw Error(ErrorCode::bad_input,
+              file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
 }
 
 void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
@@ -93,8 +101,10 @@ std::vector<FormatInfo> formats() {
   std::vector<FormatInfo> list;
   for (const Format& format : table()) {
     std::string extensions;
-    for (const std::string& extension : format.extensions) extensions += (extensions.empty() ? "" : " ") + extension;
-    list.push_back({format.name, extensions, format.description, format.read != nullptr, format.write != nullptr});
+    for (const std::string& extension : format.extensions)
+      extensions += (extensions.empty() ? "" : " ") + extension;
+    list.push_back(
+        {format.name, extensions, format.description, format.read != nullptr, format.write != nullptr});
   }
   return list;
 }

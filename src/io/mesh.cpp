@@ -3,7 +3,8 @@
 
 namespace sfumato::io {
 
-bool add_fan(const std::vector<std::int64_t>& polygon, const std::vector<std::int64_t>& vertex_of, Mesh& mesh) {
+bool add_fan(const std::vector<std::int64_t>& polygon, const std::vector<std::int64_t>& vertex_of,
+             Mesh& mesh) {
   for (std::int64_t corner : polygon)
     if (corner < 0 || corner >= std::int64_t(vertex_of.size())) return false;
   for (std::size_t i = 2; i < polygon.size(); ++i) {

@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::size_t width_with_color = 6;
 
-bool is_vertex(std::string_view line) { return line.size() >= 2 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t'); }
+bool is_vertex(std::string_view line) {
+  return line.size() >= 2 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t');
+}
 
 std::size_t count_words(std::string_view line) {
   std::size_t count = 0;
@@ -63,7 +65,8 @@ ReadResult read_vertices(const File& file, bool keep_places, Progress& progress)
   return result;
 }
 
-/// The vertex of a corner `17`, `17/3/5` or `-1` (counted from the latest); LineError when it is none of these.
+/// The vertex of a corner `17`, `17/3/5` or `-1` (counted from the latest); LineError when it is none of
+/// these.
 std::int64_t parse_corner(std::string_view word, std::uint64_t vertices_so_far) {
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
@@ -99,7 +102,8 @@ Mesh read_obj_mesh(const std::filesystem::path& path, Progress& progress) {
   const std::vector<std::int64_t> vertex_of = kept_vertices(vertices.cloud, vertices.report.points);
   Mesh mesh;
   mesh.colors = std::move(vertices.cloud.colors);
-  for (std::size_t i = 0; i < vertices.cloud.size(); ++i) mesh.positions.push_back(vec3(vertices.cloud.world(i)));
+  for (std::size_t i = 0; i < vertices.cloud.size(); ++i)
+    mesh.positions.push_back(vec3(vertices.cloud.world(i)));
   LineReader lines(file, 0, 1);
   std::string_view line;
   std::uint64_t vertices_so_far = 0;
@@ -121,8 +125,9 @@ Mesh read_obj_mesh(const std::filesystem::path& path, Progress& progress) {
       bad_input(file.path(), place, std::string(error.what()) + "; the file is damaged, export it again");
     }
     if (!add_fan(polygon, vertex_of, mesh))
-      bad_input(file.path(), place, "found a corner outside the " + std::to_string(vertex_of.size()) +
-                                        " vertices; the file is damaged, export it again");
+      bad_input(file.path(), place,
+                "found a corner outside the " + std::to_string(vertex_of.size()) +
+                    " vertices; the file is damaged, export it again");
   }
   return mesh;
 }

@@ -8,10 +8,12 @@
 
 namespace sfumato::io {
 
-inline std::size_t thread_count() { return std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16); }
+inline std::size_t thread_count() {
+  return std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
+}
 
-/// Calls `work(i)` for i in [0, count), each on its own thread (the last on the caller's), and waits. Of several
-/// exceptions the one with the lowest i is thrown, so that errors do not depend on timing.
+/// Calls `work(i)` for i in [0, count), each on its own thread (the last on the caller's), and waits. Of
+/// several exceptions the one with the lowest i is thrown, so that errors do not depend on timing.
 template <class Work>
 void in_parallel(std::size_t count, Work&& work) {
   std::vector<std::exception_ptr> errors(count);

@@ -34,7 +34,7 @@ struct Header {
   std::uint64_t width = 0, height = 1, points = 0;
   bool has_points = false;
   dvec3 viewpoint{0};
-  std::string data;              ///< ascii, binary or binary_compressed
+  std::string data;  ///< ascii, binary or binary_compressed
   std::uint64_t data_begin = 0, lines = 0;
   std::size_t record_size() const {
     std::size_t size = 0;
@@ -51,7 +51,8 @@ class HeaderParser {
     while (header_.data.empty()) {
       const std::size_t end = text_.find('\n', at_);
       ++header_.lines;
-      if (end == std::string::npos) fail("the header has no DATA line; the file is cut short, fetch it again");
+      if (end == std::string::npos)
+        fail("the header has no DATA line; the file is cut short, fetch it again");
       std::istringstream words(text_.substr(at_, end - at_));
       at_ = end + 1;
       parse_line(words);
@@ -120,15 +121,17 @@ class HeaderParser {
     std::size_t numbers = 0;
     for (const Field& field : header_.fields) numbers += field.count;
     if (numbers > most_numbers)
-      fail("found " + std::to_string(numbers) + " numbers a point, expected at most " + std::to_string(most_numbers));
+      fail("found " + std::to_string(numbers) + " numbers a point, expected at most " +
+           std::to_string(most_numbers));
     if (header_.width == 0 && header_.has_points) header_.width = header_.points;  // v0.5
     const std::uint64_t cells = header_.width * header_.height;
     if (!header_.has_points) header_.points = cells;
     if (header_.points != cells)
-      fail("found POINTS " + std::to_string(header_.points) + ", expected WIDTH x HEIGHT = " + std::to_string(cells) +
-           "; export it again");
+      fail("found POINTS " + std::to_string(header_.points) +
+           ", expected WIDTH x HEIGHT = " + std::to_string(cells) + "; export it again");
     if (header_.height > 1 && header_.points > std::numeric_limits<std::uint32_t>::max())
-      fail("found an organised cloud of " + std::to_string(header_.points) + " points, expected at most 2^32 - 1");
+      fail("found an organised cloud of " + std::to_string(header_.points) +
+           " points, expected at most 2^32 - 1");
   }
 
   const File& file_;
@@ -140,15 +143,19 @@ class HeaderParser {
 StoredType type_of(const Field& field) {
   if (field.type == 'F') return field.size == 4 ? StoredType::float32 : StoredType::float64;
   switch (field.size) {
-    case 1: return field.type == 'U' ? StoredType::uint8 : StoredType::int8;
-    case 2: return field.type == 'U' ? StoredType::uint16 : StoredType::int16;
-    case 4: return field.type == 'U' ? StoredType::uint32 : StoredType::int32;
-    default: return field.type == 'U' ? StoredType::uint64 : StoredType::int64;
+    case 1:
+      return field.type == 'U' ? StoredType::uint8 : StoredType::int8;
+    case 2:
+      return field.type == 'U' ? StoredType::uint16 : StoredType::int16;
+    case 4:
+      return field.type == 'U' ? StoredType::uint32 : StoredType::int32;
+    default:
+      return field.type == 'U' ? StoredType::uint64 : StoredType::int64;
   }
 }
 
-/// Columns of binary data, records together (`points` = 0) or each field's values together. A packed colour is
-/// 0x00RRGGBB in little-endian bytes; its fourth byte is often unset and means nothing here.
+/// Columns of binary data, records together (`points` = 0) or each field's values together. A packed colour
+/// is 0x00RRGGBB in little-endian bytes; its fourth byte is often unset and means nothing here.
 std::vector<Column> binary_columns(const Header& header, std::uint64_t points) {
   std::vector<Column> columns;
   std::size_t offset = 0;
@@ -190,8 +197,8 @@ class PointLines final : public LineGrammar {
   }
 
  private:
-  /// Under type F programs write the float whose bits are the colour (tiny, or negative with alpha) or the colour as
-  /// a whole number; no colour without alpha reaches 1 as a float.
+  /// Under type F programs write the float whose bits are the colour (tiny, or negative with alpha) or the
+  /// colour as a whole number; no colour without alpha reaches 1 as a float.
   static std::uint32_t bits(const Field& field, double value) {
     if (field.type == 'F' && value < 1) {
       const float packed = float(value);
@@ -211,8 +218,8 @@ void need_positions(const File& file, std::vector<Column>& columns) {
 
 [[noreturn]] void too_short(const File& file, const Header& header, std::uint64_t held) {
   bad_input(file.path(), "byte " + std::to_string(file.size()),
-            "the file ends after " + std::to_string(held) + " points, expected " + std::to_string(header.points) +
-                "; it is cut short, fetch it again");
+            "the file ends after " + std::to_string(held) + " points, expected " +
+                std::to_string(header.points) + "; it is cut short, fetch it again");
 }
 
 void decode_in_parallel(CloudBuilder& builder, std::size_t count, Progress& progress, ReadResult& result,
@@ -233,7 +240,8 @@ void decode_in_parallel(CloudBuilder& builder, std::size_t count, Progress& prog
   builder.finish(cursors, result);
 }
 
-void read_binary(const File& file, const Header& header, bool organised, Progress& progress, ReadResult& result) {
+void read_binary(const File& file, const Header& header, bool organised, Progress& progress,
+                 ReadResult& result) {
   std::vector<Column> columns = binary_columns(header, 0);
   need_positions(file, columns);
   const std::size_t size = header.record_size();
@@ -248,7 +256,8 @@ void read_binary(const File& file, const Header& header, bool organised, Progres
                      });
 }
 
-void read_compressed(const File& file, const Header& header, bool organised, Progress& progress, ReadResult& result) {
+void read_compressed(const File& file, const Header& header, bool organised, Progress& progress,
+                     ReadResult& result) {
   std::vector<Column> columns = binary_columns(header, std::max<std::uint64_t>(header.points, 1));
   need_positions(file, columns);
   if (header.points == 0) {
@@ -265,8 +274,8 @@ void read_compressed(const File& file, const Header& header, bool organised, Pro
     bad_input(file.path(), "byte " + std::to_string(file.size()),
               "the file ends after " + std::to_string(room) + " bytes of compressed points, expected " +
                   std::to_string(sizes[0]) + "; it is cut short, fetch it again");
-  // One LZF reference of 3 bytes stands for at most 264: more than 88 times the input cannot come out. And liblzf
-  // reads a first byte even when there is none.
+  // One LZF reference of 3 bytes stands for at most 264: more than 88 times the input cannot come out. And
+  // liblzf reads a first byte even when there is none.
   const bool as_promised = sizes[1] % header.points == 0 && sizes[1] / header.points == record;
   if (!as_promised || sizes[0] == 0 || sizes[1] / 88 > sizes[0])
     bad_input(file.path(), "byte " + std::to_string(header.data_begin + 4),
@@ -288,7 +297,8 @@ void read_compressed(const File& file, const Header& header, bool organised, Pro
                      });
 }
 
-void read_ascii(const File& file, const Header& header, bool organised, Progress& progress, ReadResult& result) {
+void read_ascii(const File& file, const Header& header, bool organised, Progress& progress,
+                ReadResult& result) {
   std::vector<Column> columns = binary_columns(header, 0);
   need_positions(file, columns);
   const PointLines grammar(header);
@@ -300,8 +310,9 @@ void read_ascii(const File& file, const Header& header, bool organised, Progress
 }  // namespace
 
 bool is_pcd(std::string_view head) {
-  return head.starts_with("# .PCD") || (head.find("FIELDS ") < 512 && head.find("DATA ") != std::string_view::npos &&
-                                        head.find("POINTS ") != std::string_view::npos);
+  return head.starts_with("# .PCD") ||
+         (head.find("FIELDS ") < 512 && head.find("DATA ") != std::string_view::npos &&
+          head.find("POINTS ") != std::string_view::npos);
 }
 
 ReadResult read_pcd(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
@@ -309,9 +320,12 @@ ReadResult read_pcd(const std::filesystem::path& path, const ReadOptions&, Progr
   const Header header = HeaderParser(file).parse();
   const bool organised = header.height > 1;
   ReadResult result;
-  if (header.data == "ascii") read_ascii(file, header, organised, progress, result);
-  else if (header.data == "binary") read_binary(file, header, organised, progress, result);
-  else read_compressed(file, header, organised, progress, result);
+  if (header.data == "ascii")
+    read_ascii(file, header, organised, progress, result);
+  else if (header.data == "binary")
+    read_binary(file, header, organised, progress, result);
+  else
+    read_compressed(file, header, organised, progress, result);
   PointCloud& cloud = result.cloud;
   if (organised)
     cloud.grids.push_back(

@@ -26,11 +26,14 @@ std::vector<Column> vertex_columns(const File& file, const PlyElement& vertex) {
   }
   for (Column& column : columns) column.stride = offset;
   if (!assign_roles(columns))
-    bad_input(file.path(), "header", "the vertex element has no properties x, y and z; export it with positions");
+    bad_input(file.path(), "header",
+              "the vertex element has no properties x, y and z; export it with positions");
   return columns;
 }
 
-std::string count_of(const PlyElement& vertex) { return std::to_string(vertex.count) + " vertices"; }
+std::string count_of(const PlyElement& vertex) {
+  return std::to_string(vertex.count) + " vertices";
+}
 
 /// Points of fixed-size records: each thread reads its share of the file in big blocks.
 void read_records(const File& file, const PlyHeader& header, std::uint64_t begin, bool keep_places,
@@ -41,8 +44,8 @@ void read_records(const File& file, const PlyHeader& header, std::uint64_t begin
   const std::uint64_t room = file.size() - std::min(begin, file.size());
   if (vertex.count > room / size)
     bad_input(file.path(), "byte " + std::to_string(file.size()),
-              "the file ends after " + std::to_string(room / size) + " points, expected " + count_of(vertex) + " of " +
-                  std::to_string(size) + " bytes; it is cut short, fetch it again");
+              "the file ends after " + std::to_string(room / size) + " points, expected " + count_of(vertex) +
+                  " of " + std::to_string(size) + " bytes; it is cut short, fetch it again");
   const std::size_t count = std::size_t(vertex.count);
   CloudBuilder builder(std::move(columns), count, header.big_endian, keep_places);
   const std::size_t threads = count < 20000 ? 1 : thread_count();
@@ -96,8 +99,10 @@ void read_walked(const File& file, const PlyHeader& header, std::uint64_t begin,
     auto to = block.begin();
     for (std::size_t row = 0; row < n; ++row)
       for (const PlyProperty& property : vertex.properties) {
-        if (property.is_list) walker.skip(walker.list_length(property) * size_of(property.type));
-        else *to++ = walker.number(property.type);
+        if (property.is_list)
+          walker.skip(walker.list_length(property) * size_of(property.type));
+        else
+          *to++ = walker.number(property.type);
       }
     builder.decode(cursors[0], reinterpret_cast<const std::byte*>(block.data()), 0, n, i);
   }
@@ -116,7 +121,8 @@ class VertexLines final : public LineGrammar {
         *row++ = value;
         continue;
       }
-      if (!(value >= 0 && value <= double(line.size()))) throw LineError("the list '" + property.name + "' is too long");
+      if (!(value >= 0 && value <= double(line.size())))
+        throw LineError("the list '" + property.name + "' is too long");
       for (int i = 0; i < int(value); ++i) next_number(at, end, property.name);
     }
     return true;
@@ -126,7 +132,8 @@ class VertexLines final : public LineGrammar {
   const PlyElement& vertex_;
 };
 
-void read_lines(const File& file, const PlyHeader& header, bool keep_places, Progress& progress, ReadResult& result) {
+void read_lines(const File& file, const PlyHeader& header, bool keep_places, Progress& progress,
+                ReadResult& result) {
   const PlyElement& vertex = header.elements[header.vertex];
   std::vector<Column> columns = vertex_columns(file, vertex);
   const VertexLines grammar(vertex);
@@ -138,12 +145,14 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
     bad_input(file.path(), "line " + std::to_string(text.lines),
               "the file ends after " + std::to_string(left) + " points, expected " + count_of(vertex) +
                   "; it is cut short, fetch it again");
-  read_rows(file, text, before, before + vertex.count, grammar, std::move(columns), keep_places, progress, result);
+  read_rows(file, text, before, before + vertex.count, grammar, std::move(columns), keep_places, progress,
+            result);
 }
 
 }  // namespace
 
-ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places, Progress& progress) {
+ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places,
+                             Progress& progress) {
   ReadResult result;
   result.cloud.up = header.up;
   result.cloud.crs = result.report.crs = header.crs;
@@ -160,7 +169,9 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
   return result;
 }
 
-bool is_ply(std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r"); }
+bool is_ply(std::string_view head) {
+  return head.starts_with("ply\n") || head.starts_with("ply\r");
+}
 
 ReadResult read_ply(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);

@@ -18,12 +18,12 @@ constexpr std::size_t most_properties = 4096;
 
 std::optional<StoredType> parse_type(const std::string& word) {
   static const std::pair<const char*, StoredType> names[] = {
-      {"char", StoredType::int8},     {"int8", StoredType::int8},       {"uchar", StoredType::uint8},
-      {"uint8", StoredType::uint8},   {"short", StoredType::int16},     {"int16", StoredType::int16},
-      {"ushort", StoredType::uint16}, {"uint16", StoredType::uint16},   {"int", StoredType::int32},
-      {"int32", StoredType::int32},   {"uint", StoredType::uint32},     {"uint32", StoredType::uint32},
-      {"float", StoredType::float32}, {"float32", StoredType::float32}, {"double", StoredType::float64},
-      {"float64", StoredType::float64}, {"int64", StoredType::int64},   {"uint64", StoredType::uint64}};
+      {"char", StoredType::int8},       {"int8", StoredType::int8},       {"uchar", StoredType::uint8},
+      {"uint8", StoredType::uint8},     {"short", StoredType::int16},     {"int16", StoredType::int16},
+      {"ushort", StoredType::uint16},   {"uint16", StoredType::uint16},   {"int", StoredType::int32},
+      {"int32", StoredType::int32},     {"uint", StoredType::uint32},     {"uint32", StoredType::uint32},
+      {"float", StoredType::float32},   {"float32", StoredType::float32}, {"double", StoredType::float64},
+      {"float64", StoredType::float64}, {"int64", StoredType::int64},     {"uint64", StoredType::uint64}};
   for (const auto& [name, type] : names)
     if (word == name) return type;
   return std::nullopt;
@@ -37,7 +37,8 @@ class HeaderLines {
   std::istringstream next() {
     const std::size_t end = text_.find('\n', at_);
     ++line;
-    if (end == std::string::npos) fail("the header has no end_header line; the file is cut short, fetch it again");
+    if (end == std::string::npos)
+      fail("the header has no end_header line; the file is cut short, fetch it again");
     std::string words = text_.substr(at_, end - at_);
     at_ = end + 1;
     if (!words.empty() && words.back() == '\r') words.pop_back();
@@ -61,7 +62,8 @@ PlyElement parse_element(HeaderLines& lines, std::istringstream& words) {
   words >> element.name >> count;
   const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
   if (count.empty() || error != std::errc() || end != count.data() + count.size())
-    lines.fail("found 'element " + element.name + " " + count + "', expected 'element NAME COUNT'; export it again");
+    lines.fail("found 'element " + element.name + " " + count +
+               "', expected 'element NAME COUNT'; export it again");
   return element;
 }
 
@@ -119,7 +121,8 @@ PlyHeader read_ply_header(const File& file) {
       header.ascii = word == "ascii";
       header.big_endian = word == "binary_big_endian";
       if (!header.ascii && !header.big_endian && word != "binary_little_endian")
-        lines.fail("found format '" + word + "', expected ascii or binary_little_endian or binary_big_endian");
+        lines.fail("found format '" + word +
+                   "', expected ascii or binary_little_endian or binary_big_endian");
       has_format = true;
     } else if (word == "element") {
       header.elements.push_back(parse_element(lines, words));
@@ -137,10 +140,12 @@ PlyHeader read_ply_header(const File& file) {
   if (!has_format) lines.fail("the header has no format line; export it again");
   header.data_begin = lines.position();
   header.lines = lines.line;
-  const auto vertex = std::find_if(header.elements.begin(), header.elements.end(), [](const PlyElement& element) {
-    return element.name == "vertex" || element.name == "vertices" || element.name == "point";
-  });
-  if (vertex == header.elements.end()) lines.fail("the header has no 'element vertex'; the file holds no points");
+  const auto vertex =
+      std::find_if(header.elements.begin(), header.elements.end(), [](const PlyElement& element) {
+        return element.name == "vertex" || element.name == "vertices" || element.name == "point";
+      });
+  if (vertex == header.elements.end())
+    lines.fail("the header has no 'element vertex'; the file holds no points");
   header.vertex = std::size_t(vertex - header.elements.begin());
   return header;
 }
@@ -174,16 +179,26 @@ double PlyWalker::number(StoredType type) {
     return double(value);
   };
   switch (type) {
-    case StoredType::uint8: return as(std::uint8_t());
-    case StoredType::int8: return as(std::int8_t());
-    case StoredType::uint16: return as(std::uint16_t());
-    case StoredType::int16: return as(std::int16_t());
-    case StoredType::uint32: return as(std::uint32_t());
-    case StoredType::int32: return as(std::int32_t());
-    case StoredType::uint64: return as(std::uint64_t());
-    case StoredType::int64: return as(std::int64_t());
-    case StoredType::float32: return as(float());
-    case StoredType::float64: return as(double());
+    case StoredType::uint8:
+      return as(std::uint8_t());
+    case StoredType::int8:
+      return as(std::int8_t());
+    case StoredType::uint16:
+      return as(std::uint16_t());
+    case StoredType::int16:
+      return as(std::int16_t());
+    case StoredType::uint32:
+      return as(std::uint32_t());
+    case StoredType::int32:
+      return as(std::int32_t());
+    case StoredType::uint64:
+      return as(std::uint64_t());
+    case StoredType::int64:
+      return as(std::int64_t());
+    case StoredType::float32:
+      return as(float());
+    case StoredType::float64:
+      return as(double());
   }
   return 0;
 }
@@ -208,7 +223,8 @@ std::uint64_t PlyWalker::list_length(const PlyProperty& property) {
   const double room = double(file_.size() - position());
   if (!(length >= 0) || length != std::floor(length) || length * double(size_of(property.type)) > room)
     bad_input(file_.path(), "byte " + std::to_string(at),
-              "found a list '" + property.name + "' of " + std::to_string(length) + " numbers, expected at most " +
+              "found a list '" + property.name + "' of " + std::to_string(length) +
+                  " numbers, expected at most " +
                   std::to_string(std::uint64_t(room / double(size_of(property.type)))) +
                   "; the file is damaged, fetch it again");
   return std::uint64_t(length);
@@ -217,7 +233,8 @@ std::uint64_t PlyWalker::list_length(const PlyProperty& property) {
 void PlyWalker::skip_element(const PlyElement& element, Progress& progress) {
   if (!element.has_list()) {
     const std::size_t size = element.record_size();
-    if (size > 0 && element.count > (file_.size() - std::min(file_.size(), position())) / size) skip(file_.size() + 1);
+    if (size > 0 && element.count > (file_.size() - std::min(file_.size(), position())) / size)
+      skip(file_.size() + 1);
     return skip(element.count * size);
   }
   for (std::uint64_t i = 0; i < element.count; ++i) {

@@ -11,13 +11,15 @@ namespace {
 
 const PlyProperty* corners_of(const PlyElement& face) {
   for (const PlyProperty& property : face.properties)
-    if (property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index")) return &property;
+    if (property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index"))
+      return &property;
   return nullptr;
 }
 
 [[noreturn]] void bad_corner(const File& file, const std::string& place, std::uint64_t vertices) {
-  bad_input(file.path(), place, "found a face with a corner outside the " + std::to_string(vertices) +
-                                    " vertices; the file is damaged, export it again");
+  bad_input(file.path(), place,
+            "found a face with a corner outside the " + std::to_string(vertices) +
+                " vertices; the file is damaged, export it again");
 }
 
 /// A corner's number; anything that is no whole number becomes -1, which `add_fan` refuses.
@@ -44,7 +46,8 @@ void read_binary_faces(const File& file, const PlyHeader& header, std::size_t fa
       polygon.clear();
       for (std::uint64_t k = 0; k < length; ++k) polygon.push_back(to_corner(walker.number(property.type)));
     }
-    if (!add_fan(polygon, vertex_of, mesh)) bad_corner(file, "byte " + std::to_string(begin), vertex_of.size());
+    if (!add_fan(polygon, vertex_of, mesh))
+      bad_corner(file, "byte " + std::to_string(begin), vertex_of.size());
   }
 }
 
@@ -94,11 +97,14 @@ Mesh read_ply_mesh(const std::filesystem::path& path, Progress& progress) {
   const std::vector<std::int64_t> vertex_of = kept_vertices(vertices.cloud, vertices.report.points);
   Mesh mesh;
   mesh.colors = std::move(vertices.cloud.colors);
-  for (std::size_t i = 0; i < vertices.cloud.size(); ++i) mesh.positions.push_back(vec3(vertices.cloud.world(i)));
+  for (std::size_t i = 0; i < vertices.cloud.size(); ++i)
+    mesh.positions.push_back(vec3(vertices.cloud.world(i)));
   for (std::size_t i = 0; i < header.elements.size(); ++i) {
     if (!corners_of(header.elements[i])) continue;
-    if (header.ascii) read_ascii_faces(file, header, i, vertex_of, mesh, progress);
-    else read_binary_faces(file, header, i, vertex_of, mesh, progress);
+    if (header.ascii)
+      read_ascii_faces(file, header, i, vertex_of, mesh, progress);
+    else
+      read_binary_faces(file, header, i, vertex_of, mesh, progress);
   }
   return mesh;
 }

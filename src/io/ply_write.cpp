@@ -14,21 +14,30 @@ static_assert(std::endian::native == std::endian::little, "records are copied as
 
 const char* ply_name(StoredType type) {
   switch (type) {
-    case StoredType::uint8: return "uchar";
-    case StoredType::int8: return "char";
-    case StoredType::uint16: return "ushort";
-    case StoredType::int16: return "short";
-    case StoredType::uint32: return "uint";
-    case StoredType::int32: return "int";
-    case StoredType::float32: return "float";
-    default: return "double";  // PLY has no 64-bit integers
+    case StoredType::uint8:
+      return "uchar";
+    case StoredType::int8:
+      return "char";
+    case StoredType::uint16:
+      return "ushort";
+    case StoredType::int16:
+      return "short";
+    case StoredType::uint32:
+      return "uint";
+    case StoredType::int32:
+      return "int";
+    case StoredType::float32:
+      return "float";
+    default:
+      return "double";  // PLY has no 64-bit integers
   }
 }
 
 /// The type that holds every value of the field: as stored in its file if that still does.
 StoredType type_of(const ScalarField& field, std::size_t count) {
   if (field.type == StoredType::float32) return field.offset == 0 ? field.type : StoredType::float64;
-  if (field.type == StoredType::float64 || field.type == StoredType::uint64 || field.type == StoredType::int64)
+  if (field.type == StoredType::float64 || field.type == StoredType::uint64 ||
+      field.type == StoredType::int64)
     return StoredType::float64;
   const auto fits = [&](double low, double high) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -40,13 +49,26 @@ StoredType type_of(const ScalarField& field, std::size_t count) {
   const auto fits_type = [&](auto limits) { return fits(double(limits.lowest()), double(limits.max())); };
   bool ok = false;
   switch (field.type) {
-    case StoredType::uint8: ok = fits_type(std::numeric_limits<std::uint8_t>()); break;
-    case StoredType::int8: ok = fits_type(std::numeric_limits<std::int8_t>()); break;
-    case StoredType::uint16: ok = fits_type(std::numeric_limits<std::uint16_t>()); break;
-    case StoredType::int16: ok = fits_type(std::numeric_limits<std::int16_t>()); break;
-    case StoredType::uint32: ok = fits_type(std::numeric_limits<std::uint32_t>()); break;
-    case StoredType::int32: ok = fits_type(std::numeric_limits<std::int32_t>()); break;
-    default: break;
+    case StoredType::uint8:
+      ok = fits_type(std::numeric_limits<std::uint8_t>());
+      break;
+    case StoredType::int8:
+      ok = fits_type(std::numeric_limits<std::int8_t>());
+      break;
+    case StoredType::uint16:
+      ok = fits_type(std::numeric_limits<std::uint16_t>());
+      break;
+    case StoredType::int16:
+      ok = fits_type(std::numeric_limits<std::int16_t>());
+      break;
+    case StoredType::uint32:
+      ok = fits_type(std::numeric_limits<std::uint32_t>());
+      break;
+    case StoredType::int32:
+      ok = fits_type(std::numeric_limits<std::int32_t>());
+      break;
+    default:
+      break;
   }
   return ok ? field.type : StoredType::float64;
 }
@@ -60,14 +82,22 @@ void put(std::vector<std::byte>& record, T value) {
 
 void put_as(std::vector<std::byte>& record, StoredType type, double value) {
   switch (type) {
-    case StoredType::uint8: return put(record, std::uint8_t(value));
-    case StoredType::int8: return put(record, std::int8_t(value));
-    case StoredType::uint16: return put(record, std::uint16_t(value));
-    case StoredType::int16: return put(record, std::int16_t(value));
-    case StoredType::uint32: return put(record, std::uint32_t(value));
-    case StoredType::int32: return put(record, std::int32_t(value));
-    case StoredType::float32: return put(record, float(value));
-    default: return put(record, value);
+    case StoredType::uint8:
+      return put(record, std::uint8_t(value));
+    case StoredType::int8:
+      return put(record, std::int8_t(value));
+    case StoredType::uint16:
+      return put(record, std::uint16_t(value));
+    case StoredType::int16:
+      return put(record, std::int16_t(value));
+    case StoredType::uint32:
+      return put(record, std::uint32_t(value));
+    case StoredType::int32:
+      return put(record, std::int32_t(value));
+    case StoredType::float32:
+      return put(record, float(value));
+    default:
+      return put(record, value);
   }
 }
 
@@ -122,8 +152,10 @@ void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progr
       progress.update(double(i) / double(cloud.size()), "writing");
     }
     record.clear();
-    if (floats) put(record, vec3(cloud.world(i)));
-    else put(record, cloud.world(i));
+    if (floats)
+      put(record, vec3(cloud.world(i)));
+    else
+      put(record, cloud.world(i));
     if (!cloud.normals.empty()) put(record, cloud.normals[i]);
     if (!cloud.colors.empty()) {
       const Rgba8 c = cloud.colors[i];

@@ -1,5 +1,6 @@
-// Lines of numbers (XYZ, TXT, CSV, PTS, ASC): blanks, tabs, commas and semicolons separate, mixed as they come. The
-// columns are named by a header line or guessed from the first lines; the guess is a note of the report.
+// Lines of numbers (XYZ, TXT, CSV, PTS, ASC): blanks, tabs, commas and semicolons separate, mixed as they
+// come. The columns are named by a header line or guessed from the first lines; the guess is a note of the
+// report.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -16,7 +17,9 @@ namespace {
 constexpr std::size_t sample_lines = 100;
 constexpr std::size_t most_columns = 256;
 
-bool is_separator(char c) { return c == ',' || c == ';'; }
+bool is_separator(char c) {
+  return c == ',' || c == ';';
+}
 
 bool is_comment(std::string_view line) {
   const char* at = skip_blanks(line.data(), line.data() + line.size());
@@ -61,17 +64,18 @@ std::optional<std::vector<double>> to_numbers(const std::vector<std::string_view
 
 /// `//X` and `"Red"` are x and red; the case of other names is kept.
 std::string clean_name(std::string_view word) {
-  while (!word.empty() && (word.front() == '/' || word.front() == '#' || word.front() == '"')) word.remove_prefix(1);
+  while (!word.empty() && (word.front() == '/' || word.front() == '#' || word.front() == '"'))
+    word.remove_prefix(1);
   while (!word.empty() && word.back() == '"') word.remove_suffix(1);
   return std::string(word);
 }
 
 /// What the first lines of a file tell.
 struct Beginning {
-  std::vector<std::string> header;         ///< names, when the last line before the numbers holds some
-  std::vector<std::vector<double>> rows;   ///< the first lines of numbers
-  std::uint64_t begin = 0, first_line = 1; ///< where the numbers begin
-  bool has_count = false;                  ///< a lone count came first (PTS)
+  std::vector<std::string> header;          ///< names, when the last line before the numbers holds some
+  std::vector<std::vector<double>> rows;    ///< the first lines of numbers
+  std::uint64_t begin = 0, first_line = 1;  ///< where the numbers begin
+  bool has_count = false;                   ///< a lone count came first (PTS)
 };
 
 Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns) {
@@ -146,7 +150,8 @@ std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& r
   while (names.size() < width) {
     const std::size_t at = names.size(), left = width - at;
     // x y z i r g b: three bytes behind one more column are the colour, and the column is the intensity.
-    const bool shifted = left >= 4 && !intensity && sample.are_bytes(at + 1) && (left == 4 || !sample.are_bytes(at));
+    const bool shifted =
+        left >= 4 && !intensity && sample.are_bytes(at + 1) && (left == 4 || !sample.are_bytes(at));
     if (left >= 3 && !color && !shifted && sample.are_bytes(at)) {
       add({"red", "green", "blue"});
       color = true;
@@ -184,13 +189,15 @@ class PointLines final : public LineGrammar {
       at = skip_blanks(at, end);
       if (at == end || *at == '#') {
         if (k == 1 && allow_counts_) return false;  // the count of the next scan
-        throw LineError("found " + std::to_string(k) + " numbers, expected " + std::to_string(wanted_.size()));
+        throw LineError("found " + std::to_string(k) + " numbers, expected " +
+                        std::to_string(wanted_.size()));
       }
       double value = std::nan("");
       if (!is_separator(*at)) {
         const char* behind = parse_number(at, end, value);
         const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
-        if (!wanted_[k]) behind = word_end(at, end);
+        if (!wanted_[k])
+          behind = word_end(at, end);
         else if (!whole)
           throw LineError("found '" + std::string(at, word_end(at, std::min(end, at + 20))) +
                           "', expected a number in column " + std::to_string(k + 1));
@@ -212,23 +219,26 @@ class PointLines final : public LineGrammar {
 };
 
 /// Names of the columns: what the user says, else the header line, else the guess.
-std::vector<std::string> name_columns(const File& file, const Beginning& beginning, const ReadOptions& options,
-                                      std::vector<std::string>& notes) {
+std::vector<std::string> name_columns(const File& file, const Beginning& beginning,
+                                      const ReadOptions& options, std::vector<std::string>& notes) {
   std::size_t width = most_columns + 1;
   for (const std::vector<double>& row : beginning.rows) width = std::min(width, row.size());
   const std::string place = "line " + std::to_string(beginning.first_line);
   if (beginning.rows.empty() && options.columns.empty())
-    bad_input(file.path(), place, "found no line of numbers, expected lines 'x y z ...'; this is no text of points");
+    bad_input(file.path(), place,
+              "found no line of numbers, expected lines 'x y z ...'; this is no text of points");
   if (!options.columns.empty()) {
     if (!beginning.rows.empty() && options.columns.size() > width)
-      bad_input(file.path(), place, "found " + std::to_string(width) + " numbers, expected " +
-                                        std::to_string(options.columns.size()) + " as the columns given; name fewer");
+      bad_input(file.path(), place,
+                "found " + std::to_string(width) + " numbers, expected " +
+                    std::to_string(options.columns.size()) + " as the columns given; name fewer");
     return options.columns;
   }
   if (width < 3 || width > most_columns)
-    bad_input(file.path(), place, "found " + std::to_string(std::min(width, most_columns)) +
-                                      " numbers in a line, expected x y z and at most " + std::to_string(most_columns) +
-                                      "; this is no text of points");
+    bad_input(file.path(), place,
+              "found " + std::to_string(std::min(width, most_columns)) +
+                  " numbers in a line, expected x y z and at most " + std::to_string(most_columns) +
+                  "; this is no text of points");
   if (beginning.header.size() == width) {
     std::vector<Column> columns;
     for (const std::string& name : beginning.header) columns.push_back({name});
@@ -238,8 +248,8 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
     }
   }
   std::vector<std::string> names = guess_columns(beginning.rows, width);
-  notes.push_back("columns guessed from the first " + std::to_string(beginning.rows.size()) + " lines: " + join(names) +
-                  " (--columns names them otherwise)");
+  notes.push_back("columns guessed from the first " + std::to_string(beginning.rows.size()) +
+                  " lines: " + join(names) + " (--columns names them otherwise)");
   return names;
 }
 
@@ -247,14 +257,16 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
 
 bool is_text(std::string_view head) {
   // Printable as far as we see, and a line that starts with three numbers somewhere.
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 && c != '\n' && !is_blank(c); };
+  const auto is_control = [](char c) {
+    return static_cast<unsigned char>(c) < 32 && c != '\n' && !is_blank(c);
+  };
   if (std::any_of(head.begin(), head.end(), is_control)) return false;
   while (!head.empty()) {
     const std::size_t end = std::min(head.find('\n'), head.size());
     const std::vector<std::string_view> words = split(head.substr(0, end));
-    const bool numbers = words.size() >= 3 && std::all_of(words.begin(), words.begin() + 3, [](std::string_view word) {
-                           return to_number(word).has_value();
-                         });
+    const bool numbers =
+        words.size() >= 3 && std::all_of(words.begin(), words.begin() + 3,
+                                         [](std::string_view word) { return to_number(word).has_value(); });
     if (numbers) return true;
     head.remove_prefix(std::min(head.size(), end + 1));
   }
@@ -279,7 +291,8 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   const TextBlocks text = cut_lines(file, beginning.begin, beginning.first_line, grammar, progress);
   read_rows(file, text, 0, text.rows, grammar, std::move(columns), false, progress, result);
   if (result.report.points == 0)
-    bad_input(path, "line " + std::to_string(text.lines), "the file ends without a point; this is no text of points");
+    bad_input(path, "line " + std::to_string(text.lines),
+              "the file ends without a point; this is no text of points");
   // Text says nothing about types: float unless the numbers need the offset.
   for (ScalarField& field : result.cloud.scalars)
     field.type = field.offset == 0 ? StoredType::float32 : StoredType::float64;

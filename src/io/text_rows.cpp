@@ -18,8 +18,9 @@ constexpr std::size_t batch_rows = 512;
 
 [[noreturn]] void line_too_long(const File& file, std::uint64_t at) {
   bad_input(file.path(), "byte " + std::to_string(at),
-            "found a line of more than " + std::to_string(longest_line) + " bytes, expected lines of numbers; "
-            "this is no text of points");
+            "found a line of more than " + std::to_string(longest_line) +
+                " bytes, expected lines of numbers; "
+                "this is no text of points");
 }
 
 /// The place behind the first line end at or after `from`, or the file's end.
@@ -43,10 +44,11 @@ void for_each_line(std::string_view text, Visit&& visit) {
   }
 }
 
-/// Calls `work(block, text of the block)` for every block, in order of the blocks, on several threads. The error of
-/// the first bad block wins.
+/// Calls `work(block, text of the block)` for every block, in order of the blocks, on several threads. The
+/// error of the first bad block wins.
 template <class Work>
-void for_each_block(const File& file, const std::vector<TextBlocks::Block>& blocks, Progress& progress, Work&& work) {
+void for_each_block(const File& file, const std::vector<TextBlocks::Block>& blocks, Progress& progress,
+                    Work&& work) {
   std::atomic<std::size_t> next{0};
   std::atomic<bool> stop{false};
   std::vector<std::exception_ptr> errors(blocks.size());
@@ -100,14 +102,16 @@ const char* parse_number(const char* at, const char* end, double& value) {
   }
   // Both factors are exact, so the one multiplication or division rounds correctly (Clinger 1990).
   if (simple && mantissa <= (1ull << 53) && exponent >= -22 && exponent <= 22) {
-    const double magnitude = exponent < 0 ? double(mantissa) / power[-exponent] : double(mantissa) * power[exponent];
+    const double magnitude =
+        exponent < 0 ? double(mantissa) / power[-exponent] : double(mantissa) * power[exponent];
     value = negative ? -magnitude : magnitude;
     return at;
   }
   const auto [behind, error] = std::from_chars(begin, end, value);
   if (error == std::errc::invalid_argument) return nullptr;
   // Beyond double: such a number is not a coordinate; the point is dropped like any that is not finite.
-  if (error == std::errc::result_out_of_range) value = exponent < 0 ? 0 : std::numeric_limits<double>::infinity();
+  if (error == std::errc::result_out_of_range)
+    value = exponent < 0 ? 0 : std::numeric_limits<double>::infinity();
   return behind;
 }
 
@@ -129,18 +133,20 @@ bool LineGrammar::counts(std::string_view line) const {
   return skip_blanks(line.data(), line.data() + line.size()) != line.data() + line.size();
 }
 
-TextBlocks cut_lines(const File& file, std::uint64_t begin, std::uint64_t first_line, const LineGrammar& grammar,
-                     Progress& progress) {
+TextBlocks cut_lines(const File& file, std::uint64_t begin, std::uint64_t first_line,
+                     const LineGrammar& grammar, Progress& progress) {
   TextBlocks text;
   for (std::uint64_t at = std::min(begin, file.size()); at < file.size();) {
-    const std::uint64_t end = file.size() - at <= block_bytes ? file.size() : next_line(file, at + block_bytes);
+    const std::uint64_t end =
+        file.size() - at <= block_bytes ? file.size() : next_line(file, at + block_bytes);
     text.blocks.push_back({at, end});
     at = end;
   }
   for_each_block(file, text.blocks, progress, [&](std::size_t b, std::string_view bytes) {
     TextBlocks::Block& block = text.blocks[b];
     for_each_line(bytes, [&](std::string_view line) {
-      if (line.size() > longest_line) line_too_long(file, block.begin + std::uint64_t(line.data() - bytes.data()));
+      if (line.size() > longest_line)
+        line_too_long(file, block.begin + std::uint64_t(line.data() - bytes.data()));
       ++block.lines;
       block.rows += grammar.counts(line);
       return true;
@@ -175,8 +181,9 @@ void read_rows(const File& file, const TextBlocks& text, std::uint64_t first, st
   CloudBuilder builder(std::move(columns), std::size_t(last - first), false, keep_places);
   std::vector<CloudBuilder::Cursor> cursors;
   for (const TextBlocks::Block& block : text.blocks)
-    cursors.push_back(builder.cursor(std::size_t(std::clamp(block.first_row, first, last) - first),
-                                     std::size_t(std::clamp(block.first_row + block.rows, first, last) - first)));
+    cursors.push_back(
+        builder.cursor(std::size_t(std::clamp(block.first_row, first, last) - first),
+                       std::size_t(std::clamp(block.first_row + block.rows, first, last) - first)));
   std::atomic<std::size_t> done{0};
   for_each_block(file, text.blocks, progress, [&](std::size_t b, std::string_view bytes) {
     const TextBlocks::Block& block = text.blocks[b];

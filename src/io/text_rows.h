@@ -1,5 +1,5 @@
-// Fast text: a file is cut into blocks at line ends, the lines are counted, then parsed by several threads into rows
-// of doubles that a CloudBuilder decodes like binary records.
+// Fast text: a file is cut into blocks at line ends, the lines are counted, then parsed by several threads
+// into rows of doubles that a CloudBuilder decodes like binary records.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,14 @@ struct LineError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads one number at `at` (blanks must be skipped before); returns the place behind it, or null when there is
-/// none. Up to 15 digits exactly rounded without a library call (Clinger 1990), the others by std::from_chars.
+/// Reads one number at `at` (blanks must be skipped before); returns the place behind it, or null when there
+/// is none. Up to 15 digits exactly rounded without a library call (Clinger 1990), the others by
+/// std::from_chars.
 const char* parse_number(const char* at, const char* end, double& value);
 
-inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
 inline const char* skip_blanks(const char* at, const char* end) {
   while (at < end && is_blank(*at)) ++at;
   return at;
@@ -45,20 +48,20 @@ class LineGrammar {
 /// Lines of a file, cut into blocks.
 struct TextBlocks {
   struct Block {
-    std::uint64_t begin = 0, end = 0;          ///< bytes
-    std::uint64_t first_row = 0, rows = 0;     ///< lines that count
-    std::uint64_t first_line = 0, lines = 0;   ///< all lines, the first is 1
+    std::uint64_t begin = 0, end = 0;         ///< bytes
+    std::uint64_t first_row = 0, rows = 0;    ///< lines that count
+    std::uint64_t first_line = 0, lines = 0;  ///< all lines, the first is 1
   };
   std::vector<Block> blocks;
   std::uint64_t rows = 0, lines = 0;
 };
 
 /// `first_line`: the number of the line at `begin`.
-TextBlocks cut_lines(const File& file, std::uint64_t begin, std::uint64_t first_line, const LineGrammar& grammar,
-                     Progress& progress);
+TextBlocks cut_lines(const File& file, std::uint64_t begin, std::uint64_t first_line,
+                     const LineGrammar& grammar, Progress& progress);
 
-/// Parses the counted rows [first, last) into the columns, which it lays out as doubles, and builds the cloud.
-/// Error(bad_input) with the line that is no row.
+/// Parses the counted rows [first, last) into the columns, which it lays out as doubles, and builds the
+/// cloud. Error(bad_input) with the line that is no row.
 void read_rows(const File& file, const TextBlocks& text, std::uint64_t first, std::uint64_t last,
                const LineGrammar& grammar, std::vector<Column> columns, bool keep_places, Progress& progress,
                ReadResult& result);

@@ -21,7 +21,8 @@ inline std::filesystem::path temp_file(const std::string& name) {
 
 inline std::filesystem::path write_file(const std::string& name, const std::string& bytes) {
   const std::filesystem::path path = temp_file(name);
-  std::filesystem::remove(path);  // a fresh file: some file systems flush one that is truncated and written again
+  std::filesystem::remove(
+      path);  // a fresh file: some file systems flush one that is truncated and written again
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }
@@ -51,7 +52,8 @@ inline std::optional<Error> error_of(const std::filesystem::path& file, const io
   return std::nullopt;
 }
 
-/// Every cut of the file is an Error(bad_input) or a smaller cloud, never a crash. Returns how many were errors.
+/// Every cut of the file is an Error(bad_input) or a smaller cloud, never a crash. Returns how many were
+/// errors.
 inline int expect_cuts_are_safe(const std::string& name, const std::string& bytes, std::size_t points) {
   int errors = 0;
   for (std::size_t length = 0; length < bytes.size(); ++length) {

@@ -29,26 +29,30 @@ TEST_P(RealScanTest, MatchesItsTruth) {
   test::expect_truth(scan.name, result, scan.position_tolerance);
 }
 
-// Files of floats lose nothing; text and double coordinates lose half a float step (6e-8 of the largest number).
-INSTANTIATE_TEST_SUITE_P(Files, RealScanTest,
-                         testing::Values(RealScan{"Guanyin.ply", "ply", 0}, RealScan{"dragon_vrip_res2.ply", "ply", 0},
-                                         RealScan{"office1.pcd", "pcd", 0}, RealScan{"FSite7_orig-utm.pcd", "pcd", 0},
-                                         RealScan{"fragment.pcd", "pcd", 0}, RealScan{"251370668.pcd", "pcd", 0},
-                                         RealScan{"251371071.pcd", "pcd", 0}, RealScan{"bunnyData.pts", "text", 1e-8},
-                                         RealScan{"armadillo.obj", "obj", 4e-8},
-                                         RealScan{"car_cloud400.csv", "text", 4e-6}),
-                         [](const auto& scan) {
-                           std::string name = scan.param.name;
-                           std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
-                           return name;
-                         });
+// Files of floats lose nothing; text and double coordinates lose half a float step (6e-8 of the largest
+// number).
+INSTANTIATE_TEST_SUITE_P(
+    Files, RealScanTest,
+    testing::Values(RealScan{"Guanyin.ply", "ply", 0}, RealScan{"dragon_vrip_res2.ply", "ply", 0},
+                    RealScan{"office1.pcd", "pcd", 0}, RealScan{"FSite7_orig-utm.pcd", "pcd", 0},
+                    RealScan{"fragment.pcd", "pcd", 0}, RealScan{"251370668.pcd", "pcd", 0},
+                    RealScan{"251371071.pcd", "pcd", 0}, RealScan{"bunnyData.pts", "text", 1e-8},
+                    RealScan{"armadillo.obj", "obj", 4e-8}, RealScan{"car_cloud400.csv", "text", 4e-6}),
+    [](const auto& scan) {
+      std::string name = scan.param.name;
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
+      return name;
+    });
 
 TEST(IoTest, ContentDecidesBeforeTheExtension) {
-  const std::string ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-                          "property float z\nend_header\n1 2 3\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n1 2 3\n";
   EXPECT_EQ(io::read(test::write_file("a.xyz", ply)).report.format, "ply");
   EXPECT_EQ(io::read(test::write_file("noextension", "1 2 3\n")).report.format, "text");
-  const std::optional<Error> error = test::error_of(test::write_file("a.bin", std::string("\x01\x02\x00", 3)));
+  const std::optional<Error> error =
+      test::error_of(test::write_file("a.bin", std::string("\x01\x02\x00", 3)));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ErrorCode::bad_input);
 }
@@ -123,7 +127,8 @@ TEST(IoTest, UnknownExtensionsAreNotWritten) {
 
 TEST(IoTest, TheTableNamesItsFormats) {
   const std::vector<io::FormatInfo> formats = io::formats();
-  const auto ply = std::find_if(formats.begin(), formats.end(), [](const auto& f) { return f.name == "ply"; });
+  const auto ply =
+      std::find_if(formats.begin(), formats.end(), [](const auto& f) { return f.name == "ply"; });
   ASSERT_NE(ply, formats.end());
   EXPECT_TRUE(ply->can_read && ply->can_write);
   EXPECT_EQ(formats.back().name, "text");  // it accepts nearly everything, so it must come last
@@ -131,7 +136,8 @@ TEST(IoTest, TheTableNamesItsFormats) {
 
 std::vector<std::string> names_in(const std::filesystem::path& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename());
   return names;
 }
 

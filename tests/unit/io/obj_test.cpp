@@ -10,7 +10,8 @@ using test::write_file;
 
 TEST(ObjTest, ReadsVerticesAndPassesOverTheRest) {
   const io::ReadResult result = io::read(write_file(
-      "a.obj", "# by hand\r\nmtllib a.mtl\no thing\nv 1 2 3\r\nvn 0 0 1\nvt 0.5 0.5\nv\t-1.5 2e1 .5 1\nf 1 2 1\n"));
+      "a.obj",
+      "# by hand\r\nmtllib a.mtl\no thing\nv 1 2 3\r\nvn 0 0 1\nvt 0.5 0.5\nv\t-1.5 2e1 .5 1\nf 1 2 1\n"));
   EXPECT_EQ(result.report.format, "obj");
   EXPECT_EQ(result.cloud.positions, (std::vector<vec3>{{1, 2, 3}, {-1.5f, 20, 0.5f}}));
   EXPECT_EQ(result.cloud.up, UpAxis::pos_y);
@@ -24,7 +25,8 @@ TEST(ObjTest, ReadsColorsBehindTheCoordinates) {
 
 TEST(ObjTest, MeshesAreFanned) {
   const Mesh mesh = io::read_mesh(write_file(
-      "a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2/4 3//7\nv 0 1 0\nf -4/1 -3/1/1 -2 -1\nv nan 0 0\nf 1 2 5\n"));
+      "a.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2/4 3//7\nv 0 1 0\nf -4/1 -3/1/1 -2 -1\nv nan 0 0\nf 1 2 5\n"));
   EXPECT_EQ(mesh.positions.size(), 4u);
   const std::vector<std::array<std::uint32_t, 3>> expected = {{0, 1, 2}, {0, 1, 2}, {0, 2, 3}};
   EXPECT_EQ(mesh.triangles, expected);
@@ -48,7 +50,8 @@ TEST(ObjTest, BadFilesAreOneLine) {
     EXPECT_NE(std::string(error->what()).find(message), std::string::npos) << error->what();
   }
   for (const char* face : {"f 1 2 4\n", "f 1 2 0\n", "f 1 2 x\n", "f 1 2 -4\n"})
-    EXPECT_THROW(io::read_mesh(write_file("b.obj", std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\n") + face)), Error) << face;
+    EXPECT_THROW(io::read_mesh(write_file("b.obj", std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\n") + face)), Error)
+        << face;
 }
 
 TEST(ObjTest, CutAndChangedFilesNeverCrash) {

@@ -16,9 +16,10 @@ const float nan = std::numeric_limits<float>::quiet_NaN();
 
 std::string header(const std::string& fields, const std::string& sizes, const std::string& types,
                    const std::string& counts, int width, int height, const std::string& data) {
-  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS " + fields + "\nSIZE " + sizes + "\nTYPE " +
-         types + "\nCOUNT " + counts + "\nWIDTH " + std::to_string(width) + "\nHEIGHT " + std::to_string(height) +
-         "\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS " + std::to_string(width * height) + "\nDATA " + data + "\n";
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS " + fields + "\nSIZE " + sizes +
+         "\nTYPE " + types + "\nCOUNT " + counts + "\nWIDTH " + std::to_string(width) + "\nHEIGHT " +
+         std::to_string(height) + "\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS " + std::to_string(width * height) +
+         "\nDATA " + data + "\n";
 }
 
 /// LZF in its simplest form: runs of at most 32 bytes as they are.
@@ -37,7 +38,8 @@ std::string compressed(const std::string& fields_together) {
 
 TEST(PcdTest, EveryEncodingGivesTheSameCloud) {
   const auto head = [](const std::string& data) {
-    return header("x _ y z rgb intensity ring hist", "4 1 4 4 4 2 8 4", "F U F F F U F F", "1 3 1 1 1 1 1 2", 2, 1, data);
+    return header("x _ y z rgb intensity ring hist", "4 1 4 4 4 2 8 4", "F U F F F U F F", "1 3 1 1 1 1 1 2",
+                  2, 1, data);
   };
   const std::uint32_t rgb[2] = {0x0a141e, 0xff28323c};  // the second one with alpha
   std::string binary = head("binary"), columns;
@@ -50,14 +52,17 @@ TEST(PcdTest, EveryEncodingGivesTheSameCloud) {
   // Both ways of ascii: the float whose bits are the colour, and the whole number.
   const std::string ascii = "1 97 98 99 2 3 9.2410e-40 600 0 7 8\n2 97 98 99 2 3 2634300 601 0.5 7 9\n";
   int kind = 0;
-  for (const std::string& bytes : {binary, head("binary_compressed") + compressed(columns), head("ascii") + ascii}) {
+  for (const std::string& bytes :
+       {binary, head("binary_compressed") + compressed(columns), head("ascii") + ascii}) {
     SCOPED_TRACE(kind);
     const io::ReadResult result = io::read(write_file("a.pcd", bytes));
     const PointCloud& cloud = result.cloud;
     EXPECT_EQ(result.report.format, "pcd");
     EXPECT_EQ(cloud.positions, (std::vector<vec3>{{1, 2, 3}, {2, 2, 3}}));
-    if (kind++ < 2) EXPECT_EQ(cloud.colors, (std::vector<Rgba8>{{10, 20, 30, 255}, {40, 50, 60, 255}}));
-    else EXPECT_EQ(cloud.colors[1], (Rgba8{0x28, 0x32, 0x3c, 255}));
+    if (kind++ < 2)
+      EXPECT_EQ(cloud.colors, (std::vector<Rgba8>{{10, 20, 30, 255}, {40, 50, 60, 255}}));
+    else
+      EXPECT_EQ(cloud.colors[1], (Rgba8{0x28, 0x32, 0x3c, 255}));
     EXPECT_EQ(cloud.scalar("intensity")->value(1), 601);
     EXPECT_EQ(cloud.scalar("intensity")->type, StoredType::uint16);
     EXPECT_EQ(cloud.scalar("ring")->value(1), 0.5);
@@ -76,9 +81,11 @@ TEST(PcdTest, AsciiColorAsTheBitsOfAFloat) {
   std::memcpy(&packed, &rgb, sizeof packed);
   char text[64];
   std::snprintf(text, sizeof text, "%.9g", double(packed));
-  const std::string bytes = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 1, 1, "ascii") + "0 0 0 " + text + "\n";
+  const std::string bytes =
+      header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 1, 1, "ascii") + "0 0 0 " + text + "\n";
   EXPECT_EQ(io::read(write_file("a.pcd", bytes)).cloud.colors.at(0), (Rgba8{10, 20, 30, 255}));
-  const std::string whole = header("x y z rgba", "4 4 4 4", "F F F U", "1 1 1 1", 1, 1, "ascii") + "0 0 0 4278850590\n";
+  const std::string whole =
+      header("x y z rgba", "4 4 4 4", "F F F U", "1 1 1 1", 1, 1, "ascii") + "0 0 0 4278850590\n";
   EXPECT_EQ(io::read(write_file("b.pcd", whole)).cloud.colors.at(0), (Rgba8{10, 20, 30, 255}));
 }
 
@@ -108,7 +115,8 @@ TEST(PcdTest, RealOrganisedFrameKeepsItsPixels) {
 }
 
 TEST(PcdTest, OldVersionsLackWhatLaterOnesAdd) {
-  const std::string bytes = "VERSION .5\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\n1 2 3\n4 5 nan\n";
+  const std::string bytes =
+      "VERSION .5\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\n1 2 3\n4 5 nan\n";
   const io::ReadResult result = io::read(write_file("a.pcd", bytes));
   EXPECT_EQ(result.report.points, 2u);
   EXPECT_EQ(result.report.points_dropped, 1u);
@@ -117,7 +125,9 @@ TEST(PcdTest, OldVersionsLackWhatLaterOnesAdd) {
 
 TEST(PcdTest, NoPointsIsValid) {
   for (const char* data : {"ascii", "binary", "binary_compressed"})
-    EXPECT_EQ(io::read(write_file("a.pcd", header("x y z", "4 4 4", "F F F", "1 1 1", 0, 1, data))).report.points, 0u);
+    EXPECT_EQ(
+        io::read(write_file("a.pcd", header("x y z", "4 4 4", "F F F", "1 1 1", 0, 1, data))).report.points,
+        0u);
 }
 
 TEST(PcdTest, BadFilesAreOneLine) {
@@ -137,9 +147,12 @@ TEST(PcdTest, BadFilesAreOneLine) {
       {replaced("VERSION", "NONSENSE"), "line 2: found 'NONSENSE'"},
       {header("x y z", "4 4 4", "F F F", "1 1 1", 40000, 40000, "binary"), "after 0 points"},
       {header("x y z", "4 4 4", "F F F", "1 1 1", 2, 1, "ascii") + "1 2 3\n4 5\n", "line 13"},
-      {header("x y z", "4 4 4", "F F F", "1 1 1", 2, 1, "binary_compressed") + bytes_of(99u, 24u), "expected 99"},
-      {header("x y z", "4 4 4", "F F F", "1 1 1", 2, 1, "binary_compressed") + bytes_of(1u, 24u) + "\x05", "unpack"},
-      {header("x y z", "4 4 4", "F F F", "1 1 1", 30000, 9999, "binary_compressed") + bytes_of(1u, 3599640000u) + "a",
+      {header("x y z", "4 4 4", "F F F", "1 1 1", 2, 1, "binary_compressed") + bytes_of(99u, 24u),
+       "expected 99"},
+      {header("x y z", "4 4 4", "F F F", "1 1 1", 2, 1, "binary_compressed") + bytes_of(1u, 24u) + "\x05",
+       "unpack"},
+      {header("x y z", "4 4 4", "F F F", "1 1 1", 30000, 9999, "binary_compressed") +
+           bytes_of(1u, 3599640000u) + "a",
        "packed in 1"},
   };
   for (const auto& [bytes, message] : cases) {

@@ -28,10 +28,10 @@ TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
       "property uchar red\nproperty float32 x\nproperty uint8 green\nproperty int8 c\nproperty uchar blue\n"
       "property float y\nproperty uint u\nproperty int i\nproperty uint16 us\n";
   const auto record = [](auto pack) {
-    return pack(std::int16_t(-300), 3.25, std::uint8_t(10), 1.5f, std::uint8_t(20), std::int8_t(-7), std::uint8_t(30),
-                2.5f, std::uint32_t(70000), std::int32_t(-70000), std::uint16_t(60000)) +
-           pack(std::int16_t(4), -1.0, std::uint8_t(40), 0.5f, std::uint8_t(50), std::int8_t(8), std::uint8_t(60),
-                -2.0f, std::uint32_t(1), std::int32_t(2), std::uint16_t(3));
+    return pack(std::int16_t(-300), 3.25, std::uint8_t(10), 1.5f, std::uint8_t(20), std::int8_t(-7),
+                std::uint8_t(30), 2.5f, std::uint32_t(70000), std::int32_t(-70000), std::uint16_t(60000)) +
+           pack(std::int16_t(4), -1.0, std::uint8_t(40), 0.5f, std::uint8_t(50), std::int8_t(8),
+                std::uint8_t(60), -2.0f, std::uint32_t(1), std::int32_t(2), std::uint16_t(3));
   };
   const std::string little = record([](auto... v) { return bytes_of(v...); });
   const std::string big = record([](auto... v) { return reversed_bytes_of(v...); });
@@ -64,10 +64,12 @@ TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
 }
 
 TEST(PlyTest, ListsOfAnyElementArePassedOver) {
-  const std::string body = "element strip 2\nproperty list uchar short parts\nproperty float w\nelement vertex 2\n" + xyz +
-                           "property list ushort int views\nproperty float quality\nelement tail 1\nproperty int a\n";
+  const std::string body =
+      "element strip 2\nproperty list uchar short parts\nproperty float w\nelement vertex 2\n" + xyz +
+      "property list ushort int views\nproperty float quality\nelement tail 1\nproperty int a\n";
   const auto data = [](auto pack) {
-    return pack(std::uint8_t(3), std::int16_t(1), std::int16_t(2), std::int16_t(3), 1.0f, std::uint8_t(0), 2.0f) +
+    return pack(std::uint8_t(3), std::int16_t(1), std::int16_t(2), std::int16_t(3), 1.0f, std::uint8_t(0),
+                2.0f) +
            pack(1.0f, 2.0f, 3.0f, std::uint16_t(2), std::int32_t(9), std::int32_t(8), 0.25f) +
            pack(4.0f, 5.0f, 6.0f, std::uint16_t(0), 0.75f) + pack(std::int32_t(1));
   };
@@ -84,9 +86,10 @@ TEST(PlyTest, ListsOfAnyElementArePassedOver) {
 }
 
 TEST(PlyTest, DropsPointsAndNormalsThatAreNotFinite) {
-  std::string bytes = header("binary_little_endian", "element vertex 5\n" + xyz +
-                                                         "property float nx\nproperty float ny\nproperty float nz\n"
-                                                         "property float radius\n");
+  std::string bytes =
+      header("binary_little_endian", "element vertex 5\n" + xyz +
+                                         "property float nx\nproperty float ny\nproperty float nz\n"
+                                         "property float radius\n");
   bytes += bytes_of(0.f, 0.f, 0.f, 0.f, 0.f, 1.f, 1.f);
   bytes += bytes_of(nan, 0.f, 0.f, 0.f, 0.f, 1.f, 2.f);
   bytes += bytes_of(1.f, 0.f, 0.f, 0.f, 0.f, 0.f, 3.f);
@@ -103,9 +106,10 @@ TEST(PlyTest, DropsPointsAndNormalsThatAreNotFinite) {
 
 TEST(PlyTest, ColorsOfEveryRangeBecomeBytes) {
   const auto color_of = [](const std::string& type, const std::string& values) {
-    const std::string bytes = header("ascii", "element vertex 2\n" + xyz + "property " + type + " red\nproperty " + type +
-                                                  " green\nproperty " + type + " blue\n") +
-                              "0 0 0 " + values + "\n1 1 1 0 0 0\n";
+    const std::string bytes =
+        header("ascii", "element vertex 2\n" + xyz + "property " + type + " red\nproperty " + type +
+                            " green\nproperty " + type + " blue\n") +
+        "0 0 0 " + values + "\n1 1 1 0 0 0\n";
     return io::read(write_file("a.ply", bytes)).cloud.colors.at(0);
   };
   EXPECT_EQ(color_of("uchar", "1 2 255"), (Rgba8{1, 2, 255, 255}));
@@ -137,11 +141,12 @@ TEST(PlyTest, HonoursUpAndCrsComments) {
 
 TEST(PlyTest, LargeCoordinatesKeepTheirDigits) {
   // Doubles: steps of a millimetre at 6.6e6, which float alone would round to half a metre.
-  const std::string bytes = header("binary_little_endian",
-                                   "element vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
-                                   "property double gps_time\n") +
-                            bytes_of(500000.001, 6600000.002, 12.003, 300000000.25) +
-                            bytes_of(500010.004, 6600020.005, 15.006, 300000001.5);
+  const std::string bytes =
+      header("binary_little_endian",
+             "element vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
+             "property double gps_time\n") +
+      bytes_of(500000.001, 6600000.002, 12.003, 300000000.25) +
+      bytes_of(500010.004, 6600020.005, 15.006, 300000001.5);
   const PointCloud cloud = io::read(write_file("a.ply", bytes)).cloud;
   EXPECT_NE(cloud.origin, dvec3(0));
   // 24 bits of a 20 m cloud: 1.2e-6
@@ -176,12 +181,13 @@ PointCloud full_cloud(std::size_t n) {
   PointCloud cloud;
   std::uint32_t state = 1;
   const auto random = [&] { return float(state = state * 1664525u + 1013904223u) * 0x1p-32f - 0.5f; };
-  ScalarField intensity{"intensity", 0, {}, StoredType::uint16}, quality{"quality", 0, {}, StoredType::float32},
-      time{"time", 1e9, {}, StoredType::float64};
+  ScalarField intensity{"intensity", 0, {}, StoredType::uint16},
+      quality{"quality", 0, {}, StoredType::float32}, time{"time", 1e9, {}, StoredType::float64};
   for (std::size_t i = 0; i < n; ++i) {
     cloud.positions.push_back({random(), random(), random()});
     cloud.normals.push_back(i % 7 == 0 ? vec3(0) : glm::normalize(vec3(random(), random(), random())));
-    cloud.colors.push_back({std::uint8_t(i), std::uint8_t(i / 3), std::uint8_t(i / 5), std::uint8_t(i % 2 ? 255 : 9)});
+    cloud.colors.push_back(
+        {std::uint8_t(i), std::uint8_t(i / 3), std::uint8_t(i / 5), std::uint8_t(i % 2 ? 255 : 9)});
     cloud.radii.push_back(random() + 1);
     intensity.values.push_back(float(i * 17 % 65536));
     quality.values.push_back(random());
@@ -248,7 +254,8 @@ TEST(PlyTest, DroppedPointsAcrossThreadsLeaveNoGap) {
 TEST(PlyTest, AsciiInManyBlocksKeepsFileOrder) {
   // 9 MB of text: three blocks.
   const int n = 400000;
-  std::string bytes = header("ascii", "element vertex " + std::to_string(n) + "\n" + xyz + "element face 0\n");
+  std::string bytes =
+      header("ascii", "element vertex " + std::to_string(n) + "\n" + xyz + "element face 0\n");
   for (int i = 0; i < n; ++i) bytes += std::to_string(i) + " 0.25 -1.5e2 \n" + (i % 1000 ? "" : "\n");
   bytes += std::string(2 << 20, ' ').replace((1 << 20) - 1, 1, "\n");
   const PointCloud cloud = io::read(write_file("a.ply", bytes)).cloud;
@@ -257,11 +264,13 @@ TEST(PlyTest, AsciiInManyBlocksKeepsFileOrder) {
 }
 
 TEST(PlyTest, MeshesAreFannedAndDroppedCornersLeaveTheirTriangles) {
-  const std::string body = "element vertex 5\n" + xyz + "element face 3\nproperty uchar flag\n"
+  const std::string body = "element vertex 5\n" + xyz +
+                           "element face 3\nproperty uchar flag\n"
                            "property list uchar int vertex_indices\n";
   std::string binary = header("binary_little_endian", body);
   for (float i : {0.f, 1.f, 2.f, nan, 4.f}) binary += bytes_of(i, i, i);
-  binary += bytes_of(std::uint8_t(1), std::uint8_t(3), 0, 1, 2) + bytes_of(std::uint8_t(1), std::uint8_t(4), 0, 1, 2, 4) +
+  binary += bytes_of(std::uint8_t(1), std::uint8_t(3), 0, 1, 2) +
+            bytes_of(std::uint8_t(1), std::uint8_t(4), 0, 1, 2, 4) +
             bytes_of(std::uint8_t(1), std::uint8_t(3), 0, 1, 3);
   const std::string ascii =
       header("ascii", body) + "0 0 0\n1 1 1\n2 2 2\nnan 3 3\n4 4 4\n1 3 0 1 2\n1 4 0 1 2 4\n1 3 0 1 3\n";
@@ -278,9 +287,10 @@ TEST(PlyTest, MeshesAreFannedAndDroppedCornersLeaveTheirTriangles) {
 }
 
 TEST(PlyTest, DamageBehindTheLastPointIsNoError) {
-  const std::string bytes = header("binary_little_endian", "element vertex 1\n" + xyz +
-                                                               "element face 9\nproperty list uchar int vertex_index\n") +
-                            bytes_of(1.f, 2.f, 3.f) + "\xff";
+  const std::string bytes =
+      header("binary_little_endian",
+             "element vertex 1\n" + xyz + "element face 9\nproperty list uchar int vertex_index\n") +
+      bytes_of(1.f, 2.f, 3.f) + "\xff";
   EXPECT_EQ(io::read(write_file("a.ply", bytes)).cloud.size(), 1u);
 }
 
@@ -309,14 +319,19 @@ TEST(PlyTest, BadHeadersAreNamedByTheirLine) {
       {"type", start + "element vertex 1\nproperty floaty x\nend_header\n", "line 4"},
       {"homeless property", start + xyz + "end_header\n", "line 3"},
       {"no vertex", start + "element face 1\nproperty int a\nend_header\n1\n", "no 'element vertex'"},
-      {"no z", start + "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n", "x, y and z"},
-      {"promise", header("binary_little_endian", "element vertex 4000000000000000000\n" + xyz) + "abc", "0 points"},
+      {"no z", start + "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n",
+       "x, y and z"},
+      {"promise", header("binary_little_endian", "element vertex 4000000000000000000\n" + xyz) + "abc",
+       "0 points"},
       {"lists promise",
-       header("binary_little_endian", "element vertex 4000000000000\n" + xyz + "property list uchar int a\n") + "abc",
+       header("binary_little_endian",
+              "element vertex 4000000000000\n" + xyz + "property list uchar int a\n") +
+           "abc",
        "at most 0 points"},
       {"ascii promise", header("ascii", "element vertex 4000000000000\n" + xyz) + "1 2 3\n", "1 points"},
-      {"list before", header("binary_little_endian", "element f 9\nproperty list uint int a\nelement vertex 1\n" + xyz) +
-                          bytes_of(std::uint32_t(4000000000u), 1, 2, 3, 4, 5),
+      {"list before",
+       header("binary_little_endian", "element f 9\nproperty list uint int a\nelement vertex 1\n" + xyz) +
+           bytes_of(std::uint32_t(4000000000u), 1, 2, 3, 4, 5),
        "byte"},
       {"word", header("ascii", "element vertex 2\n" + xyz) + "1 2 3\n1 two 3\n", "line 9: found 'two'"},
       {"short line", header("ascii", "element vertex 2\n" + xyz) + "1 2 3\n1 2\n", "line 9"},
@@ -325,7 +340,8 @@ TEST(PlyTest, BadHeadersAreNamedByTheirLine) {
     const std::optional<Error> error = test::error_of(write_file("a.ply", bad.bytes));
     ASSERT_TRUE(error.has_value()) << bad.what;
     EXPECT_EQ(error->code(), ErrorCode::bad_input) << bad.what;
-    EXPECT_NE(std::string(error->what()).find(bad.message), std::string::npos) << bad.what << ": " << error->what();
+    EXPECT_NE(std::string(error->what()).find(bad.message), std::string::npos)
+        << bad.what << ": " << error->what();
     EXPECT_NE(std::string(error->what()).find("a.ply"), std::string::npos) << bad.what;
   }
 }
@@ -337,7 +353,8 @@ TEST(PlyTest, CutAndChangedFilesNeverCrash) {
   for (float i : {1.f, 2.f, 3.f}) binary += bytes_of(i, i, i, std::uint8_t(i));
   walked += reversed_bytes_of(std::uint8_t(2), 7, 8, 1.f, 2.f, 3.f, 4.f, 5.f, 6.f);
   const std::string ascii = header("ascii", lists) + "2 7 8\n1 2 3\n4 5 6\n";
-  // Binary files tell every cut; the ascii file may lose its last line end, and "4 5 6" its last digit is needed.
+  // Binary files tell every cut; the ascii file may lose its last line end, and "4 5 6" its last digit is
+  // needed.
   EXPECT_EQ(test::expect_cuts_are_safe("a.ply", binary, 3), int(binary.size()));
   EXPECT_EQ(test::expect_cuts_are_safe("b.ply", walked, 2), int(walked.size()));
   EXPECT_EQ(test::expect_cuts_are_safe("c.ply", ascii, 2), int(ascii.size()) - 1);

@@ -13,7 +13,8 @@ namespace {
 
 using test::write_file;
 
-io::ReadResult read_text(const std::string& bytes, const std::string& name = "a.txt", const io::ReadOptions& options = {}) {
+io::ReadResult read_text(const std::string& bytes, const std::string& name = "a.txt",
+                         const io::ReadOptions& options = {}) {
   return io::read(write_file(name, bytes), options);
 }
 
@@ -132,7 +133,8 @@ TEST(TextTest, LargeCoordinatesKeepTheirDigits) {
 TEST(TextTest, ManyBlocksKeepFileOrderAndLineNumbers) {
   std::string bytes;
   const int n = 500000;
-  for (int i = 0; i < n; ++i) bytes += std::to_string(i) + ".5 2.25 -3 " + std::to_string(i % 3000 + 256) + "\n";
+  for (int i = 0; i < n; ++i)
+    bytes += std::to_string(i) + ".5 2.25 -3 " + std::to_string(i % 3000 + 256) + "\n";
   const io::ReadResult result = read_text(bytes);
   ASSERT_EQ(result.cloud.size(), std::size_t(n));
   for (int i = 0; i < n; ++i) {

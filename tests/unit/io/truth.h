@@ -1,4 +1,5 @@
-// The facts about the real scans, measured by other programs (truth.json beside them), for the readers' tests.
+// The facts about the real scans, measured by other programs (truth.json beside them), for the readers'
+// tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,8 +25,8 @@ inline std::filesystem::path data_folder() {
 }
 
 /// Skips the test, and says why, when the real scans are not here.
-#define SFUMATO_NEEDS_REAL_SCAN(name)                                                                      \
-  if (!std::filesystem::exists(sfumato::test::data_folder() / (name)))                                     \
+#define SFUMATO_NEEDS_REAL_SCAN(name)                                  \
+  if (!std::filesystem::exists(sfumato::test::data_folder() / (name))) \
   GTEST_SKIP() << (name) << " is not here; set SFUMATO_TEST_DATA to the folder of real scans"
 
 inline nlohmann::json truth_of(const std::string& name) {
