@@ -11,7 +11,7 @@ namespace sfumato::synth {
 namespace {
 
 constexpr double top_elevation = 0.5 * M_PI,
-                 bottom_elevation = glm::radians(-62.0);  // the tripod hides the rest
+                 bottom_elevation = glm::radians(-70.0);  // the tripod hides the rest
 
 /// Neighbouring rays whose ranges differ by more than this share see an edge.
 constexpr double edge_share = 0.05;

@@ -245,14 +245,17 @@ Scene make_room() {
   room.table();
   room.shelves();
   room.things();
-  // Ten pictures that overlap like those of a hand-held walk around the table, and one more to judge them by.
+  // Ten pictures that overlap like those of a hand-held walk around the table, looking down, level and up in
+  // turn, and one more to judge them by.
   std::vector<Camera>& cameras = room.b.scene.cameras;
-  const dvec3 middle(0.52 * width, 0.48 * depth, 0.9);
+  const dvec3 middle(0.5 * width, 0.5 * depth, 0);
   for (int i = 0; i < 10; ++i) {
     const double angle = 2 * M_PI * i / 10 + 0.3;
     const dvec3 out(std::cos(angle), std::sin(angle), 0);
-    cameras.push_back(room.view(middle + dvec3(-1.45, -1.25, 0) * out + dvec3(0, 0, 0.6 + 0.15 * (i % 3)),
-                                middle + dvec3(1.9, 1.7, 0) * out + dvec3(0, 0, -0.25 + 0.2 * (i % 2))));
+    const double target_heights[] = {0.15, 0.9, 2.3};
+    const dvec3 target = middle + dvec3(i % 3 ? 1.6 : 0.7, i % 3 ? 1.4 : 0.6, 0) * out;
+    cameras.push_back(room.view(middle + dvec3(-1.55, -1.3, 0) * out + dvec3(0, 0, 1.45 + 0.1 * (i % 2)),
+                                target + dvec3(0, 0, target_heights[i % 3])));
   }
   room.b.scene.held_out = room.view({3.9, 1.0, 1.55}, {1.0, 2.9, 0.75});
   room.b.scene.natural = Sampling::cameras;
