@@ -148,6 +148,7 @@ void GpuCloud::set_shadow(std::span<const float> values) {
                                : gl::TextureBuffer();
 }
 
+
 void GpuCloud::measure_radii() {
   if (largest_radii_.size() == prepared_.batches.size()) return;
   std::vector<float> radii = prepared_.cloud.radii;
@@ -169,6 +170,15 @@ const std::vector<float>& GpuCloud::largest_radii() {
 float GpuCloud::median_radius() {
   measure_radii();
   return median_radius_;
+}
+
+void GpuCloud::begin_shadow() {
+  has_shadow_ = true;
+  for (Chunk& chunk : chunks_) {
+    if (!chunk.shadow || chunk.shadow.buffer().bytes() < chunk.count * sizeof(float))
+      chunk.shadow = gl::TextureBuffer("shadow factors", GL_R32F, chunk.count * sizeof(float));
+    chunk.shadow.buffer().clear(0);
+  }
 }
 
 void GpuCloud::attributes_changed() {

@@ -35,6 +35,16 @@ Light Light::parse(std::string_view text) {
   return light;
 }
 
+Light key_light(const Camera& camera, UpAxis up_axis) {
+  const dvec3 up = up_vector(up_axis), forward = camera.direction();
+  dvec3 right = glm::cross(forward, camera.up);
+  right = glm::length(right) > 1e-9 ? glm::normalize(right) : dvec3(1, 0, 0);
+  Light light;
+  light.kind = Light::Kind::directional;
+  light.vector = glm::normalize(1.2 * up - 0.6 * forward - 0.7 * right);
+  return light;
+}
+
 void RenderSettings::describe(ParamList& p) {
   p.add("shading", shading, {"lit", "albedo", "normals", "depth"}).help("what the colour of a pixel shows");
   p.add("light", light_text).help("headlight | X,Y,Z (point light, world) | dir:X,Y,Z (direction it comes from)");
@@ -42,6 +52,15 @@ void RenderSettings::describe(ParamList& p) {
   p.add("diffuse", phong.diffuse).range(0, 1).help("share of light by the angle to the light").paper("k_d");
   p.add("specular", phong.specular).range(0, 1).help("strength of highlights").paper("k_s");
   p.add("shininess", phong.shininess).range(1, 1000).help("sharpness of highlights");
+  p.add("shadows", shadows, {"off", "hard", "soft"})
+      .help("shadows between points; a headlight then moves to the upper left, where its shadows can be seen")
+      .paper("Dobrev 2010, Sec. 4");
+  p.add("light_size", light_size).at_least(0).unit("scene units")
+      .help("diameter of the light for soft shadows (auto: a tenth of the cloud's diagonal)");
+  p.add("light_samples", light_samples).range(1, 256).help("positions on the light that are averaged").paper("n");
+  p.add("shadow_distance", shadow_distance).at_least(0).unit("scene units")
+      .help("distance below which a point casts no shadow (auto: 3 point spacings)").paper("d_min");
+  p.add("ground", ground).help("a plane under the cloud that catches its shadow");
   p.add("edl", edl).help("eye-dome lighting as a finish (auto: where the technique wants it)");
   p.add("edl_radius", edl_radius).range(0.5, 16).unit("px").help("reach of eye-dome lighting");
   p.add("edl_strength", edl_strength).range(0, 10).help("darkness of eye-dome lighting");

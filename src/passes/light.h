@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/camera.h"
 #include "core/param.h"
 #include "core/vec.h"
 
@@ -26,6 +27,9 @@ struct Phong {
   float ambient = 0.3f, diffuse = 0.7f, specular = 0.1f, shininess = 24;
 };
 
+/// A light over the left shoulder of whoever looks through `camera`, high along `up`.
+Light key_light(const Camera& camera, UpAxis up);
+
 enum class Shadows { off, hard, soft };
 
 /// What every technique shares; the command line lists these parameters beside the technique's own.
@@ -33,6 +37,11 @@ struct RenderSettings {
   Shading shading = Shading::lit;
   std::string light_text = "headlight";
   Phong phong;
+  Shadows shadows = Shadows::off;
+  Auto<float> light_size;       ///< diameter of the light's disc, scene units
+  int light_samples = 16;
+  Auto<float> shadow_distance;  ///< d_min of the lit test, scene units
+  bool ground = false;          ///< a plane under the cloud that catches shadows
   Auto<bool> edl;            ///< automatic: what the technique wants
   float edl_radius = 1.4f;   ///< pixels (the two numbers Potree users know)
   float edl_strength = 0.4f;

@@ -3,6 +3,8 @@
 #include <chrono>
 
 #include "passes/finish.h"
+#include "passes/ground.h"
+#include "passes/shadows.h"
 
 namespace sfumato {
 
@@ -12,8 +14,10 @@ struct Renderer::State {
   std::unique_ptr<GpuCloud> cloud;
   Attributes uploaded;
   Target target;
-  gl::Texture finish_scratch, rgba8, linear;
+  gl::Texture finish_scratch, ground_factor, rgba8, linear;
   EyeDomeLighting edl;
+  ShadowMaps shadows;
+  GroundPlane ground;
   Finish finish;
   explicit State(gl::Context& c) : context(c) {}
 };
@@ -50,9 +54,30 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   glFinish();
   const auto start = std::chrono::steady_clock::now();
 
-  Frame frame{*s.cloud, camera, settings, Light::parse(settings.light_text), s.target, wants.normal, timers,
-              progress};
+  const bool has_shadows = settings.shadows != Shadows::off && !s.cloud->prepared().cloud.empty();
+  Light light = Light::parse(settings.light_text);
+  const Ground ground = ground_below(s.prepared.cloud);
+  if (has_shadows) {
+    // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
+    if (light.kind == Light::Kind::headlight) light = key_light(camera, s.prepared.cloud.up);
+    const bool on_ground = settings.ground;
+    if (on_ground) gl::ensure(s.ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
+    s.shadows.update(*s.cloud, settings, light, timers, progress, on_ground ? &view : nullptr, ground,
+                     on_ground ? &s.ground_factor : nullptr);
+  } else {
+    s.shadows.clear(*s.cloud);
+  }
+
+  Frame frame{*s.cloud, camera, settings, light, s.target, wants.normal, timers, progress};
   while (!technique.render(frame)) progress.check();
+
+  if (has_shadows && settings.ground) {
+    auto timing = timers.scope("ground");
+    gl::ensure(s.finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
+    s.ground.run(view, ground, s.prepared.cloud.origin, s.target.color, s.target.depth, s.ground_factor,
+                 s.finish_scratch);
+    std::swap(s.finish_scratch, s.target.color);
+  }
 
   Auto<bool> edl = settings.edl;
   const bool plain = settings.shading == Shading::normals || settings.shading == Shading::depth;

@@ -1,0 +1,31 @@
+#include "passes/fill.h"
+
+#include <vector>
+
+#include "passes/bindings.h"
+
+namespace sfumato {
+
+void Fill::run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
+               std::initializer_list<const gl::Texture*> extra_in,
+               std::initializer_list<const gl::Texture*> extra_out) {
+  const std::size_t extras = extra_in.size();
+  ScreenPass& pass = passes_[kind == FillKind::occluded][extras];
+  if (!pass) {
+    gl::Defines defines{"EXTRAS " + std::to_string(extras)};
+    if (kind == FillKind::occluded) defines.push_back("OCCLUDED");
+    std::vector<GLenum> formats(1 + extras, GL_RGBA32F);
+    formats[0] = GL_R32F;
+    pass = ScreenPass("passes/fill.glsl", formats, defines);
+  }
+  if (kind == FillKind::occluded) pass.set("d_min", d_min);
+  int unit = binding::input + 1;
+  for (const gl::Texture* extra : extra_in) extra->bind(unit++);
+  switch (extras) {
+    case 0: pass.run({&depth_in}, {&depth_out}); break;
+    case 1: pass.run({&depth_in}, {&depth_out, extra_out.begin()[0]}); break;
+    default: pass.run({&depth_in}, {&depth_out, extra_out.begin()[0], extra_out.begin()[1]});
+  }
+}
+
+}  // namespace sfumato

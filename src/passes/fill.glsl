@@ -1,0 +1,65 @@
+// The eight masks of Rosenthal and Linsen 2008, Fig. 4, in one rule: a candidate is left alone when at least five
+// consecutive pixels of its ring of eight are white; any of the masks matches exactly then (all 256 rings tested).
+//   background: candidate = no sample,                    white = no sample
+//   OCCLUDED:   candidate = sample at depth d,            white = deeper than d - d_min
+// The minus sign is that of Rosenthal and Linsen; the plus printed in Dobrev 2010, Sec. 3 eats whole surfaces.
+#include "bindings.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
+#if EXTRAS > 0
+layout(binding = UNIT_INPUT + 1) uniform sampler2D extra_image_0;
+#endif
+#if EXTRAS > 1
+layout(binding = UNIT_INPUT + 2) uniform sampler2D extra_image_1;
+#endif
+#ifdef OCCLUDED
+uniform float d_min;
+#endif
+
+const float infinity = uintBitsToFloat(0x7f800000u);
+const ivec2 ring[8] = ivec2[8](ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(1, 0), ivec2(1, 1), ivec2(0, 1),
+                               ivec2(-1, 1), ivec2(-1, 0));
+
+bool filter_pixel(ivec2 pixel) {
+  float depth = texelFetch(depth_image, pixel, 0).x;
+  ivec2 size = textureSize(depth_image, 0), from = pixel;
+#ifdef OCCLUDED
+  bool is_candidate = !isinf(depth);
+  float limit = depth - d_min;
+#else
+  bool is_candidate = isinf(depth);
+#endif
+  if (is_candidate) {
+    uint white = 0u;
+    float nearest = infinity;
+    ivec2 nearest_at = pixel;
+    for (int k = 0; k < 8; ++k) {
+      ivec2 at = pixel + ring[k];
+      bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
+      float neighbor = is_inside ? texelFetch(depth_image, at, 0).x : infinity;
+#ifdef OCCLUDED
+      if (neighbor > limit) white |= 1u << k;
+#else
+      if (isinf(neighbor)) white |= 1u << k;
+#endif
+      if (neighbor < nearest) {
+        nearest = neighbor;
+        nearest_at = at;
+      }
+    }
+    uint twice = white | white << 8;
+    bool is_outline = ((twice & twice >> 1 & twice >> 2 & twice >> 3 & twice >> 4) & 0xffu) != 0u;
+    if (!is_outline) {
+      depth = nearest;
+      from = nearest_at;
+    }
+  }
+  out_0 = vec4(depth);
+#if EXTRAS > 0
+  out_1 = texelFetch(extra_image_0, from, 0);
+#endif
+#if EXTRAS > 1
+  out_2 = texelFetch(extra_image_1, from, 0);
+#endif
+  return true;
+}

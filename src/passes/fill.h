@@ -1,0 +1,29 @@
+// Hole filling on the screen (Rosenthal and Linsen 2008, as used by Dobrev, Rosenthal, Linsen 2010): a pixel takes
+// over its nearest neighbour unless it looks like a place beyond an outline.
+#pragma once
+
+#include <initializer_list>
+
+#include "gl/texture.h"
+#include "passes/screen_pass.h"
+
+namespace sfumato {
+
+enum class FillKind {
+  background,  ///< candidates: pixels without a sample
+  occluded,    ///< candidates: pixels that show something more than d_min behind their neighbours
+};
+
+class Fill {
+ public:
+  /// Reads `depth_in` (R32F, +inf where nothing), writes `depth_out`; `extra_in[k]` (RGBA32F) follow the same
+  /// choice into `extra_out[k]`, at most two. Outside the image counts as background.
+  void run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
+           std::initializer_list<const gl::Texture*> extra_in = {},
+           std::initializer_list<const gl::Texture*> extra_out = {});
+
+ private:
+  ScreenPass passes_[2][3];
+};
+
+}  // namespace sfumato
