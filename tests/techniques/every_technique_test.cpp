@@ -174,6 +174,46 @@ TEST_P(EveryTechnique, DepthIsThatOfTheSphere) {
   EXPECT_TRUE(std::isinf(out.depth.at(1, 1)));
 }
 
+// A sphere over a plane, light from straight above: the plane is darker under the sphere than beside it.
+TEST_P(EveryTechnique, ShadowsDarken) {
+  Renderer renderer(context());
+  auto technique = make();
+  PointCloud cloud = sphere_cloud(20000, 0.5f, vec3(0, 0, 1));
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> uniform(-2, 2);
+  for (int i = 0; i < 60000; ++i) {
+    cloud.positions.push_back({uniform(random), uniform(random), 0});
+    cloud.normals.push_back({0, 0, 1});
+  }
+  cloud.colors.assign(cloud.size(), Rgba8{200, 200, 200, 255});
+  show(renderer, cloud, technique->needs());
+  Camera camera = front_camera(120, 90);
+  camera.position = {0, -4, 3};
+  camera.target = {0, 0, 0.3};
+  const Intrinsics k = camera.intrinsics();
+  auto brightness = [&](const RenderOutput& out, dvec3 p) {
+    const dvec3 eye(camera.view() * glm::dvec4(p, 1));
+    const int x = int(k.fx * eye.x / -eye.z + k.cx), y = int(-k.fy * eye.y / -eye.z + k.cy);
+    double sum = 0;
+    for (int dy = -2; dy <= 2; ++dy)
+      for (int dx = -2; dx <= 2; ++dx) sum += out.color_linear.at(x + dx, y + dy).g / 25;
+    return sum;
+  };
+  RenderSettings s = settings();
+  s.light_text = "dir:0,0,1";
+  for (Shadows shadows : {Shadows::off, Shadows::hard, Shadows::soft}) {
+    s.shadows = shadows;
+    s.ground = shadows == Shadows::soft;
+    const RenderOutput out = renderer.render(*technique, camera, s, all_outputs());
+    expect_finite(out);
+    const double under = brightness(out, {0, 0, 0}), beside = brightness(out, {1.4, 0, 0});
+    EXPECT_GT(beside, 0.05);
+    // k_a = 0.3 of k_a + k_d = 1 is left in full shadow; styles and smoothing may lift it to a half.
+    if (shadows == Shadows::off) EXPECT_GT(under, 0.7 * beside);
+    else EXPECT_LT(under, 0.5 * beside);
+  }
+}
+
 std::vector<std::string> names() {
   std::vector<std::string> list;
   for (const TechniqueInfo& info : all_techniques()) list.push_back(info.name);
