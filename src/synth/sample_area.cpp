@@ -103,6 +103,7 @@ PointCloud sample_by_camera(const Scene& scene, const std::vector<Camera>& camer
   ColumnWriter writer(cloud, columns);
   writer.resize(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) writer.write(i, found[i]);
+  cloud.up = scene.up;
   for (const Camera& camera : cameras) cloud.scanners.push_back(camera.position);
   return cloud;
 }

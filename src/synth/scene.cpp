@@ -158,6 +158,7 @@ SurfacePoint Scene::describe_triangle(std::size_t triangle, dvec3 weights) const
 Scene make_mesh_scene(Mesh mesh) {
   Scene scene;
   scene.name = "mesh";
+  scene.up = UpAxis::pos_y;
   scene.mesh = std::move(mesh);
   std::vector<dvec3> normals(scene.mesh.positions.size(), dvec3(0));
   double total = 0;

@@ -50,7 +50,8 @@ struct Scene {
   std::optional<Camera> held_out;     ///< a camera that takes no part in the scan, to judge pictures by
   Sampling natural = Sampling::area;  ///< how `automatic` samples it
   bool equal_counts = false;          ///< every primitive gets as many points, whatever its area
-  std::string piece_scalar;  ///< scalar that holds the primitive's number, if any (the tori's `layer`)
+  std::string piece_scalar;   ///< scalar that holds the primitive's number, if any (the tori's `layer`)
+  UpAxis up = UpAxis::pos_z;  ///< meshes keep the axis of PLY and OBJ files, +Y
   Bounds box;
 
   /// Call once after the surfaces are complete: box and search structure.

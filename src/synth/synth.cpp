@@ -49,12 +49,16 @@ PointCloud sample(const Scene& scene, const SampleOptions& asked, Progress& prog
   if (options.sampling == Sampling::automatic)
     options.sampling = options.scanner_position.empty() ? scene.natural : Sampling::scanners;
   options.normals.resolve(options.sampling != Sampling::cameras);
-  if (options.sampling != Sampling::area) return sample_devices(scene, options, progress);
+  const auto finished = [&](PointCloud cloud) {
+    cloud.up = scene.up;
+    return cloud;
+  };
+  if (options.sampling != Sampling::area) return finished(sample_devices(scene, options, progress));
   if (options.noise != NoiseModel::none || options.flying_pixels > 0 || options.missing > 0)
     throw Error(ErrorCode::usage, "synth " + scene.name +
                                       ": noise, flying_pixels and missing are errors of a device; "
                                       "add --sampling scanners or cameras, or use sigma and outliers");
-  return sample_area(scene, options, progress);
+  return finished(sample_area(scene, options, progress));
 }
 
 }  // namespace sfumato::synth

@@ -309,6 +309,7 @@ TEST(Sample, MeshIsSampledByAreaWithOutliers) {
   options.outliers = 500;
   const PointCloud cloud = sample(make_mesh_scene(mesh), options);
   ASSERT_EQ(cloud.size(), 10500u);
+  EXPECT_EQ(cloud.up, UpAxis::pos_y);
   EXPECT_FALSE(cloud.scalar("classification"));
   double small = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
