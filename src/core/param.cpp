@@ -60,6 +60,11 @@ std::string join(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string did_you_mean(std::string_view text, const std::vector<std::string>& choices) {
+  const std::string near = nearest_word(text, choices);
+  return near.empty() ? "" : "; did you mean " + near + "?";
+}
+
 }  // namespace
 
 void Param::set(std::string_view text) {
@@ -71,13 +76,14 @@ void Param::set(std::string_view text) {
                                 "a list of numbers (0.3,0.5,1)", "three numbers (X,Y,Z)"};
   if (!parse_(text))
     refuse((kind == ParamKind::choice ? "one of: " + join(choices) : std::string(kinds[int(kind)])) +
-           (can_be_auto ? " or auto" : ""));
+           (can_be_auto ? " or auto" : "") + did_you_mean(text, choices));
   for (double value : numbers_ ? numbers_() : std::vector<double>{}) {
     // Bounds are compared as floats, as the values are: 0.01 is in [0.01, 1].
     if ((!min || float(value) >= float(*min)) && (!max || float(value) <= float(*max))) continue;
     parse_(before);
     refuse("in range [" + (min ? print_number(float(*min)) : std::string("-inf")) + ", " +
-           (max ? print_number(float(*max)) : std::string("inf")) + "]");
+           (max ? print_number(float(*max)) : std::string("inf")) + "]; the nearest is " +
+           print_number(float(min && value < *min ? *min : *max)));
   }
 }
 

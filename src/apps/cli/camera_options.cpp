@@ -31,6 +31,32 @@ double degrees_in(const char* option, const std::string& text, double low, doubl
   return glm::radians(value);
 }
 
+/// Keeps the direction of view and moves the camera to the nearest place that sees every point with a margin of 6 %:
+/// a point at (x, y) and z towards the camera is inside when |y - y_camera| <= tan (z_camera - z), x alike.
+void fit(Camera& camera, const std::vector<dvec3>& points) {
+  if (points.empty()) return;
+  const dmat4 to_eye = camera.view(), to_world = camera.inverse_view();
+  const double shown = 0.94, target_z = -glm::length(camera.target - camera.position);
+  const double tan_y = std::tan(0.5 * camera.fov_y) * shown, tan_x = tan_y * camera.width / camera.height;
+  const double slope_x = camera.orthographic() ? 0 : tan_x, slope_y = camera.orthographic() ? 0 : tan_y;
+  double left = -1e300, right = -1e300, bottom = -1e300, top = -1e300;
+  for (const dvec3& world : points) {
+    const dvec3 p(to_eye * glm::dvec4(world, 1));
+    right = std::max(right, p.x + slope_x * p.z);
+    left = std::max(left, -p.x + slope_x * p.z);
+    top = std::max(top, p.y + slope_y * p.z);
+    bottom = std::max(bottom, -p.y + slope_y * p.z);
+  }
+  dvec3 eye(0.5 * (right - left), 0.5 * (top - bottom), 0);
+  if (camera.orthographic()) {
+    camera.height_world = std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / shown;
+  } else {
+    eye.z = std::max({0.5 * (right + left) / tan_x, 0.5 * (top + bottom) / tan_y, 0.95 * target_z});
+  }
+  camera.position = dvec3(to_world * glm::dvec4(eye, 1));
+  camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
+}
+
 double view_angle(const std::string& text) { return degrees_in("--camera-view-angle", text, 0.001, 179); }
 
 }  // namespace
@@ -100,7 +126,7 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
   if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
 }
 
-Camera CameraOptions::resolve(const Bounds& box, UpAxis up) const {
+Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
   const std::optional<std::pair<int, int>> size =
       resolution ? std::optional(parse_resolution("--resolution", *resolution)) : std::nullopt;
   const std::optional<double> angle = view_angle_deg ? std::optional(view_angle(*view_angle_deg)) : std::nullopt;
@@ -125,8 +151,10 @@ Camera CameraOptions::resolve(const Bounds& box, UpAxis up) const {
       elevation = compass.elevation(-glm::normalize(*along));
     }
     const auto [width, height] = size.value_or(std::pair(1280, 720));
-    camera = frame(box, up, width, height, azimuth, elevation, angle.value_or(glm::radians(45.0)),
+    camera = frame(subject.box, up, width, height, azimuth, elevation, angle.value_or(glm::radians(45.0)),
                    orthographic ? Projection::orthographic : Projection::perspective);
+    if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
+    fit(camera, subject.points);
   }
   aim(camera, up);
   if (orthographic && !camera.orthographic()) {
@@ -176,7 +204,7 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
   return cameras;
 }
 
-Bounds framing_box(const PointCloud& cloud) {
+Subject subject_of(const PointCloud& cloud) {
   const Bounds full = bounds(cloud);
   Bounds box = robust_bounds(cloud);
   const dvec3 room = box.size() / 6.0;
@@ -184,7 +212,14 @@ Bounds framing_box(const PointCloud& cloud) {
     if (box.min[k] - full.min[k] <= room[k]) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room[k]) box.max[k] = full.max[k];
   }
-  return box;
+  Subject subject{box, {}};
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const dvec3 p = cloud.world(i);
+    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max)))
+      subject.points.push_back(p);
+  }
+  return subject;
 }
 
 }  // namespace sfumato::cli

@@ -10,6 +10,16 @@
 
 namespace sfumato::cli {
 
+/// What the first view shows.
+struct Subject {
+  Bounds box;
+  std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
+};
+
+/// The 2-98 % box, grown to the full one where that is at most a sixth further out, so that stray points do not
+/// decide the view and a compact object is not cut; and up to 50,000 of the points inside.
+Subject subject_of(const PointCloud& cloud);
+
 struct CameraOptions {
   std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg, view_angle_deg;
   std::optional<std::string> resolution;
@@ -19,8 +29,8 @@ struct CameraOptions {
   void declare(CommandLine& line);
   /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read.
   void check() const;
-  /// The camera of a preset or --camera FILE, else the view that frames `box`; single options win over both.
-  Camera resolve(const Bounds& box, UpAxis up) const;
+  /// The camera of a preset or --camera FILE, else the view that frames `subject`; single options win over both.
+  Camera resolve(const Subject& subject, UpAxis up) const;
 
  private:
   void aim(Camera& camera, UpAxis up) const;
@@ -31,9 +41,5 @@ struct CameraOptions {
 std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees);
 /// A smooth path through the key cameras (Catmull-Rom on positions, targets, angles), first to last key.
 std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames);
-
-/// What the first view frames: the 2-98 % box, grown to the full one where that is at most a sixth further out,
-/// so that stray points do not decide the view and a compact object is not cut.
-Bounds framing_box(const PointCloud& cloud);
 
 }  // namespace sfumato::cli

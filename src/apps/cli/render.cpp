@@ -218,14 +218,14 @@ int render_command(const Words& words) {
   options.check(choice.techniques.size());
   for (const auto& chosen : choice.techniques) Light::parse(chosen->settings.light_text);
   // A wrong camera file should not cost the time of reading a large scan.
-  options.camera.resolve({dvec3(0), dvec3(1)}, UpAxis::pos_z);
+  options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
 
   Console console(options.quiet);
   RenderReport report;
   Stopwatch watch(report);
   PointCloud scene = read_scene(options, report, console);
   watch.lap("read");
-  const Camera camera = options.camera.resolve(framing_box(scene), scene.up);
+  const Camera camera = options.camera.resolve(subject_of(scene), scene.up);
   const std::vector<Camera> cameras = cameras_of(options, camera, scene.up);
   report.frames = int(cameras.size());
 

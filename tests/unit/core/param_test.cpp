@@ -55,7 +55,7 @@ TEST(Param, RefusesAndKeepsTheOldValue) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::usage);
-    EXPECT_STREQ(error.what(), "parameter 'mode': 'pixel' is not one of: adaptive | pixels");
+    EXPECT_STREQ(error.what(), "parameter 'mode': 'pixel' is not one of: adaptive | pixels; did you mean pixels?");
   }
   EXPECT_EQ(nearest_word("point_siz", {"point_size", "size_mode"}), "point_size");
   EXPECT_EQ(nearest_word("zebra", {"point_size", "size_mode"}), "");

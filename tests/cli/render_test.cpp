@@ -1,0 +1,277 @@
+// Files to pictures through the built command.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
+
+#include <cmath>
+
+#include "cli/command.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+using ::testing::HasSubstr;
+
+namespace {
+
+using Json = nlohmann::json;
+
+class RenderTest : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    write_cube("cube.ply");
+  }
+  /// The cube from the front (-y), 2 units before its face, 64x48.
+  std::string write_front_camera() {
+    return write("front.json", R"({"position": [0.5, -2, 0.5], "target": [0.5, 0, 0.5], "up": [0, 0, 1],
+                                   "fov_y_deg": 45, "width": 64, "height": 48})");
+  }
+};
+
+bool is_white(const Rgba8& c) { return c.r == 255 && c.g == 255 && c.b == 255; }
+
+TEST_F(RenderTest, FirstViewFramesTheCloudInItsColours) {
+  const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "128x96", "--shading", "albedo", "--json"});
+  const Image<Rgba8> image = read_png("a.png");
+  ASSERT_EQ(image.width(), 128);
+  ASSERT_EQ(image.height(), 96);
+  int covered = 0, edge = 0;
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 128; ++x) {
+      if (is_white(image.at(x, y))) continue;
+      ++covered;
+      edge += x == 0 || y == 0 || x == 127 || y == 95;
+    }
+  EXPECT_GT(covered, 128 * 96 / 8) << "a cube framed with a margin covers more than an eighth";
+  EXPECT_EQ(edge, 0) << "nothing is cut";
+  const Rgba8 low = image.at(64, 86), high = image.at(64, 25);
+  EXPECT_GT(low.r, low.g + 50) << "red below";
+  EXPECT_GT(high.g, high.r + 50) << "green above: z is up and the first row on top";
+  // Azimuth -45, elevation 30: the camera stands at -x, -y, above.
+  const Json eye = json["camera"]["position"];
+  EXPECT_LT(eye[0].get<double>(), 0);
+  EXPECT_NEAR(eye[0].get<double>(), eye[1].get<double>(), 1e-6);
+  EXPECT_GT(eye[2].get<double>(), 1);
+}
+
+TEST_F(RenderTest, ReportHasItsFields) {
+  const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "64,48", "--json", "--point-size", "3"});
+  EXPECT_EQ(json["outputs"], Json{"a.png"});
+  EXPECT_EQ(json["technique"], "points");
+  EXPECT_EQ(json["parameters"]["point_size"], 3);
+  EXPECT_EQ(json["parameters"]["edl"], true) << "resolved, not auto";
+  EXPECT_EQ(json["points_read"], 5400);
+  EXPECT_EQ(json["points_drawn"], 5400);
+  EXPECT_GT(json["timings_ms"]["total"].get<double>(), 0);
+  EXPECT_GT(json["timings_ms"].size(), 1u);
+}
+
+TEST_F(RenderTest, PictureNamesTheCommandThatMadeIt) {
+  ASSERT_EQ(run({"cube.ply", "-o", "it's.png", "--resolution", "32x32"}).code, 0);
+  const auto texts = png_texts("it's.png");
+  EXPECT_EQ(texts.at("Command"), "sfumato cube.ply -o 'it'\\''s.png' --resolution 32x32");
+  EXPECT_THAT(texts.at("Software"), ::testing::StartsWith("sfumato "));
+  EXPECT_TRUE(texts.contains("sRGB"));
+  EXPECT_TRUE(Json::parse(texts.at("Camera")).contains("position"));
+}
+
+TEST_F(RenderTest, SameCommandGivesTheSameBytes) {
+  ASSERT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "64x48"}).code, 0);
+  const std::string first = text("a.png");
+  ASSERT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "64x48"}).code, 0);
+  EXPECT_EQ(text("a.png"), first);
+}
+
+TEST_F(RenderTest, BackgroundAndTransparency) {
+  ASSERT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--background-color", "0,0.5,1"}).code, 0);
+  EXPECT_EQ(read_png("a.png").at(0, 0), (Rgba8{0, 128, 255, 255}));
+  ASSERT_EQ(run({"cube.ply", "-o", "b.png", "--resolution", "32x32", "--no-background"}).code, 0);
+  EXPECT_EQ(read_png("b.png").at(0, 0).a, 0);
+  EXPECT_EQ(read_png("b.png").at(16, 16).a, 255);
+}
+
+TEST_F(RenderTest, DepthNormalAndLinearArrays) {
+  write_front_camera();
+  const Outcome outcome = run({"cube.ply", "-o", "c.npy", "--camera", "front.json", "--output-depth", "d.npy",
+                               "--output-normal", "n.npy", "--output-camera", "k.json", "--shading", "albedo",
+                               "--no-background", "--edl", "false", "--point-size", "3"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Array color = read_npy("c.npy"), depth = read_npy("d.npy"), normal = read_npy("n.npy");
+  EXPECT_EQ(color.shape, (std::vector<int>{48, 64, 4}));
+  EXPECT_EQ(depth.shape, (std::vector<int>{48, 64}));
+  EXPECT_EQ(normal.shape, (std::vector<int>{48, 64, 3}));
+  const std::size_t centre = 20 * 64 + 32;
+  EXPECT_NEAR(depth.values[centre], 2.0, 1e-4) << "float32 in 24 bits of depth range 2..3.5";
+  EXPECT_TRUE(std::isinf(depth.values[0]));
+  EXPECT_EQ(color.values[4 * centre + 1], 1.0f) << "linear green";
+  EXPECT_EQ(color.values[4 * centre + 3], 1.0f);
+  EXPECT_EQ(color.values[3], 0.0f);
+  const Json camera = Json::parse(text("k.json"));
+  EXPECT_EQ(camera["width"], 64);
+  EXPECT_EQ(camera["position"], (Json{0.5, -2.0, 0.5}));
+}
+
+TEST_F(RenderTest, ExrHoldsColourDepthAndNormals) {
+  write_front_camera();
+  ASSERT_EQ(run({"cube.ply", "-o", "a.exr", "--camera", "front.json", "--shading", "albedo", "--point-size", "3",
+                 "--edl", "false"}).code, 0);
+  Imf::InputFile file(path("a.exr").c_str());
+  for (const char* name : {"R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z"}) {
+    const Imf::Channel* channel = file.header().channels().findChannel(name);
+    ASSERT_NE(channel, nullptr) << name;
+    EXPECT_EQ(channel->type, Imf::FLOAT);
+  }
+  EXPECT_THAT(Imf::comments(file.header()), HasSubstr("sfumato cube.ply"));
+  Image<float> green(64, 48), depth(64, 48);
+  Imf::FrameBuffer buffer;
+  buffer.insert("G", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(green.data()), 4, 4 * 64));
+  buffer.insert("Z", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(depth.data()), 4, 4 * 64));
+  file.setFrameBuffer(buffer);
+  file.readPixels(0, 47);
+  EXPECT_EQ(green.at(32, 20), 1.0f);
+  EXPECT_NEAR(depth.at(32, 20), 2.0, 1e-4);
+  EXPECT_EQ(green.at(0, 0), 1.0f) << "white background";
+}
+
+TEST_F(RenderTest, CameraFileAndSingleOptions) {
+  write_front_camera();
+  auto camera = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"cube.ply", "--output-camera", "k.json"});
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return Json::parse(text("k.json"));
+  };
+  EXPECT_EQ(camera({"--camera", "front.json", "--resolution", "20x10"})["width"], 20);
+  EXPECT_EQ(camera({"--camera", "front.json", "--camera-position", "0.5,-4,0.5"})["position"][1], -4.0);
+  EXPECT_NEAR(camera({"--camera", "front.json", "--camera-view-angle", "30"})["fov_y_deg"].get<double>(), 30, 1e-9);
+  EXPECT_EQ(camera({"--camera", "front.json", "--camera-orthographic"})["projection"], "orthographic");
+  const Json turned = camera({"--camera", "front.json", "--camera-azimuth-angle", "90"});
+  EXPECT_NEAR(turned["position"][0].get<double>(), 2.5, 1e-9) << "counter-clockwise about +z: from -y to +x";
+  EXPECT_NEAR(turned["position"][1].get<double>(), 0.0, 1e-9);
+  const Json down = camera({"--camera-direction", "0,0,-1"});
+  EXPECT_NEAR(down["position"][0].get<double>(), 0.5, 1e-3);
+  EXPECT_GT(down["position"][2].get<double>(), 2);
+  EXPECT_GT(camera({"--up", "+Y"})["position"][1].get<double>(), 1);
+
+  write("pinhole.json", R"({"position": [0.5, -2, 0.5], "target": [0.5, 0, 0.5], "up": [0, 0, 1],
+                            "fx": 50, "fy": 50, "cx": 30, "cy": 24, "width": 64, "height": 48})");
+  EXPECT_EQ(camera({"--camera", "pinhole.json"})["cx"], 30.0);
+  const Outcome refused = run({"cube.ply", "-o", "a.png", "--camera", "pinhole.json", "--resolution", "20x10"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("intrinsics"));
+}
+
+TEST_F(RenderTest, SeveralFilesAreOneScene) {
+  const Json one = run_json({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--json"});
+  const Json two = run_json({"cube.ply", "cube.ply", "-o", "b.png", "--resolution", "32x32", "--json"});
+  EXPECT_EQ(two["points_read"].get<int>(), 2 * one["points_read"].get<int>());
+  const Json few = run_json({"cube.ply", "cube.ply", "-o", "b.png", "--resolution", "32x32", "--json", "--max-points", "100"});
+  EXPECT_EQ(few["points_drawn"], 100);
+}
+
+TEST_F(RenderTest, ContactSheetShowsEveryTechniqueWithItsLabel) {
+  const Json json = run_json({"cube.ply", "-t", "points,points", "-o", "sheet.png", "--resolution", "96x64", "--json"});
+  const Image<Rgba8> sheet = read_png("sheet.png");
+  EXPECT_GE(sheet.width(), 2 * 96);
+  EXPECT_GT(sheet.height(), 64);
+  int label = 0;
+  for (int x = 0; x < 96; ++x)
+    for (int y = 0; y < sheet.height() - 64; ++y) label += sheet.at(x, y).r < 128;
+  EXPECT_GT(label, 20) << "letters of the word 'points' above the first panel";
+  EXPECT_EQ(json["technique"], (Json{"points", "points"}));
+}
+
+TEST_F(RenderTest, QualifiedParametersReachOneTechnique) {
+  const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--points.point-size", "2",
+                              "--point-size", "5", "--json"});
+  EXPECT_EQ(json["parameters"]["point_size"], 2) << "the qualified name wins";
+}
+
+TEST_F(RenderTest, OrbitWritesOnePictureAFrame) {
+  const Json json = run_json({"cube.ply", "-o", "f_{n:04}.png", "--path", "orbit", "--frames", "4", "--resolution",
+                              "48x32", "--output-camera", "c_{n}.json", "--json"});
+  EXPECT_EQ(json["frames"], 4);
+  for (const char* name : {"f_0000.png", "f_0001.png", "f_0002.png", "f_0003.png"}) EXPECT_TRUE(exists(name)) << name;
+  EXPECT_FALSE(exists("f_0004.png"));
+  const Json first = Json::parse(text("c_0.json")), opposite = Json::parse(text("c_2.json"));
+  for (int k = 0; k < 3; ++k) {  // half a turn: mirrored at the target, at the same height
+    const double a = first["position"][k], b = opposite["position"][k], t = first["target"][k];
+    EXPECT_NEAR(b, k == 2 ? a : 2 * t - a, 1e-9);
+  }
+}
+
+TEST_F(RenderTest, PathGoesThroughItsCameras) {
+  write("path.json", R"({"cameras": [
+    {"position": [0.5, -3, 0.5], "target": [0.5, 0, 0.5]}, {"position": [3.5, -3, 0.5], "target": [0.5, 0, 0.5]},
+    {"position": [3.5, 3, 0.5], "target": [0.5, 0, 0.5]}]})");
+  ASSERT_EQ(run({"cube.ply", "--path", "path.json", "--frames", "3", "--output-camera", "c_{n}.json"}).code, 0);
+  EXPECT_EQ(Json::parse(text("c_0.json"))["position"], (Json{0.5, -3.0, 0.5}));
+  EXPECT_EQ(Json::parse(text("c_1.json"))["position"], (Json{3.5, -3.0, 0.5}));
+  EXPECT_EQ(Json::parse(text("c_2.json"))["position"], (Json{3.5, 3.0, 0.5}));
+}
+
+TEST_F(RenderTest, PresetReproducesThePicture) {
+  write_front_camera();
+  ASSERT_EQ(run({"cube.ply", "-o", "a.npy", "--resolution", "64x48", "--color-by", "row", "--colormap", "turbo",
+                 "--point-size", "2.5", "--edl", "--camera", "front.json", "--camera-view-angle", "35",
+                 "--background-color", "0.2,0.3,0.4", "--save-preset", "look.json"}).code, 0);
+  ASSERT_EQ(run({"cube.ply", "-o", "b.npy", "--preset", "look.json"}).code, 0);
+  EXPECT_EQ(text("a.npy"), text("b.npy"));
+  // Options beside a preset win over it.
+  const Json json = run_json({"cube.ply", "-o", "b.png", "--preset", "look.json", "--point-size", "4", "--json"});
+  EXPECT_EQ(json["parameters"]["point_size"], 4);
+  EXPECT_EQ(json["color_by"], "row");
+}
+
+TEST_F(RenderTest, LegendExplainsTheColours) {
+  const std::vector<std::string> words = {"cube.ply", "--resolution", "160x120", "--color-by", "row", "-o"};
+  auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    EXPECT_EQ(run(all).code, 0);
+    return read_png(more[0]);
+  };
+  const Image<Rgba8> plain = with({"a.png"}), legend = with({"b.png", "--legend"});
+  int changed = 0, yellow = 0;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      if (plain.at(x, y) == legend.at(x, y)) continue;
+      ++changed;
+      EXPECT_GT(x, 80) << "it stands in the right half";
+      yellow += legend.at(x, y).r > 200 && legend.at(x, y).g > 200 && legend.at(x, y).b < 80;
+    }
+  EXPECT_GT(changed, 200);
+  EXPECT_GT(yellow, 3) << "the upper end of viridis";
+}
+
+TEST_F(RenderTest, NothingIsLeftBehindOnErrors) {
+  EXPECT_EQ(run({"cube.ply", "-o", "missing/a.png", "--resolution", "32x32"}).code, 6);
+  EXPECT_EQ(run({"cube.ply", "-o", "/proc/a.png", "--resolution", "32x32"}).code, 6);
+  EXPECT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "60000x32"}).code, 1);
+  EXPECT_EQ(files(), std::vector<std::string>{"cube.ply"});
+}
+
+TEST_F(RenderTest, InterruptEndsWith130AndWholeFilesOnly) {
+  const Outcome outcome = run({"cube.ply", "-o", "f_{n:05}.png", "--path", "orbit", "--frames", "100000",
+                               "--resolution", "64x48"}, 1500);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_EQ(outcome.err, "sfumato: interrupted\n");
+  for (const std::string& name : files())
+    if (name != "cube.ply") EXPECT_EQ(read_png(name).width(), 64) << name << " is a whole picture, not a temporary";
+}
+
+TEST_F(RenderTest, QuietSaysNothing) {
+  const Outcome outcome = run({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--quiet", "--timings"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+  EXPECT_THAT(run({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--timings"}).err, HasSubstr("total"));
+}
+
+TEST_F(RenderTest, DoctorNamesTheDriver) {
+  const Outcome outcome = run({"doctor"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* word : {"GL version", "renderer", "largest texture", "fast:"}) EXPECT_THAT(outcome.out, HasSubstr(word));
+}
+
+}  // namespace

@@ -1,0 +1,165 @@
+// Colour maps and the colour of points.
+#include "core/coloring.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/colormap.h"
+#include "core/error.h"
+
+using namespace sfumato;
+
+namespace {
+
+PointCloud ramp(int n) {
+  PointCloud cloud;
+  for (int i = 0; i < n; ++i) cloud.positions.push_back({0, float(i), 2 * float(i)});
+  return cloud;
+}
+
+ScalarField field(const char* name, std::vector<float> values) { return {name, 0, std::move(values)}; }
+
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::usage);
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Colormap, EndsAndMiddleAreTheKnownColours) {
+  EXPECT_EQ(Colormap::named("viridis").at(0), (Rgba8{0x44, 0x01, 0x54, 255}));
+  EXPECT_EQ(Colormap::named("viridis").at(1), (Rgba8{0xfd, 0xe7, 0x25, 255}));
+  EXPECT_EQ(Colormap::named("gray").at(0.5), (Rgba8{136, 136, 136, 255}));
+  EXPECT_EQ(Colormap::named("jet").at(0.5), (Rgba8{128, 255, 128, 255}));
+  EXPECT_EQ(Colormap::named("coolwarm").at(0), (Rgba8{59, 76, 192, 255}));   // Moreland 2009, table
+  EXPECT_EQ(Colormap::named("coolwarm").at(1), (Rgba8{180, 4, 38, 255}));
+  EXPECT_EQ(Colormap::named("spectral").at(0.5), (Rgba8{255, 255, 191, 255}));
+}
+
+TEST(Colormap, ViridisBetweenTheStopsIsNearTheFullMap) {
+  // Entries 40, 100 and 200 of the 256; seventeen stops stay within 6/255 of them.
+  const Colormap map = Colormap::named("viridis");
+  for (auto [index, rgb] : {std::pair{40, 0x453781}, {100, 0x2a768e}, {200, 0x70cf57}}) {
+    const Rgba8 c = map.at(index / 255.0);
+    EXPECT_NEAR(c.r, rgb >> 16, 6) << index;
+    EXPECT_NEAR(c.g, rgb >> 8 & 255, 6) << index;
+    EXPECT_NEAR(c.b, rgb & 255, 6) << index;
+  }
+}
+
+TEST(Colormap, EveryNameWorksAndClampsOutside) {
+  EXPECT_EQ(Colormap::names().size(), 10u);
+  for (const std::string& name : Colormap::names()) {
+    const Colormap map = Colormap::named(name);
+    EXPECT_EQ(map.at(-3), map.at(0)) << name;
+    EXPECT_EQ(map.at(7), map.at(1)) << name;
+    EXPECT_FALSE(map.at(0) == map.at(1)) << name;
+  }
+}
+
+TEST(Colormap, WrongNameNamesTheNearest) {
+  EXPECT_THAT(refusal([] { Colormap::named("virids"); }), ::testing::HasSubstr("did you mean 'viridis'"));
+}
+
+TEST(Coloring, AutoFallsFromColourToIntensityToElevation) {
+  PointCloud cloud = ramp(4);
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "elevation");
+  cloud.set_scalar(field("intensity", {5, 5, 5, 5}));
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "elevation") << "a constant shows nothing";
+  cloud.set_scalar(field("intensity", {5, 5, 6, 5}));
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity");
+  cloud.colors.assign(4, {0, 0, 0, 255});
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity") << "all zero means no colour";
+  cloud.colors[2].g = 1;
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb");
+}
+
+TEST(Coloring, ElevationIsTheWorldCoordinateAlongUp) {
+  PointCloud cloud = ramp(101);
+  cloud.origin = {1e6, 5e6, 300};
+  Coloring along_z = color_points(cloud, {"elevation", "gray", std::nullopt});
+  EXPECT_EQ(along_z.low, 304);   // 2 % of 101 heights 300, 302 ... 500
+  EXPECT_EQ(along_z.high, 496);
+  EXPECT_NEAR(along_z.colors[50].r, 136, 1);
+  EXPECT_EQ(along_z.colors[0].r, 0x20);
+  EXPECT_EQ(along_z.colors[100].r, 0xf0);
+  cloud.up = UpAxis::neg_y;
+  const Coloring down = color_points(cloud, {"elevation", "gray", std::array{-5e6 - 100.0, -5e6}});
+  EXPECT_EQ(down.colors[0].r, 0xf0);
+  EXPECT_EQ(down.colors[100].r, 0x20);
+}
+
+TEST(Coloring, StretchIgnoresStrayValues) {
+  PointCloud cloud = ramp(1000);
+  std::vector<float> values(1000);
+  for (int i = 0; i < 1000; ++i) values[std::size_t(i)] = float(i % 10);
+  values[7] = 1e9f;
+  values[8] = std::numeric_limits<float>::quiet_NaN();
+  cloud.set_scalar(field("echo", values));
+  const Coloring shown = color_points(cloud, {"echo", "gray", std::nullopt});
+  EXPECT_EQ(shown.low, 0);
+  EXPECT_EQ(shown.high, 9);
+  EXPECT_EQ(shown.colors[7].r, 0xf0);
+  EXPECT_EQ(shown.colors[8], (Rgba8{128, 128, 128, 255}));
+}
+
+TEST(Coloring, LargeOffsetsAndConstantsKeepTheirColour) {
+  PointCloud cloud = ramp(3);
+  cloud.set_scalar({"gps_time", 2e8, {0, 0.5f, 1}});
+  const Coloring shown = color_points(cloud, {"gps_time", "gray", std::array{2e8, 2e8 + 1}});
+  EXPECT_EQ(shown.colors[0].r, 0x20);
+  EXPECT_NEAR(shown.colors[1].r, 136, 1);  // one step of the 1024 entries
+  EXPECT_EQ(shown.colors[2].r, 0xf0);
+  cloud.set_scalar(field("flat", {3, 3, 3}));
+  EXPECT_NEAR(color_points(cloud, {"flat", "gray", std::nullopt}).colors[0].r, 136, 1);
+}
+
+TEST(Coloring, ReversedRangeReversesTheMap) {
+  PointCloud cloud = ramp(2);
+  cloud.set_scalar(field("v", {0, 1}));
+  const Coloring shown = color_points(cloud, {"v", "gray", std::array{1.0, 0.0}});
+  EXPECT_EQ(shown.colors[0].r, 0xf0);
+  EXPECT_EQ(shown.colors[1].r, 0x20);
+}
+
+TEST(Coloring, ClassesHaveTheKnownColours) {
+  PointCloud cloud = ramp(4);
+  cloud.set_scalar(field("classification", {2, 6, 6, 70}));
+  const Coloring shown = color_points(cloud, {"classification", "", std::nullopt});
+  EXPECT_EQ(shown.kind, ColorKind::classes);
+  ASSERT_EQ(shown.classes.size(), 3u);
+  EXPECT_EQ(shown.classes[1].id, 6);
+  EXPECT_EQ(shown.classes[1].points, 2u);
+  EXPECT_EQ(shown.colors[1], (Rgba8{255, 168, 0, 255}));  // building, orange
+  EXPECT_EQ(class_name(2), "ground");
+  EXPECT_EQ(class_name(70), "class 70");
+  EXPECT_FALSE(class_color(70) == class_color(71));
+}
+
+TEST(Coloring, WrongNameNamesTheNearest) {
+  PointCloud cloud = ramp(2);
+  cloud.set_scalar(field("intensity", {1, 2}));
+  EXPECT_THAT(refusal([&] { color_points(cloud, {"intensty", "", std::nullopt}); }),
+              ::testing::HasSubstr("did you mean 'intensity'"));
+  EXPECT_THAT(refusal([&] { color_points(cloud, {"rgb", "", std::nullopt}); }), ::testing::HasSubstr("no 'rgb'"));
+  EXPECT_THAT(refusal([&] { color_points(cloud, {"normal", "", std::nullopt}); }), ::testing::HasSubstr("no normals"));
+}
+
+TEST(Coloring, HidesNoiseClassesAndWithheldPoints) {
+  PointCloud cloud = ramp(5);
+  cloud.set_scalar(field("classification", {2, 7, 18, 6, 2}));
+  cloud.set_scalar(field("withheld", {0, 0, 0, 0, 1}));
+  EXPECT_EQ(hide_classes(cloud, {7, 18}), 3u);
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.source_index, (std::vector<std::uint32_t>{0, 3}));
+  EXPECT_EQ(cloud.scalar("classification")->values, (std::vector<float>{2, 6}));
+  EXPECT_EQ(hide_classes(cloud, {}), 0u);
+}
+
+}  // namespace
