@@ -74,13 +74,18 @@ void PointCollector::reserve(std::size_t points) {
 }
 
 void PointCollector::resize(std::size_t points) {
-  positions_.resize(points);
-  if (color_columns_[0] >= 0) colors_.resize(points);
-  for (Column& column : columns_) {
-    if (column.field.is_color()) continue;
+  // Fresh memory is cleared page by page, a tenth of the time of decoding: the columns share the threads.
+  parallel_tasks(columns_.size() + 1, no_progress(), "", [&](std::size_t task) {
+    if (task == columns_.size()) {
+      positions_.resize(points);
+      if (color_columns_[0] >= 0) colors_.resize(points);
+      return;
+    }
+    Column& column = columns_[task];
+    if (column.field.is_color()) return;
     column.values.resize(points);
     if (column.field.needs_residual()) column.residuals.resize(points);
-  }
+  });
 }
 
 PointCollector::Stats PointCollector::empty_stats() const {
