@@ -47,7 +47,7 @@ void pack_point(const laszip_point_struct& p, int format, std::size_t record_len
   if (tail.wave >= 0) std::memcpy(record + tail.wave, p.wave_packet, wave_size);
   const std::size_t standard = min_record_length[std::size_t(format)];
   const std::size_t extra = p.extra_bytes ? std::size_t(p.num_extra_bytes) : 0;
-  if (extra == record_length - standard) std::memcpy(record + standard, p.extra_bytes, extra);
+  if (extra > 0 && extra == record_length - standard) std::memcpy(record + standard, p.extra_bytes, extra);
 }
 
 void unpack_point(const std::uint8_t* record, int format, laszip_point_struct& p) {
