@@ -1,11 +1,13 @@
 #include "gl/texture.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "gl/context.h"
 
 namespace sfumato::gl {
 
-Texture::Texture(const std::string& label, GLenum format, int width, int height)
+Texture::Texture(const std::string& label, GLenum format, int width, int height, int levels)
     : width_(width), height_(height), format_(format) {
   const int limit = limits().max_texture_size;
   if (width > limit || height > limit)
@@ -15,13 +17,25 @@ Texture::Texture(const std::string& label, GLenum format, int width, int height)
   while (glGetError() != GL_NO_ERROR) {
   }
   glCreateTextures(GL_TEXTURE_2D, 1, &id_);
-  glTextureStorage2D(id_, 1, format, width, height);
+  glTextureStorage2D(id_, levels, format, width, height);
   check_memory(label);
-  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glTextureParameteri(id_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTextureParameteri(id_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glObjectLabel(GL_TEXTURE, id_, GLsizei(label.size()), label.data());
+}
+
+Texture Texture::view(const Texture& mipmap, int level) {
+  Texture texture;
+  texture.width_ = std::max(1, mipmap.width_ >> level);
+  texture.height_ = std::max(1, mipmap.height_ >> level);
+  texture.format_ = mipmap.format_;
+  glGenTextures(1, &texture.id_);
+  glTextureView(texture.id_, GL_TEXTURE_2D, mipmap.id_, mipmap.format_, GLuint(level), 1, 0, 1);
+  glTextureParameteri(texture.id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(texture.id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return texture;
 }
 
 Texture::~Texture() {
@@ -30,6 +44,11 @@ Texture::~Texture() {
 
 void Texture::set_linear_filter() {
   glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+void Texture::set_trilinear_filter() {
+  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 }
 

@@ -13,9 +13,11 @@ namespace sfumato::gl {
 class Texture {
  public:
   Texture() = default;
-  /// Immutable storage of one level (a pyramid is a list of textures: its sizes round up, GL's round down).
-  /// Filters nearest, clamps to the edge. Throws Error(out_of_memory) or Error(usage) beyond the driver's size.
-  Texture(const std::string& label, GLenum format, int width, int height);
+  /// Immutable storage. More than one level only where the size halves exactly (GL rounds down); a pyramid of any
+  /// size is a list of textures. Filters nearest, clamps to the edge. Throws Error(out_of_memory) or Error(usage) beyond the driver's size.
+  Texture(const std::string& label, GLenum format, int width, int height, int levels = 1);
+  /// One level of `mipmap` as a texture of its own, so that a pass may write one level while it reads another.
+  static Texture view(const Texture& mipmap, int level);
   ~Texture();
   Texture(Texture&& other) noexcept { swap(other); }
   Texture& operator=(Texture&& other) noexcept {
@@ -33,6 +35,8 @@ class Texture {
     glBindImageTexture(GLuint(unit), id_, 0, GL_FALSE, 0, access, format_);
   }
   void set_linear_filter();
+  /// Linear within and between levels.
+  void set_trilinear_filter();
   /// Every texel to this value; floats for float and normalised formats, integers for integer formats.
   void clear(const vec4& value);
   void clear_uint(std::uint32_t value);

@@ -10,7 +10,8 @@
 
 namespace sfumato {
 
-enum class Shading { lit, albedo, normals, depth };
+/// `occlusion` and `hidden` show hidden point removal at work; only techniques that do it can (Technique::shows).
+enum class Shading { lit, albedo, normals, depth, occlusion, hidden };
 
 struct Light {
   enum class Kind { headlight, point, directional };

@@ -10,11 +10,29 @@ uniform uint chunk_first;
 uniform uint chunk_count;
 uniform bool write_background;
 
+#ifdef WRITE_SPACING
+uniform int batch_count;
+
+// Spacing of the point's batch, found among the visible ones, which ascend.
+float spacing_at(int i) {
+  int low = 0, high = batch_count - 1;
+  while (low < high) {
+    int middle = (low + high + 1) / 2;
+    if (int(texelFetch(cloud_batches, middle).x) <= i) low = middle;
+    else high = middle - 1;
+  }
+  return visible_batch(uint(low)).spacing;
+}
+#endif
+
 bool filter_pixel(ivec2 pixel) {
   uint source = texelFetch(source_index, pixel, 0).x;
   if (source == 0xffffffffu) {
     out_0 = vec4(0.0);
     out_1 = vec4(infinity);
+#ifdef WRITE_SPACING
+    out_2 = vec4(0.0, 1.0, 0.0, 0.0);
+#endif
 #ifdef WRITE_NORMAL
     out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #endif
@@ -25,6 +43,13 @@ bool filter_pixel(ivec2 pixel) {
   float depth = uintBitsToFloat(texelFetch(depth_bits, pixel, 0).x);
   out_0 = vec4(point_color(int(i)), 1.0);
   out_1 = vec4(depth);
+#ifdef WRITE_SPACING
+#ifdef HAS_SHADOW
+  out_2 = vec4(spacing_at(int(i)), point_shadow(int(i)), 0.0, 0.0);
+#else
+  out_2 = vec4(spacing_at(int(i)), 1.0, 0.0, 0.0);
+#endif
+#endif
 #ifdef WRITE_NORMAL
   out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #ifdef HAS_NORMALS

@@ -55,12 +55,9 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
 void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,
                              bool with_normals) {
   auto timing = timers.scope("resolve");
-  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
-  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
-  if (with_normals) gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
-  ScreenPass& resolve =
+  ScreenPass& pass =
       resolve_[with_normals * 1 + (with_normals && cloud.has_normals()) * 2 + (with_normals && cloud.has_shadow()) * 4];
-  if (!resolve) {
+  if (!pass) {
     gl::Defines defines;
     std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
     if (with_normals) {
@@ -69,27 +66,46 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
       if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
       if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
     }
-    resolve = ScreenPass("passes/points_resolve.glsl", formats, defines);
+    pass = ScreenPass("passes/points_resolve.glsl", formats, defines);
   }
+  if (with_normals) gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
+  if (with_normals && cloud.chunks().empty()) layer.normal.clear(vec4(0, 0, 0, 1));
+  resolve_into(cloud, view, layer, pass, with_normals ? &layer.normal : nullptr);
+}
+
+void PointsToPixels::resolve_spacing(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers) {
+  auto timing = timers.scope("resolve");
+  ScreenPass& pass = resolve_spacing_[cloud.has_shadow()];
+  if (!pass) {
+    gl::Defines defines{"WRITE_SPACING"};
+    if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
+    pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA32F, GL_R32F, GL_RG32F}, defines);
+  }
+  gl::ensure(layer.spacing, "spacing", GL_RG32F, view.width(), view.height());
+  if (cloud.chunks().empty()) layer.spacing.clear(vec4(0, 1, 0, 0));
+  resolve_into(cloud, view, layer, pass, &layer.spacing);
+}
+
+void PointsToPixels::resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass,
+                                  gl::Texture* third) {
+  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
+  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
   view.bind();
   cloud.bind_places();
   bool first = true;
   if (cloud.chunks().empty()) {
     layer.albedo.clear(vec4(0));
     layer.depth.clear(vec4(INFINITY));
-    if (with_normals) layer.normal.clear(vec4(0, 0, 0, 1));
   }
   for (GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
     cloud.bind_colors(chunk);
-    resolve.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
-    if (with_normals) {
-      if (cloud.has_normals()) cloud.bind_normals(chunk);
-      if (cloud.has_shadow()) cloud.bind_shadow(chunk);
-      resolve.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth, &layer.normal});
-    } else {
-      resolve.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth});
-    }
+    if (third == &layer.normal && cloud.has_normals()) cloud.bind_normals(chunk);
+    if (third && cloud.has_shadow()) cloud.bind_shadow(chunk);
+    pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+    pass.set("batch_count", int(chunk.visible_batches));
+    if (third) pass.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth, third});
+    else pass.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth});
     first = false;
   }
 }

@@ -28,6 +28,7 @@ struct PixelLayer {
   gl::Texture albedo;      ///< RGBA32F: linear colour, alpha 1 where covered
   gl::Texture depth;       ///< R32F: eye depth, +inf where nothing
   gl::Texture normal;      ///< RGBA32F: world normal facing the camera or 0; w = shadow factor
+  gl::Texture spacing;     ///< RG32F: point spacing of the point's batch, scene units, 0 where nothing; shadow factor
 };
 
 class PointsToPixels {
@@ -42,12 +43,15 @@ class PointsToPixels {
   /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
   /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
   void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers, bool with_normals = true);
+  /// Attributes of the survivors into `layer.albedo`, `.depth` and `.spacing`.
+  void resolve_spacing(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers);
 
  private:
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap);
   gl::Program programs_[8];
-  ScreenPass resolve_[8];
+  void resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass, gl::Texture* third);
+  ScreenPass resolve_[8], resolve_spacing_[2];
 };
 
 }  // namespace sfumato

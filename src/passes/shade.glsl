@@ -7,7 +7,7 @@ layout(binding = UNIT_INPUT) uniform sampler2D albedo_image;
 layout(binding = UNIT_INPUT + 1) uniform sampler2D depth_image;
 layout(binding = UNIT_INPUT + 2) uniform sampler2D normal_image;
 
-uniform int shading;  // 0 lit, 1 albedo, 2 normals, 3 depth
+uniform int shading;  // 0 lit, 1 albedo, 2 normals, 3 depth; else as albedo
 
 bool filter_pixel(ivec2 pixel) {
   vec4 albedo = texelFetch(albedo_image, pixel, 0);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "core/error.h"
 #include "passes/finish.h"
 #include "passes/ground.h"
 #include "passes/shadows.h"
@@ -39,6 +40,9 @@ PreparedCloud& Renderer::prepared() { return state_->prepared; }
 RenderOutput Renderer::render(Technique& technique, const Camera& asked, const RenderSettings& settings,
                               const RenderWants& wants, Progress& progress) {
   State& s = *state_;
+  if (!technique.shows(settings.shading))
+    throw Error(ErrorCode::usage, "shading occlusion and hidden show hidden point removal, which this technique does "
+                                  "not do; use the technique surface, or another shading");
   if (!(s.uploaded == s.prepared.available)) {
     s.cloud->attributes_changed();
     s.uploaded = s.prepared.available;
@@ -80,7 +84,7 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   }
 
   Auto<bool> edl = settings.edl;
-  const bool plain = settings.shading == Shading::normals || settings.shading == Shading::depth;
+  const bool plain = settings.shading != Shading::lit && settings.shading != Shading::albedo;
   if (edl.resolve(technique.wants_edl()) && !plain) {
     auto timing = timers.scope("eye-dome lighting");
     gl::ensure(s.finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);

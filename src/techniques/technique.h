@@ -21,6 +21,8 @@ class Technique {
   virtual Attributes needs() const { return {}; }
   /// True when eye-dome lighting suits the technique by default (`edl = auto`).
   virtual bool wants_edl() const { return false; }
+  /// False for a `shading` that has no meaning here: asking for it is then an error.
+  virtual bool shows(Shading shading) const { return shading < Shading::occlusion; }
   /// Draws into `frame.target`: linear premultiplied colour (coverage in alpha, no background), eye depth and
   /// world normal. Returns true when the image is final; false asks to be called again with the same frame.
   virtual bool render(Frame& frame) = 0;

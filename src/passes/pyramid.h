@@ -1,0 +1,53 @@
+// Pyramids over the screen: the nearest point of ever larger squares, and pull-push, which floods an image from
+// scattered samples. Both are shared by techniques that work on the image alone.
+#pragma once
+
+#include <vector>
+
+#include "gl/texture.h"
+#include "passes/screen_pass.h"
+
+namespace sfumato {
+
+/// Min pyramid of eye positions (Bouchiba 2018, Sec. 3.1.1): a texel of level l holds the whole position of the
+/// nearest point among its 2x2 children of level l - 1. RGBA32F: xyz = eye position, w = point spacing of that
+/// point, 0 where the square holds no point (then z = -3e38, behind everything).
+class NearestPyramid {
+ public:
+  static constexpr int levels = 7;
+  /// Sizes that halve exactly down to the last level: what `size` has to be padded to.
+  static int padded(int size) { return (size + (1 << (levels - 1)) - 1) >> (levels - 1) << (levels - 1); }
+
+  /// `depth`: R32F eye depth, +inf where nothing; `spacing`: point spacing in red, unless `same_spacing` > 0 holds
+  /// everywhere. Both of a padded size. The view is bound.
+  void build(const gl::Texture& depth, const gl::Texture& spacing, float same_spacing = 0);
+  /// All levels, for texelFetch with a level.
+  const gl::Texture& texture() const { return storage_; }
+  const gl::Texture& level(int l) const { return views_[std::size_t(l)]; }
+
+ private:
+  gl::Texture storage_;
+  std::vector<gl::Texture> views_;
+  ScreenPass unproject_, reduce_;
+};
+
+/// Weighted pull-push (Gortler 1996; Kraus 2009) of two images that share their weights: fine to coarse with the
+/// normalised 4x4 kernel (1 3 3 1) and the weight gained and clamped, w' = min(1, 4 W); coarse to fine
+/// y_l = x_l + (1 - w_l) B(y_{l+1}) with bilinear B. Samples of weight 1 come back unchanged.
+class PullPush {
+ public:
+  /// Level 0, to be filled before `run`: `a` = (x y z) w and w in alpha, `b` = (p q r s) w. RGBA32F.
+  struct Level {
+    gl::Texture a, b;
+  };
+  const Level& seeds(int width, int height);
+  void run();
+  /// Filled levels, finest first; level l is ceil(size / 2^l). Alpha of `a` is 1 unless there was no sample at all.
+  const std::vector<Level>& filled() const { return filled_; }
+
+ private:
+  std::vector<Level> pulled_, filled_;
+  ScreenPass pull_, push_;
+};
+
+}  // namespace sfumato

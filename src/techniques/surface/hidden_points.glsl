@@ -1,0 +1,86 @@
+// Hidden point removal: the mean over eight sectors of the least occlusion value in each. Below a threshold the
+// pixel is a hole: a point seen through the surface in front of it, or a gap in that surface.
+#include "frame.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D pyramid;
+layout(binding = UNIT_INPUT + 1) uniform sampler2D removal_level;
+
+uniform int coarse_level;
+uniform int window_radius;
+
+#ifdef COUNT_FETCHES
+float fetches = 0.0;
+#endif
+
+// o(x, y) = 1 - ((y - x) / |y - x|) . (-y / |y|), in 0..2; 0 = y straight between x and the camera (Bouchiba 2018,
+// Sec. 3.1.2). Empty squares and what lies beyond the image are open sky: 2.
+float occlusion(vec3 x, ivec2 at, int level) {
+#ifdef COUNT_FETCHES
+  fetches += 1.0;
+#endif
+  uvec2 size = uvec2(textureSize(pyramid, level));
+  if (uint(at.x) >= size.x || uint(at.y) >= size.y) return 2.0;
+  vec4 y = texelFetch(pyramid, at, level);
+  if (y.w <= 0.0) return 2.0;
+  vec3 d = y.xyz - x;
+  if (frame.orthographic != 0) return 1.0 - d.z * inversesqrt(max(dot(d, d), 1e-37));
+  return 1.0 + dot(d, y.xyz) * inversesqrt(max(dot(d, d) * dot(y.xyz, y.xyz), 1e-37));
+}
+
+// The level between the squares of the coarse map, so that it does not jump at their borders.
+float level_at(ivec2 pixel) {
+  vec2 square = (vec2(pixel) + 0.5) / float(1 << coarse_level) - 0.5;
+  ivec2 low = ivec2(floor(square)), last = textureSize(removal_level, 0) - 1;
+  ivec2 lo = clamp(low, ivec2(0), last), hi = clamp(low + 1, ivec2(0), last);
+  vec2 t = square - vec2(low);
+  return mix(mix(texelFetch(removal_level, lo, 0).x, texelFetch(removal_level, ivec2(hi.x, lo.y), 0).x, t.x),
+             mix(texelFetch(removal_level, ivec2(lo.x, hi.y), 0).x, texelFetch(removal_level, hi, 0).x, t.x), t.y);
+}
+
+// The ring of eight squares around the pixel's own on every level up to l (Bouchiba 2018, Fig. 3). The last ring
+// counts by the fraction of l, so that nothing pops when l grows.
+float pyramid_mean(ivec2 pixel, vec3 x) {
+  float level = level_at(pixel);
+  vec4 sides = vec4(2.0), corners = vec4(2.0);
+  for (int l = 0; l <= int(ceil(level)); ++l) {
+    ivec2 own = pixel >> l;
+    float share = clamp(level - float(l) + 1.0, 0.0, 1.0);
+    vec4 side = vec4(occlusion(x, own + ivec2(1, 0), l), occlusion(x, own + ivec2(0, 1), l),
+                     occlusion(x, own - ivec2(1, 0), l), occlusion(x, own - ivec2(0, 1), l));
+    vec4 corner = vec4(occlusion(x, own + ivec2(1, 1), l), occlusion(x, own + ivec2(-1, 1), l),
+                       occlusion(x, own - ivec2(1, 1), l), occlusion(x, own + ivec2(1, -1), l));
+    sides = mix(sides, min(sides, side), share);
+    corners = mix(corners, min(corners, corner), share);
+  }
+  return dot(sides + corners, vec4(0.125));
+}
+
+// Every pixel of a fixed window (Pintus, Gobbetti, Agus 2011): what the pyramid replaces.
+float window_mean(ivec2 pixel, vec3 x) {
+  float least[8] = float[](2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0);
+  for (int dy = -window_radius; dy <= window_radius; ++dy)
+    for (int dx = -window_radius; dx <= window_radius; ++dx) {
+      if (dx == 0 && dy == 0) continue;
+      int sector = int(floor(atan(float(dy), float(dx)) / 0.785398163 + 0.5)) & 7;
+      least[sector] = min(least[sector], occlusion(x, pixel + ivec2(dx, dy), 0));
+    }
+  float sum = 0.0;
+  for (int k = 0; k < 8; ++k) sum += least[k];
+  return sum / 8.0;
+}
+
+bool filter_pixel(ivec2 pixel) {
+  vec4 own = texelFetch(pyramid, pixel, 0);
+  // The background is as good as infinitely far: on the far plane, just behind the last points, the gaps between
+  // those would not be holes.
+  vec3 x = own.w > 0.0 ? own.xyz : eye_from_pixel(vec2(pixel) + 0.5, 1e4 * frame.far_plane);
+#ifdef WINDOW
+  out_0 = vec4(window_mean(pixel, x));
+#else
+  out_0 = vec4(pyramid_mean(pixel, x));
+#endif
+#ifdef COUNT_FETCHES
+  out_1 = vec4(fetches);
+#endif
+  return true;
+}

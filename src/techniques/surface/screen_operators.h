@@ -1,0 +1,50 @@
+// The operators of `surface` on the screen, apart from the shared pyramids: which pixels are holes, and normals of
+// several sizes.
+#pragma once
+
+#include <vector>
+
+#include "passes/pyramid.h"
+#include "passes/view.h"
+
+namespace sfumato::surface {
+
+enum class Removal { pyramid, window, none };
+
+/// Hidden point removal (Bouchiba 2018, Sec. 3.1.2).
+class HiddenPoints {
+ public:
+  struct Options {
+    Removal method = Removal::pyramid;  ///< `none` finds holes like `pyramid`
+    int coarse_level = 4;
+    float removal_scale = 10;  ///< s_hpr / s_0
+    int window_radius = 25;    ///< px
+    bool count_fetches = false;
+  };
+  /// Mean occlusion of every pixel, R32F, 0 hidden .. 2 open. The view is bound.
+  const gl::Texture& run(const NearestPyramid& pyramid, const Options& options);
+  /// R32F, 1 / 2^coarse_level of the size: the level of Eq. 1.
+  const gl::Texture& levels() const { return level_; }
+  /// R32F: neighbours that were read, when asked for.
+  const gl::Texture& fetches() const { return fetches_; }
+
+ private:
+  gl::Texture level_, mean_, fetches_;
+  ScreenPass choose_level_, removal_[4];
+};
+
+/// Normals of every push level (Bouchiba 2018, Sec. 3.3), for a trilinear lookup.
+class LevelNormals {
+ public:
+  /// RGBA32F with levels: eye-space unit normals of the depths in `filled` (`b.x`), levels first..last only. The
+  /// view is bound.
+  const gl::Texture& run(const std::vector<PullPush::Level>& filled, int first, int last);
+  const gl::Texture& level(int l) const { return views_[std::size_t(l)]; }
+
+ private:
+  gl::Texture storage_;
+  std::vector<gl::Texture> views_;
+  ScreenPass pass_;
+};
+
+}  // namespace sfumato::surface
