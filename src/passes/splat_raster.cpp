@@ -11,6 +11,9 @@
 namespace sfumato {
 namespace {
 
+/// Below this width in pixels a compute loop beats the rasteriser's set-up (docs/performance.md).
+constexpr double small_splat_px = 8;
+
 /// Largest width in pixels that a splat of this radius can have with its centre in the box; infinite when it may
 /// reach the plane of the eye.
 double largest_size_px(const View& view, const Batch& batch, double radius) {
@@ -41,7 +44,9 @@ SplatPath default_splat_path() {
   if (!text || text == std::string_view("automatic")) return SplatPath::automatic;
   if (text == std::string_view("points")) return SplatPath::points;
   if (text == std::string_view("quads")) return SplatPath::quads;
-  throw Error(ErrorCode::usage, "SFUMATO_SPLAT_PATH is '" + std::string(text) + "', not automatic, points or quads");
+  if (text == std::string_view("compute")) return SplatPath::compute;
+  throw Error(ErrorCode::usage,
+              "SFUMATO_SPLAT_PATH is '" + std::string(text) + "', not automatic, points, quads or compute");
 }
 
 SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape, SplatPath path) {
@@ -60,11 +65,13 @@ SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape&
       if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
       chosen.points_seen += batch.count;
       // A sprite that is cut at a narrow image may need twice its width (splat.vert).
-      const double size_px = 2 * std::max(largest_size_px(view, batch, radius), 2.0 * shape.prefilter_px) + 2;
-      const bool too_large = size_px > gl::limits().max_point_size;
-      if (path == SplatPath::quads || (too_large && path == SplatPath::automatic)) {
+      const double size_px = std::max(largest_size_px(view, batch, radius), 2.0 * shape.prefilter_px);
+      const bool automatic = path == SplatPath::automatic, too_large = 2 * size_px + 2 > gl::limits().max_point_size;
+      if (path == SplatPath::quads || (too_large && automatic)) {
         ranges.quads.add(6 * (batch.first - chunk.first), 6 * batch.count);
         chosen.fallbacks += batch.count;
+      } else if (path == SplatPath::compute || (size_px <= small_splat_px && automatic)) {
+        ranges.small.add(batch.first - chunk.first, batch.count);
       } else {
         ranges.points.add(batch.first - chunk.first, batch.count);
       }
@@ -89,8 +96,11 @@ gl::Defines splat_defines(gl::Defines defines, const SplatShape& shape) {
 SplatRaster::SplatRaster(std::string fragment_file, gl::Defines defines)
     : fragment_file_(std::move(fragment_file)), defines_(std::move(defines)) {}
 
-bool SplatRaster::defined(std::string_view name) const {
-  return std::find(defines_.begin(), defines_.end(), name) != defines_.end();
+void bind_splats(GpuCloud& cloud, GpuCloud::Chunk& chunk) {
+  cloud.bind_geometry(chunk);
+  cloud.bind_normals(chunk);
+  cloud.bind_radii(chunk);
+  if (chunk.field) cloud.bind_field(chunk);
 }
 
 gl::Program& SplatRaster::program(const GpuCloud& cloud, const SplatShape& shape, bool quads, bool list,
@@ -110,26 +120,23 @@ gl::Program& SplatRaster::program(const GpuCloud& cloud, const SplatShape& shape
 }
 
 void SplatRaster::bind(GpuCloud& cloud, GpuCloud::Chunk& chunk) {
-  cloud.bind_geometry(chunk);
-  cloud.bind_normals(chunk);
-  cloud.bind_radii(chunk);
-  if (defined("SPLAT_COLOR")) {
-    cloud.bind_colors(chunk);
-    if (cloud.has_shadow()) cloud.bind_shadow(chunk);
-  }
-  if (chunk.field) cloud.bind_field(chunk);
+  bind_splats(cloud, chunk);
+  if (std::find(defines_.begin(), defines_.end(), "SPLAT_COLOR") == defines_.end()) return;
+  cloud.bind_colors(chunk);
+  if (cloud.has_shadow()) cloud.bind_shadow(chunk);
 }
 
 void SplatRaster::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                       const gl::State& state, const SetUniforms& set_uniforms) {
+                       const gl::State& state, const SetUniforms& set_uniforms, bool with_small) {
   view.bind();
   state.apply();
   for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
     const SplatBatches::OfChunk& ranges = batches.chunks[c];
     bind(cloud, cloud.chunks()[c]);
-    for (bool quads : {false, true}) {
-      const SplatBatches::Ranges& list = quads ? ranges.quads : ranges.points;
-      if (list.first.empty()) continue;
+    for (const SplatBatches::Ranges* of : {&ranges.small, &ranges.points, &ranges.quads}) {
+      const SplatBatches::Ranges& list = *of;
+      const bool quads = of == &ranges.quads;
+      if (list.first.empty() || (of == &ranges.small && !with_small)) continue;
       program(cloud, shape, quads, false, set_uniforms).use();
       glMultiDrawArrays(quads ? GL_TRIANGLES : GL_POINTS, list.first.data(), list.count.data(),
                         GLsizei(list.first.size()));
@@ -147,6 +154,18 @@ void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view
   program(cloud, shape, as_quads, true, set_uniforms).use();
   const int corners = as_quads ? 6 : 1;
   glDrawArrays(as_quads ? GL_TRIANGLES : GL_POINTS, first * corners, count * corners);
+}
+
+void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
+                            const gl::TextureBuffer& list, const gl::Buffer& command, const gl::State& state,
+                            const SetUniforms& set_uniforms) {
+  view.bind();
+  state.apply();
+  bind(cloud, cloud.chunks()[chunk]);
+  list.bind(binding::list);
+  program(cloud, shape, false, true, set_uniforms).use();
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command.id());
+  glDrawArraysIndirect(GL_POINTS, nullptr);
 }
 
 }  // namespace sfumato

@@ -40,8 +40,8 @@ struct SplatShape {
 };
 
 /// How the splats of a batch reach the pixels. `automatic` chooses per batch by its size on the screen; the rest
-/// are for tests. SFUMATO_SPLAT_PATH=automatic|points|quads overrides automatic.
-enum class SplatPath { automatic, points, quads };
+/// are for tests. SFUMATO_SPLAT_PATH=automatic|points|quads|compute overrides automatic.
+enum class SplatPath { automatic, points, quads, compute };
 SplatPath default_splat_path();
 
 /// The batches that a view may see, by the way they are drawn.
@@ -54,6 +54,7 @@ struct SplatBatches {
     }
   };
   struct OfChunk {
+    Ranges small;   ///< in points of the chunk: splats of a few pixels, for which a compute loop is faster
     Ranges points;  ///< in points of the chunk
     Ranges quads;   ///< in vertices: six a point
   };
@@ -71,25 +72,31 @@ class SplatRaster {
   explicit operator bool() const { return !fragment_file_.empty(); }
 
   using SetUniforms = std::function<void(gl::Program&)>;
-  /// Draws into the bound framebuffer, batches in their order: the picture is the same every time.
+  /// Draws into the bound framebuffer, batches in their order: the picture is the same every time. Without
+  /// `with_small` the batches of small splats are left to another pass.
   void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-            const gl::State& state, const SetUniforms& set_uniforms = {});
-  /// Draws points [first, first + count) of `list` (R32UI places within the one chunk) as sprites; what is larger
-  /// than the driver's sprites is cut off, so ask `choose_batches` first whether any batch needs quads.
+            const gl::State& state, const SetUniforms& set_uniforms = {}, bool with_small = true);
+  /// Draws points [first, first + count) of `list` (R32UI places within the one chunk) in that order, as sprites or
+  /// quads. A sprite larger than the driver's limit is cut off: where `choose_batches` counts fallbacks, use quads.
   void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
                  const gl::TextureBuffer& list, GLint first, GLsizei count, bool as_quads, const gl::State& state,
+                 const SetUniforms& set_uniforms = {});
+  /// The same as sprites, with the number of points read from `command` (see passes/compact.comp).
+  void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
+                 const gl::TextureBuffer& list, const gl::Buffer& command, const gl::State& state,
                  const SetUniforms& set_uniforms = {});
 
  private:
   gl::Program& program(const GpuCloud& cloud, const SplatShape& shape, bool quads, bool list,
                        const SetUniforms& set_uniforms);
   void bind(GpuCloud& cloud, GpuCloud::Chunk& chunk);
-  bool defined(std::string_view name) const;
   std::string fragment_file_;
   gl::Defines defines_;
   gl::Program programs_[16];
 };
 
+/// Binds what shaders/splat_cloud.glsl reads.
+void bind_splats(GpuCloud& cloud, GpuCloud::Chunk& chunk);
 /// Sets the uniforms of shaders/splat_cloud.glsl, for compute passes over splats too.
 void set_splat_uniforms(gl::Program& program, const SplatShape& shape);
 /// Definitions that follow from the shape.

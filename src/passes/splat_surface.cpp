@@ -11,9 +11,10 @@ void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatSh
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   nearest_t_.clear(vec4(std::numeric_limits<float>::infinity()));
   if (!nearest_) nearest_ = SplatRaster("passes/splat_nearest.frag");
+  visit_.draw_nearest(cloud, view, shape, batches, nearest_t_);
   gl::Framebuffer framebuffer({&nearest_t_});
   framebuffer.bind();
-  nearest_.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::min});
+  nearest_.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::min}, {}, false);
 }
 
 void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
@@ -38,11 +39,22 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
       if (gaussian) defines.push_back("KERNEL_GAUSSIAN");
       raster = SplatRaster("passes/splat_accumulate.frag", defines);
     }
+    visit_.measure_farthest(view, nearest_t_);
     auto draw_into = [&](const gl::Framebuffer& framebuffer) {
       framebuffer.bind();
+      const gl::State state{.blend = gl::State::Blend::add};
+      auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", blend.epsilon); };
       nearest_t_.bind(binding::input);
-      raster.draw(cloud, view, shape, batches_, {.blend = gl::State::Blend::add},
-                  [&](gl::Program& program) { program.set("epsilon", blend.epsilon); });
+      raster.draw(cloud, view, shape, batches_, state, set_epsilon, false);
+      for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {
+        {
+          auto cull_timing = timers.scope("cull");
+          if (!visit_.list_survivors(cloud, c, view, shape, batches_, blend.epsilon)) continue;
+        }
+        framebuffer.bind();
+        nearest_t_.bind(binding::input);
+        raster.draw_list(cloud, c, view, shape, visit_.list(), visit_.command(), state, set_epsilon);
+      }
     };
     if (shadow) {
       gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);

@@ -6,6 +6,7 @@
 #include "gl/timer.h"
 #include "passes/screen_pass.h"
 #include "passes/splat_raster.h"
+#include "passes/splat_visit.h"
 
 namespace sfumato {
 
@@ -38,6 +39,7 @@ class SplatSurface {
   SplatBatches batches_;
   gl::Texture nearest_t_, color_sum_, normal_sum_, shadow_sum_;
   SplatRaster nearest_, accumulate_[4];
+  SplatVisit visit_;
   ScreenPass normalize_;
 };
 

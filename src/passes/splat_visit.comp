@@ -1,0 +1,58 @@
+// Splats of a few pixels, one thread each: faster than the rasteriser's set-up of a primitive.
+//   VISIT_NEAREST   the nearest ray distance of every pixel by atomicMin (bits of positive floats sort like them)
+//   VISIT_MARK      flags the splats that may lie within epsilon of the visible surface: conservatively, by the
+//                   farthest visible distance of the blocks they touch (splat_farthest.glsl)
+#include "splat_cloud.glsl"
+
+layout(local_size_x = 128) in;
+
+#ifdef VISIT_NEAREST
+layout(r32ui, binding = 0) uniform uimage2D nearest_bits;
+#else
+layout(r8ui, binding = 0) writeonly uniform uimageBuffer flags;
+layout(binding = UNIT_INPUT) uniform sampler2D farthest_t;
+uniform float epsilon;
+uniform uint slots_per_batch;
+#endif
+
+#ifdef VISIT_NEAREST
+void main() {
+  Batch batch = visible_batch(gl_WorkGroupID.y);
+  int k = int(gl_GlobalInvocationID.x);
+  if (k >= batch.count) return;
+  Splat splat = cloud_splat(batch.first + k);
+  ivec2 first, last;
+  if (!splat_pixels(splat, first, last)) return;
+  // One loop, not two: neighbouring lanes then wait for the largest box and not for its longest row times rows.
+  for (ivec2 pixel = first; pixel.y <= last.y;) {
+    SplatHit hit;
+    if (hit_splat(splat, vec2(pixel) + 0.5, hit)) {
+      uint bits = floatBitsToUint(hit.t);
+      if (bits < imageLoad(nearest_bits, pixel).x) imageAtomicMin(nearest_bits, pixel, bits);
+    }
+    if (++pixel.x > last.x) pixel = ivec2(first.x, pixel.y + 1);
+  }
+}
+#else
+void main() {
+  Batch batch = visible_batch(gl_WorkGroupID.y);
+  int k = int(gl_GlobalInvocationID.x);
+  bool visible = false;
+  ivec2 first, last;
+  if (k < batch.count) {
+    Splat splat = cloud_splat(batch.first + k);
+    if (splat_pixels(splat, first, last)) {
+      float nearest = (frame.orthographic != 0 ? -splat.center.z : length(splat.center)) - splat.radius;
+#ifdef SPLAT_PREFILTER
+      nearest -= splat_prefilter_px / pixels_at(max(-splat.center.z, splat_near()));
+#endif
+      float farthest = 0.0;
+      for (int y = first.y >> 3; y <= last.y >> 3; ++y)
+        for (int x = first.x >> 3; x <= last.x >> 3; ++x)
+          farthest = max(farthest, texelFetch(farthest_t, ivec2(x, y), 0).x);
+      visible = nearest < farthest + epsilon;
+    }
+  }
+  imageStore(flags, int(gl_WorkGroupID.y * slots_per_batch) + k, uvec4(visible));
+}
+#endif

@@ -1,0 +1,104 @@
+#include "passes/splat_visit.h"
+
+#include <algorithm>
+
+#include "passes/bindings.h"
+
+namespace sfumato {
+namespace {
+
+constexpr unsigned group_size = 128;
+
+/// Uploads the batches of small splats as the chunk's visible ones; returns the work groups that the largest needs.
+unsigned show_small(GpuCloud::Chunk& chunk, const SplatBatches::Ranges& small) {
+  std::vector<glm::uvec4> rows;
+  GLint largest = 0;
+  for (std::size_t b = 0; b < small.first.size(); ++b) {
+    rows.emplace_back(unsigned(small.first[b]), unsigned(small.count[b]), 0u, 0u);
+    largest = std::max(largest, small.count[b]);
+  }
+  chunk.batches.buffer().upload(rows.data(), rows.size() * sizeof(glm::uvec4));
+  return (unsigned(largest) + group_size - 1) / group_size;
+}
+
+void grow(gl::Buffer& buffer, const char* label, std::size_t bytes) {
+  if (buffer.bytes() < bytes) buffer = gl::Buffer(label, bytes);
+}
+void grow(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t bytes) {
+  if (buffer.buffer().bytes() < bytes) buffer = gl::TextureBuffer(label, format, bytes);
+}
+
+}  // namespace
+
+gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
+  gl::Program& chosen =
+      programs_[(mark ? 1 : 0) + (shape.prefilter_px > 0 ? 2 : 0) + (shape.part != SplatPart::all ? 4 : 0)];
+  if (!chosen)
+    chosen = gl::Program::compute("passes/splat_visit.comp",
+                                  splat_defines({mark ? "VISIT_MARK" : "VISIT_NEAREST"}, shape));
+  set_splat_uniforms(chosen, shape);
+  return chosen;
+}
+
+void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                              const gl::Texture& nearest_t) {
+  view.bind();
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
+    const SplatBatches::Ranges& small = batches.chunks[c].small;
+    if (small.first.empty()) continue;
+    GpuCloud::Chunk& chunk = cloud.chunks()[c];
+    const unsigned groups = show_small(chunk, small);
+    bind_splats(cloud, chunk);
+    glBindImageTexture(0, nearest_t.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+    program(false, shape).dispatch(groups, unsigned(small.first.size()));
+  }
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+}
+
+void SplatVisit::measure_farthest(const View& view, const gl::Texture& nearest_t) {
+  if (!farthest_) farthest_ = ScreenPass("passes/splat_farthest.glsl", {GL_R32F});
+  gl::ensure(farthest_t_, "farthest visible distance", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
+  farthest_.run({&nearest_t}, {&farthest_t_});
+}
+
+bool SplatVisit::list_survivors(GpuCloud& cloud, std::size_t c, const View& view, const SplatShape& shape,
+                                const SplatBatches& batches, float epsilon) {
+  const SplatBatches::Ranges& small = batches.chunks[c].small;
+  if (small.first.empty()) return false;
+  GpuCloud::Chunk& chunk = cloud.chunks()[c];
+  const unsigned groups_per_batch = show_small(chunk, small), batch_count = unsigned(small.first.size());
+  const unsigned group_count = groups_per_batch * batch_count, block_count = (group_count + 127) / 128;
+  const std::size_t slots = std::size_t(group_count) * group_size;
+  grow(flags_, "visible splat flags", GL_R8UI, slots);
+  grow(list_, "visible splats", GL_R32UI, std::size_t(chunk.count) * 4);
+  grow(offsets_, "offsets of groups", group_count * 4);
+  grow(sums_, "offsets of blocks", block_count * 4);
+  grow(command_, "draw command", 16);
+
+  view.bind();
+  bind_splats(cloud, chunk);
+  farthest_t_.bind(binding::input);
+  glBindImageTexture(0, flags_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  gl::Program& mark = program(true, shape);
+  mark.set("epsilon", epsilon).set("slots_per_batch", groups_per_batch * group_size);
+  mark.dispatch(groups_per_batch, batch_count);
+  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+
+  flags_.bind(binding::input);
+  offsets_.bind_storage(0);
+  sums_.bind_storage(1);
+  list_.buffer().bind_storage(2);
+  command_.bind_storage(3);
+  const unsigned threads[4] = {group_count, block_count, 1, group_count};
+  for (int stage = 0; stage < 4; ++stage) {
+    if (!compact_[stage])
+      compact_[stage] = gl::Program::compute("passes/compact.comp", {"STAGE " + std::to_string(stage)});
+    compact_[stage].set("group_count", group_count).set("groups_per_batch", groups_per_batch);
+    compact_[stage].dispatch((threads[stage] + 31) / 32);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  }
+  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  return true;
+}
+
+}  // namespace sfumato

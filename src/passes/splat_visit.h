@@ -1,0 +1,39 @@
+// Small splats by compute: nearest distance, and the list of those that may be seen at all, so that attributes are
+// read and blended only for them.
+#pragma once
+
+#include <vector>
+
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "passes/screen_pass.h"
+#include "passes/splat_raster.h"
+
+namespace sfumato {
+
+class SplatVisit {
+ public:
+  /// Lowers `nearest_t` (R32F) to the nearest hit among the small splats of `batches`.
+  void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                    const gl::Texture& nearest_t);
+  /// Lists the small splats of one chunk that may lie within epsilon behind `nearest_t`: a superset, in the order
+  /// of the cloud. False when the chunk has no small splats in view. `list()` and `command()` hold the result until
+  /// the next call.
+  bool list_survivors(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
+                      const SplatBatches& batches, float epsilon);
+  /// To be called once before `list_survivors`, when `nearest_t` is complete.
+  void measure_farthest(const View& view, const gl::Texture& nearest_t);
+
+  const gl::TextureBuffer& list() const { return list_; }
+  const gl::Buffer& command() const { return command_; }  ///< an indirect draw of the list
+
+ private:
+  gl::Program& program(bool mark, const SplatShape& shape);
+  gl::Program programs_[8], compact_[4];
+  ScreenPass farthest_;
+  gl::Texture farthest_t_;
+  gl::TextureBuffer flags_, list_;
+  gl::Buffer offsets_, sums_, command_;
+};
+
+}  // namespace sfumato
