@@ -56,7 +56,9 @@ std::array<double, 2> stretch(const ScalarField& field) {
 
 void color_scalar(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
   out.kind = ColorKind::scalar;
-  out.colormap = !settings.colormap.empty() ? settings.colormap : out.source == "intensity" ? "gray" : "viridis";
+  out.colormap = !settings.colormap.empty()  ? settings.colormap
+                 : out.source == "intensity" ? "gray"
+                                             : "viridis";
   const Colormap map = Colormap::named(out.colormap);
   const std::array<double, 2> range = settings.range ? *settings.range : stretch(field);
   out.low = range[0], out.high = range[1];
@@ -123,13 +125,15 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
   std::string all;
   for (const std::string& name : names) all += " " + name;
   throw Error(ErrorCode::usage, "the cloud has no '" + std::string(color_by) + "' to colour by" +
-                                    (near.empty() ? ";" : "; did you mean '" + near + "'?") + " it has:" + all);
+                                    (near.empty() ? ";" : "; did you mean '" + near + "'?") +
+                                    " it has:" + all);
 }
 
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   Coloring out;
   out.source = resolve_color_by(cloud, settings.color_by);
-  if (!settings.colormap.empty()) Colormap::named(settings.colormap);  // a wrong name is refused whatever is shown
+  if (!settings.colormap.empty())
+    Colormap::named(settings.colormap);  // a wrong name is refused whatever is shown
   if (out.source == "rgb") {
     out.colors = cloud.colors;
     for (Rgba8& c : out.colors) c.a = 255;
@@ -146,19 +150,37 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
 }
 
 std::string class_name(int id) {
-  static const char* names[] = {"never classified", "unclassified", "ground", "low vegetation",
-                                "medium vegetation", "high vegetation", "building", "low noise", "model key point",
-                                "water", "rail", "road surface", "overlap", "wire guard", "wire conductor",
-                                "transmission tower", "wire connector", "bridge deck", "high noise",
-                                "overhead structure", "ignored ground", "snow", "temporal exclusion"};
+  static const char* names[] = {"never classified",
+                                "unclassified",
+                                "ground",
+                                "low vegetation",
+                                "medium vegetation",
+                                "high vegetation",
+                                "building",
+                                "low noise",
+                                "model key point",
+                                "water",
+                                "rail",
+                                "road surface",
+                                "overlap",
+                                "wire guard",
+                                "wire conductor",
+                                "transmission tower",
+                                "wire connector",
+                                "bridge deck",
+                                "high noise",
+                                "overhead structure",
+                                "ignored ground",
+                                "snow",
+                                "temporal exclusion"};
   return id >= 0 && id < int(std::size(names)) ? names[id] : "class " + std::to_string(id);
 }
 
 Rgba8 class_color(int id) {
-  static const std::uint32_t colors[] = {0x8c8c8c, 0x9a9a9a, 0xa1522e, 0x8fdc5a, 0x45b83a, 0x127a2c, 0xffa800,
-                                         0xff00ff, 0xff2a2a, 0x2a5cff, 0x6b4f8a, 0x5a5a66, 0xffe600, 0xc9b037,
-                                         0xe0c84a, 0x7f6a2a, 0xb39a2f, 0x3fb8c4, 0xc800c8, 0x2f8f9d, 0x7a5a45,
-                                         0xf2f6ff, 0x555555};
+  static const std::uint32_t colors[] = {0x8c8c8c, 0x9a9a9a, 0xa1522e, 0x8fdc5a, 0x45b83a, 0x127a2c,
+                                         0xffa800, 0xff00ff, 0xff2a2a, 0x2a5cff, 0x6b4f8a, 0x5a5a66,
+                                         0xffe600, 0xc9b037, 0xe0c84a, 0x7f6a2a, 0xb39a2f, 0x3fb8c4,
+                                         0xc800c8, 0x2f8f9d, 0x7a5a45, 0xf2f6ff, 0x555555};
   if (id >= 0 && id < int(std::size(colors))) {
     const std::uint32_t c = colors[id];
     return {std::uint8_t(c >> 16), std::uint8_t(c >> 8 & 255), std::uint8_t(c & 255), 255};

@@ -29,14 +29,15 @@ struct ClassShare {
 struct Coloring {
   std::vector<Rgba8> colors;  ///< one per point of the cloud, sRGB
   ColorKind kind = ColorKind::rgb;
-  std::string source;                ///< what `auto` became
-  std::string colormap;              ///< scalar only
-  double low = 0, high = 1;          ///< scalar only: values at the ends of the colour map
-  std::vector<ClassShare> classes;   ///< classes only: those that occur, ascending
+  std::string source;               ///< what `auto` became
+  std::string colormap;             ///< scalar only
+  double low = 0, high = 1;         ///< scalar only: values at the ends of the colour map
+  std::vector<ClassShare> classes;  ///< classes only: those that occur, ascending
 };
 
-/// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then intensity unless missing
-/// or constant, then elevation: a cloud is never black. Throws Error(usage) naming the nearest attribute.
+/// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then intensity unless
+/// missing or constant, then elevation: a cloud is never black. Throws Error(usage) naming the nearest
+/// attribute.
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 
 /// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.

@@ -16,29 +16,35 @@ struct Table {
   std::vector<std::uint32_t> stops;  // 0xRRGGBB
 };
 
-// viridis, plasma, inferno, magma: every sixteenth colour of the maps of Smith, van der Walt and Firing (2015, CC0).
-// turbo: Mikhailov (2019), its polynomial at 33 places. coolwarm: Moreland (2009), interpolated in Msh space.
-// spectral: ColorBrewer's eleven classes. All stay within 9/255 of the full maps.
+// viridis, plasma, inferno, magma: every sixteenth colour of the maps of Smith, van der Walt and Firing
+// (2015, CC0). turbo: Mikhailov (2019), its polynomial at 33 places. coolwarm: Moreland (2009), interpolated
+// in Msh space. spectral: ColorBrewer's eleven classes. All stay within 9/255 of the full maps.
 const std::vector<Table>& tables() {
   static const std::vector<Table> all = {
-      {"viridis", {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21908c,
-                   0x1f9f88, 0x27ad81, 0x3ebc74, 0x5cc863, 0x82d34d, 0xaadc32, 0xd5e21a, 0xfde725}},
-      {"plasma", {0x0d0887, 0x310597, 0x4c02a1, 0x6600a7, 0x7e03a8, 0x9511a1, 0xa92395, 0xbc3587, 0xcc4678,
-                  0xd9596a, 0xe56b5d, 0xf07f4f, 0xf89441, 0xfdab33, 0xfdc328, 0xf9dd25, 0xf0f921}},
-      {"inferno", {0x000004, 0x0b0724, 0x210c4a, 0x3d0965, 0x56106e, 0x70196e, 0x89226a, 0xa32c61, 0xbb3654,
-                   0xd14545, 0xe35932, 0xf1721e, 0xf98c0a, 0xfcaa0f, 0xf9c932, 0xf2e865, 0xfcffa4}},
-      {"magma", {0x000004, 0x0a0822, 0x1d1147, 0x36106b, 0x50127c, 0x691c81, 0x822681, 0x9c2e7f, 0xb6367a,
-                 0xcf4070, 0xe65164, 0xf46a5c, 0xfb8861, 0xfea571, 0xfec287, 0xfde0a1, 0xfcfdbf}},
+      {"viridis",
+       {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21908c, 0x1f9f88,
+        0x27ad81, 0x3ebc74, 0x5cc863, 0x82d34d, 0xaadc32, 0xd5e21a, 0xfde725}},
+      {"plasma",
+       {0x0d0887, 0x310597, 0x4c02a1, 0x6600a7, 0x7e03a8, 0x9511a1, 0xa92395, 0xbc3587, 0xcc4678, 0xd9596a,
+        0xe56b5d, 0xf07f4f, 0xf89441, 0xfdab33, 0xfdc328, 0xf9dd25, 0xf0f921}},
+      {"inferno",
+       {0x000004, 0x0b0724, 0x210c4a, 0x3d0965, 0x56106e, 0x70196e, 0x89226a, 0xa32c61, 0xbb3654, 0xd14545,
+        0xe35932, 0xf1721e, 0xf98c0a, 0xfcaa0f, 0xf9c932, 0xf2e865, 0xfcffa4}},
+      {"magma",
+       {0x000004, 0x0a0822, 0x1d1147, 0x36106b, 0x50127c, 0x691c81, 0x822681, 0x9c2e7f, 0xb6367a, 0xcf4070,
+        0xe65164, 0xf46a5c, 0xfb8861, 0xfea571, 0xfec287, 0xfde0a1, 0xfcfdbf}},
       {"turbo", {0x23171b, 0x3e2a72, 0x493eaf, 0x4a54d7, 0x446aee, 0x3c80f8, 0x3295f7, 0x2aa9ef, 0x26bce2,
                  0x25cdd0, 0x29dcbc, 0x32e9a7, 0x3ff393, 0x50fa80, 0x65fd6e, 0x7dfd5e, 0x94fa50, 0xadf545,
                  0xc4ec3c, 0xdae034, 0xedd12e, 0xfabf29, 0xffac25, 0xff9821, 0xff821d, 0xfd6c1a, 0xf05616,
                  0xdf4212, 0xcb2f0d, 0xb61f07, 0xa31302, 0x950c00, 0x900c00}},
       // Short of black and white, so that no point drowns in a shadow or in the background.
       {"gray", {0x202020, 0xf0f0f0}},
-      {"coolwarm", {0x3b4cc0, 0x4e68d7, 0x6282ea, 0x779af7, 0x8db0fe, 0xa3c2fe, 0xb8d0f9, 0xccd9ed, 0xdcdcdc,
-                    0xebd3c6, 0xf4c5ad, 0xf7b194, 0xf49a7b, 0xec7f63, 0xde614d, 0xcb3e38, 0xb40426}},
-      {"spectral", {0x9e0142, 0xd53e4f, 0xf46d43, 0xfdae61, 0xfee08b, 0xffffbf, 0xe6f598, 0xabdda4, 0x66c2a5,
-                    0x3288bd, 0x5e4fa2}},
+      {"coolwarm",
+       {0x3b4cc0, 0x4e68d7, 0x6282ea, 0x779af7, 0x8db0fe, 0xa3c2fe, 0xb8d0f9, 0xccd9ed, 0xdcdcdc, 0xebd3c6,
+        0xf4c5ad, 0xf7b194, 0xf49a7b, 0xec7f63, 0xde614d, 0xcb3e38, 0xb40426}},
+      {"spectral",
+       {0x9e0142, 0xd53e4f, 0xf46d43, 0xfdae61, 0xfee08b, 0xffffbf, 0xe6f598, 0xabdda4, 0x66c2a5, 0x3288bd,
+        0x5e4fa2}},
       {"jet", {0x000080, 0x0000ff, 0x0080ff, 0x00ffff, 0x80ff80, 0xffff00, 0xff8000, 0xff0000, 0x800000}},
   };
   return all;
@@ -79,14 +85,17 @@ Colormap Colormap::named(std::string_view name) {
   std::string all;
   for (const std::string& n : names()) all += " " + n;
   throw Error(ErrorCode::usage, "no colour map '" + std::string(name) + "'" +
-                                    (near.empty() ? "" : "; did you mean '" + near + "'?") + " There are:" + all);
+                                    (near.empty() ? "" : "; did you mean '" + near + "'?") +
+                                    " There are:" + all);
 }
 
 Rgba8 Colormap::at(double t) const {
   const double place = std::clamp(t, 0.0, 1.0) * double(stops_.size() - 1);
   const std::size_t i = std::min(std::size_t(place), stops_.size() - 2);
   const double f = place - double(i);
-  auto mix = [&](std::uint8_t a, std::uint8_t b) { return std::uint8_t(std::lround(a + f * (double(b) - a))); };
+  auto mix = [&](std::uint8_t a, std::uint8_t b) {
+    return std::uint8_t(std::lround(a + f * (double(b) - a)));
+  };
   const Rgba8 &a = stops_[i], &b = stops_[i + 1];
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b), 255};
 }

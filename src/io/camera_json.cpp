@@ -16,7 +16,8 @@ using Json = nlohmann::ordered_json;
 }
 
 double number(const Json& value, const std::string& key, const std::string& where) {
-  if (!value.is_number() || !std::isfinite(value.get<double>())) refuse(where, "camera key '" + key + "' is not a number");
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    refuse(where, "camera key '" + key + "' is not a number");
   return value.get<double>();
 }
 
@@ -44,25 +45,40 @@ Json parse(std::string_view text, const std::string& where) {
 }
 
 Camera read(const Json& json, const std::string& where) {
-  if (!json.is_object()) refuse(where, "a camera is an object with position, target, up, fov_y_deg, width, height");
+  if (!json.is_object())
+    refuse(where, "a camera is an object with position, target, up, fov_y_deg, width, height");
   Camera camera;
   Intrinsics k;
   int given = 0;
   for (const auto& [key, value] : json.items()) {
-    if (key == "position") camera.position = vector(value, key, where);
-    else if (key == "target") camera.target = vector(value, key, where);
-    else if (key == "up") camera.up = vector(value, key, where);
-    else if (key == "fov_y_deg") camera.fov_y = glm::radians(positive(value, key, where));
-    else if (key == "height_world") camera.height_world = positive(value, key, where);
-    else if (key == "width") camera.width = pixels(value, key, where);
-    else if (key == "height") camera.height = pixels(value, key, where);
-    else if (key == "fx") k.fx = positive(value, key, where), ++given;
-    else if (key == "fy") k.fy = positive(value, key, where), ++given;
-    else if (key == "cx") k.cx = number(value, key, where), ++given;
-    else if (key == "cy") k.cy = number(value, key, where), ++given;
-    else if (key == "projection" && value == "orthographic") camera.projection = Projection::orthographic;
-    else if (key == "projection" && value != "perspective") refuse(where, "projection is perspective or orthographic");
-    else if (key != "projection") refuse(where, "unknown camera key '" + key + "'");
+    if (key == "position")
+      camera.position = vector(value, key, where);
+    else if (key == "target")
+      camera.target = vector(value, key, where);
+    else if (key == "up")
+      camera.up = vector(value, key, where);
+    else if (key == "fov_y_deg")
+      camera.fov_y = glm::radians(positive(value, key, where));
+    else if (key == "height_world")
+      camera.height_world = positive(value, key, where);
+    else if (key == "width")
+      camera.width = pixels(value, key, where);
+    else if (key == "height")
+      camera.height = pixels(value, key, where);
+    else if (key == "fx")
+      k.fx = positive(value, key, where), ++given;
+    else if (key == "fy")
+      k.fy = positive(value, key, where), ++given;
+    else if (key == "cx")
+      k.cx = number(value, key, where), ++given;
+    else if (key == "cy")
+      k.cy = number(value, key, where), ++given;
+    else if (key == "projection" && value == "orthographic")
+      camera.projection = Projection::orthographic;
+    else if (key == "projection" && value != "perspective")
+      refuse(where, "projection is perspective or orthographic");
+    else if (key != "projection")
+      refuse(where, "unknown camera key '" + key + "'");
   }
   for (const char* key : {"position", "target"})
     if (!json.contains(key)) refuse(where, std::string("the camera has no '") + key + "'");
@@ -71,7 +87,8 @@ Camera read(const Json& json, const std::string& where) {
   if (given != 0 && given != 4) refuse(where, "intrinsics need all of fx fy cx cy");
   if (given == 4) camera.custom_intrinsics = k;
   if (camera.fov_y >= glm::radians(180.0)) refuse(where, "fov_y_deg must be below 180");
-  if (glm::length(camera.target - camera.position) <= 0) refuse(where, "position and target are the same point");
+  if (glm::length(camera.target - camera.position) <= 0)
+    refuse(where, "position and target are the same point");
   if (glm::length(camera.up) <= 0) refuse(where, "up is zero");
   return camera;
 }
@@ -91,17 +108,24 @@ std::string camera_to_json(const Camera& camera) {
   json["target"] = list(camera.target);
   json["up"] = list(camera.up);
   json["projection"] = camera.orthographic() ? "orthographic" : "perspective";
-  if (camera.orthographic()) json["height_world"] = camera.height_world;
-  else json["fov_y_deg"] = glm::degrees(camera.fov_y);
+  if (camera.orthographic())
+    json["height_world"] = camera.height_world;
+  else
+    json["fov_y_deg"] = glm::degrees(camera.fov_y);
   json["width"] = camera.width;
   json["height"] = camera.height;
-  if (const auto& k = camera.custom_intrinsics) json["fx"] = k->fx, json["fy"] = k->fy, json["cx"] = k->cx, json["cy"] = k->cy;
+  if (const auto& k = camera.custom_intrinsics)
+    json["fx"] = k->fx, json["fy"] = k->fy, json["cx"] = k->cx, json["cy"] = k->cy;
   return json.dump(2);
 }
 
-Camera camera_from_json(std::string_view text, const std::string& where) { return read(parse(text, where), where); }
+Camera camera_from_json(std::string_view text, const std::string& where) {
+  return read(parse(text, where), where);
+}
 
-Camera read_camera(const std::filesystem::path& file) { return camera_from_json(load(file), file.string()); }
+Camera read_camera(const std::filesystem::path& file) {
+  return camera_from_json(load(file), file.string());
+}
 
 void write_camera(const std::filesystem::path& file, const Camera& camera) {
   AtomicWriter writer(file);
@@ -112,7 +136,8 @@ void write_camera(const std::filesystem::path& file, const Camera& camera) {
 std::vector<Camera> read_camera_path(const std::filesystem::path& file) {
   const Json json = parse(load(file), file.string());
   const Json* list = json.is_object() && json.contains("cameras") ? &json["cameras"] : &json;
-  if (!list->is_array() || list->empty()) refuse(file.string(), "a camera path is {\"cameras\": [camera, ...]}");
+  if (!list->is_array() || list->empty())
+    refuse(file.string(), "a camera path is {\"cameras\": [camera, ...]}");
   std::vector<Camera> cameras;
   for (const Json& camera : *list)
     cameras.push_back(read(camera, file.string() + ": camera " + std::to_string(cameras.size())));

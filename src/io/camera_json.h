@@ -2,8 +2,9 @@
 //
 //   {"position": [x,y,z], "target": [x,y,z], "up": [x,y,z], "fov_y_deg": 45, "width": 1280, "height": 720}
 //
-// suffices. Optional: "projection": "perspective" | "orthographic", the latter with "height_world" instead of the
-// angle; "fx" "fy" "cx" "cy" in pixels win over both. Pixel centres lie at half integers, the first row is on top.
+// suffices. Optional: "projection": "perspective" | "orthographic", the latter with "height_world" instead of
+// the angle; "fx" "fy" "cx" "cy" in pixels win over both. Pixel centres lie at half integers, the first row
+// is on top.
 #pragma once
 
 #include <filesystem>

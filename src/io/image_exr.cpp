@@ -12,8 +12,8 @@ namespace sfumato::io {
 namespace {
 
 /// One float of every pixel of `image`, which holds `stride` floats a pixel.
-void add_channel(Imf::Header& header, Imf::FrameBuffer& buffer, const char* name, const float* first, int stride,
-                 int width) {
+void add_channel(Imf::Header& header, Imf::FrameBuffer& buffer, const char* name, const float* first,
+                 int stride, int width) {
   header.channels().insert(name, Imf::Channel(Imf::FLOAT));
   const std::size_t step = sizeof(float) * std::size_t(stride);
   char* base = reinterpret_cast<char*>(const_cast<float*>(first));

@@ -28,14 +28,14 @@ void write_bytes(png_structp png, png_bytep bytes, png_size_t count) {
 void ignore_warning(png_structp, png_const_charp) {}
 
 /// The part that libpng may leave by longjmp: no object with a destructor lives in here.
-bool encode(png_structp png, png_infop info, const Image<Rgba8>& image, bool alpha, const std::vector<png_text>& texts,
-            std::vector<std::uint8_t>& row) {
+bool encode(png_structp png, png_infop info, const Image<Rgba8>& image, bool alpha,
+            const std::vector<png_text>& texts, std::vector<std::uint8_t>& row) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, png_uint_32(image.width()), png_uint_32(image.height()), 8,
                alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  // Level 1 with the SUB filter: 424 ms for a 4K picture on one core; level 6 takes several times as long for a
-  // few per cent.
+  // Level 1 with the SUB filter: 424 ms for a 4K picture on one core; level 6 takes several times as long for
+  // a few per cent.
   png_set_compression_level(png, 1);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
@@ -56,7 +56,8 @@ bool encode(png_structp png, png_infop info, const Image<Rgba8>& image, bool alp
 
 }  // namespace
 
-void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha, const PngTexts& texts) {
+void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
+               const PngTexts& texts) {
   AtomicWriter writer(file);
   Sink sink{writer, nullptr};
   std::vector<png_text> entries;

@@ -13,8 +13,9 @@ namespace sfumato::io {
 /// Key and value pairs kept in the picture, readable by any image viewer ("Software", "Command", ...).
 using PngTexts = std::vector<std::pair<std::string, std::string>>;
 
-/// 8-bit sRGB. With `alpha` the picture is RGBA with straight alpha, else RGB. The file appears under its name only
-/// when it is complete; throws Error(io).
-void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha, const PngTexts& texts = {});
+/// 8-bit sRGB. With `alpha` the picture is RGBA with straight alpha, else RGB. The file appears under its
+/// name only when it is complete; throws Error(io).
+void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
+               const PngTexts& texts = {});
 
 }  // namespace sfumato::io

@@ -30,12 +30,15 @@ void CommandTest::SetUp() {
   folder_ = name;
 }
 
-void CommandTest::TearDown() { std::filesystem::remove_all(folder_); }
+void CommandTest::TearDown() {
+  std::filesystem::remove_all(folder_);
+}
 
 Outcome CommandTest::run(const std::vector<std::string>& words, int interrupt_after_ms) {
   // Outside the folder, so that `files` lists only what the command wrote.
   const std::string out = folder_.string() + ".out", err = folder_.string() + ".err";
   std::vector<std::string> all = {SFUMATO_BINARY};
+  all.insert(all.end(), first_words_.begin(), first_words_.end());
   all.insert(all.end(), words.begin(), words.end());
   std::vector<char*> argv;
   for (std::string& word : all) argv.push_back(word.data());
@@ -54,7 +57,8 @@ Outcome CommandTest::run(const std::vector<std::string>& words, int interrupt_af
   }
   int status = 0;
   waitpid(child, &status, 0);
-  Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_all(out), read_all(err)};
+  Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_all(out),
+                  read_all(err)};
   std::filesystem::remove(out);
   std::filesystem::remove(err);
   return outcome;
@@ -73,11 +77,14 @@ std::string CommandTest::write(const std::string& name, const std::string& text)
   return name;
 }
 
-std::string CommandTest::text(const std::string& name) const { return read_all(path(name)); }
+std::string CommandTest::text(const std::string& name) const {
+  return read_all(path(name));
+}
 
 std::vector<std::string> CommandTest::files() const {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    names.push_back(entry.path().filename());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -121,9 +128,12 @@ std::map<std::string, std::string> CommandTest::png_texts(const std::string& nam
     const auto byte = [&](std::size_t i) { return std::size_t(static_cast<unsigned char>(bytes[at + i])); };
     const std::size_t length = byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);
     const std::string type = bytes.substr(at + 4, 4), data = bytes.substr(at + 8, length);
-    if (type == "tEXt") texts[data.c_str()] = data.substr(std::strlen(data.c_str()) + 1);
-    else if (type == "iTXt") texts[data.c_str()] = data.substr(data.rfind('\0') + 1);
-    else texts[type] = "";
+    if (type == "tEXt")
+      texts[data.c_str()] = data.substr(std::strlen(data.c_str()) + 1);
+    else if (type == "iTXt")
+      texts[data.c_str()] = data.substr(data.rfind('\0') + 1);
+    else
+      texts[type] = "";
     at += 12 + length;
   }
   return texts;
@@ -136,7 +146,8 @@ Array CommandTest::read_npy(const std::string& name) const {
     ADD_FAILURE() << name << " is no NPY file";
     return array;
   }
-  const std::size_t header = std::size_t(static_cast<unsigned char>(bytes[8])) + 256 * std::size_t(static_cast<unsigned char>(bytes[9]));
+  const std::size_t header = std::size_t(static_cast<unsigned char>(bytes[8])) +
+                             256 * std::size_t(static_cast<unsigned char>(bytes[9]));
   EXPECT_EQ((10 + header) % 64, 0u);
   const std::string text = bytes.substr(10, header);
   const std::size_t type = text.find("'descr': '") + 10;

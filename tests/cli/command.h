@@ -15,7 +15,7 @@
 namespace sfumato::testing {
 
 struct Outcome {
-  int code = -1;        ///< exit code, or 128 + signal
+  int code = -1;  ///< exit code, or 128 + signal
   std::string out, err;
 };
 
@@ -35,6 +35,9 @@ class CommandTest : public ::testing::Test {
   /// Runs it, expects exit code 0 and parses what it printed.
   nlohmann::json run_json(const std::vector<std::string>& words);
 
+  /// Stand before the words of every run.
+  std::vector<std::string> first_words_;
+
   std::filesystem::path path(const std::string& name) const { return folder_ / name; }
   bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
   std::string write(const std::string& name, const std::string& text);
@@ -42,7 +45,8 @@ class CommandTest : public ::testing::Test {
   /// Every file in the folder, also those with temporary names.
   std::vector<std::string> files() const;
 
-  /// An ascii PLY of a unit cube's surface, z up, red below and green above its middle, `per_edge`^2 points a face.
+  /// An ascii PLY of a unit cube's surface, z up, red below and green above its middle, `per_edge`^2 points a
+  /// face.
   std::string write_cube(const std::string& name, int per_edge = 30);
 
   Image<Rgba8> read_png(const std::string& name) const;

@@ -15,10 +15,10 @@ TEST_F(CommandTest, VersionAndHelp) {
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.code, 0);
   EXPECT_THAT(version.out, ::testing::MatchesRegex("sfumato [0-9]+\\.[0-9]+\\.[0-9]+\n"));
-  const Outcome help = run({"--help"});
+  const Outcome help = run({"-t", "points", "--help"});
   EXPECT_EQ(help.code, 0);
-  for (const char* word : {"--resolution WxH", "--camera-azimuth-angle DEG", "--point-size FLOAT", "--color-by NAME",
-                           "(headlight)", "px"})
+  for (const char* word : {"--resolution WxH", "--camera-azimuth-angle DEG", "--point-size FLOAT",
+                           "--color-by NAME", "(headlight)", "px"})
     EXPECT_THAT(help.out, HasSubstr(word));
   EXPECT_EQ(help.err, "");
 }
@@ -32,16 +32,18 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
   for (const Case& c : std::vector<Case>{
            {{}, "no file given"},
            {{"cube.ply"}, "viewer"},
-           {{"cube.ply", "-o", "a.png", "--pont-size", "3"}, "did you mean --point-size?"},
-           {{"cube.ply", "-o", "a.png", "--point-size", "-3"}, "'-3' is not in range [0.01, 1e+06]; the nearest is 0.01"},
-           {{"cube.ply", "-o", "a.png", "--size-mode", "pixel"}, "did you mean pixels?"},
+           {{"cube.ply", "-t", "points", "-o", "a.png", "--pont-size", "3"}, "did you mean --point-size?"},
+           {{"cube.ply", "-t", "points", "-o", "a.png", "--point-size", "-3"},
+            "'-3' is not in range [0.01, 1e+06]; the nearest is 0.01"},
+           {{"cube.ply", "-t", "points", "-o", "a.png", "--size-mode", "pixel"}, "did you mean pixels?"},
            {{"cube.ply", "-o", "a.png", "-t", "pointz"}, "points"},
            {{"cube.ply", "-o", "a.png", "--color-by", "rows"}, "did you mean 'row'?"},
            {{"cube.ply", "-o", "a.png", "--colormap", "turbu"}, "did you mean 'turbo'?"},
            {{"cube.ply", "-o", "a.jpg"}, ".png, .exr or .npy"},
            {{"cube.ply", "-o", "a.png", "--resolution", "64"}, "WIDTHxHEIGHT"},
            {{"cube.ply", "-o", "a.png", "--camera-position", "1,2"}, "3 numbers"},
-           {{"cube.ply", "-o", "a.png", "--camera-position", "1,2,3", "--camera-azimuth-angle", "3"}, "contradict"},
+           {{"cube.ply", "-o", "a.png", "--camera-position", "1,2,3", "--camera-azimuth-angle", "3"},
+            "contradict"},
            {{"cube.ply", "-o", "a.png", "--background-color", "1,1,255"}, "0..1"},
            {{"cube.ply", "-o", "a.png", "--up", "north"}, "+X -X +Y -Y +Z -Z"},
            {{"cube.ply", "-o", "a.png", "--light", "lamp"}, "headlight"},
@@ -70,10 +72,12 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
 TEST_F(CommandTest, BadInputIsExitCode2) {
   write("empty.ply", "");
   write("points_only.xyz", "no numbers here\n");
-  write("short.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
-                     "end_header\n1 2 3\n");
-  write("none.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
-                    "end_header\n");
+  write("short.ply",
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+        "end_header\n1 2 3\n");
+  write("none.ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+        "end_header\n");
   for (const char* name : {"empty.ply", "points_only.xyz", "short.ply", "none.ply"}) {
     const Outcome outcome = run({name, "-o", "a.png"});
     EXPECT_EQ(outcome.code, 2) << name << ": " << outcome.err;
@@ -103,8 +107,8 @@ TEST_F(CommandTest, MissingFilesAndFoldersAreExitCode6) {
 TEST_F(CommandTest, InfoSaysWhatTheFileHolds) {
   write_cube("cube.ply", 20);
   const Json info = run_json({"info", "cube.ply", "--json"});
-  for (const char* key : {"file", "format", "points", "points_finite", "points_dropped", "bounds_min", "bounds_max",
-                          "attributes", "crs", "median_spacing"})
+  for (const char* key : {"file", "format", "points", "points_finite", "points_dropped", "bounds_min",
+                          "bounds_max", "attributes", "crs", "median_spacing"})
     EXPECT_TRUE(info.contains(key)) << key;
   EXPECT_EQ(info["format"], "ply");
   EXPECT_EQ(info["points"], 2400);
@@ -112,7 +116,8 @@ TEST_F(CommandTest, InfoSaysWhatTheFileHolds) {
   EXPECT_EQ(info["bounds_max"], (Json{1.0, 1.0, 1.0}));
   EXPECT_EQ(info["attributes"]["red"]["max"], 255);
   EXPECT_NEAR(info["attributes"]["row"]["mean"].get<double>(), 9.5, 1e-9);
-  // R_8 sqrt(pi/8), and the eighth neighbour on a square grid of 1/20 lies on the diagonal. Float positions: 1e-5.
+  // R_8 sqrt(pi/8), and the eighth neighbour on a square grid of 1/20 lies on the diagonal. Float positions:
+  // 1e-5.
   EXPECT_NEAR(info["median_spacing"].get<double>(), 0.05 * std::sqrt(2.0 * std::numbers::pi / 8), 1e-5);
 
   const Outcome text = run({"info", "cube.ply"});
@@ -123,8 +128,9 @@ TEST_F(CommandTest, InfoSaysWhatTheFileHolds) {
 }
 
 TEST_F(CommandTest, InfoOfAFileWithoutPoints) {
-  write("none.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
-                    "end_header\n");
+  write("none.ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+        "end_header\n");
   const Json info = run_json({"info", "none.ply", "--json"});
   EXPECT_EQ(info["points"], 0);
   EXPECT_TRUE(info["median_spacing"].is_null());

@@ -19,7 +19,8 @@ struct Compass {
   double azimuth(const dvec3& from) const { return std::atan2(glm::dot(from, right), glm::dot(from, front)); }
   double elevation(const dvec3& from) const { return std::asin(std::clamp(glm::dot(from, up), -1.0, 1.0)); }
   dvec3 from(double azimuth, double elevation) const {
-    return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) + std::sin(elevation) * up;
+    return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) +
+           std::sin(elevation) * up;
   }
 };
 
@@ -31,8 +32,9 @@ double degrees_in(const char* option, const std::string& text, double low, doubl
   return glm::radians(value);
 }
 
-/// Keeps the direction of view and moves the camera to the nearest place that sees every point with a margin of 6 %:
-/// a point at (x, y) and z towards the camera is inside when |y - y_camera| <= tan (z_camera - z), x alike.
+/// Keeps the direction of view and moves the camera to the nearest place that sees every point with a margin
+/// of 6 %: a point at (x, y) and z towards the camera is inside when |y - y_camera| <= tan (z_camera - z), x
+/// alike.
 void fit(Camera& camera, const std::vector<dvec3>& points) {
   if (points.empty()) return;
   const dmat4 to_eye = camera.view(), to_world = camera.inverse_view();
@@ -49,7 +51,8 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
   }
   dvec3 eye(0.5 * (right - left), 0.5 * (top - bottom), 0);
   if (camera.orthographic()) {
-    camera.height_world = std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / shown;
+    camera.height_world =
+        std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / shown;
   } else {
     eye.z = std::max({0.5 * (right + left) / tan_x, 0.5 * (top + bottom) / tan_y, 0.95 * target_z});
   }
@@ -57,14 +60,17 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
   camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
 }
 
-double view_angle(const std::string& text) { return degrees_in("--camera-view-angle", text, 0.001, 179); }
+double view_angle(const std::string& text) {
+  return degrees_in("--camera-view-angle", text, 0.001, 179);
+}
 
 }  // namespace
 
 void CameraOptions::declare(CommandLine& line) {
   line.group("Camera (single options win over --camera)");
   line.text("--resolution", resolution, "WxH", "picture size in pixels (1280x720)");
-  line.text("--camera", file, "FILE.json", "position, target, up, fov_y_deg, width, height in world coordinates");
+  line.text("--camera", file, "FILE.json",
+            "position, target, up, fov_y_deg, width, height in world coordinates");
   line.text("--camera-position", position, "X,Y,Z", "where the camera stands");
   line.text("--camera-focal-point", focal_point, "X,Y,Z", "what it looks at");
   line.text("--camera-view-up", view_up, "X,Y,Z", "direction that is up in the picture");
@@ -93,7 +99,8 @@ void CameraOptions::check() const {
               "--camera-direction and --camera-position with --camera-focal-point");
   vector("--camera-position", position);
   vector("--camera-focal-point", focal_point);
-  for (const auto& [option, text] : {std::pair("--camera-view-up", view_up), std::pair("--camera-direction", direction)})
+  for (const auto& [option, text] :
+       {std::pair("--camera-view-up", view_up), std::pair("--camera-direction", direction)})
     if (const auto v = vector(option, text); v && glm::length(*v) <= 0)
       throw Error(ErrorCode::usage, std::string(option) + ": 0,0,0 is no direction");
   if (azimuth_deg) parse_number("--camera-azimuth-angle", *azimuth_deg);
@@ -111,15 +118,20 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
   if (along) {
     const dvec3 d = glm::normalize(*along);
     const double reach = eye ? distance : glm::length(camera.target - camera.position);
-    if (eye) camera.target = camera.position + d * reach;
-    else camera.position = camera.target - d * reach;
+    if (eye)
+      camera.target = camera.position + d * reach;
+    else
+      camera.position = camera.target - d * reach;
   }
   if (azimuth_deg || elevation_deg) {
     const Compass compass(up);
     const dvec3 from = -camera.direction();
-    const double azimuth = azimuth_deg ? glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg)) : compass.azimuth(from);
-    const double elevation = elevation_deg ? degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90) : compass.elevation(from);
-    camera.position = camera.target + compass.from(azimuth, elevation) * glm::length(camera.target - camera.position);
+    const double azimuth = azimuth_deg ? glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg))
+                                       : compass.azimuth(from);
+    const double elevation = elevation_deg ? degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90)
+                                           : compass.elevation(from);
+    camera.position =
+        camera.target + compass.from(azimuth, elevation) * glm::length(camera.target - camera.position);
   }
   if (glm::length(camera.target - camera.position) <= 0)
     throw Error(ErrorCode::usage, "the camera's position and focal point are the same point");
@@ -129,7 +141,8 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
 Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
   const std::optional<std::pair<int, int>> size =
       resolution ? std::optional(parse_resolution("--resolution", *resolution)) : std::nullopt;
-  const std::optional<double> angle = view_angle_deg ? std::optional(view_angle(*view_angle_deg)) : std::nullopt;
+  const std::optional<double> angle =
+      view_angle_deg ? std::optional(view_angle(*view_angle_deg)) : std::nullopt;
   Camera camera;
   if (file || preset) {
     camera = file ? io::read_camera(*file) : *preset;
@@ -138,7 +151,8 @@ Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
       throw Error(ErrorCode::usage, "--resolution does not go with the intrinsics of " + name +
                                         ": they hold for its own width and height");
     if (camera.custom_intrinsics && (angle || orthographic))
-      throw Error(ErrorCode::usage, "--camera-view-angle and --camera-orthographic do not go with the intrinsics of " + name);
+      throw Error(ErrorCode::usage,
+                  "--camera-view-angle and --camera-orthographic do not go with the intrinsics of " + name);
     if (size) camera = camera.resized(size->first, size->second);
     if (angle) camera.fov_y = *angle;
   } else {
@@ -187,7 +201,8 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
   std::vector<Camera> cameras;
   for (int i = 0; i < frames; ++i) {
     const double place = frames == 1 ? 0 : double(i) / (frames - 1) * double(keys.size() - 1);
-    const std::ptrdiff_t k = std::min(std::ptrdiff_t(place), std::max<std::ptrdiff_t>(0, std::ptrdiff_t(keys.size()) - 2));
+    const std::ptrdiff_t k =
+        std::min(std::ptrdiff_t(place), std::max<std::ptrdiff_t>(0, std::ptrdiff_t(keys.size()) - 2));
     const double t = place - double(k);
     auto blend = [&](const auto& a, const auto& b, const auto& c, const auto& d) {
       return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) +
@@ -207,7 +222,7 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
 Subject subject_of(const PointCloud& cloud) {
   const Bounds full = bounds(cloud);
   Bounds box = robust_bounds(cloud);
-  const dvec3 room = box.size() / 6.0;
+  const dvec3 room = 0.3 * box.size();
   for (int k = 0; k < 3; ++k) {
     if (box.min[k] - full.min[k] <= room[k]) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room[k]) box.max[k] = full.max[k];

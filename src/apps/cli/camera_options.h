@@ -16,12 +16,14 @@ struct Subject {
   std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
 };
 
-/// The 2-98 % box, grown to the full one where that is at most a sixth further out, so that stray points do not
-/// decide the view and a compact object is not cut; and up to 50,000 of the points inside.
+/// The 2-98 % box, grown to the full one where that is at most 30 % further out (the tip of a wedge is), so
+/// that stray points do not decide the view and a compact object is not cut; and up to 50,000 of the points
+/// inside.
 Subject subject_of(const PointCloud& cloud);
 
 struct CameraOptions {
-  std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg, view_angle_deg;
+  std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg,
+      view_angle_deg;
   std::optional<std::string> resolution;
   bool orthographic = false;
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
@@ -29,7 +31,8 @@ struct CameraOptions {
   void declare(CommandLine& line);
   /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read.
   void check() const;
-  /// The camera of a preset or --camera FILE, else the view that frames `subject`; single options win over both.
+  /// The camera of a preset or --camera FILE, else the view that frames `subject`; single options win over
+  /// both.
   Camera resolve(const Subject& subject, UpAxis up) const;
 
  private:
@@ -37,7 +40,8 @@ struct CameraOptions {
   std::optional<dvec3> vector(const char* option, const std::optional<std::string>& text) const;
 };
 
-/// Full turn (or `degrees`) of `start` about its up axis through the target; the first frame is `start` itself.
+/// Full turn (or `degrees`) of `start` about its up axis through the target; the first frame is `start`
+/// itself.
 std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees);
 /// A smooth path through the key cameras (Catmull-Rom on positions, targets, angles), first to last key.
 std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames);

@@ -31,8 +31,9 @@ struct CommandLine::State {
     for (const CLI::Option* option : options)
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     const std::string near = nearest_word(word, names);
-    throw Error(ErrorCode::usage, "unknown option " + word + (near.empty() ? "" : "; did you mean " + near + "?") +
-                                      " (" + app.get_name() + " --help lists all)");
+    throw Error(ErrorCode::usage, "unknown option " + word +
+                                      (near.empty() ? "" : "; did you mean " + near + "?") + " (" +
+                                      app.get_name() + " --help lists all)");
   }
 };
 
@@ -44,7 +45,9 @@ CommandLine::CommandLine(const std::string& name, const std::string& description
 
 CommandLine::~CommandLine() = default;
 
-void CommandLine::group(const std::string& title) { state_->group = title; }
+void CommandLine::group(const std::string& title) {
+  state_->group = title;
+}
 
 void CommandLine::flag(const std::string& names, bool& value, const std::string& help) {
   state_->keep(state_->app.add_flag(names, value, help), "");
@@ -55,8 +58,8 @@ void CommandLine::text(const std::string& names, std::string& value, const std::
   state_->keep(state_->app.add_option(names, value, help), metavar);
 }
 
-void CommandLine::text(const std::string& names, std::optional<std::string>& value, const std::string& metavar,
-                       const std::string& help) {
+void CommandLine::text(const std::string& names, std::optional<std::string>& value,
+                       const std::string& metavar, const std::string& help) {
   handler(names, metavar, help, false, [&value](const std::string& text) { value = text; });
 }
 
@@ -68,8 +71,8 @@ void CommandLine::positionals(const std::string& metavar, Words& values, const s
   state_->app.add_option(metavar, values, help)->type_name("");
 }
 
-void CommandLine::handler(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
-                          std::function<void(const std::string&)> apply) {
+void CommandLine::handler(const std::string& names, const std::string& metavar, const std::string& help,
+                          bool hidden, std::function<void(const std::string&)> apply) {
   CLI::Option* option = state_->keep(state_->app.add_option(names, help), metavar);
   option->expected(1);
   if (hidden) option->group("");
@@ -80,7 +83,9 @@ void CommandLine::explain_unknown(std::function<void(const std::string&)> explai
   state_->explain = std::move(explain);
 }
 
-void CommandLine::footer(const std::string& text) { state_->app.footer(text); }
+void CommandLine::footer(const std::string& text) {
+  state_->app.footer(text);
+}
 
 bool CommandLine::parse(const Words& words) {
   Words reversed(words.rbegin(), words.rend());  // CLI11 takes words from the back
@@ -91,11 +96,13 @@ bool CommandLine::parse(const Words& words) {
     std::fwrite(help.data(), 1, help.size(), stdout);
     return false;
   } catch (const CLI::ParseError& error) {
-    throw Error(ErrorCode::usage, std::string(error.what()) + " (" + state_->app.get_name() + " --help lists all)");
+    throw Error(ErrorCode::usage,
+                std::string(error.what()) + " (" + state_->app.get_name() + " --help lists all)");
   }
   for (const std::string& word : state_->app.remaining()) {
     if (word.size() > 1 && word[0] == '-') state_->refuse_unknown(word.substr(0, word.find('=')));
-    throw Error(ErrorCode::usage, "unexpected argument '" + word + "' (" + state_->app.get_name() + " --help)");
+    throw Error(ErrorCode::usage,
+                "unexpected argument '" + word + "' (" + state_->app.get_name() + " --help)");
   }
   for (const auto& [option, apply] : state_->handlers)
     if (option->count() > 0) apply(option->results().back());
@@ -122,8 +129,8 @@ long parse_whole(const std::string& option, std::string_view text, long least) {
   long value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < least)
-    throw Error(ErrorCode::usage,
-                option + ": '" + std::string(text) + "' is not a whole number of at least " + std::to_string(least));
+    throw Error(ErrorCode::usage, option + ": '" + std::string(text) +
+                                      "' is not a whole number of at least " + std::to_string(least));
   return value;
 }
 

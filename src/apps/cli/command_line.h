@@ -1,5 +1,5 @@
-// One command's options: declared with the place of their value, parsed, listed by --help. A thin face over CLI11,
-// so that its headers are compiled once.
+// One command's options: declared with the place of their value, parsed, listed by --help. A thin face over
+// CLI11, so that its headers are compiled once.
 #pragma once
 
 #include <functional>
@@ -23,22 +23,25 @@ class CommandLine {
   void group(const std::string& title);
   /// `names` in CLI11's spelling: "-o,--output". `metavar` also shows range and default.
   void flag(const std::string& names, bool& value, const std::string& help);
-  void text(const std::string& names, std::string& value, const std::string& metavar, const std::string& help);
+  void text(const std::string& names, std::string& value, const std::string& metavar,
+            const std::string& help);
   void text(const std::string& names, std::optional<std::string>& value, const std::string& metavar,
             const std::string& help);
   void positional(const std::string& metavar, std::string& value, const std::string& help);
   void positionals(const std::string& metavar, Words& values, const std::string& help);
-  /// `apply` gets the value once the whole line has parsed, in the order of declaration. `hidden`: not in --help.
+  /// `apply` gets the value once the whole line has parsed, in the order of declaration. `hidden`: not in
+  /// --help.
   void handler(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
                std::function<void(const std::string&)> apply);
   /// Called with the first word that is no option here; may throw a better error than "unknown option".
   void explain_unknown(std::function<void(const std::string&)> explain);
   void footer(const std::string& text);
 
-  /// False when --help was asked for; it is then on stdout. A later value of an option wins over an earlier one.
-  /// Throws Error(usage): unknown options name the nearest.
+  /// False when --help was asked for; it is then on stdout. A later value of an option wins over an earlier
+  /// one. Throws Error(usage): unknown options name the nearest.
   bool parse(const Words& words);
-  /// Long name and value of every option given, in the order of declaration; a flag's value is "true" or "false".
+  /// Long name and value of every option given, in the order of declaration; a flag's value is "true" or
+  /// "false".
   std::vector<std::pair<std::string, std::string>> given() const;
 
  private:

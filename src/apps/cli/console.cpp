@@ -44,7 +44,9 @@ void Console::update(double fraction, std::string_view text) {
   std::fflush(stderr);
 }
 
-bool Console::cancelled() const { return interrupted.load(std::memory_order_relaxed); }
+bool Console::cancelled() const {
+  return interrupted.load(std::memory_order_relaxed);
+}
 
 void Console::set_stage(const std::string& stage) {
   const std::lock_guard lock(mutex_);

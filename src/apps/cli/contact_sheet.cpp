@@ -14,8 +14,10 @@ Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& backgro
   const int gap = std::max(2, height / 90), label = text.size() * 8 / 5;
 
   const vec3 c = background * 255.0f + 0.5f;
-  const Rgba8 ground{std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z), std::uint8_t(transparent ? 0 : 255)};
-  Image<Rgba8> sheet(columns * width + (columns - 1) * gap, rows * (height + label) + (rows - 1) * gap, ground);
+  const Rgba8 ground{std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z),
+                     std::uint8_t(transparent ? 0 : 255)};
+  Image<Rgba8> sheet(columns * width + (columns - 1) * gap, rows * (height + label) + (rows - 1) * gap,
+                     ground);
   for (int i = 0; i < count; ++i) {
     const int x = i % columns * (width + gap), y = i / columns * (height + label + gap);
     const int indent = (width - text.width(panels[std::size_t(i)].label)) / 2;

@@ -14,8 +14,12 @@ int doctor_command(const Words& words) {
   const auto context = gl::Context::create_headless();
   const gl::Limits& l = context->limits();
   std::string text;
-  auto row = [&](const char* key, const std::string& value) { text += fmt::format("{:<26}{}\n", key, value); };
-  auto fast = [](bool has, const char* without) { return has ? std::string("yes") : std::string("no, ") + without; };
+  auto row = [&](const char* key, const std::string& value) {
+    text += fmt::format("{:<26}{}\n", key, value);
+  };
+  auto fast = [](bool has, const char* without) {
+    return has ? std::string("yes") : std::string("no, ") + without;
+  };
   row("sfumato", version());
   row("GL version", l.version);
   row("renderer", l.renderer);
@@ -28,8 +32,10 @@ int doctor_command(const Words& words) {
   row("fast: float atomics", fast(l.float_atomics, "--fast has no effect"));
   row("fast: 64-bit atomics", fast(l.int64_atomics, "points take two passes instead of one"));
   if (l.software)
-    text += "\nTo use a GPU: install its driver (Mesa: libgl1-mesa-dri and libegl-mesa0; NVIDIA: libnvidia-egl or the\n"
-            "vendor's package with EGL) and give this user access to /dev/dri/renderD* (groups render, video).\n";
+    text +=
+        "\nTo use a GPU: install its driver (Mesa: libgl1-mesa-dri and libegl-mesa0; NVIDIA: libnvidia-egl "
+        "or the\n"
+        "vendor's package with EGL) and give this user access to /dev/dri/renderD* (groups render, video).\n";
   print(text);
   return 0;
 }

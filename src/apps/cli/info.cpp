@@ -12,7 +12,9 @@ namespace {
 
 std::string info_text(const io::ReadReport& r, double spacing) {
   std::string text;
-  auto row = [&](const char* key, const std::string& value) { text += fmt::format("{:<16}{}\n", key, value); };
+  auto row = [&](const char* key, const std::string& value) {
+    text += fmt::format("{:<16}{}\n", key, value);
+  };
   auto point = [](const dvec3& v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
   row("file", r.file.string());
   row("format", r.format);
@@ -49,7 +51,8 @@ int info_command(const Words& words) {
   io::ReadResult result = io::read(file, options, console);
   for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
   double spacing = 0;
-  if (!result.cloud.empty()) spacing = analysis::prepare(std::move(result.cloud), {}, {}, console).median_spacing;
+  if (!result.cloud.empty())
+    spacing = analysis::prepare(std::move(result.cloud), {}, {}, console).median_spacing;
   print(json ? info_json(result.report, spacing) : info_text(result.report, spacing));
   return 0;
 }

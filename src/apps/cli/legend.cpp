@@ -31,12 +31,15 @@ struct Panel {
 };
 
 void draw_bar(Image<Rgba8>& image, const Coloring& coloring, const vec3& background, const Text& text) {
-  const int em = text.size(), bar_width = std::max(4, em), bar_height = std::max(3 * em, image.height() * 35 / 100);
+  const int em = text.size(), bar_width = std::max(4, em),
+            bar_height = std::max(3 * em, image.height() * 35 / 100);
   int decimals = 0;
-  std::vector<double> ticks = nice_ticks(coloring.low, coloring.high, std::max(2, bar_height / (3 * em)), decimals);
+  std::vector<double> ticks =
+      nice_ticks(coloring.low, coloring.high, std::max(2, bar_height / (3 * em)), decimals);
   const std::string title = title_of(coloring.source);
   int label_width = 0;
-  for (double tick : ticks) label_width = std::max(label_width, text.width(fmt::format("{:.{}f}", tick, decimals)));
+  for (double tick : ticks)
+    label_width = std::max(label_width, text.width(fmt::format("{:.{}f}", tick, decimals)));
   const int content_width = std::max(text.width(title), bar_width + em + label_width);
   const Panel panel(image, content_width, bar_height + 2 * em, em * 2 / 3);
   panel.draw(image, background);
@@ -48,10 +51,12 @@ void draw_bar(Image<Rgba8>& image, const Coloring& coloring, const vec3& backgro
   for (int row = 0; row < bar_height; ++row)
     fill(image, left, top + row, bar_width, 1, map.at(1 - (row + 0.5) / bar_height));
   for (double tick : ticks) {
-    const double share = coloring.high != coloring.low ? (tick - coloring.low) / (coloring.high - coloring.low) : 0.5;
+    const double share =
+        coloring.high != coloring.low ? (tick - coloring.low) / (coloring.high - coloring.low) : 0.5;
     const int y = top + int(std::lround((1 - share) * (bar_height - 1)));
     fill(image, left + bar_width, y, std::max(2, em / 3), std::max(1, em / 16), ink);
-    text.draw(image, left + bar_width + em * 2 / 3, y + em * 3 / 8, fmt::format("{:.{}f}", tick, decimals), ink);
+    text.draw(image, left + bar_width + em * 2 / 3, y + em * 3 / 8, fmt::format("{:.{}f}", tick, decimals),
+              ink);
   }
 }
 
@@ -97,8 +102,10 @@ std::vector<double> nice_ticks(double low, double high, int count, int& decimals
 void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& background) {
   if (coloring.kind != ColorKind::scalar && coloring.kind != ColorKind::classes) return;
   const Text text(std::clamp(image.height() / 42, 9, 64));
-  if (coloring.kind == ColorKind::scalar) draw_bar(image, coloring, background, text);
-  else draw_classes(image, coloring, background, text);
+  if (coloring.kind == ColorKind::scalar)
+    draw_bar(image, coloring, background, text);
+  else
+    draw_classes(image, coloring, background, text);
 }
 
 }  // namespace sfumato::cli

@@ -7,8 +7,8 @@
 
 namespace sfumato::cli {
 
-/// A bar with ticks for a scalar, a list for classes; nothing for the cloud's own colours and for normals, which
-/// explain themselves. `background` (sRGB 0..1) decides between dark and light letters.
+/// A bar with ticks for a scalar, a list for classes; nothing for the cloud's own colours and for normals,
+/// which explain themselves. `background` (sRGB 0..1) decides between dark and light letters.
 void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& background);
 
 /// Round numbers inside [low, high], about `count` of them, and the decimals that tell them apart.

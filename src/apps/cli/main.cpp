@@ -1,4 +1,5 @@
-// sfumato: point clouds to pictures. This file picks the command and turns errors into one line and an exit code.
+// sfumato: point clouds to pictures. This file picks the command and turns errors into one line and an exit
+// code.
 #include <cstdio>
 #include <filesystem>
 #include <new>

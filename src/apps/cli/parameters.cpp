@@ -31,12 +31,14 @@ void explain_foreign(const std::string& word, const std::string& chosen) {
   std::string owners;
   for (const TechniqueInfo& info : all_techniques()) {
     ChosenTechnique other(info);
-    if (dot != std::string::npos ? info.name == name.substr(0, dot) && other.parameters.find(name.substr(dot + 1))
-                                 : other.parameters.find(name) != nullptr)
+    if (dot != std::string::npos
+            ? info.name == name.substr(0, dot) && other.parameters.find(name.substr(dot + 1))
+            : other.parameters.find(name) != nullptr)
       owners += (owners.empty() ? "" : ", ") + info.name;
   }
   if (!owners.empty())
-    throw Error(ErrorCode::usage, word + " is a parameter of " + owners + ", not of " + chosen + " (choose with -t)");
+    throw Error(ErrorCode::usage,
+                word + " is a parameter of " + owners + ", not of " + chosen + " (choose with -t)");
 }
 
 }  // namespace
@@ -97,7 +99,8 @@ Words Choice::complete_booleans(const Words& words) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (!out[i].starts_with("--") || out[i].find('=') != std::string::npos) continue;
     const std::string name = out[i].substr(2);
-    const std::vector<Param*> found = find(name.substr(name.find('.') == std::string::npos ? 0 : name.find('.') + 1));
+    const std::vector<Param*> found =
+        find(name.substr(name.find('.') == std::string::npos ? 0 : name.find('.') + 1));
     if (found.empty() || found.front()->kind != ParamKind::boolean) continue;
     if (i + 1 == out.size() || !is_boolean_word(out[i + 1])) out[i] += "=true";
   }
@@ -116,9 +119,11 @@ std::string describe_values(const Param& param) {
     for (const std::string& choice : param.choices) text += (text.empty() ? "" : "|") + choice;
   } else {
     text = kind_name(param.kind);
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return char(std::toupper(c)); });
     if (param.min || param.max)
-      text += " [" + (param.min ? number(*param.min) : "") + ".." + (param.max ? number(*param.max) : "") + "]";
+      text +=
+          " [" + (param.min ? number(*param.min) : "") + ".." + (param.max ? number(*param.max) : "") + "]";
     if (param.can_be_auto) text += "|auto";
   }
   return text + " (" + param.default_text + ")";

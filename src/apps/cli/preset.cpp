@@ -26,7 +26,9 @@ std::string spell(const Json& value) {
 
 Preset load_preset(const std::filesystem::path& file) {
   const io::File input(file);
-  auto refuse = [&](const std::string& what) { throw Error(ErrorCode::bad_input, file.string() + ": " + what); };
+  auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::bad_input, file.string() + ": " + what);
+  };
   if (input.size() > (1u << 20)) refuse("too large for a preset");
   const Json json = Json::parse(input.read_text(0, std::size_t(input.size())), nullptr, false);
   if (json.is_discarded() || !json.is_object()) refuse("not a JSON object");
@@ -47,10 +49,11 @@ Preset load_preset(const std::filesystem::path& file) {
 }
 
 void save_preset(const std::filesystem::path& file, const Choice& choice,
-                 const std::vector<std::pair<std::string, std::string>>& given, const std::optional<Camera>& camera) {
-  static const std::set<std::string> not_looks = {"technique", "output", "output-depth", "output-normal",
-                                                  "output-camera", "preset", "save-preset", "camera", "timings",
-                                                  "json", "quiet", "path", "frames", "degrees"};
+                 const std::vector<std::pair<std::string, std::string>>& given,
+                 const std::optional<Camera>& camera) {
+  static const std::set<std::string> not_looks = {
+      "technique", "output",  "output-depth", "output-normal", "output-camera", "preset", "save-preset",
+      "camera",    "timings", "json",         "quiet",         "path",          "frames", "degrees"};
   Json json;
   json["sfumato"] = version();
   std::string names;
@@ -66,7 +69,9 @@ void save_preset(const std::filesystem::path& file, const Choice& choice,
   for (const auto& [name, value] : given) {
     std::string parameter = name;
     std::replace(parameter.begin(), parameter.end(), '-', '_');
-    if (not_looks.contains(name) || json["parameters"].contains(parameter) || name.find('.') != std::string::npos) continue;
+    if (not_looks.contains(name) || json["parameters"].contains(parameter) ||
+        name.find('.') != std::string::npos)
+      continue;
     bool is_parameter = false;  // a plain name, saved above under its qualified ones
     for (const auto& chosen : choice.techniques) is_parameter |= chosen->parameters.find(name) != nullptr;
     if (!is_parameter) json["options"][name] = value;

@@ -1,9 +1,10 @@
 // Presets: everything that decides how a picture looks, as a JSON file that reproduces it.
 //
-//   {"technique": "points", "parameters": {"point_size": 2}, "options": {"color-by": "elevation"}, "camera": {...}}
+//   {"technique": "points", "parameters": {"point_size": 2}, "options": {"color-by": "elevation"}, "camera":
+//   {...}}
 //
-// Keys of `parameters` may be qualified ("points.point_size"). A preset acts like its options written before those
-// of the command line, which therefore win.
+// Keys of `parameters` may be qualified ("points.point_size"). A preset acts like its options written before
+// those of the command line, which therefore win.
 #pragma once
 
 #include <filesystem>
@@ -26,8 +27,10 @@ struct Preset {
 Preset load_preset(const std::filesystem::path& file);
 
 /// `given`: the options of the command line (and of a preset it loaded); those that name files are left out.
-/// Every parameter is written, also those at their default, so that the picture outlives a change of defaults.
+/// Every parameter is written, also those at their default, so that the picture outlives a change of
+/// defaults.
 void save_preset(const std::filesystem::path& file, const Choice& choice,
-                 const std::vector<std::pair<std::string, std::string>>& given, const std::optional<Camera>& camera);
+                 const std::vector<std::pair<std::string, std::string>>& given,
+                 const std::optional<Camera>& camera);
 
 }  // namespace sfumato::cli

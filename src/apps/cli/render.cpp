@@ -49,15 +49,18 @@ PointCloud read_scene(const RenderOptions& options, RenderReport& report, Consol
     for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
     report.points_read += result.report.points;
     if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point to render in it");
-    if (options.files.size() == 1) scene = std::move(result.cloud);
-    else append(scene, result.cloud);
+    if (options.files.size() == 1)
+      scene = std::move(result.cloud);
+    else
+      append(scene, result.cloud);
   }
   if (options.read.max_points) scene = subsample(scene, std::size_t(*options.read.max_points));
   if (options.up_axis) scene.up = *options.up_axis;
   report.points_hidden = hide_classes(scene, options.hidden_classes);
   if (scene.empty())
-    throw Error(ErrorCode::bad_input, options.files[0] + ": every point is withheld or of a hidden class; show them "
-                                                          "with --hide-classes none");
+    throw Error(ErrorCode::bad_input, options.files[0] +
+                                          ": every point is withheld or of a hidden class; show them "
+                                          "with --hide-classes none");
   report.points_rendered = scene.size();
   return scene;
 }
@@ -65,9 +68,15 @@ PointCloud read_scene(const RenderOptions& options, RenderReport& report, Consol
 /// Everything from the prepared cloud to files; one instance a command.
 class Studio {
  public:
-  Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command, Console& console)
-      : options_(options), choice_(choice), report_(report), command_(std::move(command)), console_(console),
-        context_(gl::Context::create_headless()), renderer_(*context_) {
+  Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
+         Console& console)
+      : options_(options),
+        choice_(choice),
+        report_(report),
+        command_(std::move(command)),
+        console_(console),
+        context_(gl::Context::create_headless()),
+        renderer_(*context_) {
     report_.techniques.resize(choice_.techniques.size());
     const std::string extension = extension_of(options_.output);
     wants_.color = extension == ".png";
@@ -97,8 +106,10 @@ class Studio {
   void shoot(const Camera& camera, int n, Stopwatch& watch) {
     const int limit = context_->limits().max_texture_size;
     if (camera.width > limit || camera.height > limit)
-      throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
-                                                "lower --resolution", camera.width, camera.height, limit));
+      throw Error(ErrorCode::usage,
+                  fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
+                              "lower --resolution",
+                              camera.width, camera.height, limit));
     std::vector<Panel> panels;
     RenderOutput out;
     for (std::size_t i = 0; i < choice_.techniques.size(); ++i) {
@@ -133,7 +144,8 @@ class Studio {
       const std::string name = name_of(options_.output, n), extension = extension_of(name);
       if (extension == ".png") {
         io::write_png(name, out.rgba8, options_.no_background,
-                      {{"Software", std::string("sfumato ") + version()}, {"Command", command_},
+                      {{"Software", std::string("sfumato ") + version()},
+                       {"Command", command_},
                        {"Camera", io::camera_to_json(camera)}});
       } else if (extension == ".exr") {
         io::write_exr(name, out.color_linear, out.depth, out.normal, command_);
@@ -170,10 +182,12 @@ std::string timings_text(const RenderReport& report, const Choice& choice) {
   for (std::size_t i = 0; i < report.techniques.size(); ++i) {
     const TechniqueReport& one = report.techniques[i];
     text += fmt::format("{}:\n", choice.techniques[i]->name);
-    for (const PassTiming& pass : one.passes) text += fmt::format("  {:<32}{:>10.2f} ms\n", pass.name, pass.ms);
+    for (const PassTiming& pass : one.passes)
+      text += fmt::format("  {:<32}{:>10.2f} ms\n", pass.name, pass.ms);
     text += fmt::format("  {:<32}{:>10.2f} ms\n", "total", one.total_ms);
   }
-  for (const auto& [stage, ms] : report.stages_ms) text += fmt::format("{:<34}{:>10.2f} ms\n", stage + ", wall time", ms);
+  for (const auto& [stage, ms] : report.stages_ms)
+    text += fmt::format("{:<34}{:>10.2f} ms\n", stage + ", wall time", ms);
   text.pop_back();
   return text;
 }
@@ -183,13 +197,14 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
     for (const std::string& note : report.techniques[i].notes)
       console.say(choice.techniques[i]->name + ": " + note);
   if (report.points_hidden > 0)
-    console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})", report.points_hidden,
-                            options.hide_classes));
+    console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})",
+                            report.points_hidden, options.hide_classes));
   if (options.timings) console.say(timings_text(report, choice));
   const std::string& first = report.outputs.front();
   console.say(report.frames > 1
                   ? fmt::format("wrote {} ... {} ({} frames)", first, report.outputs.back(), report.frames)
-                  : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered, report.color_by));
+                  : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered,
+                                report.color_by));
 }
 
 }  // namespace

@@ -11,7 +11,9 @@
 namespace sfumato::cli {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::usage, message); }
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::usage, message);
+}
 
 std::string join(const std::vector<std::string>& words) {
   std::string text;
@@ -25,10 +27,14 @@ void RenderOptions::declare(CommandLine& line) {
   line.positionals("FILE", files, "point clouds; several are one scene");
   line.group("Output");
   line.text("-t,--technique", technique, "NAME[,NAME...]",
-            "technique (" + default_technique() + "); several give a labelled contact sheet. See: sfumato techniques");
-  line.text("-o,--output", output, "FILE", "picture: .png (sRGB), .exr (linear, Z, normals), .npy (linear RGBA)");
-  line.text("--output-depth", output_depth, "FILE.npy", "float32 HxW, depth along the view axis, inf where nothing");
-  line.text("--output-normal", output_normal, "FILE.npy", "float32 HxWx3, world, facing the camera, 0 where none");
+            "technique (" + default_technique() +
+                "); several give a labelled contact sheet. See: sfumato techniques");
+  line.text("-o,--output", output, "FILE",
+            "picture: .png (sRGB), .exr (linear, Z, normals), .npy (linear RGBA)");
+  line.text("--output-depth", output_depth, "FILE.npy",
+            "float32 HxW, depth along the view axis, inf where nothing");
+  line.text("--output-normal", output_normal, "FILE.npy",
+            "float32 HxWx3, world, facing the camera, 0 where none");
   line.text("--output-camera", output_camera, "FILE.json", "the camera of the picture");
   line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png");
   line.text("--frames", frames, "N", "pictures of the path (120)");
@@ -46,9 +52,12 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
   line.text("--hide-classes", hide_classes, "N,N...|none", "classification codes left out (7,18: noise)");
   line.group("Colour");
-  line.text("--color-by", color.color_by, "NAME", "auto, rgb, intensity, classification, elevation, normal, any scalar");
-  line.text("--colormap", color.colormap, "NAME", join(Colormap::names()) + " (gray for intensity, else viridis)");
-  line.text("--color-range", color_range, "A,B", "values at the ends of the colour map (2-98 % of the points)");
+  line.text("--color-by", color.color_by, "NAME",
+            "auto, rgb, intensity, classification, elevation, normal, any scalar");
+  line.text("--colormap", color.colormap, "NAME",
+            join(Colormap::names()) + " (gray for intensity, else viridis)");
+  line.text("--color-range", color_range, "A,B",
+            "values at the ends of the colour map (2-98 % of the points)");
   line.flag("--legend", legend, "explain the colours in the picture");
   line.text("--background-color", background_color, "R,G,B", "sRGB 0..1 (1,1,1)");
   line.flag("--no-background", no_background, "transparent where nothing is");
@@ -56,18 +65,20 @@ void RenderOptions::declare(CommandLine& line) {
 
 void RenderOptions::check(std::size_t technique_count) {
   if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
-  if (!has_output())
-    refuse("there is no viewer in this version: add -o OUT.png to render to a picture");
+  if (!has_output()) refuse("there is no viewer in this version: add -o OUT.png to render to a picture");
   const std::string extension = extension_of(output);
   if (!output.empty() && extension != ".png" && extension != ".exr" && extension != ".npy")
     refuse("-o " + output + ": pictures are written as .png, .exr or .npy");
   if (technique_count > 1) {
-    if (!output.empty() && extension != ".png") refuse("-o " + output + ": a contact sheet of several techniques is a .png");
+    if (!output.empty() && extension != ".png")
+      refuse("-o " + output + ": a contact sheet of several techniques is a .png");
     if (!output_depth.empty() || !output_normal.empty())
       refuse("--output-depth and --output-normal need a single technique");
   }
-  for (const auto& [option, file] : {std::pair("--output-depth", output_depth), std::pair("--output-normal", output_normal)})
-    if (!file.empty() && extension_of(file) != ".npy") refuse(std::string(option) + " " + file + ": the array is written as .npy");
+  for (const auto& [option, file] :
+       {std::pair("--output-depth", output_depth), std::pair("--output-normal", output_normal)})
+    if (!file.empty() && extension_of(file) != ".npy")
+      refuse(std::string(option) + " " + file + ": the array is written as .npy");
   if (legend && (extension == ".exr" || extension == ".npy")) refuse("--legend goes with .png only");
   camera.check();
   if (path.empty()) {
@@ -80,7 +91,8 @@ void RenderOptions::check(std::size_t technique_count) {
       if (!file.empty() && (frame_name(file, 0) == frame_name(file, 1)))
         refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
   }
-  if (!up.empty() && !(up_axis = parse_up_axis(up))) refuse("--up: '" + up + "' is not one of +X -X +Y -Y +Z -Z");
+  if (!up.empty() && !(up_axis = parse_up_axis(up)))
+    refuse("--up: '" + up + "' is not one of +X -X +Y -Y +Z -Z");
   if (!background_color.empty()) {
     const std::vector<double> v = parse_numbers("--background-color", background_color, 3);
     for (double c : v)
@@ -102,7 +114,8 @@ void RenderOptions::check(std::size_t technique_count) {
 
 std::string extension_of(const std::string& file) {
   std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   return extension;
 }
 
@@ -110,7 +123,8 @@ std::string frame_name(const std::string& pattern, int n) {
   try {
     return fmt::format(fmt::runtime(pattern), fmt::arg("n", n));
   } catch (const fmt::format_error& error) {
-    refuse("'" + pattern + "' is no file name template (" + error.what() + "): write {n:04} for the frame's number");
+    refuse("'" + pattern + "' is no file name template (" + error.what() +
+           "): write {n:04} for the frame's number");
   }
 }
 

@@ -1,4 +1,5 @@
-// The fixed options of rendering. Parameters of techniques are in parameters.h, the camera in camera_options.h.
+// The fixed options of rendering. Parameters of techniques are in parameters.h, the camera in
+// camera_options.h.
 #pragma once
 
 #include <optional>

@@ -10,18 +10,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
+Json list(const dvec3& v) {
+  return Json::array({v.x, v.y, v.z});
+}
 
 /// The text of a parameter as the JSON value of its kind.
 Json value_of(const Param& param, const std::string& text) {
   if (text == "auto" && param.can_be_auto) return "auto";
   switch (param.kind) {
-    case ParamKind::boolean: return text == "true";
+    case ParamKind::boolean:
+      return text == "true";
     case ParamKind::integer:
-    case ParamKind::real: return Json::parse(text, nullptr, false);
+    case ParamKind::real:
+      return Json::parse(text, nullptr, false);
     case ParamKind::real_list:
-    case ParamKind::vector3: return Json::parse("[" + text + "]", nullptr, false);
-    default: return text;
+    case ParamKind::vector3:
+      return Json::parse("[" + text + "]", nullptr, false);
+    default:
+      return text;
   }
 }
 
@@ -31,7 +37,8 @@ Json describe(const Param& param) {
   json["kind"] = kind_name(param.kind);
   json["default"] = value_of(param, param.default_text);
   if (param.kind == ParamKind::choice) json["choices"] = param.choices;
-  if (param.min || param.max) json["range"] = {param.min ? Json(*param.min) : Json(), param.max ? Json(*param.max) : Json()};
+  if (param.min || param.max)
+    json["range"] = {param.min ? Json(*param.min) : Json(), param.max ? Json(*param.max) : Json()};
   json["auto"] = param.can_be_auto;
   json["unit"] = param.unit_text;
   json["help"] = param.help_text;
@@ -67,8 +74,7 @@ Json resolved(const ParamList& parameters) {
 
 Json timings(const TechniqueReport& report) {
   Json json = Json::object();
-  for (const PassTiming& pass : report.passes)
-    json[pass.name] = json.value(pass.name, 0.0) + pass.ms;
+  for (const PassTiming& pass : report.passes) json[pass.name] = json.value(pass.name, 0.0) + pass.ms;
   json["total"] = report.total_ms;
   return json;
 }
@@ -121,8 +127,10 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["points_drawn"] = drawn;
   json["frames"] = report.frames;
   for (std::size_t i = 0; i < report.techniques.size(); ++i) {
-    if (report.techniques.size() == 1) json["timings_ms"] = timings(report.techniques[i]);
-    else json["timings_ms"][choice.techniques[i]->name] = timings(report.techniques[i]);
+    if (report.techniques.size() == 1)
+      json["timings_ms"] = timings(report.techniques[i]);
+    else
+      json["timings_ms"][choice.techniques[i]->name] = timings(report.techniques[i]);
   }
   for (const auto& [stage, ms] : report.stages_ms) json["stages_ms"][stage] = ms;
   Json notes = Json::array();

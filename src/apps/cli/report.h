@@ -29,12 +29,12 @@ struct RenderReport {
   std::uint64_t points_read = 0, points_hidden = 0, points_rendered = 0;
   std::string color_by;
   int frames = 1;
-  std::vector<TechniqueReport> techniques;                 ///< in the order of the choice
-  std::vector<std::pair<std::string, double>> stages_ms;   ///< wall time: read, prepare, render, write
+  std::vector<TechniqueReport> techniques;                ///< in the order of the choice
+  std::vector<std::pair<std::string, double>> stages_ms;  ///< wall time: read, prepare, render, write
 };
 
-/// One technique: `technique` is its name, `parameters` and `timings_ms` are flat. Several: `technique` is the list,
-/// and both are keyed by technique.
+/// One technique: `technique` is its name, `parameters` and `timings_ms` are flat. Several: `technique` is
+/// the list, and both are keyed by technique.
 std::string render_json(const RenderReport& report, const Choice& choice, const std::string& camera_json);
 
 }  // namespace sfumato::cli

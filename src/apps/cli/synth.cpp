@@ -1,4 +1,6 @@
 // sfumato synth: synthetic scans with known truth.
+#include "synth/synth.h"
+
 #include <filesystem>
 
 #include "commands.h"
@@ -9,12 +11,12 @@
 #include "io/npy.h"
 #include "parameters.h"
 #include "synth/scene.h"
-#include "synth/synth.h"
 
 namespace sfumato::cli {
 namespace {
 
-void write_truth(const synth::Scene& scene, const std::string& folder, const Camera& camera, Console& console) {
+void write_truth(const synth::Scene& scene, const std::string& folder, const Camera& camera,
+                 Console& console) {
   const synth::Truth truth = synth::truth(scene, camera, console);
   const std::filesystem::path out(folder);
   std::filesystem::create_directories(out);
@@ -42,7 +44,8 @@ int synth_command(const Words& words) {
   ParamList parameters;
   options.describe(parameters);
 
-  CommandLine line("sfumato synth", "Samples a synthetic scene like a scanner would. Scenes: " + scene_list() + ".");
+  CommandLine line("sfumato synth",
+                   "Samples a synthetic scene like a scanner would. Scenes: " + scene_list() + ".");
   line.positional("SCENE", scene_name, scene_list());
   line.text("-o,--output", output, "FILE", "the scan to write: .las .laz .ply");
   line.text("--input", input, "FILE.ply|obj", "the mesh to sample (scene mesh)");
@@ -62,7 +65,8 @@ int synth_command(const Words& words) {
   if (truth_folder && !camera_file) throw Error(ErrorCode::usage, "--truth needs --camera C.json");
 
   Console console(quiet);
-  const std::optional<Camera> camera = camera_file ? std::optional(io::read_camera(*camera_file)) : std::nullopt;
+  const std::optional<Camera> camera =
+      camera_file ? std::optional(io::read_camera(*camera_file)) : std::nullopt;
   const synth::Scene scene =
       input ? synth::make_mesh_scene(io::read_mesh(*input, console)) : synth::make_scene(scene_name);
   if (!output.empty()) {

@@ -24,7 +24,8 @@ std::string page(const TechniqueInfo& info) {
   const ChosenTechnique chosen(info);
   std::string text = info.name + ": " + info.summary + "\n";
   if (chosen.own_count > 0) text += "\nParameters\n" + rows(chosen.parameters, 0, chosen.own_count);
-  text += "\nParameters of every technique\n" + rows(chosen.parameters, chosen.own_count, chosen.parameters.all().size());
+  text += "\nParameters of every technique\n" +
+          rows(chosen.parameters, chosen.own_count, chosen.parameters.all().size());
   return text;
 }
 
@@ -43,7 +44,8 @@ int techniques_command(const Words& words) {
     print(page(find_technique(name)));
   } else {
     std::string text;
-    for (const TechniqueInfo& info : all_techniques()) text += fmt::format("{:<12}{}\n", info.name, info.summary);
+    for (const TechniqueInfo& info : all_techniques())
+      text += fmt::format("{:<12}{}\n", info.name, info.summary);
     print(text);
   }
   return 0;

@@ -12,7 +12,8 @@ asm(".section .rodata\n"
     ".global sfumato_font_begin\n"
     ".global sfumato_font_end\n"
     "sfumato_font_begin:\n"
-    ".incbin \"" SFUMATO_FONT_FILE "\"\n"
+    ".incbin \"" SFUMATO_FONT_FILE
+    "\"\n"
     "sfumato_font_end:\n"
     ".byte 0\n"
     ".previous\n");
@@ -26,7 +27,8 @@ struct Text::Face {
 
   explicit Face(int size_px) {
     if (FT_Init_FreeType(&library) != 0 ||
-        FT_New_Memory_Face(library, sfumato_font_begin, FT_Long(sfumato_font_end - sfumato_font_begin), 0, &face) != 0 ||
+        FT_New_Memory_Face(library, sfumato_font_begin, FT_Long(sfumato_font_end - sfumato_font_begin), 0,
+                           &face) != 0 ||
         FT_Set_Pixel_Sizes(face, 0, FT_UInt(size_px)) != 0)
       throw Error(ErrorCode::out_of_memory, "FreeType cannot load the embedded font");
   }
@@ -40,7 +42,9 @@ namespace {
 
 /// The next code point of `text` from `i`, which moves on; a broken byte counts as a question mark.
 unsigned next_code(std::string_view text, std::size_t& i) {
-  const auto byte = [&](std::size_t k) { return k < text.size() ? unsigned(static_cast<unsigned char>(text[k])) : 0u; };
+  const auto byte = [&](std::size_t k) {
+    return k < text.size() ? unsigned(static_cast<unsigned char>(text[k])) : 0u;
+  };
   const unsigned first = byte(i++);
   if (first < 0x80) return first;
   const int more = first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : first >= 0xc0 ? 1 : 0;
@@ -60,7 +64,8 @@ Text::~Text() = default;
 int Text::width(std::string_view utf8) const {
   FT_Pos pen = 0;
   for (std::size_t i = 0; i < utf8.size();)
-    if (FT_Load_Char(face_->face, next_code(utf8, i), FT_LOAD_DEFAULT) == 0) pen += face_->face->glyph->advance.x;
+    if (FT_Load_Char(face_->face, next_code(utf8, i), FT_LOAD_DEFAULT) == 0)
+      pen += face_->face->glyph->advance.x;
   return int((pen + 63) >> 6);
 }
 

@@ -20,7 +20,9 @@ PointCloud ramp(int n) {
   return cloud;
 }
 
-ScalarField field(const char* name, std::vector<float> values) { return {name, 0, std::move(values)}; }
+ScalarField field(const char* name, std::vector<float> values) {
+  return {name, 0, std::move(values)};
+}
 
 std::string refusal(const std::function<void()>& act) {
   try {
@@ -37,7 +39,7 @@ TEST(Colormap, EndsAndMiddleAreTheKnownColours) {
   EXPECT_EQ(Colormap::named("viridis").at(1), (Rgba8{0xfd, 0xe7, 0x25, 255}));
   EXPECT_EQ(Colormap::named("gray").at(0.5), (Rgba8{136, 136, 136, 255}));
   EXPECT_EQ(Colormap::named("jet").at(0.5), (Rgba8{128, 255, 128, 255}));
-  EXPECT_EQ(Colormap::named("coolwarm").at(0), (Rgba8{59, 76, 192, 255}));   // Moreland 2009, table
+  EXPECT_EQ(Colormap::named("coolwarm").at(0), (Rgba8{59, 76, 192, 255}));  // Moreland 2009, table
   EXPECT_EQ(Colormap::named("coolwarm").at(1), (Rgba8{180, 4, 38, 255}));
   EXPECT_EQ(Colormap::named("spectral").at(0.5), (Rgba8{255, 255, 191, 255}));
 }
@@ -84,7 +86,7 @@ TEST(Coloring, ElevationIsTheWorldCoordinateAlongUp) {
   PointCloud cloud = ramp(101);
   cloud.origin = {1e6, 5e6, 300};
   Coloring along_z = color_points(cloud, {"elevation", "gray", std::nullopt});
-  EXPECT_EQ(along_z.low, 304);   // 2 % of 101 heights 300, 302 ... 500
+  EXPECT_EQ(along_z.low, 304);  // 2 % of 101 heights 300, 302 ... 500
   EXPECT_EQ(along_z.high, 496);
   EXPECT_NEAR(along_z.colors[50].r, 136, 1);
   EXPECT_EQ(along_z.colors[0].r, 0x20);
@@ -145,10 +147,18 @@ TEST(Coloring, ClassesHaveTheKnownColours) {
 TEST(Coloring, WrongNameNamesTheNearest) {
   PointCloud cloud = ramp(2);
   cloud.set_scalar(field("intensity", {1, 2}));
-  EXPECT_THAT(refusal([&] { color_points(cloud, {"intensty", "", std::nullopt}); }),
+  EXPECT_THAT(refusal([&] {
+                color_points(cloud, {"intensty", "", std::nullopt});
+              }),
               ::testing::HasSubstr("did you mean 'intensity'"));
-  EXPECT_THAT(refusal([&] { color_points(cloud, {"rgb", "", std::nullopt}); }), ::testing::HasSubstr("no 'rgb'"));
-  EXPECT_THAT(refusal([&] { color_points(cloud, {"normal", "", std::nullopt}); }), ::testing::HasSubstr("no normals"));
+  EXPECT_THAT(refusal([&] {
+                color_points(cloud, {"rgb", "", std::nullopt});
+              }),
+              ::testing::HasSubstr("no 'rgb'"));
+  EXPECT_THAT(refusal([&] {
+                color_points(cloud, {"normal", "", std::nullopt});
+              }),
+              ::testing::HasSubstr("no normals"));
 }
 
 TEST(Coloring, HidesNoiseClassesAndWithheldPoints) {
