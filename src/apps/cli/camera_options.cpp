@@ -222,10 +222,10 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
 Subject subject_of(const PointCloud& cloud) {
   const Bounds full = bounds(cloud);
   Bounds box = robust_bounds(cloud);
-  const dvec3 room = 0.3 * box.size();
+  const double room = box.diagonal() / 3;
   for (int k = 0; k < 3; ++k) {
-    if (box.min[k] - full.min[k] <= room[k]) box.min[k] = full.min[k];
-    if (full.max[k] - box.max[k] <= room[k]) box.max[k] = full.max[k];
+    if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
+    if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];
   }
   Subject subject{box, {}};
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);

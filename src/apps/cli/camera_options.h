@@ -16,9 +16,9 @@ struct Subject {
   std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
 };
 
-/// The 2-98 % box, grown to the full one where that is at most 30 % further out (the tip of a wedge is), so
-/// that stray points do not decide the view and a compact object is not cut; and up to 50,000 of the points
-/// inside.
+/// The 2-98 % box and up to 50,000 of the points inside. A side grows to the full box where that is at most a
+/// third of the diagonal further out: stray points do not decide the view, and neither the tower of a flat
+/// site nor the tip of a wedge is cut.
 Subject subject_of(const PointCloud& cloud);
 
 struct CameraOptions {
