@@ -54,7 +54,8 @@ PointCloud read_scene(const RenderOptions& options, RenderReport& report, Consol
     else
       append(scene, result.cloud);
   }
-  if (options.read.max_points) scene = subsample(scene, std::size_t(*options.read.max_points));
+  if (options.read.max_points && options.files.size() > 1)
+    scene = subsample(scene, std::size_t(*options.read.max_points));
   if (options.up_axis) scene.up = *options.up_axis;
   report.points_hidden = hide_classes(scene, options.hidden_classes);
   if (scene.empty())
@@ -98,8 +99,7 @@ class Studio {
     PreparedCloud prepared = analysis::prepare(std::move(scene), needs, choice_.prepare, console_);
     coloring_ = color_points(prepared.cloud, options_.color);
     report_.color_by = coloring_.source;
-    renderer_.set_cloud(std::move(prepared), coloring_.colors);
-    coloring_.colors = {};
+    renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
   }
 
   /// Renders one frame with every technique and writes its files. `n` fills the names of a path's frames.
