@@ -12,7 +12,7 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t points_per_batch = 10'240;
+constexpr std::size_t largest_batch = 10'240, smallest_batch = 512, wanted_batches = 512;
 
 /// Grids are lost by sorting, their viewpoints must not be: normals point towards them.
 void keep_viewpoints(PointCloud& cloud) {
@@ -28,7 +28,11 @@ void keep_viewpoints(PointCloud& cloud) {
 }
 
 std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
-  const std::size_t n = positions.size(), count = (n + points_per_batch - 1) / points_per_batch;
+  // A small scan gets smaller batches: its density varies as much as that of a large one, and a batch has one
+  // spacing. 69,000 points of a street sweep in batches of 10,240 gave discs of 60 px among points 2 px apart.
+  const std::size_t n = positions.size();
+  const std::size_t points = std::clamp(n / wanted_batches, smallest_batch, largest_batch);
+  const std::size_t count = (n + points - 1) / points;
   std::vector<Batch> batches(count);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
     const std::size_t first = b * n / count, last = (b + 1) * n / count;

@@ -12,8 +12,8 @@ struct PrepareOptions {
   void describe(ParamList& p);
 };
 
-/// Sorts the cloud along a Morton curve, cuts it into batches of at most 10,240 points, measures its spacing and
-/// then does `complete`. Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar
+/// Sorts the cloud along a Morton curve, cuts it into batches of 512 to 10,240 points (some 512 of them, more for
+/// clouds of over 5 million), measures their spacing and then does `complete`. Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar
 /// `scanner`. The result is the same for any number of threads. Throws Cancelled when the user stops it.
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
                       Progress& progress = no_progress());

@@ -9,7 +9,7 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t most_queries = 20'000, queries_per_batch = 32, near_on_curve = 12;
+constexpr std::size_t most_queries = 20'000, queries_per_batch = 16, near_on_curve = 12;
 
 /// The eight places nearest to a point other than its own.
 class NearestPlaces {

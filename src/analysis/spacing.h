@@ -12,7 +12,7 @@ namespace sfumato::analysis {
 /// single place has no spacing, and 1 is returned, so that the result is always positive and finite.
 float median_spacing(const NeighborTree& tree);
 
-/// Fills `spacing` of every batch: the same quantity over 32 points of the batch; `fallback` where all of a batch
+/// Fills `spacing` of every batch: the same quantity over 16 points of the batch; `fallback` where all of a batch
 /// is one place of the cloud.
 void measure_batches(std::span<Batch> batches, const NeighborTree& tree, float fallback,
                      Progress& progress = no_progress());

@@ -125,47 +125,4 @@ Camera frame(const Bounds& box, UpAxis up_axis, int width, int height, double az
   return camera;
 }
 
-Camera frame_points(const PointCloud& cloud, const Bounds& box, UpAxis up, int width, int height, double azimuth,
-                    double elevation, double fov_y, Projection projection) {
-  Camera camera = frame(box, up, width, height, azimuth, elevation, fov_y, projection);
-  const dvec3 room = 0.1 * box.size() + dvec3(1e-9);
-  const dvec3 lo = box.min - room - cloud.origin, hi = box.max + room - cloud.origin;
-  const dvec3 forward = camera.direction();
-  const dvec3 right = glm::normalize(glm::cross(forward, camera.up)), upward = glm::cross(right, forward);
-  const double tan_y = std::tan(0.5 * fov_y) * 0.96, tan_x = tan_y * width / height;
-  const dvec3 target = camera.target - cloud.origin;
-
-  // Where the four sides of the frustum must lie: the largest of x - t d, -x - t d, y - t d, -y - t d over the
-  // points (x right, y up, d away from the camera, all from the target). Parallel projection: t = 0.
-  const bool flat = projection == Projection::orthographic;
-  const double tx = flat ? 0 : tan_x, ty = flat ? 0 : tan_y;
-  double left = -1e300, east = -1e300, top = -1e300, bottom = -1e300;
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 500'000);
-  std::size_t used = 0;
-  for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 p(cloud.positions[i]);
-    if (glm::any(glm::lessThan(p, lo)) || glm::any(glm::greaterThan(p, hi))) continue;
-    const dvec3 q = p - target;
-    const double x = glm::dot(q, right), y = glm::dot(q, upward), d = glm::dot(q, forward);
-    east = std::max(east, x - tx * d);
-    left = std::max(left, -x - tx * d);
-    top = std::max(top, y - ty * d);
-    bottom = std::max(bottom, -y - ty * d);
-    ++used;
-  }
-  if (used < 2) return camera;
-  const dvec3 shift = right * (0.5 * (east - left)) + upward * (0.5 * (top - bottom));
-  if (flat) {
-    camera.height_world = std::max({top + bottom, (east + left) * height / width, 1e-9}) / 0.96;
-    camera.position += shift;
-    camera.target += shift;
-  } else {
-    const double back = std::max({(east + left) / (2 * tan_x), (top + bottom) / (2 * tan_y), 0.05 * box.diagonal(), 1e-9});
-    camera.target += shift;
-    camera.position = camera.target - forward * back;
-  }
-  camera.fit_depth_range(box);
-  return camera;
-}
-
 }  // namespace sfumato

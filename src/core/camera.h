@@ -54,10 +54,4 @@ struct Camera {
 Camera frame(const Bounds& box, UpAxis up, int width, int height, double azimuth, double elevation,
              double fov_y = glm::radians(45.0), Projection projection = Projection::perspective);
 
-/// The same direction, but fitted to the points themselves: those inside `box` (a robust box, widened by a tenth so
-/// that it keeps what is not stray) fill the picture but for a margin of 4 %.
-Camera frame_points(const PointCloud& cloud, const Bounds& box, UpAxis up, int width, int height, double azimuth,
-                    double elevation, double fov_y = glm::radians(45.0),
-                    Projection projection = Projection::perspective);
-
 }  // namespace sfumato

@@ -14,6 +14,7 @@ layout(binding = UNIT_INPUT) uniform sampler2D reference_depth;
 
 uniform int size_mode;      // 0 adaptive, 1 pixels, 2 world
 uniform float point_size;   // factor, px, scene units
+uniform float largest_spacing;  // scene units; adaptive sizes of sparser batches stay at it
 uniform float min_gap;      // scene units behind the reference
 
 const float max_footprint_px = 64.0;
@@ -45,10 +46,13 @@ void main() {
 
 #ifndef SINGLE_PIXEL
   float diameter = point_size;
-  if (size_mode == 0) diameter *= batch.spacing * pixels_at(depth);
+  if (size_mode == 0) diameter *= min(batch.spacing, largest_spacing) * pixels_at(depth);
   if (size_mode == 2) diameter *= pixels_at(depth);
   if (diameter > 1.0) {
     float radius = 0.5 * min(diameter, max_footprint_px);
+    // A disc is a paraboloid as deep as its radius, so that neighbours meet halfway instead of one covering the
+    // other (Schuetz 2016, Potree): no edges inside a surface for eye-dome lighting to find.
+    precise float bulge = 1.0 / (radius * pixels_at(depth));
     ivec2 lo = max(ivec2(ceil(center - radius - 0.5)), ivec2(0));
     ivec2 hi = min(ivec2(floor(center + radius - 0.5)), size - 1);
     ivec2 own = ivec2(floor(center));
@@ -56,7 +60,10 @@ void main() {
       for (int x = lo.x; x <= hi.x; ++x) {
         vec2 away = vec2(x, y) + 0.5 - center;
         // A disc always owns the pixel its centre falls into, however small it is.
-        if (dot(away, away) <= radius * radius || ivec2(x, y) == own) cover(ivec2(x, y), depth, i);
+        if (dot(away, away) <= radius * radius || ivec2(x, y) == own) {
+          precise float bulged = depth + bulge * min(dot(away, away), radius * radius);
+          cover(ivec2(x, y), bulged, i);
+        }
       }
     return;
   }

@@ -18,6 +18,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
   program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
+  program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   view.bind();
   depth_bits.bind_image(0, GL_READ_WRITE);
   if (index) index->bind_image(1, GL_READ_WRITE);

@@ -19,6 +19,8 @@ enum class SizeMode { adaptive, pixels, world };
 struct Footprint {
   SizeMode mode = SizeMode::pixels;
   float size = 1;  ///< adaptive: factor on the batch's spacing; pixels: px; world: scene units
+  /// Adaptive: sparse ends of a scan are not drawn as if they were balls of this many median spacings and more.
+  float largest_medians = 4;
 };
 
 /// What survived, at the view's size. Also the input of the screen-space techniques.
