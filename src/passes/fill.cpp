@@ -28,4 +28,16 @@ void Fill::run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl
   }
 }
 
+void Fill::run_index(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
+                     const gl::Texture& index_in, const gl::Texture& index_out) {
+  ScreenPass& pass = index_passes_[kind == FillKind::occluded];
+  if (!pass) {
+    gl::Defines defines{"EXTRAS 0", "INDEX"};
+    if (kind == FillKind::occluded) defines.push_back("OCCLUDED");
+    pass = ScreenPass("passes/fill.glsl", {GL_R32F, GL_R32UI}, defines);
+  }
+  if (kind == FillKind::occluded) pass.set("d_min", d_min);
+  pass.run({&depth_in, &index_in}, {&depth_out, &index_out});
+}
+
 }  // namespace sfumato

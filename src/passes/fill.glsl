@@ -12,6 +12,9 @@ layout(binding = UNIT_INPUT + 1) uniform sampler2D extra_image_0;
 #if EXTRAS > 1
 layout(binding = UNIT_INPUT + 2) uniform sampler2D extra_image_1;
 #endif
+#ifdef INDEX
+layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
+#endif
 #ifdef OCCLUDED
 uniform float d_min;
 #endif
@@ -60,6 +63,9 @@ bool filter_pixel(ivec2 pixel) {
 #endif
 #if EXTRAS > 1
   out_2 = texelFetch(extra_image_1, from, 0);
+#endif
+#ifdef INDEX
+  out_1 = texelFetch(index_image, from, 0);
 #endif
   return true;
 }

@@ -21,9 +21,12 @@ class Fill {
   void run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
            std::initializer_list<const gl::Texture*> extra_in = {},
            std::initializer_list<const gl::Texture*> extra_out = {});
+  /// The same with source indices (R32UI) following: attributes are fetched once, after all iterations.
+  void run_index(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
+                 const gl::Texture& index_in, const gl::Texture& index_out);
 
  private:
-  ScreenPass passes_[2][3];
+  ScreenPass passes_[2][3], index_passes_[2];
 };
 
 }  // namespace sfumato

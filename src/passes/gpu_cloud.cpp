@@ -136,7 +136,8 @@ void GpuCloud::set_colors(std::vector<Rgba8> colors) {
   for (Chunk& chunk : chunks_) chunk.colors = {};
 }
 
-void GpuCloud::set_field(std::span<const float> values) {
+void GpuCloud::set_field(std::span<const float> values, std::string key) {
+  field_key_ = std::move(key);
   for (Chunk& chunk : chunks_)
     chunk.field = gl::TextureBuffer("field", GL_R32F, values.subspan(chunk.first, chunk.count));
 }

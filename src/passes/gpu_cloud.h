@@ -53,8 +53,10 @@ class GpuCloud {
 
   const std::vector<Rgba8>& colors() const { return colors_; }
   void set_colors(std::vector<Rgba8> colors);
-  /// One float per point of the prepared cloud, read by shaders as `point_field(i)`.
-  void set_field(std::span<const float> values);
+  /// One float per point of the prepared cloud, read by shaders as `point_field(i)`. `key` says what the values are,
+  /// so that whoever finds its own key need not upload again.
+  void set_field(std::span<const float> values, std::string key = "");
+  const std::string& field_key() const { return field_key_; }
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
   /// Makes shadow factors of 0 that a pass adds to (image unit access to `Chunk::shadow`).
@@ -70,6 +72,7 @@ class GpuCloud {
   std::vector<Chunk> chunks_;
   gl::TextureBuffer places_;
   bool has_shadow_ = false;
+  std::string field_key_;
   std::vector<float> largest_radii_;
   float median_radius_ = 0;
   void measure_radii();

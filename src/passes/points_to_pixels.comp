@@ -1,5 +1,6 @@
 // One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit (WRITE_INDEX)
 // the lowest source index among the points of that depth. Both compute the same depth bit for bit (`precise`).
+//   LIST_LENGTH   the images are lists: as many different depths a pixel, ascending, stacked downwards
 #include "frame.glsl"
 #include "cloud.glsl"
 
@@ -25,7 +26,25 @@ void cover(ivec2 pixel, float depth, int i) {
   if (!(depth >= reference + min_gap)) return;  // beyond the previous layer; inf: that pixel is finished
 #endif
   uint bits = floatBitsToUint(depth);
+#if defined(LIST_LENGTH)
+  ivec2 next = ivec2(0, frame.image_size.y);
 #ifdef WRITE_INDEX
+  for (int k = 0; k < LIST_LENGTH; ++k, pixel += next) {
+    uint entry = imageLoad(depth_image, pixel).x;
+    if (entry == bits) imageAtomicMin(index_image, pixel, point_source_index(i));
+    if (bits <= entry) return;
+  }
+#else
+  if (bits >= imageLoad(depth_image, pixel + (LIST_LENGTH - 1) * next).x) return;
+  // Every entry keeps the least that it is given and hands on the rest: whatever the order of the points, the least
+  // depths remain. Equal depths are one entry.
+  for (int k = 0; k < LIST_LENGTH; ++k, pixel += next) {
+    uint entry = imageAtomicMin(depth_image, pixel, bits);
+    if (entry == bits || entry == 0xffffffffu) return;
+    bits = max(bits, entry);
+  }
+#endif
+#elif defined(WRITE_INDEX)
   if (imageLoad(depth_image, pixel).x == bits) imageAtomicMin(index_image, pixel, point_source_index(i));
 #else
   if (bits < imageLoad(depth_image, pixel).x) imageAtomicMin(depth_image, pixel, bits);

@@ -7,14 +7,16 @@
 namespace sfumato {
 
 void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-                           gl::Texture* index, const gl::Texture* reference, float min_gap) {
+                           gl::Texture* index, const gl::Texture* reference, float min_gap, bool lists) {
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
-  gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0)];
+  gl::Program& program =
+      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
     if (single) defines.push_back("SINGLE_PIXEL");
     if (reference) defines.push_back("DEPTH_REFERENCE");
+    if (lists) defines.push_back("LIST_LENGTH " + std::to_string(list_length));
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
   program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
@@ -51,6 +53,18 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
   layer.index.clear_uint(0xffffffffu);
   visit(cloud, view, footprint, layer.depth_bits, &layer.index, reference, min_gap);
   return points;
+}
+
+void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                                gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers,
+                                const gl::Texture* reference) {
+  cloud.cull(view);
+  {
+    auto timing = timers.scope("depth");
+    visit(cloud, view, footprint, depth_lists, nullptr, reference, 0, true);
+  }
+  auto timing = timers.scope("index");
+  visit(cloud, view, footprint, depth_lists, &index_lists, reference, 0, true);
 }
 
 void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,

@@ -49,10 +49,14 @@ PointCloud read_scene(const RenderOptions& options, RenderReport& report, Consol
     for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
     report.points_read += result.report.points;
     if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point to render in it");
-    if (options.files.size() == 1)
+    if (options.files.size() == 1) {
       scene = std::move(result.cloud);
-    else
-      append(scene, result.cloud);
+      break;
+    }
+    // Tells the files of a scene apart (`--opacity 0.3,1`, `--color-by file`); counts from 1 in their order.
+    const float number = float(&file - options.files.data() + 1);
+    result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
+    append(scene, result.cloud);
   }
   if (options.read.max_points && options.files.size() > 1)
     scene = subsample(scene, std::size_t(*options.read.max_points));

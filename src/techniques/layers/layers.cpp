@@ -1,0 +1,291 @@
+// See-through surfaces in the right order, from points, in image space.
+//
+// P. Dobrev, P. Rosenthal, L. Linsen 2010, "Interactive Image-space Point Cloud Rendering with Transparency and
+// Shadows", WSCG; filters of P. Rosenthal, L. Linsen 2008, "Image-space Point Cloud Rendering", CGI. Layer by layer:
+// the points nearest behind the previous layer become pixels, filters on the image make a surface of them, and the
+// surfaces are blended front to back.
+//
+// Ours differs where pictures or numbers asked for it (docs/techniques/layers.md): a point is as large as the
+// spacing on the screen asks for; the occluded-pixel filter has its minus sign; layers that the filters pulled
+// forward do not bring back what was peeled; several layers come out of one visit of the points.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+#include "passes/bindings.h"
+#include "passes/fill.h"
+#include "passes/shade.h"
+#include "techniques/layers/opacity.h"
+#include "techniques/layers/peel.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+namespace {
+
+enum class Peeling { automatic, cascade, passes };
+
+struct Parameters {
+  int layers = 4;
+  std::vector<float> opacity{0.5f};
+  std::string opacity_by = "auto";
+  Auto<float> min_layer_distance;
+  bool scale_by_angle = true;
+  Peeling peeling = Peeling::automatic;
+  int show_layer = 0;
+  float point_size = 2;
+  Auto<int> background_iterations, occluded_iterations;
+  int smoothing_iterations = 1;
+  bool antialias = true;
+
+  void describe(ParamList& p) {
+    p.add("layers", layers).range(1, 32).help("surfaces that are peeled and blended; 1 is plain rendering");
+    p.add("opacity", opacity)
+        .range(0, 1)
+        .help("of a layer: one number, or a list in the order of the files (or of opacity_by)")
+        .paper("alpha");
+    p.add("opacity_by", opacity_by)
+        .help("scalar whose values, ascending, choose from a list of opacities (auto: file, layer, classification)");
+    p.add("min_layer_distance", min_layer_distance)
+        .at_least(0)
+        .unit("scene units")
+        .help("points closer than this behind a layer belong to it (auto: 3 median spacings)")
+        .paper("d_min");
+    p.add("scale_by_angle", scale_by_angle)
+        .help("min_layer_distance / |n.v|: a layer seen edge-on is thicker along the view");
+    p.add("peeling", peeling, {"auto", "cascade", "passes"})
+        .help("cascade: several layers out of one visit of the points; passes: one visit a layer; the same picture");
+    p.add("show_layer", show_layer).range(0, 32).help("only this layer, opaque, counted from 1 at the front; 0: all");
+    p.add("point_size", point_size)
+        .range(0.01, 1e6)
+        .unit("point spacings")
+        .help("diameter of a point, at least 1 px; 0.01 is the paper's one pixel a point");
+    p.add("background_iterations", background_iterations)
+        .range(0, 16)
+        .help("times that pixels without a point are filled (auto: one more than the point spacing in px, 1 to 3)")
+        .paper("n_b");
+    p.add("occluded_iterations", occluded_iterations)
+        .range(0, 16)
+        .help("times that pixels showing something behind the layer are filled (auto: as background_iterations)")
+        .paper("n_o");
+    p.add("smoothing_iterations", smoothing_iterations).range(0, 16).help("times that a layer is smoothed").paper("n_s");
+    p.add("antialias", antialias).help("smooth the edges of layers");
+  }
+};
+
+class Layers final : public Technique {
+ public:
+  void describe(ParamList& p) override { parameters_.describe(p); }
+
+  bool render(Frame& frame) override {
+    settle(frame);
+    const int guard = guard_band();
+    const View view(frame.camera.with_guard_band(guard), frame.cloud.prepared().cloud.origin);
+    const int last = parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
+    make_textures(view);
+    frame.target.depth.clear(vec4(INFINITY));
+    frame.target.normal.clear(vec4(0, 0, 0, 1));
+    front_.clear(vec4(0));
+    limit_.clear(vec4(0));
+
+    peel_.begin(view, footprint_, cascade_);
+    for (peeled_ = 0; peeled_ < last;) {
+      ++peeled_;
+      const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
+      peel_.next(frame.cloud, view, limit_, depth_, index_, frame.timers);
+      fill(frame);
+      if (is_shown || parameters_.scale_by_angle) fetch_attributes(frame, view);
+      if (is_shown) {
+        light_and_smooth(frame, view);
+        if (peeled_ == std::max(parameters_.show_layer, 1)) {
+          crop(depth_, frame.target.depth, guard);
+          crop(normal_, frame.target.normal, guard);
+        }
+      }
+      if (!advance(frame, view, is_shown)) break;
+      frame.progress.check();
+    }
+    crop(front_, frame.target.color, guard);
+    return true;
+  }
+
+  std::vector<std::string> notes() const override {
+    return {std::to_string(peeled_) + (peeled_ == 1 ? " layer, " : " layers, ") + std::to_string(peel_.visits()) +
+            (peel_.visits() == 1 ? " visit" : " visits") + " of the points (" +
+            (cascade_ ? "cascade" : "passes") + ")"};
+  }
+
+ private:
+  /// Automatic values and what follows from the view.
+  void settle(Frame& frame) {
+    const PreparedCloud& prepared = frame.cloud.prepared();
+    d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing());
+    const View view(frame.camera, prepared.cloud.origin);
+    std::vector<float> spacings_px;
+    for (const Batch& batch : prepared.batches) {
+      if (!view.may_see(batch.box_min, batch.box_max)) continue;
+      const glm::dvec4 center(0.5 * (dvec3(batch.box_min) + dvec3(batch.box_max)), 1);
+      const double depth = std::max(-(view.eye_from_cloud() * center).z, frame.camera.near_plane);
+      const double px = batch.spacing * frame.camera.pixels_per_unit() / (frame.camera.orthographic() ? 1 : depth);
+      spacings_px.push_back(float(px));
+    }
+    float spacing_px = 1, largest_px = 0;
+    if (!spacings_px.empty()) {
+      const auto middle = spacings_px.begin() + std::ptrdiff_t(spacings_px.size() / 2);
+      std::nth_element(spacings_px.begin(), middle, spacings_px.end());
+      spacing_px = *middle;
+      largest_px = *std::max_element(spacings_px.begin(), spacings_px.end());
+    }
+    // Points scattered at random leave gaps of about a spacing between discs of two; an iteration closes one pixel.
+    const int iterations = std::clamp(1 + int(std::lround(std::min(spacing_px, 100.0f))), 1, 3);
+    n_background_ = parameters_.background_iterations.resolve(iterations);
+    n_occluded_ = parameters_.occluded_iterations.resolve(n_background_);
+    footprint_ = {SizeMode::adaptive, parameters_.point_size};
+    if (largest_px * parameters_.point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
+    cascade_ = parameters_.peeling == Peeling::cascade;
+
+    const std::vector<float>& list = parameters_.opacity;
+    if (list.empty()) throw Error(ErrorCode::usage, "opacity: give at least one number between 0 and 1");
+    has_list_ = list.size() > 1 && parameters_.show_layer == 0 && !prepared.cloud.empty();
+    if (!has_list_) return;
+    const ScalarField& scalar = layers::opacity_scalar(prepared.cloud, parameters_.opacity_by);
+    std::string key = "opacity by " + scalar.name;
+    for (float value : list) key += "," + std::to_string(value);
+    if (frame.cloud.field_key() != key) frame.cloud.set_field(layers::opacities(scalar, list), key);
+  }
+
+  /// As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
+  int guard_band() const {
+    const int last = std::max(parameters_.show_layer, parameters_.layers);
+    return std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3, 64);
+  }
+
+  void make_textures(const View& view) {
+    const int w = view.width(), h = view.height();
+    for (gl::Texture* t : {&depth_, &other_depth_, &limit_, &other_limit_}) gl::ensure(*t, "layer depth", GL_R32F, w, h);
+    for (gl::Texture* t : {&index_, &other_index_}) gl::ensure(*t, "layer source index", GL_R32UI, w, h);
+    for (gl::Texture* t : {&albedo_, &normal_, &color_, &front_, &other_front_, &scratch_})
+      gl::ensure(*t, "layer colour", GL_RGBA32F, w, h);
+  }
+
+  /// Rosenthal and Linsen 2008, Sec. 4: background first, then what shines through. Source indices follow; their
+  /// attributes are read afterwards.
+  void fill(Frame& frame) {
+    auto timing = frame.timers.scope("fill");
+    for (int i = 0; i < n_background_ + n_occluded_; ++i) {
+      const FillKind kind = i < n_background_ ? FillKind::background : FillKind::occluded;
+      fill_.run_index(kind, d_min_, depth_, other_depth_, index_, other_index_);
+      std::swap(depth_, other_depth_);
+      std::swap(index_, other_index_);
+    }
+  }
+
+  void fetch_attributes(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("attributes");
+    GpuCloud& cloud = frame.cloud;
+    ScreenPass& pass = attributes_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4];
+    if (!pass) {
+      gl::Defines defines;
+      if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
+      if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
+      if (has_list_) defines.push_back("HAS_OPACITY");
+      pass = ScreenPass("techniques/layers/attributes.glsl", {GL_RGBA32F, GL_RGBA32F}, defines);
+    }
+    if (!has_list_) pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.front());
+    view.bind();
+    cloud.bind_places();
+    bool first = true;
+    for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+      cloud.bind_geometry(chunk);
+      cloud.bind_colors(chunk);
+      if (cloud.has_normals()) cloud.bind_normals(chunk);
+      if (cloud.has_shadow()) cloud.bind_shadow(chunk);
+      if (has_list_) cloud.bind_field(chunk);
+      pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+      pass.run({&depth_, &index_}, {&albedo_, &normal_});
+      first = false;
+    }
+    if (first) {
+      albedo_.clear(vec4(0));
+      normal_.clear(vec4(0, 0, 0, 1));
+    }
+    if (cloud.has_normals()) return;
+    if (!image_normal_) image_normal_ = ScreenPass("techniques/layers/image_normal.glsl", {GL_RGBA32F});
+    image_normal_.set("d_min", d_min_);
+    image_normal_.run({&depth_, &normal_}, {&scratch_});
+    std::swap(normal_, scratch_);
+  }
+
+  void light_and_smooth(Frame& frame, const View& view) {
+    {
+      auto timing = frame.timers.scope("shade");
+      shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin, {albedo_, depth_, normal_},
+                 color_);
+    }
+    auto timing = frame.timers.scope("smooth");
+    if (!smooth_) smooth_ = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F});
+    for (int i = 0; i < parameters_.smoothing_iterations; ++i) {
+      smooth_.set("d_min", d_min_);
+      smooth_.run({&color_, &depth_}, {&scratch_});
+      std::swap(color_, scratch_);
+    }
+  }
+
+  /// Blends the layer when it is shown and moves the limit behind it; false when no pixel can hold another layer.
+  bool advance(Frame& frame, const View& view, bool is_shown) {
+    auto timing = frame.timers.scope("blend");
+    ScreenPass& pass = advance_[is_shown * 1 + parameters_.scale_by_angle * 2];
+    if (!pass) {
+      gl::Defines defines;
+      std::vector<GLenum> formats{GL_R32F};
+      if (is_shown) {
+        defines.push_back("BLEND");
+        formats.push_back(GL_RGBA32F);
+      }
+      if (parameters_.scale_by_angle) defines.push_back("SCALE_BY_ANGLE");
+      pass = ScreenPass("techniques/layers/advance.glsl", formats, defines);
+    }
+    pass.set("d_min", d_min_);
+    if (is_shown) pass.set("antialias", parameters_.antialias);
+    view.bind();
+    open_.arm();
+    if (is_shown) {
+      pass.run({&depth_, &limit_, &color_, &front_, &normal_}, {&other_limit_, &other_front_});
+      std::swap(front_, other_front_);
+    } else {
+      normal_.bind(binding::input + 4);
+      pass.run({&depth_, &limit_}, {&other_limit_});
+    }
+    std::swap(limit_, other_limit_);
+    return open_.is_set();
+  }
+
+  static void crop(const gl::Texture& from, const gl::Texture& to, int guard) {
+    glCopyImageSubData(from.id(), GL_TEXTURE_2D, 0, guard, guard, 0, to.id(), GL_TEXTURE_2D, 0, 0, 0, 0, to.width(),
+                       to.height(), 1);
+  }
+
+  Parameters parameters_;
+  float d_min_ = 0;
+  int n_background_ = 1, n_occluded_ = 1, peeled_ = 0;
+  Footprint footprint_;
+  bool cascade_ = false, has_list_ = false;
+
+  layers::Peel peel_;
+  layers::Flag open_;
+  Fill fill_;
+  Shade shade_;
+  ScreenPass attributes_[8], image_normal_, smooth_, advance_[4];
+  gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
+  gl::Texture albedo_, normal_, color_, front_, other_front_, scratch_;
+};
+
+}  // namespace
+
+TechniqueInfo layers_technique() {
+  return {"layers", "see-through surfaces, blended in the right order",
+          [] { return std::unique_ptr<Technique>(new Layers); }};
+}
+
+}  // namespace sfumato

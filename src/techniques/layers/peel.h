@@ -1,0 +1,45 @@
+// Depth peeling of points: the nearest point of every pixel at or behind a limit, layer by layer.
+#pragma once
+
+#include "passes/points_to_pixels.h"
+#include "passes/screen_pass.h"
+
+namespace sfumato::layers {
+
+/// One word that passes set when some pixel says yes; read back after the pass.
+class Flag {
+ public:
+  /// Clears the flag and binds it as image 7.
+  void arm();
+  /// Waits for the GPU.
+  bool is_set();
+
+ private:
+  gl::Texture word_;
+};
+
+class Peel {
+ public:
+  /// With `cascade`, a visit keeps lists of the nearest depths, and only lists that end too early cost another one;
+  /// without, every layer is a visit. The layers are the same, bit by bit.
+  void begin(const View& view, const Footprint& footprint, bool cascade);
+  /// Depth (R32F, +inf where nothing) and source index (R32UI) of the points at or behind `limit` (R32F, eye depth;
+  /// +inf: nothing more). Call with limits that never decrease; the first one is 0 everywhere.
+  void next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl::Texture& depth, gl::Texture& index,
+            gl::Timers& timers);
+  /// Times that the depths of all points in view were computed since `begin`.
+  int visits() const { return visits_; }
+
+ private:
+  void select(const View& view, const gl::Texture& limit, const gl::Texture& depth, const gl::Texture& index);
+  PointsToPixels to_pixels_;
+  ScreenPass decode_, select_, empty_;
+  Footprint footprint_;
+  bool cascade_ = false;
+  int visits_ = 0;
+  PixelLayer layer_;
+  gl::Texture depth_lists_, index_lists_, revisit_;
+  Flag too_short_;
+};
+
+}  // namespace sfumato::layers
