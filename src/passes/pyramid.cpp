@@ -19,7 +19,7 @@ void NearestPyramid::build(const gl::Texture& depth, const gl::Texture& spacing,
   for (std::size_t l = 1; l < levels; ++l) reduce_.run({&views_[l - 1]}, {&views_[l]});
 }
 
-const PullPush::Level& PullPush::seeds(int width, int height) {
+PullPush::Level& PullPush::seeds(int width, int height) {
   if (!pulled_.empty() && pulled_[0].a.width() == width && pulled_[0].a.height() == height) return pulled_[0];
   pulled_.clear();
   filled_.clear();
@@ -32,18 +32,22 @@ const PullPush::Level& PullPush::seeds(int width, int height) {
   return pulled_[0];
 }
 
-void PullPush::run() {
+void PullPush::run(float depth_edge) {
   if (!pull_) {
-    pull_ = ScreenPass("passes/pull.glsl", {GL_RGBA32F, GL_RGBA32F});
-    push_ = ScreenPass("passes/push.glsl", {GL_RGBA32F, GL_RGBA32F});
+    pull_ = ScreenPass("passes/pull.glsl", {GL_RGBA32F, GL_RGBA32F}, {}, kind_);
+    push_ = ScreenPass("passes/push.glsl", {GL_RGBA32F, GL_RGBA32F}, {}, kind_);
   }
-  for (std::size_t l = 1; l < pulled_.size(); ++l)
+  pull_.set("depth_edge", depth_edge);
+  push_.set("depth_edge", depth_edge);
+  for (std::size_t l = 1; l < pulled_.size(); ++l) {
+    pull_.set("level", int(l) - 1);
     pull_.run({&pulled_[l - 1].a, &pulled_[l - 1].b}, {&pulled_[l].a, &pulled_[l].b});
+  }
   for (std::size_t l = pulled_.size(); l-- > 0;) {
     // The top has nothing above it: its own texture stands in and is not read.
     const bool top = l + 1 == pulled_.size();
     const Level& coarse = top ? pulled_[l] : filled_[l + 1];
-    push_.set("top", top);
+    push_.set("top", top).set("level", int(l));
     push_.run({&pulled_[l].a, &pulled_[l].b, &coarse.a, &coarse.b}, {&filled_[l].a, &filled_[l].b});
   }
 }

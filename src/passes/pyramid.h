@@ -36,16 +36,20 @@ class NearestPyramid {
 /// y_l = x_l + (1 - w_l) B(y_{l+1}) with bilinear B. Samples of weight 1 come back unchanged.
 class PullPush {
  public:
-  /// Level 0, to be filled before `run`: `a` = (x y z) w and w in alpha, `b` = (p q r s) w. RGBA32F.
+  /// Level 0, to be filled before `run`: `a` = (x y z) w and the weight w, `b` = (p q r s) w. RGBA32F.
   struct Level {
     gl::Texture a, b;
   };
-  const Level& seeds(int width, int height);
-  void run();
-  /// Filled levels, finest first; level l is ceil(size / 2^l). Alpha of `a` is 1 unless there was no sample at all.
-  const std::vector<Level>& filled() const { return filled_; }
+  explicit PullPush(ScreenPassKind kind = ScreenPassKind::automatic) : kind_(kind) {}
+  Level& seeds(int width, int height);
+  /// With `depth_edge` > 0, `a.x` is an eye depth, and samples do not mix across a jump of depth that is steeper
+  /// than this slope (depth over width); the side with more weight decides. The view is bound then.
+  void run(float depth_edge = 0);
+  /// Filled levels, finest first; level l is ceil(size / 2^l). `a.w` is 1 unless there was no sample at all.
+  std::vector<Level>& filled() { return filled_; }
 
  private:
+  ScreenPassKind kind_;
   std::vector<Level> pulled_, filled_;
   ScreenPass pull_, push_;
 };

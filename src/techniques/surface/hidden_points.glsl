@@ -7,6 +7,13 @@ layout(binding = UNIT_INPUT + 1) uniform sampler2D removal_level;
 
 uniform int coarse_level;
 uniform int window_radius;
+uniform float disc_radius;   // point spacings
+uniform float gap_level;     // log2 of the reach of holes over that of points
+
+const float disc_gap = 6.0;  // point spacings: more than a disc on a surface of 80 degrees reaches in depth
+
+vec2 center;
+bool under_disc = false;
 
 #ifdef COUNT_FETCHES
 float fetches = 0.0;
@@ -22,6 +29,9 @@ float occlusion(vec3 x, ivec2 at, int level) {
   if (uint(at.x) >= size.x || uint(at.y) >= size.y) return 2.0;
   vec4 y = texelFetch(pyramid, at, level);
   if (y.w <= 0.0) return 2.0;
+  vec2 away = pixel_from_eye(y.xyz) - center;
+  float radius = disc_radius * y.w * pixels_at(-y.z);
+  if (dot(away, away) <= radius * radius && y.z - x.z > disc_gap * y.w) under_disc = true;
   vec3 d = y.xyz - x;
   if (frame.orthographic != 0) return 1.0 - d.z * inversesqrt(max(dot(d, d), 1e-37));
   return 1.0 + dot(d, y.xyz) * inversesqrt(max(dot(d, d) * dot(y.xyz, y.xyz), 1e-37));
@@ -39,8 +49,9 @@ float level_at(ivec2 pixel) {
 
 // The ring of eight squares around the pixel's own on every level up to l (Bouchiba 2018, Fig. 3). The last ring
 // counts by the fraction of l, so that nothing pops when l grows.
-float pyramid_mean(ivec2 pixel, vec3 x) {
+float pyramid_mean(ivec2 pixel, vec3 x, bool covered) {
   float level = level_at(pixel);
+  if (!covered) level = max(level + gap_level, 0.0);
   vec4 sides = vec4(2.0), corners = vec4(2.0);
   for (int l = 0; l <= int(ceil(level)); ++l) {
     ivec2 own = pixel >> l;
@@ -70,6 +81,7 @@ float window_mean(ivec2 pixel, vec3 x) {
 }
 
 bool filter_pixel(ivec2 pixel) {
+  center = vec2(pixel) + 0.5;
   vec4 own = texelFetch(pyramid, pixel, 0);
   // The background is as good as infinitely far: on the far plane, just behind the last points, the gaps between
   // those would not be holes.
@@ -77,8 +89,11 @@ bool filter_pixel(ivec2 pixel) {
 #ifdef WINDOW
   out_0 = vec4(window_mean(pixel, x));
 #else
-  out_0 = vec4(pyramid_mean(pixel, x));
+  out_0 = vec4(pyramid_mean(pixel, x, own.w > 0.0));
 #endif
+  // A point stands for a piece of the surface: what lies behind it is hidden, although a side or two are open. On
+  // one surface, however steep, no side is closed.
+  if (under_disc && (own.w <= 0.0 || out_0.x < 0.8)) out_0 = vec4(0.0);
 #ifdef COUNT_FETCHES
   out_1 = vec4(fetches);
 #endif

@@ -1,12 +1,12 @@
 // Normals of one push level: the cross product of neighbouring positions (Bouchiba 2018, Sec. 3.3), eye space.
 #include "frame.glsl"
 
-layout(binding = UNIT_INPUT) uniform sampler2D filled_b;
+layout(binding = UNIT_INPUT) uniform sampler2D filled_a;
 
 uniform int level;
 
 vec3 position(ivec2 at) {
-  return eye_from_pixel((vec2(at) + 0.5) * float(1 << level), texelFetch(filled_b, at, 0).x);
+  return eye_from_pixel((vec2(at) + 0.5) * float(1 << level), texelFetch(filled_a, at, 0).x);
 }
 
 // The slope to both sides; next to a depth edge the flatter side counts more, so that edges do not turn into walls.
@@ -22,7 +22,7 @@ vec3 slope(ivec2 at, ivec2 along, vec3 here, ivec2 size) {
 }
 
 bool filter_pixel(ivec2 pixel) {
-  ivec2 size = textureSize(filled_b, 0);
+  ivec2 size = textureSize(filled_a, 0);
   vec3 here = position(pixel);
   vec3 normal = cross(slope(pixel, ivec2(0, 1), here, size), slope(pixel, ivec2(1, 0), here, size));
   float len = length(normal);

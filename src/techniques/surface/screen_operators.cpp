@@ -1,5 +1,7 @@
 #include "techniques/surface/screen_operators.h"
 
+#include <cmath>
+
 namespace sfumato::surface {
 
 const gl::Texture& HiddenPoints::run(const NearestPyramid& pyramid, const Options& options) {
@@ -21,6 +23,8 @@ const gl::Texture& HiddenPoints::run(const NearestPyramid& pyramid, const Option
                       defines);
   }
   pass.set("coarse_level", options.coarse_level).set("window_radius", options.window_radius);
+  pass.set("disc_radius", options.disc_radius);
+  pass.set("gap_level", std::log2(options.gap_scale / options.removal_scale));
   gl::ensure(mean_, "mean occlusion", GL_R32F, points.width(), points.height());
   if (options.count_fetches) {
     gl::ensure(fetches_, "fetches", GL_R32F, points.width(), points.height());
@@ -42,7 +46,7 @@ const gl::Texture& LevelNormals::run(const std::vector<PullPush::Level>& filled,
   }
   for (int l = first; l <= last; ++l) {
     pass_.set("level", l);
-    pass_.run({&filled[std::size_t(l)].b}, {&views_[std::size_t(l)]});
+    pass_.run({&filled[std::size_t(l)].a}, {&views_[std::size_t(l)]});
   }
   return storage_;
 }

@@ -18,6 +18,8 @@ class HiddenPoints {
     Removal method = Removal::pyramid;  ///< `none` finds holes like `pyramid`
     int coarse_level = 4;
     float removal_scale = 10;  ///< s_hpr / s_0
+    float gap_scale = 5;       ///< the same for pixels without a point: how wide gaps are closed
+    float disc_radius = 0.65f; ///< what lies behind a point within this many spacings on the screen is hidden
     int window_radius = 25;    ///< px
     bool count_fetches = false;
   };
@@ -36,7 +38,7 @@ class HiddenPoints {
 /// Normals of every push level (Bouchiba 2018, Sec. 3.3), for a trilinear lookup.
 class LevelNormals {
  public:
-  /// RGBA32F with levels: eye-space unit normals of the depths in `filled` (`b.x`), levels first..last only. The
+  /// RGBA32F with levels: eye-space unit normals of the depths in `filled` (`a.x`), levels first..last only. The
   /// view is bound.
   const gl::Texture& run(const std::vector<PullPush::Level>& filled, int first, int last);
   const gl::Texture& level(int l) const { return views_[std::size_t(l)]; }

@@ -18,7 +18,7 @@ bool filter_pixel(ivec2 pixel) {
   }
   vec4 point = texelFetch(pyramid, pixel, 0);
   float shadow = texelFetch(spacing_image, pixel, 0).y;
-  out_0 = vec4(albedo.rgb, 1.0);
-  out_1 = vec4(-point.z, shadow, point.w, min(mean, 1.0));
+  out_0 = vec4(-point.z, shadow, point.w, 1.0);
+  out_1 = vec4(albedo.rgb, min(mean, 1.0));
   return true;
 }

@@ -43,6 +43,19 @@ class SurfaceTechnique final : public Technique {
         .unit("point spacings")
         .help("how far occluders are looked for")
         .paper("Bouchiba 2018, s_hpr / s_0");
+    p.add("gap_scale", removal_.gap_scale)
+        .range(0.1, 1000)
+        .unit("point spacings")
+        .help("how wide gaps between points are closed");
+    p.add("disc_radius", removal_.disc_radius)
+        .range(0, 4)
+        .unit("point spacings")
+        .help("piece of the surface that a point stands for: at outlines, where one side is open, what is behind it "
+              "is hidden all the same");
+    p.add("depth_edge", depth_edge_)
+        .range(0, 1000)
+        .unit("depth over width")
+        .help("filled colours and depths do not mix across steeper jumps of depth; 0: they do, as in the paper");
     p.add("coarse_level", removal_.coarse_level)
         .range(0, NearestPyramid::levels - 1)
         .help("pyramid level that serves as coarse depth map")
@@ -89,7 +102,7 @@ class SurfaceTechnique final : public Technique {
       if (!seed_) seed_ = ScreenPass("techniques/surface/seed.glsl", {GL_RGBA32F, GL_RGBA32F});
       seed_.set("threshold", point_threshold);
       seed_.run({&layer_.albedo, &layer_.spacing, &pyramid_.texture(), mean}, {&seeds.a, &seeds.b});
-      pull_push_.run();
+      pull_push_.run(depth_edge_);
     }
     const auto [first, last] = normal_levels(frame);
     const gl::Texture* normals;
@@ -100,13 +113,15 @@ class SurfaceTechnique final : public Technique {
     {
       auto timing = frame.timers.scope("compose");
       const PullPush::Level& filled = pull_push_.filled()[0];
+      gl::Texture& coarse = pull_push_.filled()[occlusion_level].b;
+      coarse.set_linear_filter();
       if (!compose_) compose_ = ScreenPass("techniques/surface/compose.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
       gl::ensure(albedo_, "surface albedo", GL_RGBA32F, frame.camera.width, frame.camera.height);
       compose_.set("offset", ivec2(guard)).set("hole_threshold", occlusion_threshold_);
       compose_.set("point_threshold", point_threshold).set("normal_scale", normal_scale_);
       compose_.set("normal_levels", vec2(first, last)).set("shading", int(frame.settings.shading));
       compose_.set("ambient_occlusion", frame.settings.shading == Shading::lit ? ambient_occlusion_ : 0.0f);
-      compose_.run({&filled.a, &filled.b, &pyramid_.texture(), mean, normals},
+      compose_.run({&filled.a, &filled.b, &pyramid_.texture(), mean, normals, &coarse},
                    {&albedo_, &frame.target.depth, &frame.target.normal});
     }
     auto timing = frame.timers.scope("shade");
@@ -143,9 +158,10 @@ class SurfaceTechnique final : public Technique {
     return {int(std::floor(std::clamp(least, 0.0, top))), int(std::ceil(std::clamp(most, 0.0, top)))};
   }
 
+  static constexpr int occlusion_level = 3;
   Auto<float> point_spacing_;
   HiddenPoints::Options removal_;
-  float occlusion_threshold_ = 0.1f, normal_scale_ = 4, ambient_occlusion_ = 0.5f;
+  float occlusion_threshold_ = 0.1f, normal_scale_ = 3, depth_edge_ = 6, ambient_occlusion_ = 0.5f;
 
   PointsToPixels to_pixels_;
   PixelLayer layer_;
