@@ -46,8 +46,9 @@ Light key_light(const Camera& camera, UpAxis up_axis) {
 }
 
 void RenderSettings::describe(ParamList& p) {
-  p.add("shading", shading, {"lit", "albedo", "normals", "depth", "occlusion", "hidden"})
-      .help("what the colour of a pixel shows; occlusion, hidden: hidden point removal at work (surface only)");
+  p.add("shading", shading, {"lit", "albedo", "normals", "depth", "occlusion", "hidden", "weight"})
+      .help("what the colour of a pixel shows; occlusion, hidden: hidden point removal at work (surface only); "
+            "weight: of the chosen bin (denoise only)");
   p.add("light", light_text).help("headlight | X,Y,Z (point light, world) | dir:X,Y,Z (direction it comes from)");
   p.add("ambient", phong.ambient).range(0, 1).help("share of light that reaches every point").paper("k_a");
   p.add("diffuse", phong.diffuse).range(0, 1).help("share of light by the angle to the light").paper("k_d");

@@ -10,8 +10,9 @@
 
 namespace sfumato {
 
-/// `occlusion` and `hidden` show hidden point removal at work; only techniques that do it can (Technique::shows).
-enum class Shading { lit, albedo, normals, depth, occlusion, hidden };
+/// From `occlusion` on only some techniques can (Technique::shows): `occlusion` and `hidden` show hidden point removal
+/// at work, `weight` how much a pixel's surface weighs.
+enum class Shading { lit, albedo, normals, depth, occlusion, hidden, weight };
 
 struct Light {
   enum class Kind { headlight, point, directional };

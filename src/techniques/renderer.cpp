@@ -41,8 +41,8 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
                               const RenderWants& wants, Progress& progress) {
   State& s = *state_;
   if (!technique.shows(settings.shading))
-    throw Error(ErrorCode::usage, "shading occlusion and hidden show hidden point removal, which this technique does "
-                                  "not do; use the technique surface, or another shading");
+    throw Error(ErrorCode::usage, "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
+                                  "to denoise; use that technique, or another shading");
   if (!(s.uploaded == s.prepared.available)) {
     s.cloud->attributes_changed();
     s.uploaded = s.prepared.available;

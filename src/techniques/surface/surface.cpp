@@ -71,7 +71,7 @@ class SurfaceTechnique final : public Technique {
         .help("darkening of crevices by the mean occlusion of the visible points");
   }
 
-  bool shows(Shading) const override { return true; }
+  bool shows(Shading shading) const override { return shading != Shading::weight; }
 
   bool render(Frame& frame) override {
     const dvec3& origin = frame.cloud.prepared().cloud.origin;

@@ -1,0 +1,46 @@
+// Second visit: hits inside the chosen bin (Eq. 5).
+#include "techniques/denoise/bins.glsl"
+
+layout(binding = UNIT_INPUT + 1) uniform sampler2D choice;  // bin or -1, weight, threshold
+
+// A hit far out on the rim must not vanish in fixed point, or a pixel that only rims cover has no colour.
+const float least_weight = 1.0 / 131072.0;
+
+// Distance behind the bin's border in bin sizes, or -1 outside of the bin.
+float place_in_bin(ivec2 pixel, float t, float chosen) {
+  if (chosen < 0.0) return -1.0;
+  float distance = bin_distance(t, bin_origin(pixel));
+  uint b = bin_of(distance), wanted = uint(chosen);
+#ifdef OVERLAPPING
+  if (b != wanted && b != wanted + 1u) return -1.0;
+#else
+  if (b != wanted) return -1.0;
+#endif
+  return min(distance - bin_start(wanted), 4.0);  // beyond 1 in the last of the dense bins only
+}
+
+#ifndef FAST
+layout(r32ui, binding = 0) uniform uimageBuffer sums;  // two's complement: w, w rgb, w n, w place, w shadow
+uniform int sum_stride;
+
+void add_sum(int at, float value) { imageAtomicAdd(sums, at, uint(int(round(value)))); }
+
+// The weight in the table sets the unit, so that the sum is near 2^24 whatever it is.
+void add_attributes(ivec2 pixel, float table_weight, float w, vec4 color, vec3 normal, float place) {
+  int at = (pixel.y * image_width + pixel.x) * sum_stride;
+  w = round(w * (16777216.0 / max(table_weight, 1.0 / weight_unit)));
+  add_sum(at, w);
+  add_sum(at + 1, w * color.r);
+  add_sum(at + 2, w * color.g);
+  add_sum(at + 3, w * color.b);
+  if (normal != vec3(0.0)) {
+    add_sum(at + 4, w * normal.x);
+    add_sum(at + 5, w * normal.y);
+    add_sum(at + 6, w * normal.z);
+  }
+  add_sum(at + 7, w * place);
+#ifdef SPLAT_SHADOW
+  add_sum(at + 8, w * color.a);
+#endif
+}
+#endif

@@ -1,0 +1,85 @@
+// The bins of every pixel: a table of weights along the ray, the choice of a bin, and the average of what is in it.
+//
+//   weights     every hit adds its weight to the bin of its distance; the nearest bin above the threshold is tracked
+//   choose      the bin of every pixel, or none
+//   attributes  every hit inside the chosen bin adds colour, normal and distance
+//   resolve     sums to albedo, depth and normal
+//
+// The paper keeps attributes in the table too; a second visit of the chosen bin reads them for few hits only, and the
+// table shrinks to two words a slot.
+#pragma once
+
+#include <cstdint>
+
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "gl/timer.h"
+#include "passes/screen_pass.h"
+#include "passes/splat_surface.h"
+
+namespace sfumato::denoise {
+
+enum class Layout { hashed, dense };
+enum class Anchor { nearest, grid };
+enum class Miss { background, last_bin };
+
+struct BinOptions {
+  Layout layout = Layout::hashed;
+  int hash_bits = 4;            ///< hashed: 2^hash_bits slots a pixel
+  int dense_bins = 64;          ///< dense: bins a pixel; what lies beyond goes to the last one
+  bool overlapping = false;     ///< windows at half steps
+  Anchor anchor = Anchor::nearest;
+  Miss miss = Miss::background;
+  bool fast = false;            ///< float atomics and blended sums (needs limits().float_atomics): last bits vary
+  float bin_size = 1;           ///< scene units along the ray
+  float weight_threshold = 0;   ///< a bin counts when its weight is larger
+  // Automatic threshold (denoise.cpp says why): weights are scaled by how well the splat is supported, and bins
+  // shortly behind the first one may raise the threshold.
+  bool support = false;
+  float peak_share = 0;         ///< a bin counts when it has this share of the largest weight within `peak_bins`
+  int peak_bins = 0;
+};
+
+/// (Fibonacci hashing, Knuth): the first slot of bin `b` in a table of 2^bits, bits >= 1; as in bins.glsl.
+constexpr std::uint32_t fibonacci_slot(std::uint32_t b, int bits) { return (b * 2654435769u) >> (32 - bits); }
+
+struct BinCounts {
+  std::uint32_t overflow = 0;    ///< hits that found no slot
+  std::uint32_t saturated = 0;   ///< hits beyond the largest sum of a bin
+};
+
+class BinTable {
+ public:
+  /// Fills the targets. `nearest` must hold the nearest distances of the same view and shape.
+  void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+            const gl::Texture& nearest_t, const BinOptions& options, bool show_weight,
+            const SplatSurfaceTargets& targets, gl::Timers& timers);
+
+  /// Of the last draw; waits for it.
+  BinCounts counts() const;
+  /// Bytes of the table and of the sums.
+  std::size_t bytes() const;
+  /// Of the last draw, RGBA32F: chosen bin or -1, its weight in the table, threshold in force, 0.
+  const gl::Texture& choice() const { return choice_; }
+  /// Of the last draw: `slots()` weights a pixel (2^-16, or float bits when fast), and keys (bin + 1, 0 = empty).
+  const gl::TextureBuffer& weights() const { return weights_; }
+  const gl::TextureBuffer& keys() const { return keys_; }
+  int slots() const { return slots_; }
+
+ private:
+  void allocate(const View& view, const BinOptions& options, bool shadow);
+  void set_uniforms(gl::Program& program, const BinOptions& options, const View& view) const;
+  void add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                   const gl::Texture& nearest_t, const BinOptions& options);
+  void add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                      const gl::Texture& nearest_t, const BinOptions& options);
+  gl::Defines defines(const BinOptions& options) const;
+
+  int slots_ = 0, stride_ = 0;
+  gl::TextureBuffer weights_, keys_, counters_, sums_;
+  gl::Texture first_bin_, choice_, sink_, color_sum_, normal_sum_, shadow_sum_;
+  SplatRaster weight_raster_[8], attribute_raster_[16];
+  ScreenPass choose_[8], resolve_[16];
+};
+
+}  // namespace sfumato::denoise

@@ -1,0 +1,166 @@
+// Noise and outliers disappear while you look: of the surfaces along a ray the nearest one with enough evidence is
+// shown. Nothing is removed from the data; a slider brings everything back.
+//
+// "Hashed, binned A-buffer for on-the-fly outlier removal and noise reduction of point clouds", The Visual Computer
+// 2023 (s00371-023-02888-w). Splats are sorted into bins along the ray, each bin sums the weights of its splats, and
+// the nearest bin whose sum exceeds a threshold T is averaged and drawn.
+//
+// What we changed, and why: the table holds weights only and a second visit of the chosen bin brings the attributes
+// (less memory, fewer atomics); sums are fixed point, so that a picture does not depend on the order of the points;
+// distances are summed relative to their bin; T finds its own value per pixel, which the authors leave open.
+
+#include <algorithm>
+
+#include "gl/context.h"
+#include "passes/shade.h"
+#include "techniques/denoise/bins.h"
+#include "techniques/denoise/noise.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+namespace {
+
+using denoise::Anchor;
+using denoise::Layout;
+using denoise::Miss;
+
+// The automatic threshold. Eq. 20 lets the splats of a surface cover it four times, and a cover weighs 1/7 on
+// average: a surface weighs 4/7.
+constexpr float surface_weight = 4.0f / 7;
+constexpr float surface_share = 0.35f;  // of it that the nearest bin needs
+constexpr float peak_share = 0.5f;      // of the largest weight within `peak_bins`: noise in front of its surface
+constexpr int peak_bins = 6;
+
+struct Parameters {
+  Layout bins = Layout::hashed;
+  int hash_bits = 4, dense_bins = 64;
+  Auto<float> bin_size, weight_threshold;
+  bool overlapping = false;
+  Anchor anchor = Anchor::nearest;
+  Miss miss = Miss::background;
+  bool antialias = true;
+  float radius_scale = 1;
+  bool clamp_radius = true;
+
+  void describe(ParamList& p) {
+    p.add("weight_threshold", weight_threshold)
+        .range(0, 1000)
+        .help("weight that the nearest surface must exceed; 0 shows every outlier, higher values remove more (auto: "
+              "per pixel, from the density of the splats)")
+        .paper("T");
+    p.add("bin_size", bin_size)
+        .at_least(1e-9)
+        .unit("scene units")
+        .help("thickness along the ray of what is averaged as one surface (auto: from noise and spacing)")
+        .paper("Delta");
+    p.add("bins", bins, {"hashed", "dense"})
+        .help("hashed: a small table a pixel, any depth; dense: the first dense_bins bins, the last one takes the rest");
+    p.add("hash_bits", hash_bits).range(1, 8).help("2^hash_bits slots a pixel").paper("B");
+    p.add("dense_bins", dense_bins).range(1, 256).help("bins a pixel of bins = dense").paper("D");
+    p.add("overlapping", overlapping)
+        .help("bins at half steps, so that no surface is split between two; twice the work");
+    p.add("anchor", anchor, {"nearest", "grid"})
+        .help("bins begin at the nearest splat, or on a fixed grid along the ray, which outliers cannot move");
+    p.add("miss", miss, {"background", "last_bin"}).help("what a pixel shows where no bin has enough weight");
+    p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
+    p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
+    p.add("clamp_radius", clamp_radius)
+        .help("limit radii to twice their median, so that isolated points do not become big discs");
+  }
+};
+
+constexpr const char* support_key = "splat support";  // of the cloud's field
+
+class Denoise final : public Technique {
+ public:
+  void describe(ParamList& p) override { parameters_.describe(p); }
+
+  Attributes needs() const override { return Attribute::normal | Attribute::radius; }
+
+  bool shows(Shading shading) const override { return shading < Shading::occlusion || shading == Shading::weight; }
+
+  bool render(Frame& frame) override {
+    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    measure(frame.cloud, frame.progress);
+    SplatShape shape;
+    shape.radius_scale = parameters_.radius_scale;
+    if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+    if (parameters_.antialias) shape.prefilter_px = 1;
+    const denoise::BinOptions options = choose_options(frame);
+
+    const SplatBatches batches = choose_batches(frame.cloud, view, shape);
+    {
+      auto timing = frame.timers.scope("nearest");  // t_min
+      surface_.draw_nearest(frame.cloud, view, shape, batches);
+    }
+    const bool show_weight = frame.settings.shading == Shading::weight;
+    bins_.draw(frame.cloud, view, shape, batches, surface_.nearest_t(), options, show_weight,
+               {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+
+    auto timing = frame.timers.scope("shade");
+    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+               {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+    return true;
+  }
+
+  std::vector<std::string> notes() const override {
+    std::vector<std::string> lines;
+    const denoise::BinCounts counts = bins_.counts();
+    if (counts.overflow)
+      lines.push_back(std::to_string(counts.overflow) + " splat hits found no slot in the table; raise hash_bits");
+    if (counts.saturated)
+      lines.push_back(std::to_string(counts.saturated) + " splat hits were beyond the largest weight of a bin");
+    return lines;
+  }
+
+ private:
+  /// Measures a cloud that was not seen before.
+  void measure(GpuCloud& cloud, Progress& progress) {
+    const PreparedCloud& prepared = cloud.prepared();
+    if (prepared.cloud.positions.data() != seen_positions_ || prepared.cloud.size() != seen_size_) {
+      residual_ = denoise::plane_residual(prepared);
+      seen_positions_ = prepared.cloud.positions.data();
+      seen_size_ = prepared.cloud.size();
+    }
+    if (cloud.field_key() != support_key) cloud.set_field(denoise::splat_support(prepared, progress), support_key);
+  }
+
+  denoise::BinOptions choose_options(const Frame& frame) {
+    denoise::BinOptions options;
+    options.layout = parameters_.bins;
+    options.hash_bits = parameters_.hash_bits;
+    options.dense_bins = parameters_.dense_bins;
+    options.overlapping = parameters_.overlapping;
+    options.anchor = parameters_.anchor;
+    options.miss = parameters_.miss;
+    options.fast = frame.settings.fast && gl::limits().float_atomics;
+    // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings would split what is tilted.
+    options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * frame.cloud.median_spacing()));
+    const float scale = parameters_.radius_scale;
+    options.weight_threshold = parameters_.weight_threshold.resolve(surface_share * surface_weight * scale * scale);
+    if (parameters_.weight_threshold.is_auto()) {
+      options.support = true;
+      options.peak_share = peak_share;
+      options.peak_bins = peak_bins;
+    }
+    return options;
+  }
+
+  Parameters parameters_;
+  const void* seen_positions_ = nullptr;  ///< the cloud that was measured last
+  std::size_t seen_size_ = 0;
+  float residual_ = 0;
+  SplatSurface surface_;
+  denoise::BinTable bins_;
+  gl::Texture albedo_;
+  Shade shade_;
+};
+
+}  // namespace
+
+TechniqueInfo denoise_technique() {
+  return {"denoise", "outliers and noise removed while you look",
+          [] { return std::unique_ptr<Technique>(new Denoise); }};
+}
+
+}  // namespace sfumato

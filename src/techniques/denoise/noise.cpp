@@ -1,0 +1,104 @@
+#include "techniques/denoise/noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "analysis/neighbors.h"
+#include "analysis/quantiles.h"
+
+namespace sfumato::denoise {
+namespace {
+
+constexpr std::size_t neighbors = 64, samples = 500;
+
+/// The nearest points of a place as the tree offers them.
+struct Nearest {
+  static constexpr bool merges_coincident = false;
+  struct One {
+    float distance2;
+    std::uint32_t point;
+    bool operator<(const One& other) const { return distance2 < other.distance2; }
+  };
+  std::vector<One> heap;  // the farthest on top
+  float limit() const {
+    return heap.size() < neighbors ? std::numeric_limits<float>::infinity() : heap.front().distance2;
+  }
+  void add(std::uint32_t point, float distance2) {
+    if (heap.size() == neighbors) {
+      std::pop_heap(heap.begin(), heap.end());
+      heap.pop_back();
+    }
+    heap.push_back({distance2, point});
+    std::push_heap(heap.begin(), heap.end());
+  }
+};
+
+/// Least eigenvalue of a symmetric matrix xx xy xz yy yz zz, by the cosine formula.
+double least_eigenvalue(const double (&m)[6]) {
+  const double mean = (m[0] + m[3] + m[5]) / 3, off = m[1] * m[1] + m[2] * m[2] + m[4] * m[4];
+  const double a = m[0] - mean, d = m[3] - mean, f = m[5] - mean;
+  const double p = std::sqrt((a * a + d * d + f * f + 2 * off) / 6);
+  if (!(p > 0)) return mean;
+  const double det = a * (d * f - m[4] * m[4]) - m[1] * (m[1] * f - m[4] * m[2]) + m[2] * (m[1] * m[4] - d * m[2]);
+  const double angle = std::acos(std::clamp(det / (2 * p * p * p), -1.0, 1.0)) / 3;
+  return mean + 2 * p * std::cos(angle + 2 * M_PI / 3);
+}
+
+double residual_around(const std::vector<vec3>& positions, const Nearest& nearest) {
+  dvec3 mean(0);
+  for (const Nearest::One& one : nearest.heap) mean += dvec3(positions[one.point]) / double(nearest.heap.size());
+  double m[6] = {};
+  for (const Nearest::One& one : nearest.heap) {
+    const dvec3 d = dvec3(positions[one.point]) - mean;
+    m[0] += d.x * d.x, m[1] += d.x * d.y, m[2] += d.x * d.z;
+    m[3] += d.y * d.y, m[4] += d.y * d.z, m[5] += d.z * d.z;
+  }
+  return std::sqrt(std::max(0.0, least_eigenvalue(m)) / double(nearest.heap.size()));
+}
+
+}  // namespace
+
+float plane_residual(const PreparedCloud& prepared) {
+  const std::vector<vec3>& positions = prepared.cloud.positions;
+  if (positions.size() < 4) return 0;
+  const analysis::NeighborTree tree(positions);
+  std::vector<float> residuals;
+  const std::size_t step = std::max<std::size_t>(1, positions.size() / samples);
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    Nearest nearest;
+    tree.search(positions[i], nearest);
+    residuals.push_back(float(residual_around(positions, nearest)));
+  }
+  return analysis::quantile(residuals, 0.5);
+}
+
+std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress) {
+  constexpr std::size_t k = 8;
+  const std::size_t n = prepared.cloud.size();
+  if (n <= k) return std::vector<float>(n, 1.0f);
+  std::vector<float> reach(n);
+  std::vector<std::array<std::uint32_t, k>> neighbors_of(n);
+  const analysis::NeighborTree tree(prepared.cloud.positions);
+  analysis::for_each_neighborhood(
+      tree, int(k),
+      [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
+        reach[i] = std::sqrt(distances2.back());
+        std::copy(ids.begin(), ids.end(), neighbors_of[i].begin());
+      },
+      "splat support", progress);
+  const float usual = analysis::quantile(reach, 0.5);
+  std::vector<float> support(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::array<float, k> around;
+    for (std::size_t j = 0; j < k; ++j) around[j] = reach[neighbors_of[i][j]];
+    std::nth_element(around.begin(), around.begin() + k / 2, around.end());
+    const float own = std::max(reach[i], std::numeric_limits<float>::min());
+    const float among_all = std::min(1.0f, 2 * usual / own), among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
+    support[i] = std::max(1.0f / 16, among_all * among_all * std::pow(among_near, 4.0f));
+  }
+  return support;
+}
+
+}  // namespace sfumato::denoise

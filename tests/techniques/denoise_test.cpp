@@ -1,0 +1,501 @@
+// Binned splats against the oracle, analytic answers and each other.
+#include "techniques/denoise/bins.h"
+
+#include <map>
+#include <numeric>
+
+#include "reference/compare.h"
+#include "reference/gl_fixture.h"
+#include "reference/splat_oracle.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+/// A square of jittered points in the plane y = depth, facing the camera at -Y; `cover` splats over every place.
+PointCloud plane_cloud(float depth, Rgba8 color, std::size_t side = 40, double cover = 10, float sigma = 0,
+                       unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> jitter(-0.5f, 0.5f);
+  std::normal_distribution<float> noise(0, sigma > 0 ? sigma : 1);
+  PointCloud cloud;
+  const float pitch = 2.0f / float(side);
+  for (std::size_t i = 0; i < side * side; ++i) {
+    const vec2 at = (vec2(i % side, i / side) + 0.5f + vec2(jitter(random), jitter(random))) * pitch - 1.0f;
+    cloud.positions.push_back({at.x, depth + (sigma > 0 ? noise(random) : 0), at.y});
+    cloud.normals.push_back({0, -1, 0});
+    cloud.radii.push_back(pitch * float(std::sqrt(cover / M_PI)));
+    cloud.colors.push_back(color);
+  }
+  return cloud;
+}
+
+void add_disc(PointCloud& cloud, vec3 center, float radius, Rgba8 color) {
+  cloud.positions.push_back(center);
+  cloud.normals.push_back({0, -1, 0});
+  cloud.radii.push_back(radius);
+  cloud.colors.push_back(color);
+}
+
+PointCloud noisy_sphere(std::size_t count, float sigma, std::size_t outliers, unsigned seed) {
+  PointCloud cloud = sphere_cloud(count);
+  std::mt19937 random(seed);
+  std::normal_distribution<float> noise(0, sigma);
+  std::uniform_real_distribution<float> uniform(-1.3f, 1.3f);
+  for (std::size_t i = 0; i < count; ++i) cloud.positions[i] += noise(random) * cloud.normals[i];
+  for (std::size_t i = 0; i < outliers; ++i) {
+    cloud.positions.push_back({uniform(random), uniform(random), uniform(random)});
+    cloud.normals.push_back(glm::normalize(vec3(uniform(random), -1.4f, uniform(random))));
+    cloud.colors.push_back({90, 90, 90, 255});
+  }
+  cloud.radii.assign(cloud.size(), 0.08f);
+  return cloud;
+}
+
+struct OracleOptions {
+  double bin_size = 0.1, threshold = 0;
+  bool overlapping = false, grid = false;
+};
+
+/// The paper's Eqs. 1-6 for one ray, with a map instead of a table.
+OracleSurface oracle_denoise(const OracleRay& ray, const std::vector<OracleSplat>& splats, double near_plane,
+                             const OracleOptions& o) {
+  OracleSurface out;
+  const std::vector<OracleHit> hits = oracle_hits(ray, splats, near_plane, &out.fragile);
+  if (hits.empty()) return out;
+  const double first = hits.front().t, begin = o.grid ? std::floor(first / o.bin_size) * o.bin_size : first;
+  if (o.grid && std::abs(first / o.bin_size - std::round(first / o.bin_size)) < 1e-4) out.fragile = true;
+  const double steps = o.overlapping ? 2 : 1;
+  std::map<long, std::vector<OracleHit>> bins;
+  for (const OracleHit& hit : hits) {
+    const double place = (hit.t - begin) / o.bin_size * steps;
+    if (hit.t != first && std::abs(place - std::round(place)) < 1e-3) out.fragile = true;
+    bins[long(std::floor(place))].push_back(hit);
+    if (o.overlapping && place >= 1) bins[long(std::floor(place)) - 1].push_back(hit);
+  }
+  for (const auto& [b, inside] : bins) {
+    double weight = 0, t = 0;
+    dvec3 color(0), normal(0);
+    for (const OracleHit& hit : inside) {
+      const OracleSplat& s = splats[hit.splat];
+      const double w = wendland(hit.rho);
+      weight += w;
+      color += w * s.color;
+      t += w * hit.t;
+      normal += w * (glm::dot(s.normal, ray.direction) > 0 ? -s.normal : s.normal);
+    }
+    if (std::abs(weight - o.threshold) < 1e-3) out.fragile = true;
+    if (weight <= o.threshold) continue;
+    out.weight = weight;
+    out.color = color / weight;
+    out.normal = glm::normalize(normal);
+    out.t = t / weight;
+    out.depth = out.t * ray.cosine;
+    return out;
+  }
+  return out;
+}
+
+class Denoise : public GlTest {
+ protected:
+  Denoise() {
+    settings_.transparent = true;
+    settings_.shading = Shading::albedo;
+    for (auto [name, value] : {std::pair{"antialias", "false"}, {"clamp_radius", "false"}, {"bin_size", "0.1"},
+                               {"weight_threshold", "0.5"}})
+      set(name, value);
+  }
+  void set(const std::string& name, const std::string& value) { set_parameter(*technique_, name, value); }
+  RenderOutput render(const PointCloud& cloud, const Camera& camera) { return render(*technique_, cloud, camera); }
+  RenderOutput render(Technique& technique, const PointCloud& cloud, const Camera& camera) {
+    Renderer renderer(context());
+    show(renderer, cloud, technique.needs());
+    return renderer.render(technique, camera, settings_, all_outputs());
+  }
+  static Camera straight_camera(int side) {  // one pixel = 2 / side, straight onto the plane y = 0
+    Camera camera;
+    camera.position = {0, -4, 0};
+    camera.projection = Projection::orthographic;
+    camera.height_world = 2;
+    camera.width = camera.height = side;
+    return camera;
+  }
+  void expect_like_oracle(const PointCloud& cloud, const Camera& asked, const OracleOptions& o) {
+    set("bin_size", std::to_string(o.bin_size));
+    set("weight_threshold", std::to_string(o.threshold));
+    const RenderOutput out = render(cloud, asked);
+    Camera camera = asked;
+    camera.fit_depth_range(bounds(cloud));
+    const std::vector<OracleSplat> splats = oracle_splats(cloud);
+    const OracleImages oracle = oracle_images(
+        camera, [&](const OracleRay& ray) { return oracle_denoise(ray, splats, splat_near(camera), o); });
+    // As for surface splats: normals of 2 x 16 bit shift the hits of tilted discs; fixed point adds 2^-16 a hit.
+    const Difference color = compare(out.color_linear, oracle.color, oracle.band, 2e-3);
+    EXPECT_LT(color.max, 4e-3);
+    EXPECT_LT(color.mean, 5e-5);
+    const Difference depth = compare(out.depth, oracle.depth, oracle.band, 1e-3);
+    EXPECT_LT(depth.max, 1e-3);
+    const Difference normal = compare(out.normal, oracle.normal, oracle.band, 1e-2);
+    EXPECT_LT(normal.max, 1e-2);
+    EXPECT_LT(color.band, out.depth.size() / 4) << "the band must not swallow the test";
+    EXPECT_LT(color.flips, 0.2);
+    EXPECT_LT(std::abs(depth.bias), 0.1);
+  }
+  std::unique_ptr<Technique> technique_ = find_technique("denoise").create();
+  RenderSettings settings_;
+};
+
+TEST_F(Denoise, IsTheFoldOverTheBins) {
+  const PointCloud cloud = noisy_sphere(1500, 0.03f, 300, 1);
+  for (double threshold : {0.0, 0.5, 2.0}) {
+    SCOPED_TRACE(threshold);
+    expect_like_oracle(cloud, front_camera(64, 48), {0.1, threshold});
+  }
+}
+
+TEST_F(Denoise, OverlappingBinsAndGridAreFoldsToo) {
+  const PointCloud cloud = noisy_sphere(1500, 0.03f, 300, 2);
+  set("overlapping", "true");
+  expect_like_oracle(cloud, front_camera(64, 48), {.threshold = 0.8, .overlapping = true});
+  set("anchor", "grid");
+  expect_like_oracle(cloud, front_camera(48, 36), {.threshold = 0.8, .overlapping = true, .grid = true});
+  set("overlapping", "false");
+  expect_like_oracle(cloud, front_camera(48, 36), {.threshold = 0.8, .grid = true});
+}
+
+// T = 0 takes the first bin, which is what three-pass splatting takes with epsilon = Delta.
+TEST_F(Denoise, ThresholdZeroEqualsSplats) {
+  auto splats = find_technique("splats").create();
+  set_parameter(*splats, "epsilon", "0.1");
+  set_parameter(*splats, "antialias", "false");
+  set_parameter(*splats, "clamp_radius", "false");
+  set("weight_threshold", "0");
+  for (const PointCloud& cloud : {noisy_sphere(4000, 1e-6f, 0, 3), noisy_sphere(4000, 0.03f, 400, 3)}) {
+    const RenderOutput a = render(cloud, front_camera(96, 64)), b = render(*splats, cloud, front_camera(96, 64));
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < a.rgba8.size(); ++i) {
+      const Rgba8 p = a.rgba8.data()[i], q = b.rgba8.data()[i];
+      ASSERT_EQ(p.a, q.a);
+      const int most = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
+      different += most > 1;
+    }
+    // A hit whose distance rounds onto the border between the bins is kept by one of the two: float has 2^-22 of
+    // the distance, a bin is 0.1, so that far less than one pixel in a thousand holds such a hit.
+    EXPECT_LE(different, a.rgba8.size() / 1000);
+  }
+}
+
+TEST_F(Denoise, HashedEqualsDenseWithoutOverflow) {
+  const PointCloud cloud = noisy_sphere(3000, 0.05f, 600, 4);
+  for (const char* threshold : {"0.3", "1.5", "auto"}) {
+    SCOPED_TRACE(threshold);
+    set("weight_threshold", threshold);
+    set("hash_bits", "6");
+    set("bins", "hashed");
+    const RenderOutput hashed = render(cloud, front_camera(72, 48));
+    EXPECT_TRUE(hashed.notes.empty());
+    set("bins", "dense");
+    const RenderOutput dense = render(cloud, front_camera(72, 48));
+    for (std::size_t i = 0; i < dense.depth.size(); ++i) {
+      ASSERT_EQ(hashed.depth.data()[i], dense.depth.data()[i]);
+      ASSERT_EQ(hashed.color_linear.data()[i], dense.color_linear.data()[i]);
+    }
+  }
+}
+
+TEST_F(Denoise, OverflowIsCountedAndTold) {
+  set("hash_bits", "1");
+  set("weight_threshold", "2");
+  const RenderOutput out = render(noisy_sphere(3000, 0.05f, 1500, 4), front_camera(72, 48));
+  ASSERT_EQ(out.notes.size(), 1u);
+  EXPECT_NE(out.notes[0].find("hash_bits"), std::string::npos);
+}
+
+// One stray splat in front of a plane that twenty splats cover (20/7 on average, nowhere less than 1).
+TEST_F(Denoise, SingleOutlierDisappears) {
+  PointCloud cloud = plane_cloud(0, {0, 255, 0, 255}, 40, 20);
+  add_disc(cloud, {0, -1, 0}, 0.3f, {255, 0, 0, 255});
+  const Camera camera = straight_camera(61);
+  const double weight_half = 0.5;
+  for (const char* threshold : {"0", "0.5", "1", "auto"}) {
+    SCOPED_TRACE(threshold);
+    set("weight_threshold", threshold);
+    const RenderOutput out = render(cloud, camera);
+    for (int y = 5; y < 56; ++y)
+      for (int x = 5; x < 56; ++x) {
+        const double rho = std::hypot(x - 30, y - 30) * (2.0 / 61) / 0.3;
+        if (std::abs(rho - 1) < 0.02 || std::abs(wendland(std::min(rho, 1.0)) - weight_half) < 0.02) continue;
+        const bool stray = rho < 1 && (threshold == std::string("0") ||
+                                       (threshold == std::string("0.5") && wendland(rho) > 0.5));
+        const vec4 c = out.color_linear.at(x, y);
+        ASSERT_EQ(c.a, 1.0f);
+        ASSERT_EQ(c.r > 0.5f, stray) << x << "," << y;
+        ASSERT_EQ(c.g > 0.5f, !stray);
+      }
+  }
+}
+
+TEST_F(Denoise, ShuffledPointsGiveTheSameBits) {
+  set("hash_bits", "6");  // where the table overflows the order decides what is left out
+  for (const char* threshold : {"0", "1", "auto"})
+    for (const char* overlapping : {"false", "true"}) {
+      SCOPED_TRACE(std::string(threshold) + " " + overlapping);
+      set("weight_threshold", threshold);
+      set("overlapping", overlapping);
+      PreparedCloud prepared = analysis::prepare(noisy_sphere(4000, 0.04f, 400, 5), technique_->needs(), {});
+      prepared.batches.resize(1);
+      const Bounds box = bounds(prepared.cloud);
+      prepared.batches[0] = {0, std::uint32_t(prepared.cloud.size()), vec3(box.min), vec3(box.max),
+                             prepared.median_spacing};
+      std::vector<std::uint32_t> order(prepared.cloud.size());
+      std::iota(order.begin(), order.end(), 0u);
+      std::shuffle(order.begin(), order.end(), std::mt19937(7));
+      PreparedCloud shuffled = prepared;
+      shuffled.cloud = select(prepared.cloud, order);
+      auto picture = [&](const PreparedCloud& cloud) {
+        Renderer renderer(context());
+        renderer.set_cloud(cloud, colors_of(cloud.cloud));
+        return renderer.render(*technique_, front_camera(72, 48), settings_, all_outputs());
+      };
+      const RenderOutput a = picture(prepared), b = picture(shuffled);
+      EXPECT_TRUE(a.notes.empty());
+      for (std::size_t i = 0; i < a.depth.size(); ++i) {
+        ASSERT_EQ(a.color_linear.data()[i], b.color_linear.data()[i]);
+        ASSERT_EQ(a.depth.data()[i], b.depth.data()[i]);
+        ASSERT_EQ(a.normal.data()[i], b.normal.data()[i]);
+      }
+    }
+}
+
+TEST_F(Denoise, FloatAtomicsGiveTheSamePicture) {
+  if (!context().limits().float_atomics) GTEST_SKIP() << "the driver has no float atomics";
+  const PointCloud cloud = noisy_sphere(3000, 0.03f, 300, 6);
+  const RenderOutput exact = render(cloud, front_camera(72, 48));
+  settings_.fast = true;
+  const RenderOutput fast = render(cloud, front_camera(72, 48));
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < exact.depth.size(); ++i)
+    // Weights in steps of 2^-16 (1.5e-5 a hit) and sums of 2^24: 1e-4 is several times that.
+    different += !(glm::length(exact.color_linear.data()[i] - fast.color_linear.data()[i]) < 1e-4f);
+  EXPECT_LE(different, 3u) << "sums within a rounding of the threshold";
+}
+
+/// The table itself, below the technique.
+class Table : public GlTest {
+ protected:
+  denoise::BinOptions options_{.bin_size = 0.1f, .weight_threshold = 0.5f};
+  Image<vec4> choose(const PointCloud& cloud, const Camera& asked) {
+    prepared_ = analysis::prepare(cloud, Attribute::normal | Attribute::radius, {});
+    GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
+    Camera camera = asked;
+    camera.fit_depth_range(gpu.bounds());
+    const View view(camera, prepared_.cloud.origin);
+    const SplatBatches batches = choose_batches(gpu, view, {});
+    gl::Timers timers(false);
+    surface_.draw_nearest(gpu, view, {}, batches);
+    gl::Texture albedo, depth("depth", GL_R32F, camera.width, camera.height),
+        normal("normal", GL_RGBA32F, camera.width, camera.height);
+    table_.draw(gpu, view, {}, batches, surface_.nearest_t(), options_, false, {albedo, depth, normal}, timers);
+    return table_.choice().download<vec4>();
+  }
+  /// Weights of a pixel by bin.
+  std::map<std::uint32_t, double> bins(int x, int y, int width) {
+    const std::size_t slots = std::size_t(table_.slots()), base = (std::size_t(y) * std::size_t(width) + std::size_t(x)) * slots;
+    std::vector<std::uint32_t> weights(slots), keys(slots);
+    table_.weights().buffer().download(weights.data(), 4 * slots, 4 * base);
+    table_.keys().buffer().download(keys.data(), 4 * slots, 4 * base);
+    std::map<std::uint32_t, double> found;
+    for (std::size_t s = 0; s < slots; ++s)
+      if (keys[s]) {
+        EXPECT_EQ(found.count(keys[s] - 1), 0u) << "a bin has one slot";
+        found[keys[s] - 1] = weights[s] / 65536.0;
+      }
+    return found;
+  }
+  PreparedCloud prepared_;
+  SplatSurface surface_;
+  denoise::BinTable table_;
+};
+
+// The bin tracked while adding is the nearest one of the finished table.
+TEST_F(Table, TrackedBinIsTheNearestAboveTheThreshold) {
+  const PointCloud cloud = noisy_sphere(2000, 0.05f, 800, 8);
+  for (float threshold : {0.0f, 0.2f, 0.5f}) {
+    options_.weight_threshold = threshold;
+    const Image<vec4> choice = choose(cloud, front_camera(40, 30));
+    int holes = 0;
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 40; ++x) {
+        double expected = -1;
+        for (const auto& [b, weight] : bins(x, y, 40))
+          if (weight > threshold) {
+            expected = b;
+            break;
+          }
+        ASSERT_EQ(choice.at(x, y).x, expected) << x << "," << y;
+        holes += expected < 0;
+      }
+    EXPECT_LT(holes, 40 * 30 - 100) << "the sphere covers 260 pixels";
+  }
+  EXPECT_EQ(table_.counts().overflow, 0u);
+}
+
+TEST_F(Table, CoincidentSplatsAddUp) {
+  Camera camera;
+  camera.position = {0, -4, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = 2;
+  camera.width = camera.height = 21;
+  for (int n : {1, 2, 7, 200}) {
+    PointCloud cloud;
+    for (int i = 0; i < n; ++i) add_disc(cloud, {0, 0, 0}, 0.3f, {200, 100, 50, 255});
+    options_.weight_threshold = 0;
+    // rho = 0 at the middle pixel up to 2e-7, where the weight is flat: w = 1 - 10 rho^2.
+    EXPECT_FLOAT_EQ(choose(cloud, camera).at(10, 10).y, float(n));
+    options_.weight_threshold = float(n);
+    EXPECT_EQ(choose(cloud, camera).at(10, 10).x, -1) << "the threshold is strict";
+  }
+}
+
+TEST_F(Denoise, SeparatePlanesNeverMix) {
+  PointCloud cloud = plane_cloud(0, {255, 0, 0, 255}, 30, 8, 0.01f, 1);
+  append(cloud, plane_cloud(0.25f, {0, 0, 255, 255}, 30, 8, 0.01f, 2));
+  const Camera camera = straight_camera(64);
+  for (const char* bins : {"hashed", "dense"})
+    for (const char* overlapping : {"false", "true"})
+      for (const char* threshold : {"0", "0.5", "1.5", "auto"}) {
+        set("bins", bins);
+        set("overlapping", overlapping);
+        set("weight_threshold", threshold);
+        const RenderOutput out = render(cloud, camera);
+        for (const vec4& c : out.color_linear) ASSERT_TRUE(c.r == 0 || c.b == 0) << c.r << " " << c.b;
+      }
+}
+
+TEST_F(Denoise, MissShowsBackgroundOrTheLastBin) {
+  PointCloud cloud = plane_cloud(0, {255, 0, 0, 255}, 20, 4);
+  append(cloud, plane_cloud(0.5f, {0, 0, 255, 255}, 20, 4));
+  set("weight_threshold", "1000");
+  for (const char* bins : {"hashed", "dense"}) {
+    set("bins", bins);
+    set("miss", "background");
+    EXPECT_EQ(render(cloud, straight_camera(32)).color_linear.at(16, 16), vec4(0));
+    set("miss", "last_bin");
+    const vec4 c = render(cloud, straight_camera(32)).color_linear.at(16, 16);
+    EXPECT_EQ(c.r, 0);
+    EXPECT_EQ(c.b, 1);
+  }
+}
+
+// First slots and numbers of distinct slots from the definition slot = (b 2654435769 mod 2^32) >> (32 - B).
+TEST(DenoiseHash, HasTheKnownSequences) {
+  auto first = [](int bits, std::uint32_t count) {
+    std::vector<std::uint32_t> slots;
+    for (std::uint32_t b = 0; b < count; ++b) slots.push_back(denoise::fibonacci_slot(b, bits));
+    return slots;
+  };
+  EXPECT_EQ(first(3, 8), (std::vector<std::uint32_t>{0, 4, 1, 6, 3, 0, 5, 2}));
+  EXPECT_EQ(first(4, 16), (std::vector<std::uint32_t>{0, 9, 3, 13, 7, 1, 11, 5, 15, 8, 2, 12, 6, 0, 10, 4}));
+  const std::size_t distinct[] = {2, 3, 7, 15, 28, 55, 113, 221};
+  for (int bits = 1; bits <= 8; ++bits) {
+    std::vector<std::uint32_t> slots = first(bits, 1u << bits);
+    std::sort(slots.begin(), slots.end());
+    EXPECT_EQ(std::size_t(std::unique(slots.begin(), slots.end()) - slots.begin()), distinct[bits - 1]);
+  }
+  // The product wraps at 2^32 as in 64-bit arithmetic.
+  for (std::uint32_t b : {2u, 123456789u, 0xfffffffeu})
+    EXPECT_EQ(denoise::fibonacci_slot(b, 5), std::uint32_t(((std::uint64_t(b) * 2654435769u) & 0xffffffffu) >> 27));
+}
+
+// Depth error over the pixels of a noisy plane with 5 % outliers in front of it; holes are counted apart.
+TEST_F(Denoise, DepthErrorFallsAsTheThresholdRises) {
+  PointCloud cloud = plane_cloud(0, {180, 180, 180, 255}, 60, 10, 0.01f, 3);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (int i = 0; i < 180; ++i)
+    add_disc(cloud, {uniform(random), -0.75f + 0.5f * uniform(random), uniform(random)}, cloud.radii[0],
+             {90, 90, 90, 255});
+  const Camera camera = straight_camera(80);
+  auto error = [&](const RenderOutput& out, double* holes = nullptr) {
+    double sum = 0;
+    int count = 0, missed = 0;
+    for (int y = 8; y < 72; ++y)
+      for (int x = 8; x < 72; ++x) {
+        if (std::isinf(out.depth.at(x, y))) {
+          ++missed;
+          continue;
+        }
+        sum += std::abs(out.depth.at(x, y) - 4);
+        ++count;
+      }
+    if (holes) *holes = missed / (64.0 * 64);
+    return sum / count;
+  };
+  auto splats = find_technique("splats").create();
+  set_parameter(*splats, "epsilon", "0.04");
+  set_parameter(*splats, "antialias", "false");
+  set_parameter(*splats, "clamp_radius", "false");
+  const double ewa = error(render(*splats, cloud, camera));
+  set("bin_size", "0.04");
+  double before = ewa, holes = 0;
+  for (const char* threshold : {"0.05", "0.2", "0.5", "0.9"}) {
+    set("weight_threshold", threshold);
+    const double now = error(render(cloud, camera), &holes);
+    EXPECT_LT(now, before) << threshold;
+    before = now;
+  }
+  EXPECT_LT(before, 0.1 * ewa);
+  EXPECT_LT(holes, 0.25);
+  set("weight_threshold", "4");
+  error(render(cloud, camera), &holes);
+  EXPECT_GT(holes, 0.9) << "holes appear in the end";
+  set("weight_threshold", "auto");
+  EXPECT_LT(error(render(cloud, camera), &holes), 0.5 * ewa);
+  EXPECT_LT(holes, 0.02);
+}
+
+// Outliers all around, nothing chosen by hand.
+TEST_F(Denoise, DefaultsRemoveOutliersAndKeepTheSurface) {
+  technique_ = find_technique("denoise").create();
+  PointCloud cloud = sphere_cloud(30000, 1);
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> uniform(-1.6f, 1.6f);
+  for (int i = 0; i < 2500; ++i) {
+    cloud.positions.push_back({uniform(random), uniform(random), uniform(random)});
+    cloud.normals.push_back(vec3(0));
+    cloud.colors.push_back({90, 90, 90, 255});
+  }
+  const Camera camera = front_camera(128, 96, 5);
+  const RenderOutput out = render(cloud, camera);
+  int kept = 0, surface = 0, stray = 0, around = 0;
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 128; ++x) {
+      const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+      const double along = -glm::dot(ray.origin, ray.direction);
+      const double closest2 = glm::dot(ray.origin, ray.origin) - along * along;
+      if (closest2 < 0.98 * 0.98) {
+        ++surface;
+        const double t = along - std::sqrt(1 - closest2);
+        kept += std::abs(out.depth.at(x, y) - t * ray.cosine) < 0.05;
+      } else if (closest2 > 1.05 * 1.05) {  // three spacings of 0.02 beyond the rim
+        ++around;
+        stray += !std::isinf(out.depth.at(x, y));
+      }
+    }
+  EXPECT_GT(kept, 0.99 * surface);
+  EXPECT_LT(stray, 0.002 * around);
+}
+
+TEST_F(Denoise, ShadingWeightGrowsWithTheWeight) {
+  PointCloud cloud = plane_cloud(0, {255, 0, 0, 255}, 30, 4);
+  settings_.shading = Shading::weight;
+  set("weight_threshold", "0");
+  const vec4 few = render(cloud, straight_camera(33)).color_linear.at(16, 16);
+  for (float& radius : cloud.radii) radius *= 2;
+  const vec4 many = render(cloud, straight_camera(33)).color_linear.at(16, 16);
+  EXPECT_EQ(few.r, few.b);
+  EXPECT_GT(many.g, few.g);
+}
+
+}  // namespace
