@@ -64,7 +64,7 @@ inline MeanOcclusion mean_occlusion(const Camera& camera, const Image<float>& de
           const double scale = camera.pixels_per_unit() / (camera.orthographic() ? 1 : -y->z);
           const Intrinsics k = camera.intrinsics();
           const dvec3 away(scale * y->x + k.cx - (px + 0.5), -scale * y->y + k.cy - (py + 0.5), 0);
-          if (glm::length(away) <= disc_radius * spacing * scale && y->z - x.z > 6 * spacing) under_disc = true;
+          if (glm::length(away) <= (covered ? 1 : 0.7) * disc_radius * spacing * scale && y->z - x.z > 6 * spacing) under_disc = true;
         }
     return looked_at;
   };

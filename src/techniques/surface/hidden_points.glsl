@@ -10,9 +10,11 @@ uniform int window_radius;
 uniform float disc_radius;   // point spacings
 uniform float gap_level;     // log2 of the reach of holes over that of points
 
+const float outline_share = 0.7;
 const float disc_gap = 6.0;  // point spacings: more than a disc on a surface of 80 degrees reaches in depth
 
 vec2 center;
+float own_disc;  // point spacings
 bool under_disc = false;
 
 #ifdef COUNT_FETCHES
@@ -30,7 +32,7 @@ float occlusion(vec3 x, ivec2 at, int level) {
   vec4 y = texelFetch(pyramid, at, level);
   if (y.w <= 0.0) return 2.0;
   vec2 away = pixel_from_eye(y.xyz) - center;
-  float radius = disc_radius * y.w * pixels_at(-y.z);
+  float radius = own_disc * y.w * pixels_at(-y.z);
   if (dot(away, away) <= radius * radius && y.z - x.z > disc_gap * y.w) under_disc = true;
   vec3 d = y.xyz - x;
   if (frame.orthographic != 0) return 1.0 - d.z * inversesqrt(max(dot(d, d), 1e-37));
@@ -83,6 +85,9 @@ float window_mean(ivec2 pixel, vec3 x) {
 bool filter_pixel(ivec2 pixel) {
   center = vec2(pixel) + 0.5;
   vec4 own = texelFetch(pyramid, pixel, 0);
+  // Against the background an outline is where it is on average; a leak of what is behind shows more than a little
+  // too much of what is in front.
+  own_disc = own.w > 0.0 ? disc_radius : outline_share * disc_radius;
   // The background is as good as infinitely far: on the far plane, just behind the last points, the gaps between
   // those would not be holes.
   vec3 x = own.w > 0.0 ? own.xyz : eye_from_pixel(vec2(pixel) + 0.5, 1e4 * frame.far_plane);
