@@ -10,5 +10,11 @@
 #define UNIT_INPUT 8          // 8..15: textures of the pass
 #define UNIT_PLACES 16        // R32UI, place in the sorted cloud of each source index
 #define UNIT_LIST 17          // R32UI, places within the chunk in drawing order
+#define UNIT_FRAGMENT_OFFSETS 18  // R32UI, place of the first fragment of each pixel
+#define UNIT_FRAGMENTS 19     // RG32UI, fragments of all pixels
+
+// Images 0..3 are the outputs of screen passes.
+#define IMAGE_FRAGMENT_CURSOR 4   // R32UI, fragments stored in each pixel
+#define IMAGE_FRAGMENTS 5         // RG32UI
 
 #define BLOCK_FRAME 0

@@ -8,7 +8,10 @@ enum Unit {
   input = 8,    ///< 8..15: textures of the pass
   places = 16,
   list = 17,    ///< places within the chunk, in drawing order
+  fragment_offsets = 18,
+  fragments = 19,
 };
+enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
 enum Block { frame = 0 };
 
 }  // namespace sfumato::binding

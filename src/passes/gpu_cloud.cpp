@@ -138,6 +138,8 @@ void GpuCloud::set_colors(std::vector<Rgba8> colors) {
 
 void GpuCloud::set_field(std::span<const float> values, std::string key) {
   field_key_ = std::move(key);
+  static std::uint64_t stamps = 0;
+  field_stamp_ = ++stamps;
   for (Chunk& chunk : chunks_)
     chunk.field = gl::TextureBuffer("field", GL_R32F, values.subspan(chunk.first, chunk.count));
 }

@@ -57,6 +57,8 @@ class GpuCloud {
   /// so that whoever finds its own key need not upload again.
   void set_field(std::span<const float> values, std::string key = "");
   const std::string& field_key() const { return field_key_; }
+  /// Different after every set_field of any cloud, 0 before the first.
+  std::uint64_t field_stamp() const { return field_stamp_; }
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
   /// Makes shadow factors of 0 that a pass adds to (image unit access to `Chunk::shadow`).
@@ -73,6 +75,7 @@ class GpuCloud {
   gl::TextureBuffer places_;
   bool has_shadow_ = false;
   std::string field_key_;
+  std::uint64_t field_stamp_ = 0;
   std::vector<float> largest_radii_;
   float median_radius_ = 0;
   void measure_radii();

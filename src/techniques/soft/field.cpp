@@ -1,0 +1,133 @@
+#include "techniques/soft/field.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "analysis/quantiles.h"
+#include "core/error.h"
+
+namespace sfumato::soft {
+namespace {
+
+dvec3 parse_vector(const std::string& name, const std::string& text) {
+  dvec3 value(0);
+  const char *at = text.data(), *end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [next, error] = std::from_chars(at, end, value[axis]);
+    const bool last = axis == 2;
+    if (error != std::errc() || (last ? next != end : next == end || *next != ',') || !std::isfinite(value[axis]))
+      throw Error(ErrorCode::usage, name + " is '" + text + "', not auto or X,Y,Z");
+    at = next + (last ? 0 : 1);
+  }
+  return value;
+}
+
+const ScalarField& scalar_of(const PointCloud& cloud, const std::string& name) {
+  if (const ScalarField* scalar = cloud.scalar(name)) return *scalar;
+  std::vector<std::string> names{"uncertainty", "class", "distance"};
+  for (const ScalarField& scalar : cloud.scalars) names.push_back(scalar.name);
+  std::string list;
+  for (const std::string& one : names) list += (list.empty() ? "" : ", ") + one;
+  const std::string nearest = nearest_word(name, names);
+  throw Error(ErrorCode::usage, "the cloud has no scalar '" + name + "' to be the field" +
+                                    (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list + ")");
+}
+
+/// Scene units, from the place or surface that the settings name.
+double distance(const FieldSettings& s, const dvec3& from_origin, const dvec3& direction, const dvec3& half_size) {
+  switch (s.distance_to) {
+    case DistanceTo::plane: return std::abs(glm::dot(from_origin, direction));
+    case DistanceTo::point: return glm::length(from_origin);
+    case DistanceTo::box: return glm::length(glm::max(glm::abs(from_origin) - half_size, dvec3(0)));
+    case DistanceTo::axis: break;
+  }
+  return glm::length(from_origin - glm::dot(from_origin, direction) * direction);
+}
+
+std::vector<float> distances(const PointCloud& cloud, FieldSettings& s) {
+  const Bounds box = robust_bounds(cloud);
+  const dvec3 origin = s.origin == "auto" ? box.center() : parse_vector("field_origin", s.origin);
+  const dvec3 half_size = 0.5 * (s.size == "auto" ? 0.5 * box.size() : parse_vector("field_size", s.size));
+  dvec3 direction = s.direction == "auto" ? up_vector(cloud.up) : parse_vector("field_direction", s.direction);
+  if (!(glm::length(direction) > 0))
+    throw Error(ErrorCode::usage, "field_direction is 0,0,0, which is no direction; give X,Y,Z or auto");
+  direction = glm::normalize(direction);
+  std::vector<float> values(cloud.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = float(distance(s, cloud.world(i) - origin, direction, half_size));
+  const float range = s.range.resolve(analysis::quantile(values, 0.98));
+  for (float& value : values) value = range > 0 ? std::min(value / range, 1.0f) : 0;
+  return values;
+}
+
+std::vector<float> classes(const PointCloud& cloud, const std::vector<float>& soft) {
+  const ScalarField& scalar = scalar_of(cloud, "classification");
+  std::vector<float> values(cloud.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = std::find(soft.begin(), soft.end(), float(scalar.value(i))) != soft.end() ? 1.0f : 0.0f;
+  return values;
+}
+
+std::vector<float> scalar_values(const PreparedCloud& prepared, const std::string& name,
+                                 std::vector<std::string>& notes) {
+  const ScalarField& scalar = scalar_of(prepared.cloud, name);
+  std::vector<float> values = scalar.values;
+  // A length has no natural scale in [0,1], so uncertainty is always measured against its own spread.
+  const bool is_unit = name != "uncertainty" && std::all_of(values.begin(), values.end(), [&](float v) {
+    return !std::isfinite(v) || (scalar.offset + v >= 0 && scalar.offset + v <= 1);
+  });
+  if (is_unit) {
+    for (float& value : values) value = std::isnan(value) ? 0 : std::clamp(float(scalar.offset + value), 0.0f, 1.0f);
+    return values;
+  }
+  const Quantiles range = name == "uncertainty" ? prepared.uncertainty_range : analysis::quantiles(values);
+  for (float& value : values) value = analysis::normalized(value, range);
+  if (analysis::normalized(range.q98, range) == 0 && !values.empty())
+    notes.push_back("the field " + name + " hardly varies: every point is solid");
+  return values;
+}
+
+}  // namespace
+
+void FieldSettings::describe(ParamList& p) {
+  p.add("field", field)
+      .help("what makes a point soft: uncertainty, class, distance, or a scalar of the cloud by name")
+      .paper("Seemann 2018, F");
+  p.add("field_classes", classes).help("field = class: classification codes that are soft (6 is building)");
+  p.add("field_distance", distance_to, {"axis", "plane", "point", "box"}).help("field = distance: from what");
+  p.add("field_origin", origin).help("field = distance: X,Y,Z on the axis or plane, the point or the box's centre "
+                                     "(auto: the middle of the cloud)");
+  p.add("field_direction", direction).help("field = distance: X,Y,Z along the axis or across the plane (auto: up)");
+  p.add("field_size", size).help("field = distance: X,Y,Z, the sides of the box (auto: half of the cloud's)");
+  p.add("field_range", range).at_least(0).unit("scene units")
+      .help("field = distance: where the field reaches 1 (auto: the distance that 98 % of the points keep)");
+  p.add("field_invert", invert).help("low values are soft instead of high ones (confidence, for example)");
+}
+
+Field evaluate(const PreparedCloud& prepared, FieldSettings& settings) {
+  Field field;
+  const PointCloud& cloud = prepared.cloud;
+  if (cloud.empty()) return field;
+  if (settings.field == "class") field.values = classes(cloud, settings.classes);
+  else if (settings.field == "distance") field.values = distances(cloud, settings);
+  else field.values = scalar_values(prepared, settings.field, field.notes);
+  if (settings.invert)
+    for (float& value : field.values) value = 1 - value;
+
+  field.threshold = analysis::quantile(field.values, 0.85);
+  field.modulation_threshold = analysis::quantile(field.values, 0.95);
+  // Half of the way out is what a user means by far; and a field of few values, like classes, may have no point above
+  // its quantile.
+  const auto [least, most] = std::minmax_element(field.values.begin(), field.values.end());
+  if (settings.field == "distance") {
+    field.threshold = 0.5f;
+    field.modulation_threshold = 0.75f;
+  } else if (field.threshold >= *most && *most > *least) {
+    field.threshold = 0.5f * (*least + *most);
+  }
+  return field;
+}
+
+}  // namespace sfumato::soft

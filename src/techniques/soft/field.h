@@ -1,0 +1,35 @@
+// The scalar that decides which points are soft: F in [0,1] for every point.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/param.h"
+#include "core/prepared_cloud.h"
+
+namespace sfumato::soft {
+
+enum class DistanceTo { axis, plane, point, box };
+
+struct FieldSettings {
+  std::string field = "uncertainty";
+  std::vector<float> classes{6};
+  DistanceTo distance_to = DistanceTo::axis;
+  std::string origin = "auto", direction = "auto", size = "auto";
+  Auto<float> range;
+  bool invert = false;
+  void describe(ParamList& p);
+};
+
+struct Field {
+  std::vector<float> values;  ///< one per point of the prepared cloud, in [0,1], never NaN
+  float threshold = 1;        ///< automatic: of 15 % of the points the field is above
+  float modulation_threshold = 1;
+  std::vector<std::string> notes;
+};
+
+/// Evaluates the field. Throws Error(usage) that names the nearest scalar when there is none of that name, or
+/// the text that is no position.
+Field evaluate(const PreparedCloud& prepared, FieldSettings& settings);
+
+}  // namespace sfumato::soft

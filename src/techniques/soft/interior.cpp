@@ -1,0 +1,76 @@
+#include "techniques/soft/interior.h"
+
+#include <bit>
+
+#include "core/error.h"
+#include "passes/bindings.h"
+
+namespace sfumato::soft {
+
+gl::Program& Interior::program(bool store, bool concentric, bool as_quads) {
+  gl::Program& program = programs_[(store ? 1 : 0) + (concentric ? 2 : 0) + (as_quads ? 4 : 0)];
+  if (!program) {
+    gl::Defines defines{"SPLAT_SPHERE"};
+    if (store) defines.push_back("STORE");
+    if (concentric) defines.push_back("MODEL_CONCENTRIC");
+    if (as_quads) defines.push_back("SPLAT_QUADS");
+    program = gl::Program::raster("techniques/soft/sphere.vert", "techniques/soft/interior.frag", defines);
+  }
+  return program;
+}
+
+void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& solid_t, const gl::Texture& color,
+                    const gl::Texture& result, const InteriorSettings& settings, bool as_quads, gl::Timers& timers) {
+  const int shell_bits = settings.concentric ? std::bit_width(unsigned(settings.most_shells - 1)) : 0;
+  if (std::uint64_t(points.count()) << shell_bits > std::uint64_t(1) << 32)
+    throw Error(ErrorCode::usage, "model = concentric tells " + std::to_string(1ull << (32 - shell_bits)) +
+                                      " soft points apart, here are " + std::to_string(points.count()) +
+                                      "; raise field_threshold or lower concentric_count");
+  const gl::State add{.blend = gl::State::Blend::add};
+  list_.begin(view.width(), view.height());
+  view.bind();
+  {
+    auto timing = timers.scope("count");
+    gl::Framebuffer framebuffer({&list_.counts()});
+    framebuffer.bind();
+    points.draw(program(false, settings.concentric, as_quads), as_quads, solid_t, add);
+  }
+  {
+    auto timing = timers.scope("prefix sum");
+    fragments_ = list_.allocate(settings.concentric ? "model = concentric" : "model = base");
+  }
+  {
+    auto timing = timers.scope("store");
+    list_.bind_store();
+    gl::Program& store = program(true, settings.concentric, as_quads);
+    store.set("shell_bits", shell_bits);
+    // The count that the fragments give once more goes nowhere: the counts are read no longer.
+    gl::Framebuffer framebuffer({&list_.counts()});
+    framebuffer.bind();
+    points.draw(store, as_quads, solid_t, add);
+    list_.finish_store();
+  }
+  auto timing = timers.scope("resolve");
+  if (!overflow_) overflow_ = gl::Buffer("overflows", 4);
+  overflow_.clear(0);
+  overflow_.bind_storage(3);
+  const bool uniform = settings.density == Density::uniform;
+  ScreenPass& resolve = settings.concentric ? concentric_ : base_[uniform];
+  if (!resolve)
+    resolve = ScreenPass(settings.concentric ? "techniques/soft/concentric.glsl" : "techniques/soft/base.glsl",
+                         {GL_RGBA32F}, uniform && !settings.concentric ? gl::Defines{"DENSITY_UNIFORM"} : gl::Defines{});
+  resolve.set("normalization", int(settings.normalization)).set("shell_bits", shell_bits);
+  list_.bind_read();
+  points.shapes().bind(binding::input);
+  points.looks().bind(binding::input + 1);
+  color.bind(binding::input + 2);
+  resolve.run({}, {&result});
+}
+
+std::uint32_t Interior::overflows() const {
+  std::uint32_t count = 0;
+  if (overflow_) overflow_.download(&count, sizeof count);
+  return count;
+}
+
+}  // namespace sfumato::soft

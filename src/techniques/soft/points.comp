@@ -1,0 +1,64 @@
+// Soft points of one chunk as spheres in eye space, lit, with the key of their drawing order. Once a view and light.
+#include "splat_cloud.glsl"
+#include "lighting.glsl"
+
+layout(local_size_x = 128) in;
+layout(binding = UNIT_LIST) uniform usamplerBuffer soft_list;  // places within the chunk
+layout(std430, binding = 0) writeonly buffer Shapes { vec4 shapes[]; };
+layout(std430, binding = 1) writeonly buffer Looks { uvec4 looks[]; };
+layout(std430, binding = 2) writeonly buffer Keys { uint keys[]; };
+
+uniform uint point_count;
+uniform uint first_slot;
+uniform int shading;  // as in shade.glsl
+uniform float opacity;
+uniform float field_threshold;
+uniform float modulation_threshold;
+uniform float smallest_px;      // radius below which a sphere grows and thins out
+uniform int concentric_count;   // 0: one for each concentric_spacing_px of the radius
+uniform float concentric_spacing_px;
+
+const float most_shells = 32.0;
+
+// Without the specular term: haze does not shine.
+vec3 shaded(int i, Splat splat) {
+  vec3 base = point_color(i), normal = point_normal(i);
+  if (shading == 0) return lit_color(base, splat.center, dot(normal, normal) > 0.25 ? splat.normal : vec3(0.0),
+                                     to_camera(splat.center), point_shadow(i));
+  if (shading == 2) {
+    vec3 facing = dot(splat.normal, to_camera(splat.center)) < 0.0 ? -normal : normal;
+    return linear_from_srgb(dot(normal, normal) > 0.25 ? facing * 0.5 + 0.5 : vec3(0.5));
+  }
+  if (shading == 3) {
+    float near_to_far = (-splat.center.z - frame.near_plane) / (frame.far_plane - frame.near_plane);
+    return linear_from_srgb(vec3(clamp(1.0 - near_to_far, 0.0, 1.0)));
+  }
+  return base;
+}
+
+void main() {
+  uint k = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  if (k >= point_count) return;
+  int i = int(texelFetch(soft_list, int(k)).x);
+  Splat splat = cloud_splat(i);
+  float distance = frame.orthographic != 0 ? -splat.center.z : length(splat.center);
+  float px = splat.radius * pixels_at(max(-splat.center.z, splat_near()));
+  float alpha = opacity;
+  if (px < smallest_px && splat.radius > 0.0) {
+    alpha *= px * px / (smallest_px * smallest_px);
+    splat.radius *= smallest_px / px;
+    px = smallest_px;
+  }
+  ivec2 first, last;
+  bool seen = splat_pixels(splat, first, last);
+  float share = modulation_threshold > field_threshold
+      ? clamp((point_field(i) - field_threshold) / (modulation_threshold - field_threshold), 0.0, 1.0) : 1.0;
+  int shells = concentric_count > 0 ? concentric_count : int(clamp(px / concentric_spacing_px, 1.0, most_shells));
+  vec3 color = seen ? shaded(i, splat) : vec3(0.0);
+
+  uint slot = first_slot + k;
+  shapes[slot] = vec4(splat.center, seen ? splat.radius : 0.0);
+  looks[slot] = uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, share)), floatBitsToUint(alpha), uint(shells));
+  // Far points first. Distances are positive but behind an orthographic camera, where nothing is drawn.
+  keys[slot] = seen ? ~floatBitsToUint(max(distance, 0.0)) : 0xffffffffu;
+}

@@ -1,0 +1,203 @@
+// Soft transparency: points that are uncertain, or chosen otherwise, become a haze one can look through.
+//
+// S. Seemann, G. Palma, M. Dellepiane, P. Cignoni, M. Goesele, "Soft Transparency for Point Cloud Rendering",
+// Eurographics Symposium on Rendering - Experimental Ideas and Implementations 2018. Solid points are splatted; every
+// soft point is a sphere whose density falls off towards its rim, so that overlapping spheres make a continuous
+// haze in the right order.
+//
+// Where we differ: depth within a sphere is measured along the ray; one unit-free opacity means the same in all
+// models; nested spheres add up to the Base model unless the printed normalisations are asked for; the drawing order
+// is exact by default; spheres that are cut by a surface or the near plane are clamped.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "passes/shade.h"
+#include "passes/splat_surface.h"
+#include "techniques/soft/express.h"
+#include "techniques/soft/field.h"
+#include "techniques/soft/interior.h"
+#include "techniques/soft/one_layer.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+namespace {
+
+using namespace soft;
+
+enum class Model { express, concentric, base, one_layer };
+
+struct Parameters {
+  Model model = Model::express;
+  float opacity = 0.15f;
+  FieldSettings field;
+  Auto<float> field_threshold, modulation_threshold;
+  DrawOrder order = DrawOrder::exact;
+  Auto<int> concentric_count;
+  float concentric_spacing_px = 4;
+  Normalization normalization = Normalization::exact;
+  Density density = Density::radial;
+  Auto<float> epsilon;
+  bool antialias = true;
+  float radius_scale = 1;
+  bool clamp_radius = true;
+
+  void describe(ParamList& p) {
+    p.add("model", model, {"express", "concentric", "base", "one_layer"})
+        .help("density of a soft point: a blended disc, nested spheres, the exact integral; or only the first soft "
+              "layer transparent")
+        .paper("Seemann 2018, Sec. 3");
+    p.add("opacity", opacity).range(0, 1).help("of a lone soft point through its centre, in every model").paper("Seemann 2018, lambda");
+    field.describe(p);
+    p.add("field_threshold", field_threshold)
+        .range(-1, 1)
+        .help("points with a higher field are soft (auto: so that 15 % are; field = distance: 0.5)")
+        .paper("Seemann 2018, t");
+    p.add("modulation_threshold", modulation_threshold)
+        .range(-1, 1)
+        .help("field from which a soft point has its full shape; at or below field_threshold: no modulation (auto: 95 % "
+              "of the points are below)")
+        .paper("Seemann 2018, l_m");
+    p.add("order", order, {"exact", "axis"})
+        .help("express: sorted for each view, or along the nearest axis with a cross-fade (for motion)");
+    p.add("concentric_count", concentric_count).range(1, 1024).help("nested spheres of a point (auto: by its size)").paper("Seemann 2018, N");
+    p.add("concentric_spacing_px", concentric_spacing_px)
+        .range(0.5, 64)
+        .unit("px")
+        .help("concentric_count = auto: a sphere for each of these, 32 at most");
+    p.add("normalization", normalization, {"exact", "eq13", "eq15"})
+        .help("density of nested spheres: one that tends to the Base model, or those of the paper");
+    p.add("density", density, {"radial", "uniform"}).help("model = base: densest in the middle, or constant (Eq. 3)");
+    p.add("epsilon", epsilon)
+        .at_least(0)
+        .unit("scene units")
+        .help("how far behind the nearest hit a splat still counts as the same surface (auto: 2 median spacings)")
+        .paper("Botsch 2005, epsilon");
+    p.add("antialias", antialias)
+        .help("a splat covers at least a disc of 1 px radius on the screen; smaller soft points grow and thin out");
+    p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
+    p.add("clamp_radius", clamp_radius)
+        .help("limit radii to twice their median, so that isolated points do not become big discs");
+  }
+};
+
+class Soft final : public Technique {
+ public:
+  void describe(ParamList& p) override { parameters_.describe(p); }
+
+  Attributes needs() const override {
+    const Attributes drawing = Attribute::normal | Attribute::radius;
+    return parameters_.field.field == "uncertainty" ? drawing | Attribute::uncertainty : drawing;
+  }
+
+  bool render(Frame& frame) override {
+    update_field(frame.cloud);
+    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    Parameters& p = parameters_;
+    SplatShape shape;
+    shape.radius_scale = p.radius_scale;
+    if (p.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+    if (p.antialias) shape.prefilter_px = 1;
+    shape.field_threshold = p.field_threshold.resolve(field_.threshold);
+    p.modulation_threshold.resolve(field_.modulation_threshold);
+    SplatBlend blend;
+    blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
+
+    points_.choose(frame.cloud, field_.values, shape.field_threshold);
+    if (p.model == Model::one_layer) {
+      shape.part = SplatPart::above;
+      one_layer_.draw(frame, view, shape, blend, p.opacity);
+    } else {
+      draw_solid(frame, view, shape, blend);  // Sec. 4, step 2
+      if (points_.count() > 0 && p.opacity > 0) draw_soft(frame, view, shape);
+    }
+    return true;
+  }
+
+  std::vector<std::string> notes() const override {
+    std::vector<std::string> lines = field_.notes;
+    char text[200];
+    const double share = field_.values.empty() ? 0 : 100.0 * points_.count() / double(field_.values.size());
+    std::snprintf(text, sizeof text, "%.1f %% of the points are soft (%s above %.3g)", share,
+                  parameters_.field.field.c_str(), double(parameters_.field_threshold.value()));
+    lines.emplace_back(text);
+    if (parameters_.model == Model::base || parameters_.model == Model::concentric)
+      lines.push_back(std::to_string(interior_.fragments()) + " fragments");
+    if (const std::uint32_t count = interior_.overflows(); count > 0)
+      lines.push_back(std::to_string(count) + " times more than 64 spheres overlapped in a pixel: their order there is approximate");
+    return lines;
+  }
+
+ private:
+  /// Evaluates the field when the cloud or its settings changed, or another technique put its own in place.
+  void update_field(GpuCloud& cloud) {
+    ParamList list;
+    parameters_.field.describe(list);
+    std::string key;
+    for (const Param& param : list.all()) key += param.get() + "/";
+    if (stamp_ != 0 && stamp_ == cloud.field_stamp() && key == field_key_) return;
+    field_ = evaluate(cloud.prepared(), parameters_.field);
+    cloud.set_field(field_.values);
+    stamp_ = cloud.field_stamp();
+    field_key_ = key;
+  }
+
+  void draw_solid(Frame& frame, const View& view, SplatShape shape, const SplatBlend& blend) {
+    shape.part = SplatPart::not_above;
+    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+    auto timing = frame.timers.scope("shade");
+    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+               {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+  }
+
+  void draw_soft(Frame& frame, const View& view, const SplatShape& shape) {
+    const Parameters& p = parameters_;
+    Look look;
+    look.opacity = p.opacity;
+    look.field_threshold = p.field_threshold.value();
+    look.modulation_threshold = p.modulation_threshold.value();
+    look.antialias = p.antialias;
+    look.concentric_count = p.concentric_count.user.value_or(0);
+    look.concentric_spacing_px = p.concentric_spacing_px;
+    look.shape = shape;
+    {
+      auto timing = frame.timers.scope("soft points");
+      points_.update(frame, view, look);
+    }
+    const bool as_quads = choose_batches(frame.cloud, view, shape).fallbacks > 0;
+    if (p.model == Model::express) {
+      express_.draw(points_, view, surface_.nearest_t(), frame.target.color, p.order, as_quads, frame.timers);
+      return;
+    }
+    InteriorSettings settings;
+    settings.concentric = p.model == Model::concentric;
+    settings.density = p.density;
+    settings.normalization = p.normalization;
+    settings.most_shells = std::max(32, look.concentric_count);
+    gl::ensure(result_, "soft picture", GL_RGBA32F, view.width(), view.height());
+    interior_.draw(points_, view, surface_.nearest_t(), frame.target.color, result_, settings, as_quads, frame.timers);
+    std::swap(result_, frame.target.color);
+  }
+
+  Parameters parameters_;
+  Field field_;
+  std::string field_key_;
+  std::uint64_t stamp_ = 0;
+  SplatSurface surface_;
+  SoftPoints points_;
+  Express express_;
+  Interior interior_;
+  OneLayer one_layer_;
+  gl::Texture albedo_, result_;
+  Shade shade_;
+};
+
+}  // namespace
+
+TechniqueInfo soft_technique() {
+  return {"soft", "uncertain or chosen points as a haze that one can look through",
+          [] { return std::unique_ptr<Technique>(new Soft); }};
+}
+
+}  // namespace sfumato

@@ -1,0 +1,71 @@
+// The soft points of a cloud, gathered over its chunks: spheres in eye space with their light, and their order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "passes/depth_sort.h"
+#include "passes/frame.h"
+#include "passes/splat_raster.h"
+
+namespace sfumato::soft {
+
+/// What all soft points share in a frame.
+struct Look {
+  float opacity = 0.15f;
+  float field_threshold = 1, modulation_threshold = 1;
+  bool antialias = true;
+  int concentric_count = 0;  ///< 0: by size on the screen
+  float concentric_spacing_px = 4;
+  SplatShape shape;          ///< radius scale and limit
+};
+
+/// An order of drawing: `count` slots of `list`, from `first` by `step` (1 or -1).
+struct Order {
+  const gl::TextureBuffer* list = nullptr;
+  int first = 0, step = 1;
+  std::uint32_t count = 0;
+};
+
+class SoftPoints {
+ public:
+  /// Chooses the points with field > threshold; nothing to do while field and threshold stay.
+  void choose(GpuCloud& cloud, std::span<const float> field, float threshold);
+  /// Number of soft points, each with a slot 0, 1 ... in the order of the prepared cloud.
+  std::uint32_t count() const { return std::uint32_t(places_.size()); }
+  /// Spheres in eye space, shaded. `view` and light are those of `frame`.
+  void update(Frame& frame, const View& view, const Look& look);
+
+  /// Far to near by distance from the camera; kept while view and points stay.
+  Order far_to_near(const View& view);
+  /// Along an axis of the cloud, for a camera that looks in `sign` direction of it: far points first. Six orders
+  /// from three arrays read both ways (Seemann 2018, Sec. 4).
+  Order along_axis(int axis, bool positive);
+
+  /// Draws every soft point with `fragment`, in its own order or in `order`. Binds `solid_t` for the fragments.
+  void draw(gl::Program& program, bool as_quads, const gl::Texture& solid_t, const gl::State& state,
+            const Order* order = nullptr);
+  /// For screen passes that read the spheres: UNIT_INPUT and UNIT_INPUT + 1.
+  const gl::TextureBuffer& shapes() const { return shapes_; }
+  const gl::TextureBuffer& looks() const { return looks_; }
+
+ private:
+  const PointCloud* cloud_ = nullptr;
+  std::uint64_t stamp_ = 0;  ///< of the field that was chosen from
+  float threshold_ = 0;
+  std::vector<std::uint32_t> by_source_;  ///< all places of the cloud by source index: what ties follow
+  std::vector<std::uint32_t> places_;     ///< in the prepared cloud, ascending
+  std::vector<std::uint32_t> initial_;    ///< slots by source index
+  bool chosen_anew_ = true, sorted_ = false;
+  dmat4 sorted_view_{0};
+  std::vector<gl::TextureBuffer> lists_;  ///< of each chunk: places within it
+  gl::TextureBuffer shapes_, looks_;
+  gl::Buffer keys_;
+  gl::Program fill_;
+  DepthSort depth_sort_;
+  std::array<gl::TextureBuffer, 3> axis_orders_;
+};
+
+}  // namespace sfumato::soft

@@ -1,0 +1,268 @@
+// Soft transparency against closed forms and a double-precision oracle that integrates densities numerically.
+#include <array>
+#include <random>
+
+#include "core/error.h"
+#include "reference/compare.h"
+#include "reference/gl_fixture.h"
+#include "reference/soft_oracle.h"
+#include "reference/splat_oracle.h"
+#include "techniques/soft/express.h"
+#include "techniques/soft/field.h"
+#include "techniques/soft/interior.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+struct Ball {
+  vec3 center{0};
+  float radius = 0.5f;
+  Rgba8 color{200, 100, 50, 255};
+  float field = 1;
+  vec3 normal{0, -1, 0};
+};
+
+PointCloud cloud_of(const std::vector<Ball>& balls, double scale = 1) {
+  PointCloud cloud;
+  ScalarField field{"soft", 0, {}};
+  for (const Ball& ball : balls) {
+    cloud.positions.push_back(ball.center * float(scale));
+    cloud.normals.push_back(ball.normal);
+    cloud.radii.push_back(ball.radius * float(scale));
+    cloud.colors.push_back(ball.color);
+    field.values.push_back(ball.field);
+  }
+  cloud.set_scalar(std::move(field));
+  return cloud;
+}
+
+/// Spheres of all sizes and colours in a ball of radius 1.
+std::vector<Ball> ball_soup(int count, unsigned seed, float largest = 0.5f) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  auto code = [&] { return std::uint8_t(127.5f + 127.5f * uniform(random)); };
+  std::vector<Ball> balls;
+  while (int(balls.size()) < count) {
+    const vec3 p(uniform(random), uniform(random), uniform(random));
+    if (glm::length(p) > 1) continue;
+    balls.push_back({p, largest * (0.3f + 0.7f * std::abs(uniform(random))), {code(), code(), code(), 255}});
+  }
+  return balls;
+}
+
+Camera camera_at(dvec3 position, int width, int height, double fov_deg = 45) {
+  Camera camera;
+  camera.position = position;
+  camera.target = {0, 0, 0};
+  camera.fov_y = glm::radians(fov_deg);
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
+double lambda_of(double opacity) { return -std::log(1 - std::min(opacity, 0.999)); }
+
+class Soft : public GlTest {
+ protected:
+  Soft() {
+    settings_.transparent = true;
+    settings_.shading = Shading::albedo;
+    for (auto [name, value] : {std::pair{"field", "soft"}, {"field_threshold", "0.5"}, {"modulation_threshold", "0.5"},
+                               {"antialias", "false"}, {"clamp_radius", "false"}, {"epsilon", "0.01"}})
+      set(name, value);
+  }
+  void set(const std::string& name, const std::string& value) { set_parameter(*technique_, name, value); }
+  void set_opacity(double value) { set("opacity", std::to_string(value)); }
+  RenderOutput render(const PointCloud& cloud, const Camera& camera) {
+    Renderer renderer(context());
+    show(renderer, cloud, technique_->needs());
+    return renderer.render(*technique_, camera, settings_, all_outputs());
+  }
+  RenderOutput render(const std::vector<Ball>& balls, const Camera& camera) { return render(cloud_of(balls), camera); }
+
+  /// Alpha of the picture minus expected(delta) over the whole disc of a lone sphere: the largest difference.
+  template <class Expected>
+  double lone_sphere_error(const Ball& ball, const Camera& camera, Expected expected) {
+    const RenderOutput out = render({ball}, camera);
+    double worst = 0;
+    int covered = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+        const dvec3 away = dvec3(ball.center) - ray.origin;
+        const double delta = glm::length(away - glm::dot(away, ray.direction) * ray.direction) / ball.radius;
+        covered += delta < 1;
+        worst = std::max(worst, std::abs(out.color_linear.at(x, y).a - (delta < 1 ? expected(delta) : 0.0)));
+      }
+    EXPECT_GT(covered, 50);
+    return worst;
+  }
+  /// The picture against the oracle with these spheres; colours are 16-bit floats (5e-4), alpha is not.
+  void expect_like_oracle(const std::vector<Ball>& balls, const Camera& asked, const SoftOracle& oracle,
+                          double alpha_tolerance = 1e-4) {
+    const PointCloud cloud = cloud_of(balls);
+    const RenderOutput out = render(cloud, asked);
+    Camera camera = asked;
+    camera.fit_depth_range(bounds(cloud));
+    std::vector<OracleSplat> solid;
+    std::vector<OracleSphere> soft;
+    const std::vector<OracleSplat> all = [&] {
+      std::vector<OracleSplat> list = oracle_splats(cloud);
+      return list;
+    }();
+    for (std::size_t i = 0; i < balls.size(); ++i)
+      if (balls[i].field > 0.5f) soft.push_back({all[i].center, all[i].radius, all[i].color});
+      else solid.push_back(all[i]);
+    double worst_alpha = 0, worst_color = 0;
+    int covered = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+        const OracleSurface surface = oracle_surface(ray, solid, splat_near(camera), 0.01, wendland);
+        if (surface.fragile) continue;
+        const std::vector<OracleHit> hits = oracle_hits(ray, solid, splat_near(camera));
+        const double solid_t = hits.empty() ? HUGE_VAL : hits.front().t;
+        glm::dvec4 color = oracle.through(ray, soft, splat_near(camera) / ray.cosine, solid_t);
+        if (surface.weight > 0) color += (1 - color.a) * glm::dvec4(surface.color, 1);
+        const vec4 actual = out.color_linear.at(x, y);
+        covered += color.a > 0;
+        worst_alpha = std::max(worst_alpha, std::abs(actual.a - color.a));
+        for (int k = 0; k < 3; ++k) worst_color = std::max(worst_color, std::abs(actual[k] - color[k]));
+      }
+    EXPECT_GT(covered, camera.width * camera.height / 8);
+    EXPECT_LT(worst_alpha, alpha_tolerance);
+    EXPECT_LT(worst_color, 1e-3);
+  }
+  std::unique_ptr<Technique> technique_ = find_technique("soft").create();
+  RenderSettings settings_;
+};
+
+/// One sphere in the middle, one in the corner of a wide view (where eye depth is not the ray distance).
+std::vector<std::pair<Ball, Camera>> lone_spheres() {
+  Camera orthographic = camera_at({0, -3, 0}, 64, 64);
+  orthographic.projection = Projection::orthographic;
+  orthographic.height_world = 2;
+  return {{Ball{{0, 0, 0}, 0.5f}, camera_at({0, -3, 0}, 64, 64)},
+          {Ball{{1.2f, 0, 0.85f}, 0.4f}, camera_at({0, -1, 0}, 96, 72, 100)},
+          {Ball{{0.2f, 0, 0.1f}, 0.7f}, orthographic}};
+}
+
+// A.7 test 1, and the other models' lone spheres. 1e-4: what float leaves of t - t_m at these distances, 1e-6 of the
+// radius, goes through a square root at the rim.
+TEST_F(Soft, LoneSphereIsTheClosedForm) {
+  for (const auto& [ball, camera] : lone_spheres())
+    for (double opacity : {0.15, 0.6, 1.0}) {
+      SCOPED_TRACE(std::to_string(opacity) + " at " + std::to_string(ball.center.x));
+      set_opacity(opacity);
+      const double lambda = lambda_of(opacity);
+      set("model", "base");
+      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * closed_form(d)); }), 1e-4);
+      set("density", "uniform");
+      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * std::sqrt(1 - d * d)); }), 1e-4);
+      set("density", "radial");
+      set("model", "express");
+      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return opacity * (std::cos(std::acos(-1) * d) + 1) / 2; }), 1e-4);
+      set("model", "concentric");
+      set("concentric_count", "7");
+      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * shell_sum(7, d)); }), 1e-4);
+      set("concentric_count", "auto");
+    }
+}
+
+// One number means the same on a figurine and on a city.
+TEST_F(Soft, ScaleDoesNotMatter) {
+  const std::vector<Ball> balls = ball_soup(20, 3);
+  for (const char* model : {"express", "base", "concentric"}) {
+    set("model", model);
+    const RenderOutput small = render(cloud_of(balls, 0.01), camera_at({0, -0.03, 0}, 48, 48));
+    const RenderOutput large = render(cloud_of(balls, 1000), camera_at({0, -3000, 0}, 48, 48));
+    for (std::size_t i = 0; i < small.color_linear.size(); ++i)
+      ASSERT_NEAR(small.color_linear.data()[i].a, large.color_linear.data()[i].a, 2e-4) << model;
+  }
+}
+
+// A.7 test 2: total alpha = 1 - exp(-sum tau_i) for any overlap and any order.
+TEST_F(Soft, OverlappingSpheresAddUp) {
+  for (int count : {2, 50}) {
+    std::vector<Ball> balls = ball_soup(count, 17);
+    for (Ball& ball : balls) ball.color = {200, 100, 50, 255};
+    const Camera camera = camera_at({0, -4, 0}, 64, 64);
+    set("model", "base");
+    const RenderOutput out = render(balls, camera);
+    double worst = 0;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+        double depth = 0;
+        for (const Ball& ball : balls) {
+          const dvec3 away = dvec3(ball.center) - ray.origin;
+          const double d = glm::length(away - glm::dot(away, ray.direction) * ray.direction) / ball.radius;
+          if (d < 1) depth += lambda_of(0.15) * closed_form(d);
+        }
+        worst = std::max(worst, std::abs(out.color_linear.at(x, y).a - (1 - std::exp(-depth))));
+      }
+    EXPECT_LT(worst, 1e-4) << count;
+  }
+}
+
+// A.7 test 3: in the lens the colours mix by w = 1 - d/r (Eq. 12), within one 8-bit step.
+TEST_F(Soft, LensMixesColours) {
+  set("model", "base");
+  set_opacity(0.5);
+  const std::vector<Ball> balls{{{0, 0, 0}, 0.5f, {255, 0, 0, 255}}, {{0.2f, 0, 0}, 0.6f, {0, 0, 255, 255}}};
+  const Camera camera = camera_at({0, -100, 0}, 64, 64, 1.2);
+  const RenderOutput out = render(balls, camera);
+  SoftOracle oracle;
+  oracle.opacity = 0.5;
+  int lens = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+      const double a = ray_delta(ray, balls[0].center, 0.5), b = ray_delta(ray, balls[1].center, 0.6);
+      if (a >= 1 || b >= 1) continue;
+      ++lens;
+      const glm::dvec4 expected = oracle.through(ray, {{balls[0].center, 0.5, {1, 0, 0}}, {balls[1].center, 0.6, {0, 0, 1}}}, 0, HUGE_VAL);
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(out.color_linear.at(x, y)[k], expected[k], 1.0 / 255);
+    }
+  EXPECT_GT(lens, 500);
+  const std::vector<Ball> same{{{0, 0, 0}, 0.5f, {255, 0, 0, 255}}, {{0, 0, 0}, 0.5f, {0, 0, 255, 255}}};
+  const vec4 middle = render(same, camera).color_linear.at(32, 32);
+  EXPECT_NEAR(middle.r / middle.a, 0.5, 1e-3);
+  EXPECT_NEAR(middle.b / middle.a, 0.5, 1e-3);
+}
+
+// Coloured spheres, some cut by solid discs and some by the near plane (the camera stands among them).
+TEST_F(Soft, InteriorModelsMatchTheOracle) {
+  std::vector<Ball> balls = ball_soup(24, 5);
+  for (int i = 0; i < 6; ++i) balls[std::size_t(i)].field = 0;
+  for (Ball& ball : balls) ball.normal = glm::normalize(vec3(0.3f, -1, 0.2f));
+  for (const Camera& camera : {camera_at({0.3, -3, 0.4}, 48, 40), camera_at({0, -0.4, 0.1}, 48, 40, 90)}) {
+    SoftOracle oracle;
+    oracle.opacity = 0.4;
+    set_opacity(0.4);
+    set("model", "base");
+    expect_like_oracle(balls, camera, oracle);
+    set("model", "concentric");
+    for (auto [name, normalization] : {std::pair{"exact", 0}, {"eq13", 1}, {"eq15", 2}}) {
+      set("normalization", name);
+      set("concentric_count", "3");
+      oracle.shells = 3;
+      oracle.normalization = normalization;
+      expect_like_oracle(balls, camera, oracle);
+    }
+  }
+}
+
+TEST_F(Soft, ExpressBlendsFarToNear) {
+  std::vector<Ball> balls = ball_soup(40, 6);
+  for (int i = 0; i < 8; ++i) balls[std::size_t(i)].field = 0;
+  set_opacity(0.5);
+  SoftOracle oracle;
+  oracle.opacity = 0.5;
+  oracle.express = true;
+  expect_like_oracle(balls, camera_at({0.3, -3, 0.4}, 48, 40), oracle);
+}
+
+}  // namespace
