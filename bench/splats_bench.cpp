@@ -22,7 +22,8 @@ void same_radius(benchmark::State& state, const char* blend) {
   give_one_radius(count);
   auto technique = find_technique("splats").create();
   set(*technique, "antialias", "false");
-  if (*blend) set(*technique, "blend", blend);
+  set(*technique, "radius_scale", "1");
+  set(*technique, "blend", blend);
   time_frames(state, *technique, count, plain_settings(Shading::lit));
 }
 
@@ -40,7 +41,9 @@ void name(const char* row, void (*function)(benchmark::State&), std::initializer
 }
 
 const bool registered = [] {
-  name("weighted", [](benchmark::State& state) { same_radius(state, ""); }, {128'000, 1'000'000, 6'000'000});
+  name("weighted", [](benchmark::State& state) { same_radius(state, "weighted"); },
+       {128'000, 1'000'000, 6'000'000});
+  name("opaque", [](benchmark::State& state) { same_radius(state, "opaque"); }, {1'000'000});
   name("default", default_look, {1'000'000});
   return true;
 }();

@@ -28,28 +28,30 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
   {
     auto timing = timers.scope("accumulate");
     const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
+    const float epsilon = blend.opaque ? 0 : blend.epsilon;
     gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
     gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
     color_sum_.clear(vec4(0));
     normal_sum_.clear(vec4(0));
-    SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (gaussian ? 2 : 0)];
+    SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (blend.opaque ? 4 : gaussian ? 2 : 0)];
     if (!raster) {
       gl::Defines defines{"SPLAT_COLOR"};
       if (shadow) defines.push_back("SPLAT_SHADOW");
       if (gaussian) defines.push_back("KERNEL_GAUSSIAN");
+      if (blend.opaque) defines.push_back("BLEND_OPAQUE");
       raster = SplatRaster("passes/splat_accumulate.frag", defines);
     }
     visit_.measure_farthest(view, nearest_t_);
     auto draw_into = [&](const gl::Framebuffer& framebuffer) {
       framebuffer.bind();
       const gl::State state{.blend = gl::State::Blend::add};
-      auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", blend.epsilon); };
+      auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", epsilon); };
       nearest_t_.bind(binding::input);
       raster.draw(cloud, view, shape, batches_, state, set_epsilon, false);
       for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {
         {
           auto cull_timing = timers.scope("cull");
-          if (!visit_.list_survivors(cloud, c, view, shape, batches_, blend.epsilon)) continue;
+          if (!visit_.list_survivors(cloud, c, view, shape, batches_, epsilon)) continue;
         }
         framebuffer.bind();
         nearest_t_.bind(binding::input);

@@ -13,6 +13,7 @@ namespace sfumato {
 struct SplatBlend {
   float epsilon = 0;  ///< scene units along the ray: how far behind the nearest hit a splat still counts
   SplatKernel kernel = SplatKernel::wendland;
+  bool opaque = false;  ///< only the nearest hit of a pixel; epsilon and kernel do not count
 };
 
 /// What the passes leave, at the view's size: textures of the caller, made when missing.
@@ -38,7 +39,7 @@ class SplatSurface {
  private:
   SplatBatches batches_;
   gl::Texture nearest_t_, color_sum_, normal_sum_, shadow_sum_;
-  SplatRaster nearest_, accumulate_[4];
+  SplatRaster nearest_, accumulate_[6];
   SplatVisit visit_;
   ScreenPass normalize_;
 };

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "../bench/frame_difference.h"
 #include "reference/compare.h"
 #include "reference/gl_fixture.h"
 #include "reference/splat_oracle.h"
@@ -69,6 +70,7 @@ class Splats : public GlTest {
     set("epsilon", "0.05");
     set("antialias", "false");
     set("clamp_radius", "false");
+    set("radius_scale", "1");
   }
   void set(const std::string& name, const std::string& value) { set_parameter(*technique_, name, value); }
   RenderOutput render(const PointCloud& cloud, const Camera& camera) {
@@ -187,6 +189,27 @@ TEST_F(Splats, SoupMatchesTheOracle) {
     set("kernel", "gaussian");
     expect_like_oracle(render(cloud, camera), expected(cloud, camera, gaussian));
   }
+}
+
+TEST_F(Splats, OpaqueShowsTheNearestDisc) {
+  const PointCloud cloud = disc_soup(600, 12);
+  const Camera camera = fitted(camera_at({0.4, -3, 0.5}, 90, 70), cloud);
+  const std::vector<OracleSplat> splats = oracle_splats(cloud);
+  const OracleImages oracle = oracle_images(camera, [&](const OracleRay& ray) {
+    OracleSurface out;
+    const std::vector<OracleHit> hits = oracle_hits(ray, splats, splat_near(camera), &out.fragile);
+    if (hits.empty()) return out;
+    // Where two discs cross, roundings of t decide.
+    if (hits.size() > 1 && hits[1].t - hits[0].t < 1e-4) out.fragile = true;
+    const OracleSplat& s = splats[hits[0].splat];
+    out.weight = 1;
+    out.color = s.color;
+    out.depth = hits[0].depth;
+    out.normal = glm::dot(s.normal, ray.direction) > 0 ? -s.normal : s.normal;
+    return out;
+  });
+  set("blend", "opaque");
+  expect_like_oracle(render(cloud, camera), oracle);
 }
 
 TEST_F(Splats, SphereHasItsDepthAndNormals) {
@@ -341,6 +364,32 @@ TEST_F(Splats, ClampedRadiiKeepOutliersSmall) {
   EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.04 * px, 2), 10);  // radius 2 x 0.02; 10 = its rim in px
   set("radius_scale", "2");
   EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.08 * px, 2), 20);
+}
+
+// Along a slow orbit around random colours, the average of many discs changes less than the nearest disc alone.
+TEST_F(Splats, WeightedBlendingIsSteadierThanOpaque) {
+  PointCloud cloud = sphere_cloud(4000);
+  cloud.radii.assign(cloud.size(), 0.12f);
+  std::mt19937 random(9);
+  for (Rgba8& c : cloud.colors) c = {std::uint8_t(random()), std::uint8_t(random()), std::uint8_t(random()), 255};
+  Renderer renderer(context());
+  show(renderer, cloud, technique_->needs());
+  bench::FrameDifference results[2];
+  int k = 0;
+  for (const char* blend : {"weighted", "opaque"}) {
+    set("blend", blend);
+    bench::FrameDifferenceMeter meter;
+    for (int frame = 0; frame < 5; ++frame) {
+      const double angle = 0.005 * frame;
+      const Camera camera = camera_at({4 * std::sin(angle), -4 * std::cos(angle), 0}, 64, 64);
+      meter.add(renderer.render(*technique_, camera, settings_).rgba8);
+    }
+    results[k++] = meter.result();
+  }
+  EXPECT_EQ(results[0].pairs, 4u);
+  EXPECT_GT(results[0].mean, 0);
+  EXPECT_GE(results[0].worst, results[0].mean);
+  EXPECT_LT(1.5 * results[0].mean, results[1].mean);
 }
 
 TEST_F(Splats, ShadowFactorsAreAveragedLikeColours) {

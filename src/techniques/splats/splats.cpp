@@ -17,8 +17,10 @@ namespace {
 struct Parameters {
   Auto<float> epsilon;
   SplatKernel kernel = SplatKernel::wendland;
+  enum class Blend { weighted, opaque } blend = Blend::weighted;
   bool antialias = true;
-  float radius_scale = 1;
+  // Discs of Eq 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times 1.5, 1e-4.
+  float radius_scale = 1.5f;
   bool clamp_radius = true;
 
   void describe(ParamList& p) {
@@ -28,6 +30,7 @@ struct Parameters {
         .help("how far behind the nearest hit a splat still counts as the same surface (auto: 2 median spacings)")
         .paper("Botsch 2005, epsilon");
     p.add("kernel", kernel, {"wendland", "gaussian"}).help("weight of a hit by its distance from the splat's centre");
+    p.add("blend", blend, {"weighted", "opaque"}).help("average of the surface's splats, or the nearest disc only");
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
@@ -50,6 +53,7 @@ class Splats final : public Technique {
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
     blend.kernel = parameters_.kernel;
+    blend.opaque = parameters_.blend == Parameters::Blend::opaque;
 
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
 
