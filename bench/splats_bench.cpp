@@ -14,6 +14,7 @@ void give_one_radius(std::size_t count) {
   const double area = 4 * std::numbers::pi * std::numbers::pi * (0.45 + 0.30 + 0.15);
   PreparedCloud& prepared = renderer.prepared();
   prepared.cloud.radii.assign(prepared.cloud.size(), float(std::sqrt(area / double(count))));
+  prepared.median_radius = prepared.cloud.radii.empty() ? 0 : prepared.cloud.radii.front();
   prepared.available = prepared.available | Attribute::radius;
 }
 

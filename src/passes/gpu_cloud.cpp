@@ -151,28 +151,14 @@ void GpuCloud::set_shadow(std::span<const float> values) {
                                : gl::TextureBuffer();
 }
 
-
-void GpuCloud::measure_radii() {
-  if (largest_radii_.size() == prepared_.batches.size()) return;
-  std::vector<float> radii = prepared_.cloud.radii;
-  largest_radii_.clear();
-  for (const Batch& batch : prepared_.batches) {
-    const auto first = radii.begin() + batch.first;
-    largest_radii_.push_back(radii.empty() ? 0 : std::max(0.0f, *std::max_element(first, first + batch.count)));
-  }
-  const auto middle = radii.begin() + std::ptrdiff_t(radii.size() / 2);
-  if (!radii.empty()) std::nth_element(radii.begin(), middle, radii.end());
-  median_radius_ = radii.empty() ? 0 : *middle;
-}
-
 const std::vector<float>& GpuCloud::largest_radii() {
-  measure_radii();
+  if (largest_radii_.empty())
+    for (const Batch& batch : prepared_.batches) {
+      const std::vector<float>& radii = prepared_.cloud.radii;
+      const auto first = radii.begin() + std::ptrdiff_t(batch.first);
+      largest_radii_.push_back(radii.empty() ? 0 : std::max(0.0f, *std::max_element(first, first + batch.count)));
+    }
   return largest_radii_;
-}
-
-float GpuCloud::median_radius() {
-  measure_radii();
-  return median_radius_;
 }
 
 void GpuCloud::begin_shadow() {

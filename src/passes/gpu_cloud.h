@@ -31,9 +31,8 @@ class GpuCloud {
   std::size_t size() const { return prepared_.cloud.size(); }
   Bounds bounds() const { return bounds_; }   ///< world
   float median_spacing() const { return prepared_.median_spacing; }
-  /// Largest radius of each batch and the median radius of all points, scene units; measured on first use.
+  /// Largest radius of each batch, scene units; measured on first use.
   const std::vector<float>& largest_radii();
-  float median_radius();
   bool has_normals() const { return prepared_.available.has(Attribute::normal); }
   std::vector<Chunk>& chunks() { return chunks_; }
 
@@ -77,8 +76,6 @@ class GpuCloud {
   std::string field_key_;
   std::uint64_t field_stamp_ = 0;
   std::vector<float> largest_radii_;
-  float median_radius_ = 0;
-  void measure_radii();
 };
 
 /// Unit normal as two 16-bit octahedral coordinates; the zero vector becomes (0,0), which no unit normal uses.

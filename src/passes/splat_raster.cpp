@@ -11,8 +11,9 @@
 namespace sfumato {
 namespace {
 
-/// Below this width in pixels a compute loop beats the rasteriser's set-up (docs/performance.md).
-constexpr double small_splat_px = 8;
+/// Up to this width in pixels a compute loop finds the nearest hits as fast as the rasteriser; splats that prove
+/// hidden then cost nothing more (docs/performance.md).
+constexpr double small_splat_px = 32;
 
 /// Largest width in pixels that a splat of this radius can have with its centre in the box; infinite when it may
 /// reach the plane of the eye.

@@ -54,7 +54,7 @@ struct SplatBatches {
     }
   };
   struct OfChunk {
-    Ranges small;   ///< in points of the chunk: splats of a few pixels, for which a compute loop is faster
+    Ranges small;   ///< in points of the chunk: splats small enough for a compute loop
     Ranges points;  ///< in points of the chunk
     Ranges quads;   ///< in vertices: six a point
   };

@@ -51,7 +51,7 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
       for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {
         {
           auto cull_timing = timers.scope("cull");
-          if (!visit_.list_survivors(cloud, c, view, shape, batches_, epsilon)) continue;
+          if (!visit_.list_survivors(cloud, c, view, shape, batches_, nearest_t_, epsilon)) continue;
         }
         framebuffer.bind();
         nearest_t_.bind(binding::input);

@@ -1,7 +1,7 @@
 // Splats of a few pixels, one thread each: faster than the rasteriser's set-up of a primitive.
 //   VISIT_NEAREST   the nearest ray distance of every pixel by atomicMin (bits of positive floats sort like them)
-//   VISIT_MARK      flags the splats that may lie within epsilon of the visible surface: conservatively, by the
-//                   farthest visible distance of the blocks they touch (splat_farthest.glsl)
+//   VISIT_MARK      flags the splats of which a pixel lies within epsilon of the visible surface; most hidden ones
+//                   are sorted out by the farthest visible distance of the blocks they touch (splat_farthest.glsl)
 #include "splat_cloud.glsl"
 
 layout(local_size_x = 128) in;
@@ -11,6 +11,7 @@ layout(r32ui, binding = 0) uniform uimage2D nearest_bits;
 #else
 layout(r8ui, binding = 0) writeonly uniform uimageBuffer flags;
 layout(binding = UNIT_INPUT) uniform sampler2D farthest_t;
+layout(binding = UNIT_INPUT + 1) uniform sampler2D nearest_t;
 uniform float epsilon;
 uniform uint slots_per_batch;
 #endif
@@ -50,7 +51,14 @@ void main() {
       for (int y = first.y >> 3; y <= last.y >> 3; ++y)
         for (int x = first.x >> 3; x <= last.x >> 3; ++x)
           farthest = max(farthest, texelFetch(farthest_t, ivec2(x, y), 0).x);
-      visible = nearest < farthest + epsilon;
+      bool candidate = nearest < farthest + epsilon;
+      for (ivec2 pixel = first; candidate && !visible && pixel.y <= last.y;) {
+        SplatHit hit;
+        // Room for a few roundings: the fragment stage, another program, has the last word.
+        visible = hit_splat(splat, vec2(pixel) + 0.5, hit) &&
+                  hit.t * 0.999998 < texelFetch(nearest_t, pixel, 0).x + epsilon;
+        if (++pixel.x > last.x) pixel = ivec2(first.x, pixel.y + 1);
+      }
     }
   }
   imageStore(flags, int(gl_WorkGroupID.y * slots_per_batch) + k, uvec4(visible));

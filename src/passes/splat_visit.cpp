@@ -62,7 +62,7 @@ void SplatVisit::measure_farthest(const View& view, const gl::Texture& nearest_t
 }
 
 bool SplatVisit::list_survivors(GpuCloud& cloud, std::size_t c, const View& view, const SplatShape& shape,
-                                const SplatBatches& batches, float epsilon) {
+                                const SplatBatches& batches, const gl::Texture& nearest_t, float epsilon) {
   const SplatBatches::Ranges& small = batches.chunks[c].small;
   if (small.first.empty()) return false;
   GpuCloud::Chunk& chunk = cloud.chunks()[c];
@@ -78,6 +78,7 @@ bool SplatVisit::list_survivors(GpuCloud& cloud, std::size_t c, const View& view
   view.bind();
   bind_splats(cloud, chunk);
   farthest_t_.bind(binding::input);
+  nearest_t.bind(binding::input + 1);
   glBindImageTexture(0, flags_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
   gl::Program& mark = program(true, shape);
   mark.set("epsilon", epsilon).set("slots_per_batch", groups_per_batch * group_size);

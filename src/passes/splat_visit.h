@@ -16,11 +16,10 @@ class SplatVisit {
   /// Lowers `nearest_t` (R32F) to the nearest hit among the small splats of `batches`.
   void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                     const gl::Texture& nearest_t);
-  /// Lists the small splats of one chunk that may lie within epsilon behind `nearest_t`: a superset, in the order
-  /// of the cloud. False when the chunk has no small splats in view. `list()` and `command()` hold the result until
-  /// the next call.
+  /// Lists the small splats of one chunk with a pixel within epsilon behind `nearest_t`, in the order of the cloud.
+  /// False when the chunk has no small splats in view. `list()` and `command()` hold the result until the next call.
   bool list_survivors(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
-                      const SplatBatches& batches, float epsilon);
+                      const SplatBatches& batches, const gl::Texture& nearest_t, float epsilon);
   /// To be called once before `list_survivors`, when `nearest_t` is complete.
   void measure_farthest(const View& view, const gl::Texture& nearest_t);
 
