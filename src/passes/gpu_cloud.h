@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -33,6 +34,10 @@ class GpuCloud {
   float median_spacing() const { return prepared_.median_spacing; }
   /// Largest radius of each batch, scene units; measured on first use.
   const std::vector<float>& largest_radii();
+  /// Of all points, scene units; infinite when nobody measured it, so that it limits nothing.
+  float median_radius() const {
+    return prepared_.median_radius > 0 ? prepared_.median_radius : std::numeric_limits<float>::infinity();
+  }
   bool has_normals() const { return prepared_.available.has(Attribute::normal); }
   std::vector<Chunk>& chunks() { return chunks_; }
 

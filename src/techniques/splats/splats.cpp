@@ -48,8 +48,7 @@ class Splats final : public Technique {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
-    const float median_radius = frame.cloud.prepared().median_radius;
-    if (parameters_.clamp_radius && median_radius > 0) shape.radius_limit = 2 * median_radius;
+    if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
