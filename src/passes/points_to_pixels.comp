@@ -1,6 +1,6 @@
 // One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit (WRITE_INDEX)
 // the lowest source index among the points of that depth. Both compute the same depth bit for bit (`precise`).
-//   LIST_LENGTH   the images are lists: as many different depths a pixel, ascending, stacked downwards
+//   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked downwards
 #include "frame.glsl"
 #include "cloud.glsl"
 
@@ -17,6 +17,14 @@ uniform int size_mode;      // 0 adaptive, 1 pixels, 2 world
 uniform float point_size;   // factor, px, scene units
 uniform float largest_spacing;  // scene units; adaptive sizes of sparser batches stay at it
 uniform float min_gap;      // scene units behind the reference
+
+#ifdef LIST_LENGTH
+uniform float inverse_bin;  // of a power of two: exact
+
+bool same_bin(uint a, uint b) {
+  return floor(uintBitsToFloat(a) * inverse_bin) == floor(uintBitsToFloat(b) * inverse_bin);
+}
+#endif
 
 const float max_footprint_px = 64.0;
 
@@ -36,11 +44,11 @@ void cover(ivec2 pixel, float depth, int i) {
   }
 #else
   if (bits >= imageLoad(depth_image, pixel + (LIST_LENGTH - 1) * next).x) return;
-  // Every entry keeps the least that it is given and hands on the rest: whatever the order of the points, the least
-  // depths remain. Equal depths are one entry.
+  // Every entry keeps the least that it is given and hands on the rest, unless both are of one bin: whatever the
+  // order of the points, the nearest bins remain, each with its least depth.
   for (int k = 0; k < LIST_LENGTH; ++k, pixel += next) {
     uint entry = imageAtomicMin(depth_image, pixel, bits);
-    if (entry == bits || entry == 0xffffffffu) return;
+    if (entry == 0xffffffffu || same_bin(entry, bits)) return;
     bits = max(bits, entry);
   }
 #endif

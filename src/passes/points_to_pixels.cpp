@@ -21,6 +21,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   }
   program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
+  if (lists && !index) program.set("inverse_bin", inverse_bin_);
   view.bind();
   depth_bits.bind_image(0, GL_READ_WRITE);
   if (index) index->bind_image(1, GL_READ_WRITE);
@@ -56,9 +57,10 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
 }
 
 void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint,
-                                gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers,
-                                const gl::Texture* reference) {
+                                float bin, gl::Texture& depth_lists, gl::Texture& index_lists,
+                                gl::Timers& timers, const gl::Texture* reference) {
   cloud.cull(view);
+  inverse_bin_ = 1 / bin;
   {
     auto timing = timers.scope("depth");
     visit(cloud, view, footprint, depth_lists, nullptr, reference, 0, true);

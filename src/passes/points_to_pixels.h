@@ -44,11 +44,11 @@ class PointsToPixels {
                            const gl::Texture* reference = nullptr, float min_gap = 0);
   /// Entries of a list below.
   static constexpr int list_length = 4;
-  /// The `list_length` nearest different depths of every pixel and the lowest source index of each, in one visit by
-  /// a cascade of minima. Adds to R32UI textures of the view's width and `list_length` times its height (entry k of
+  /// The nearest depths in each of the `list_length` nearest bins that a pixel has points in, and the lowest source
+  /// index of each, in one visit by a cascade of minima. `bin` is a power of two, scene units. Adds to R32UI textures of the view's width and `list_length` times its height (entry k of
   /// pixel (x, y) at (x, y + k height)), which the caller cleared to 0xffffffff.
-  void draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_lists,
-                  gl::Texture& index_lists, gl::Timers& timers, const gl::Texture* reference = nullptr);
+  void draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint, float bin,
+                  gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers, const gl::Texture* reference = nullptr);
   /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
   /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
   void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers, bool with_normals = true);
@@ -59,6 +59,7 @@ class PointsToPixels {
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap, bool lists = false);
   gl::Program programs_[16];
+  float inverse_bin_ = 0;
   void resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass, gl::Texture* third);
   ScreenPass resolve_[8], resolve_spacing_[2];
 };

@@ -16,6 +16,7 @@ const float c_min = 0.1;
 layout(r32ui, binding = 7) writeonly uniform uimage2D open_flag;
 
 uniform float d_min;
+uniform float bin;  // power of two, at most d_min / 2
 
 #ifdef BLEND
 float depth_at(ivec2 at) {
@@ -56,7 +57,8 @@ bool filter_pixel(ivec2 pixel) {
     gap /= max(abs(dot(normal, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth)))), c_min);
 #endif
   // Never back towards the eye: filling may have taken a depth from in front of this pixel's last layer.
-  float limit = max(texelFetch(limit_image, pixel, 0).x, depth + gap);
+  // Rounded up to a bin, so that a cascade that keeps one point of a bin finds the same layers as passes; exact.
+  float limit = max(texelFetch(limit_image, pixel, 0).x, ceil((depth + gap) / bin) * bin);
 #ifdef BLEND
   // C += T a c, T *= 1 - a, front to back (Dobrev 2010, Sec. 3); T is 1 - alpha of the front.
   vec4 front = texelFetch(front_image, pixel, 0);

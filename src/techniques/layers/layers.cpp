@@ -89,7 +89,7 @@ class Layers final : public Technique {
     front_.clear(vec4(0));
     limit_.clear(vec4(0));
 
-    peel_.begin(view, footprint_, cascade_);
+    peel_.begin(view, footprint_, cascade_, bin_);
     for (peeled_ = 0; peeled_ < last;) {
       ++peeled_;
       const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
@@ -121,6 +121,7 @@ class Layers final : public Technique {
   void settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing());
+    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
     const View view(frame.camera, prepared.cloud.origin);
     std::vector<float> spacings_px;
     for (const Batch& batch : prepared.batches) {
@@ -246,7 +247,7 @@ class Layers final : public Technique {
       if (parameters_.scale_by_angle) defines.push_back("SCALE_BY_ANGLE");
       pass = ScreenPass("techniques/layers/advance.glsl", formats, defines);
     }
-    pass.set("d_min", d_min_);
+    pass.set("d_min", d_min_).set("bin", bin_);
     if (is_shown) pass.set("antialias", parameters_.antialias);
     view.bind();
     open_.arm();
@@ -267,7 +268,7 @@ class Layers final : public Technique {
   }
 
   Parameters parameters_;
-  float d_min_ = 0;
+  float d_min_ = 0, bin_ = 0;
   int n_background_ = 1, n_occluded_ = 1, peeled_ = 0;
   Footprint footprint_;
   bool cascade_ = false, has_list_ = false;

@@ -13,7 +13,8 @@ bool Flag::is_set() {
   return word_.download<std::uint32_t>().at(0, 0) != 0;
 }
 
-void Peel::begin(const View& view, const Footprint& footprint, bool cascade) {
+void Peel::begin(const View& view, const Footprint& footprint, bool cascade, float bin) {
+  bin_ = bin;
   footprint_ = footprint;
   cascade_ = cascade;
   visits_ = 0;
@@ -41,7 +42,7 @@ void Peel::next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl:
     ++visits_;
     depth_lists_.clear_uint(0xffffffffu);
     index_lists_.clear_uint(0xffffffffu);
-    to_pixels_.draw_lists(cloud, view, footprint_, depth_lists_, index_lists_, timers);
+    to_pixels_.draw_lists(cloud, view, footprint_, bin_, depth_lists_, index_lists_, timers);
   }
   {
     auto timing = timers.scope("select");
@@ -51,7 +52,7 @@ void Peel::next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl:
     empty_.run({&revisit_}, {&depth_lists_, &index_lists_});
   }
   ++visits_;
-  to_pixels_.draw_lists(cloud, view, footprint_, depth_lists_, index_lists_, timers, &revisit_);
+  to_pixels_.draw_lists(cloud, view, footprint_, bin_, depth_lists_, index_lists_, timers, &revisit_);
   auto timing = timers.scope("select");
   select(view, limit, depth, index);
 }

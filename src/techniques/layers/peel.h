@@ -21,8 +21,8 @@ class Flag {
 class Peel {
  public:
   /// With `cascade`, a visit keeps lists of the nearest depths, and only lists that end too early cost another one;
-  /// without, every layer is a visit. The layers are the same, bit by bit.
-  void begin(const View& view, const Footprint& footprint, bool cascade);
+  /// without, every layer is a visit. The layers are the same, bit by bit, for limits that are multiples of `bin`.
+  void begin(const View& view, const Footprint& footprint, bool cascade, float bin);
   /// Depth (R32F, +inf where nothing) and source index (R32UI) of the points at or behind `limit` (R32F, eye depth;
   /// +inf: nothing more). Call with limits that never decrease; the first one is 0 everywhere.
   void next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl::Texture& depth, gl::Texture& index,
@@ -36,6 +36,7 @@ class Peel {
   ScreenPass decode_, select_, empty_;
   Footprint footprint_;
   bool cascade_ = false;
+  float bin_ = 0;
   int visits_ = 0;
   PixelLayer layer_;
   gl::Texture depth_lists_, index_lists_, revisit_;

@@ -13,14 +13,18 @@ bool filter_pixel(ivec2 pixel) {
   out_1 = uvec4(0xffffffffu);
   out_2 = vec4(infinity);
   if (isinf(limit)) return true;
+  int height = int(frame.image_size.y);
+  bool is_full = texelFetch(depth_lists, pixel + ivec2(0, (LIST_LENGTH - 1) * height), 0).x != 0xffffffffu;
   for (int k = 0; k < LIST_LENGTH; ++k) {
-    ivec2 at = pixel + ivec2(0, k * int(frame.image_size.y));
+    ivec2 at = pixel + ivec2(0, k * height);
     uint bits = texelFetch(depth_lists, at, 0).x;
     if (bits == 0xffffffffu) return true;  // the list is complete
     float depth = uintBitsToFloat(bits);
     if (depth >= limit) {
       out_0 = vec4(depth);
       out_1 = texelFetch(index_lists, at, 0);
+      // Whenever there is another visit, full lists start anew from here: it may spare the next one.
+      if (is_full && k > 0) out_2 = vec4(limit);
       return true;
     }
   }
