@@ -167,6 +167,7 @@ TEST_F(Denoise, OverlappingBinsAndGridAreFoldsToo) {
 // T = 0 takes the first bin, which is what three-pass splatting takes with epsilon = Delta.
 TEST_F(Denoise, ThresholdZeroEqualsSplats) {
   auto splats = find_technique("splats").create();
+  set_parameter(*splats, "radius_scale", "1");
   set_parameter(*splats, "epsilon", "0.1");
   set_parameter(*splats, "antialias", "false");
   set_parameter(*splats, "clamp_radius", "false");
@@ -433,6 +434,7 @@ TEST_F(Denoise, DepthErrorFallsAsTheThresholdRises) {
     return sum / count;
   };
   auto splats = find_technique("splats").create();
+  set_parameter(*splats, "radius_scale", "1");
   set_parameter(*splats, "epsilon", "0.04");
   set_parameter(*splats, "antialias", "false");
   set_parameter(*splats, "clamp_radius", "false");

@@ -435,6 +435,7 @@ TEST_F(Soft, ThresholdAndOpacityAtTheirEnds) {
   for (std::size_t i = 0; i < balls.size(); ++i) balls[i].field = i % 3 ? 0.2f : 0.9f;
   const Camera camera = camera_at({0, -4, 0}, 48, 48);
   auto splats = find_technique("splats").create();
+  set_parameter(*splats, "radius_scale", "1");
   for (auto [name, value] : {std::pair{"antialias", "false"}, {"clamp_radius", "false"}, {"epsilon", "0.01"}})
     set_parameter(*splats, name, value);
   auto plain = [&](const std::vector<Ball>& some) {
