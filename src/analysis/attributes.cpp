@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/clusters.h"
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
@@ -112,7 +113,7 @@ Attributes attributes_of(const PointCloud& cloud) {
   if (complete_for_all(cloud.normals)) found = found | Attribute::normal;
   if (complete_for_all(cloud.radii)) found = found | Attribute::radius;
   if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
-  if (cloud.scalar("cluster")) found = found | Attribute::cluster;
+  if (cloud.scalar("cluster") && cloud.scalar("stroke_size")) found = found | Attribute::cluster;
   return found;
 }
 
@@ -134,15 +135,17 @@ float uncertainty_of(const std::vector<vec3>& normals, float radius, std::uint32
 void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, Progress& progress) {
   PointCloud& cloud = prepared.cloud;
   if (cloud.empty()) {
-    prepared.available = prepared.available | needs.without(Attribute::cluster);
+    prepared.available = prepared.available | needs;
     return;
   }
+  // First, because the normals of points without one come from their clusters.
+  if (needs.has(Attribute::cluster) && !attributes_of(cloud).has(Attribute::cluster))
+    add_clusters(prepared, {}, progress);
   const Attributes had = attributes_of(cloud);
   const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
   const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);
   const bool radii = (uncertainty || needs.has(Attribute::radius)) && !had.has(Attribute::radius);
   if (normals || radii || uncertainty) Completion(prepared, options, progress).run(normals, radii, uncertainty);
-  // Clusters come from the file only.
   prepared.available = attributes_of(cloud);
   if (prepared.available.has(Attribute::radius)) prepared.median_radius = quantile(cloud.radii, 0.5);
   if (prepared.available.has(Attribute::uncertainty))

@@ -5,9 +5,11 @@
 #include <cmath>
 
 namespace sfumato::analysis {
+namespace {
 
-std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::uint32_t center,
-                                       std::span<const std::uint32_t> neighbors) {
+/// Eigenvector `which` of the neighbourhood's covariance, by ascending eigenvalue.
+std::optional<vec3> principal_direction(const std::vector<vec3>& positions, std::uint32_t center,
+                                        std::span<const std::uint32_t> neighbors, int which) {
   // Relative to the point, so that large coordinates do not cancel.
   const vec3 p = positions[center];
   double sum[3] = {}, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
@@ -27,11 +29,23 @@ std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::
   if (!(covariance.trace() > 0)) return std::nullopt;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance);  // reads the lower triangle; ascending eigenvalues
-  const Eigen::Vector3d n = solver.eigenvectors().col(0);
+  const Eigen::Vector3d n = solver.eigenvectors().col(which);
   const vec3 direction = vec3(float(n.x()), float(n.y()), float(n.z()));
   const float length = glm::length(direction);
   if (!(length > 0.5f)) return std::nullopt;
   return direction / length;
+}
+
+}  // namespace
+
+std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::uint32_t center,
+                                       std::span<const std::uint32_t> neighbors) {
+  return principal_direction(positions, center, neighbors, 0);
+}
+
+std::optional<vec3> widest_direction(const std::vector<vec3>& positions, std::uint32_t center,
+                                     std::span<const std::uint32_t> neighbors) {
+  return principal_direction(positions, center, neighbors, 2);
 }
 
 Orientation::Orientation(const PointCloud& cloud)

@@ -14,6 +14,10 @@ namespace sfumato::analysis {
 std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::uint32_t center,
                                        std::span<const std::uint32_t> neighbors);
 
+/// Unit direction of most variance, likewise; in a plane without a preferred direction, any in that plane.
+std::optional<vec3> widest_direction(const std::vector<vec3>& positions, std::uint32_t center,
+                                     std::span<const std::uint32_t> neighbors);
+
 /// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`, with
 /// the scalar `scanner` where there are several), else by a fixed rule that looks at the normal alone: upwards.
 class Orientation {

@@ -1,0 +1,64 @@
+// Clusters of points that belong together, by colour or, where there is none, by the bend of the surface; and what
+// stroke-based splatting derives from them.
+//
+// Q. Zhan, Y. Liang, Y. Xiao, "Color-based segmentation of point clouds", ISPRS Laser Scanning 2009, in the form of
+// PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. We grow with union-find over
+// an undirected graph, in parallel, and number everything by the place in the file: the result depends on neither
+// threads nor the order of the points.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "analysis/neighbors.h"
+#include "core/prepared_cloud.h"
+
+namespace sfumato::analysis {
+
+struct ClusterOptions {
+  int neighbors = 30;               ///< K of the graph (PCL's default)
+  float point_threshold = 6;        ///< RGB distance, 0..255 each: neighbours this alike grow together
+  float region_threshold = 5;       ///< RGB distance of means: segments this alike are merged
+  std::optional<float> gap;         ///< scene units: only segments this near are merged; auto: 5 median spacings
+  std::uint32_t min_size = 100;     ///< points: smaller clusters join the nearest one
+  float angle_deg = 8;              ///< without colours: neighbours whose normals differ less grow together,
+  float bend_deg = 12;              ///<   where the normals around a point differ less than this on average
+};
+
+/// The K nearest neighbours of every point, kept where memory allows and found again where it does not.
+class NeighborGraph {
+ public:
+  using Visit = std::function<void(std::uint32_t point, std::span<const std::uint32_t> ids)>;
+  NeighborGraph(std::span<const vec3> positions, int k, Progress& progress);
+  /// From several threads, for different points; the neighbours come in no order.
+  void for_each(const Visit& visit, std::string_view text) const;
+  std::span<const vec3> positions() const { return tree_.positions(); }
+
+ private:
+  NeighborTree tree_;
+  std::size_t k_;
+  bool keeps_;
+  std::vector<std::uint32_t> kept_;
+  Progress& progress_;
+};
+
+struct Clusters {
+  std::vector<std::uint32_t> label;  ///< of every point, in [0, count), numbered by the lowest source index
+  std::uint32_t count = 0;
+};
+
+/// Throws Cancelled. `median_spacing` in scene units.
+Clusters grow_clusters(const PointCloud& cloud, const NeighborGraph& graph, float median_spacing,
+                       const ClusterOptions& options, Progress& progress = no_progress());
+
+/// s = r + eps_r of a point: mean distance to its (at most) K nearest neighbours plus the standard deviation of
+/// those distances (dos Anjos 2017, Sec. 3.1). `distances` in scene units, any order; 0 when there are none.
+float stroke_size(std::vector<float>& distances, int k);
+
+/// What `Attribute::cluster` stands for: the scalars `cluster` and `stroke_size`, and normals where the cloud has
+/// none, each from neighbours of its own cluster within 3 r (dos Anjos 2017, Sec. 3.1).
+void add_clusters(PreparedCloud& prepared, const ClusterOptions& options, Progress& progress = no_progress());
+
+}  // namespace sfumato::analysis
