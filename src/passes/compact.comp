@@ -2,7 +2,7 @@
 //   STAGE 0   a thread counts the flags of its 128 slots
 //   STAGE 1   a thread turns 128 counts into offsets and their sum
 //   STAGE 2   one thread turns the sums into offsets and writes the draw command
-//   STAGE 3   a thread lists the points of its 128 slots
+//   STAGE 3   a thread lists the points of its 128 slots, as often as the flag says
 #include "cloud.glsl"
 
 layout(local_size_x = 32) in;
@@ -49,6 +49,6 @@ void main() {
   Batch batch = visible_batch(g / groups_per_batch);
   uint first = uint(batch.first) + (g % groups_per_batch) * 128u;
   for (uint s = 0u; s < 128u; ++s)
-    if (texelFetch(flags, int(g * 128u + s)).x != 0u) list[at++] = first + s;
+    for (uint times = texelFetch(flags, int(g * 128u + s)).x; times > 0u; --times) list[at++] = first + s;
 #endif
 }

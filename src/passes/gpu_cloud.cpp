@@ -133,6 +133,7 @@ void GpuCloud::bind_places() {
 
 void GpuCloud::set_colors(std::vector<Rgba8> colors) {
   colors_ = std::move(colors);
+  serial_ = next_serial();
   for (Chunk& chunk : chunks_) chunk.colors = {};
 }
 
@@ -170,7 +171,13 @@ void GpuCloud::begin_shadow() {
   }
 }
 
+std::uint64_t GpuCloud::next_serial() {
+  static std::uint64_t last = 0;  // the clouds of a process live on the one thread of its GL context
+  return ++last;
+}
+
 void GpuCloud::attributes_changed() {
+  serial_ = next_serial();
   largest_radii_.clear();
   for (Chunk& chunk : chunks_) {
     chunk.normals = {};

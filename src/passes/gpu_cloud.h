@@ -30,6 +30,9 @@ class GpuCloud {
 
   const PreparedCloud& prepared() const { return prepared_; }
   std::size_t size() const { return prepared_.cloud.size(); }
+  /// Another number for every cloud and after every change of colours or attributes, never 0: what techniques
+  /// derive from the cloud is kept under it.
+  std::uint64_t serial() const { return serial_; }
   Bounds bounds() const { return bounds_; }   ///< world
   float median_spacing() const { return prepared_.median_spacing; }
   /// Largest radius of each batch, scene units; measured on first use.
@@ -80,6 +83,8 @@ class GpuCloud {
   bool has_shadow_ = false;
   std::string field_key_;
   std::uint64_t field_stamp_ = 0;
+  std::uint64_t serial_ = next_serial();
+  static std::uint64_t next_serial();
   std::vector<float> largest_radii_;
 };
 

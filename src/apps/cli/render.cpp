@@ -96,6 +96,11 @@ class Studio {
     }
   }
 
+  // What techniques hold on the GPU goes before its context does.
+  ~Studio() {
+    for (const auto& chosen : choice_.techniques) chosen->technique.reset();
+  }
+
   void set_scene(PointCloud scene) {
     Attributes needs;
     for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();

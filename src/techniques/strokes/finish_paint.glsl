@@ -1,0 +1,41 @@
+// Running sums, or the one nearest fragment (PAINT_NEAREST), to albedo, depth and normal for the shading pass.
+#include "frame.glsl"
+#ifdef PAINT_NEAREST
+#include "techniques/strokes/paint.glsl"
+layout(binding = UNIT_INPUT + 1) uniform usampler2D nearest;
+#else
+layout(binding = UNIT_INPUT) uniform sampler2D sum_color;
+layout(binding = UNIT_INPUT + 1) uniform sampler2D sum_normal;
+layout(binding = UNIT_INPUT + 2) uniform sampler2D sum_rest;
+#endif
+
+bool filter_pixel(ivec2 pixel) {
+#ifdef PAINT_NEAREST
+  uvec4 fragment = texelFetch(nearest, pixel, 0);
+  vec4 color = vec4(0.0, 0.0, 0.0, 1.0), normal = vec4(0.0);
+  float t = 0.0;
+  if (fragment.x != 0xffffffffu) {
+    Paint p = paint_of(fragment, pixel);
+    color = vec4(p.color, 0.0);
+    normal = vec4(p.normal, p.shadow);
+    t = p.t;
+  }
+#else
+  vec4 color = texelFetch(sum_color, pixel, 0), normal = texelFetch(sum_normal, pixel, 0);
+  float t = texelFetch(sum_rest, pixel, 0).x;
+#endif
+  float weight = 1.0 - color.a;
+  out_0 = vec4(0.0);
+  out_1 = vec4(infinity);
+  out_2 = vec4(0.0, 0.0, 0.0, 1.0);
+  if (weight <= 0.0) return true;
+  vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(vec2(pixel) + 0.5, 1.0);
+  vec3 n = transpose(mat3(frame.eye_from_cloud)) * normal.xyz;
+  float size = length(n);
+  // What is left of the light below half a percent is not worth another stroke: the pixel counts as covered.
+  float alpha = color.a < 0.005 ? 1.0 : weight;
+  out_0 = vec4(color.rgb * (alpha / weight), alpha);
+  out_1 = vec4(t / weight / length(slope));
+  out_2 = vec4(size > 1e-3 * weight ? n / size : vec3(0.0), normal.w / weight);
+  return true;
+}

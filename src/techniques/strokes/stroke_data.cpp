@@ -1,0 +1,137 @@
+#include "techniques/strokes/stroke_data.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/neighbors.h"
+#include "analysis/normals.h"
+#include "passes/bindings.h"
+
+namespace sfumato::strokes {
+namespace {
+
+std::uint64_t mix(std::uint64_t x) {  // splitmix64
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+/// Eigenvalues of a symmetric matrix, largest first (Smith 1961, by the trigonometric solution of the cubic).
+void eigenvalues(const glm::dmat3& m, double out[3]) {
+  const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3;
+  const glm::dmat3 rest = m - glm::dmat3(mean);
+  double squares = 0;
+  for (int k = 0; k < 3; ++k) squares += glm::dot(rest[k], rest[k]);
+  const double p = std::sqrt(squares / 6);
+  const double r = p > 0 ? std::clamp(glm::determinant(rest / p) / 2, -1.0, 1.0) : 0, angle = std::acos(r) / 3;
+  out[0] = mean + 2 * p * std::cos(angle);
+  out[2] = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
+  out[1] = 3 * mean - out[0] - out[2];
+}
+
+std::vector<vec3> widest_directions(const std::vector<vec3>& positions, Progress& progress) {
+  std::vector<vec3> directions(positions.size(), vec3(0));
+  const analysis::NeighborTree tree(positions);
+  analysis::for_each_neighborhood(
+      tree, 24,
+      [&](std::uint32_t i, auto ids, auto) {
+        directions[i] = analysis::widest_direction(positions, i, ids).value_or(vec3(0));
+      },
+      "directions of strokes", progress);
+  return directions;
+}
+
+}  // namespace
+
+std::uint32_t seed_of(const dvec3& world, double quantum) {
+  std::uint64_t h = 0;
+  for (int k = 0; k < 3; ++k) h = mix(h ^ std::uint64_t(std::llround(world[k] / quantum)));
+  return std::uint32_t(h >> 32);
+}
+
+double seed_quantum(double median_spacing, double before) {
+  const double target = median_spacing / 16;
+  if (before > target / 2 && before < target * 2) return before;
+  return std::exp2(std::round(std::log2(target)));
+}
+
+std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vector<Rgba8>& colors,
+                                         const std::vector<float>& labels, const std::vector<float>& sizes) {
+  struct Sum {
+    std::uint64_t points = 0, r = 0, g = 0, b = 0;  // whole numbers: the order of the points does not matter
+    double area = 0;
+    dvec3 p{0};
+    glm::dmat3 pp{0};
+  };
+  const float largest = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end());
+  std::vector<Sum> sums(std::size_t(std::max(largest, 0.0f)) + 1);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    Sum& sum = sums[std::size_t(std::max(labels[i], 0.0f))];
+    const dvec3 p(cloud.positions[i]);
+    ++sum.points;
+    sum.r += colors[i].r, sum.g += colors[i].g, sum.b += colors[i].b;
+    sum.area += 0.5 * double(sizes[i]) * sizes[i];  // a square grid of spacing h has s = sqrt(2) h
+    sum.p += p;
+    sum.pp += glm::outerProduct(p, p);
+  }
+  std::vector<ClusterShape> shapes(sums.size());
+  for (std::size_t c = 0; c < sums.size(); ++c) {
+    const Sum& sum = sums[c];
+    if (sum.points == 0) continue;
+    const double n = double(sum.points);
+    shapes[c].mean = {std::uint8_t(sum.r / sum.points), std::uint8_t(sum.g / sum.points),
+                      std::uint8_t(sum.b / sum.points), 255};
+    shapes[c].extent = float(std::exp2(0.5 * std::round(2 * std::log2(std::max(std::sqrt(sum.area), 1e-30)))));
+    double l[3];
+    eigenvalues(sum.pp / n - glm::outerProduct(sum.p / n, sum.p / n), l);
+    const double elongation = l[1] > 0 ? std::sqrt(l[0] / l[1]) : 1;
+    shapes[c].length_factor = elongation > 5 ? 1.6f : elongation > 2.5 ? 1.25f : 1;
+  }
+  return shapes;
+}
+
+void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
+  if (serial_ == cloud.serial() && tangent_ == tangent) return;
+  const PointCloud& points = cloud.prepared().cloud;
+  chunks_.clear();
+  serial_ = 0;
+  if (!points.empty()) {
+    const std::vector<float>&labels = points.scalar("cluster")->values, &sizes = points.scalar("stroke_size")->values;
+    const std::vector<ClusterShape> shapes = cluster_shapes(points, cloud.colors(), labels, sizes);
+    const std::vector<vec3> wide =
+        tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
+    quantum_ = seed_quantum(cloud.median_spacing(), quantum_);
+    std::vector<vec4> tangents;
+    std::vector<glm::uvec4> traits;
+    for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
+      progress.check();
+      tangents.resize(chunk.count);
+      traits.resize(chunk.count);
+      for (std::uint32_t k = 0; k < chunk.count; ++k) {
+        const std::size_t i = chunk.first + k;
+        const vec3 n = points.normals[i];
+        const TangentFrame frame = tangent == Tangent::householder ? householder_frame(n)
+                                   : tangent == Tangent::eberly    ? eberly_frame(n)
+                                                                   : frame_along(n, wide[i]);
+        tangents[k] = vec4(frame.along, sizes[i]);
+        const ClusterShape& shape = shapes[std::size_t(std::max(labels[i], 0.0f))];
+        traits[k] = {seed_of(points.world(i), quantum_), std::bit_cast<std::uint32_t>(shape.mean),
+                     std::bit_cast<std::uint32_t>(shape.extent), std::bit_cast<std::uint32_t>(shape.length_factor)};
+      }
+      chunks_.push_back({gl::TextureBuffer("stroke tangents", GL_RGBA32F, std::span<const vec4>(tangents)),
+                         gl::TextureBuffer("stroke traits", GL_RGBA32UI, std::span<const glm::uvec4>(traits))});
+    }
+  }
+  serial_ = cloud.serial();
+  tangent_ = tangent;
+}
+
+void StrokeData::bind(std::size_t chunk) const {
+  chunks_[chunk].tangents.bind(binding::input);
+  chunks_[chunk].traits.bind(binding::input + 1);
+}
+
+}  // namespace sfumato::strokes

@@ -1,0 +1,48 @@
+// What strokes know about each point beyond the shared attributes: the tangent frame, a seed that stays with the
+// place, and the cluster's colour, extent and elongation. Computed once a cloud on the CPU.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/progress.h"
+#include "passes/gpu_cloud.h"
+#include "techniques/strokes/tangent.h"
+
+namespace sfumato::strokes {
+
+/// Hash of a world position rounded to multiples of `quantum`: a point that did not move keeps its seed, whatever
+/// else the file of the next frame holds.
+std::uint32_t seed_of(const dvec3& world, double quantum);
+/// A power of two near a sixteenth of the spacing; keeps `before` while that is still within a factor of two, so
+/// that a sequence of slightly different clouds has one.
+double seed_quantum(double median_spacing, double before);
+
+/// Modifiers of a cluster (dos Anjos 2017, Sec. 3.1), in coarse steps, so that a little noise does not change them.
+struct ClusterShape {
+  float extent = 0;         ///< scene units: side of a square of the cluster's area
+  float length_factor = 1;  ///< longer strokes for elongated clusters: 1, 1.25 or 1.6
+  Rgba8 mean;               ///< mean colour
+};
+std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vector<Rgba8>& colors,
+                                         const std::vector<float>& labels, const std::vector<float>& sizes);
+
+class StrokeData {
+ public:
+  /// Computes and uploads unless that was done for this cloud and tangent. Needs Attribute::normal and cluster.
+  void update(GpuCloud& cloud, Tangent tangent, Progress& progress);
+  /// Binds tangents and traits of a chunk to units `input` and `input` + 1.
+  void bind(std::size_t chunk) const;
+
+ private:
+  struct Chunk {
+    gl::TextureBuffer tangents;  // RGBA32F: t in the cloud's space, s
+    gl::TextureBuffer traits;    // RGBA32UI: seed, mean colour, extent, length factor (float bits)
+  };
+  std::vector<Chunk> chunks_;
+  std::uint64_t serial_ = 0;
+  Tangent tangent_ = Tangent::householder;
+  double quantum_ = 0;
+};
+
+}  // namespace sfumato::strokes

@@ -1,0 +1,170 @@
+#include "techniques/strokes/stroke_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "gl/context.h"
+#include "gl/state.h"
+#include "passes/bindings.h"
+
+namespace sfumato::strokes {
+namespace {
+
+constexpr unsigned group_size = 128;
+constexpr std::size_t record_texels = 6;  // stroke_record.glsl
+
+void grow(gl::Buffer& buffer, const char* label, std::size_t bytes) {
+  if (buffer.bytes() < bytes) buffer = gl::Buffer(label, bytes);
+}
+void grow(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t bytes) {
+  if (buffer.buffer().bytes() < bytes) buffer = gl::TextureBuffer(label, format, bytes);
+}
+
+/// Makes the batches whose strokes the view may see the chunk's visible ones; returns the groups of the largest.
+unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view, float least_length) {
+  std::vector<glm::uvec4> rows;
+  std::uint32_t largest = 0;
+  for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
+    const Batch& batch = cloud.prepared().batches[chunk.first_batch + b];
+    const vec3 middle = 0.5f * (batch.box_min + batch.box_max);
+    const double away = -(view.eye_from_cloud() * glm::dvec4(middle, 1)).z +
+                        0.5 * glm::length(batch.box_max - batch.box_min);
+    const double pixel = (view.camera().orthographic() ? 1 : std::max(away, 0.0)) / view.camera().pixels_per_unit();
+    const vec3 reach(std::max(16 * batch.spacing, float(2 * least_length * view.height() * pixel)));
+    if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
+    rows.emplace_back(batch.first - chunk.first, batch.count, 0u, 0u);
+    largest = std::max(largest, batch.count);
+  }
+  chunk.visible_batches = std::uint32_t(rows.size());
+  chunk.batches.buffer().upload(rows.data(), rows.size() * sizeof(glm::uvec4));
+  return (largest + group_size - 1) / group_size;
+}
+
+float least_half_length(const Look& look, float share) {
+  // The painted part of the quad is about the root of its share long.
+  return 0.5f * look.length_percent / 100 / std::sqrt(share);
+}
+
+}  // namespace
+
+void BrushPicture::update(const Brush& brush) {
+  if (picture_ && made_ == brush) return;
+  constexpr int size = tiles * tile_size;
+  if (!picture_) {
+    plain_ = gl::Texture("plain brush", GL_RGBA32F, size, size);
+    picture_ = gl::Texture("brush", GL_RGBA32F, size, size, 4);
+    picture_.set_trilinear_filter();
+    paint_ = ScreenPass("techniques/strokes/brush.glsl", {GL_RGBA32F}, {"STEP 0"});
+    slopes_ = ScreenPass("techniques/strokes/brush.glsl", {GL_RGBA32F}, {"STEP 1"});
+  }
+  paint_.set("brush_kind", int(brush.kind)).set("brush_grid", ivec2(brush.columns, brush.rows));
+  paint_.set("amplitude", brush.amplitude).set("center_separation", brush.center_separation);
+  paint_.set("shape_exponent", brush.shape_exponent).set("sigma", vec2(brush.sigma_x, brush.sigma_y));
+  paint_.set("noise", glm::radians(brush.noise_deg)).set("bristles", brush.bristles).set("tile_size", tile_size);
+  paint_.run({}, {&plain_});
+  slopes_.run({&plain_}, {&picture_});
+  glGenerateTextureMipmap(picture_.id());
+  share_ = covered_share(brush);
+  made_ = brush;
+}
+
+void StrokeSet::set_sizes(gl::Program& program) const {
+  program.set("stroke_aspect", look_.aspect).set("stroke_share", share_).set("coverage", look_.coverage);
+  program.set("least_length", least_half_length(look_, share_)).set("two_layers", two_layers_);
+}
+
+std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData& data, const View& view) {
+  GpuCloud::Chunk& chunk = cloud.chunks()[c];
+  const unsigned groups_per_batch = show_batches(cloud, chunk, view, least_half_length(look_, share_));
+  if (chunk.visible_batches == 0) return 0;
+  const unsigned group_count = groups_per_batch * chunk.visible_batches, block_count = (group_count + 127) / 128;
+  grow(flags_, "stroke flags", GL_R8UI, std::size_t(group_count) * group_size);
+  grow(list_, "points with strokes", GL_R32UI, std::size_t(chunk.count) * 8);
+  grow(offsets_, "offsets of groups", group_count * 4);
+  grow(sums_, "offsets of blocks", block_count * 4);
+  grow(command_, "number of strokes", 16);
+
+  view.bind();
+  cloud.bind_geometry(chunk);
+  data.bind(c);
+  if (!select_) select_ = gl::Program::compute("techniques/strokes/stroke_select.comp");
+  set_sizes(select_);
+  select_.set("slots_per_batch", groups_per_batch * group_size);
+  glBindImageTexture(0, flags_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  select_.dispatch(groups_per_batch, chunk.visible_batches);
+  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+
+  flags_.bind(binding::input);
+  offsets_.bind_storage(0);
+  sums_.bind_storage(1);
+  list_.buffer().bind_storage(2);
+  command_.bind_storage(3);
+  const unsigned threads[4] = {group_count, block_count, 1, group_count};
+  for (int stage = 0; stage < 4; ++stage) {
+    if (!compact_[stage])
+      compact_[stage] = gl::Program::compute("passes/compact.comp", {"STAGE " + std::to_string(stage)});
+    compact_[stage].set("group_count", group_count).set("groups_per_batch", groups_per_batch);
+    compact_[stage].dispatch((threads[stage] + 31) / 32);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  }
+  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::uint32_t count = 0;
+  command_.download(&count, 4);
+  return count;
+}
+
+void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look,
+                       const BrushPicture& brush, float noise_deg, bool two_layers, bool lit) {
+  look_ = look;
+  share_ = brush.share();
+  two_layers_ = two_layers;
+  count_ = 0;
+  if (!setup_) setup_ = gl::Program::compute("techniques/strokes/stroke_setup.comp");
+  for (std::size_t c = 0; c < cloud.chunks().size(); ++c) {
+    const std::uint32_t count = select(cloud, c, data, view);
+    if (count == 0) continue;
+    const std::size_t bytes = (std::size_t(count_) + count) * record_texels * 16;
+    gl::require(bytes / 16 <= std::size_t(gl::limits().max_texture_buffer_size),
+                "strokes: " + std::to_string(count_ + count) + " strokes in this view",
+                "larger texture buffers (or a larger --stroke-length, or --max-points)");
+    if (records_.buffer().bytes() < bytes) {
+      gl::TextureBuffer larger("strokes", GL_RGBA32UI, bytes + bytes / 3);
+      if (count_ > 0) glCopyNamedBufferSubData(records_.buffer().id(), larger.buffer().id(), 0, 0,
+                                               GLsizeiptr(count_ * record_texels * 16));
+      records_ = std::move(larger);
+    }
+    GpuCloud::Chunk& chunk = cloud.chunks()[c];
+    view.bind();
+    cloud.bind_geometry(chunk);
+    cloud.bind_normals(chunk);
+    cloud.bind_colors(chunk);
+    if (cloud.has_shadow()) cloud.bind_shadow(chunk);
+    data.bind(c);
+    list_.bind(binding::list);
+    records_.buffer().bind_storage(0);
+    set_sizes(setup_);
+    setup_.set("stroke_count", int(count)).set("first_record", int(count_)).set("noise", glm::radians(noise_deg));
+    setup_.set("opacity", look.opacity).set("variation", lit ? look.variation : 0.0f);
+    setup_.set("saturation", lit || look.saturation == 0 ? look.saturation : 1.0f).set("flatten", look.flatten);
+    setup_.set("has_shadow", cloud.has_shadow());
+    setup_.dispatch((count + 63) / 64);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    count_ += count;
+  }
+}
+
+void StrokeSet::draw(gl::Program& program, const gl::Texture& brush) const {
+  if (count_ == 0) return;
+  records_.bind(binding::input);
+  brush.bind(binding::input + 1);
+  // In pieces, because gl_VertexID counts to 2^31.
+  constexpr std::uint32_t most = 1u << 27;
+  for (std::uint32_t first = 0; first < count_; first += most) {
+    program.set("first_stroke", int(first));
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, GLsizei(6 * std::min(most, count_ - first)));
+  }
+}
+
+}  // namespace sfumato::strokes

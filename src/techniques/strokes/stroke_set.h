@@ -1,0 +1,50 @@
+// The strokes of a view: chosen among the points, ready to be drawn, and the picture of their brush.
+#pragma once
+
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "passes/gpu_cloud.h"
+#include "passes/screen_pass.h"
+#include "techniques/strokes/stroke_data.h"
+#include "techniques/strokes/style.h"
+
+namespace sfumato::strokes {
+
+/// 8 x 8 variants of a brush, 64 px each, with levels. RGBA32F: alpha, height, slopes of the height along and across.
+class BrushPicture {
+ public:
+  static constexpr int tiles = 8, tile_size = 64;
+  void update(const Brush& brush);
+  const gl::Texture& texture() const { return picture_; }
+  float share() const { return share_; }  ///< of the quad that is painted
+
+ private:
+  Brush made_;
+  float share_ = 1;
+  gl::Texture plain_, picture_;
+  ScreenPass paint_, slopes_;
+};
+
+class StrokeSet {
+ public:
+  /// Chooses and sets up the strokes that `view` sees. Colours are changed only where `lit`.
+  void update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look, const BrushPicture& brush,
+              float noise_deg, bool two_layers, bool lit);
+  std::uint32_t count() const { return count_; }
+  const gl::TextureBuffer& records() const { return records_; }
+  /// Draws every stroke's quad with the bound program; `program` is of stroke.vert.
+  void draw(gl::Program& program, const gl::Texture& brush) const;
+
+ private:
+  std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
+  void set_sizes(gl::Program& program) const;
+  gl::Program select_, compact_[4], setup_;
+  gl::TextureBuffer flags_, list_, records_;
+  gl::Buffer offsets_, sums_, command_;
+  std::uint32_t count_ = 0;
+  Look look_;
+  float share_ = 1;
+  bool two_layers_ = true;
+};
+
+}  // namespace sfumato::strokes

@@ -1,0 +1,188 @@
+// Stroke-based splatting: a scan becomes a painting.
+//
+// R. K. dos Anjos, C. S. Ribeiro, P. Lopes, J. Madeiras Pereira, "Stroke-based splatting: an efficient multi-resolution
+// point cloud visualization technique", 2017: every point is a brush stroke in its tangent plane, a sum of Gaussians
+// whose columns turn at random; strokes follow the clusters of the cloud; they are blurred while the picture moves and
+// sorted in an A-buffer when it stands still.
+//
+// Where we differ: strokes have at least a size on the screen, and as many points as that needs become strokes,
+// chosen by a hash of their place, so that a dense scan is painted and not textured; whole strokes are stacked in one
+// order (the paper sorts each pixel, so that large strokes interleave); fragments behind an opaque one are not stored,
+// and lists are as long as they need to be; paint has a relief, lit by the shared shading pass.
+
+#include <algorithm>
+
+#include "gl/state.h"
+#include "passes/bindings.h"
+#include "passes/shade.h"
+#include "techniques/strokes/stroke_lists.h"
+#include "techniques/technique.h"
+
+namespace sfumato {
+namespace {
+
+using namespace strokes;
+
+class Strokes final : public Technique {
+ public:
+  void describe(ParamList& p) override { parameters_.describe(p); }
+
+  Attributes needs() const override { return Attribute::normal | Attribute::cluster; }
+
+  bool render(Frame& frame) override {
+    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    notes_.clear();
+    if (refining_ && same_frame(frame)) return refine(frame, view);
+    refining_ = false;
+    {
+      auto timing = frame.timers.scope("set up strokes");
+      brush_.update(parameters_.resolve_brush());
+      look_ = parameters_.resolve_look();
+      data_.update(frame.cloud, parameters_.tangent, frame.progress);
+      strokes_.update(frame.cloud, data_, view, look_, brush_, parameters_.orientation_noise.value(),
+                      parameters_.two_layers, frame.settings.shading == Shading::lit);
+    }
+    notes_.push_back(std::to_string(strokes_.count()) + " strokes");
+    if (parameters_.blend != BlendMode::a_buffer) {
+      draw_nearest(frame, view, parameters_.blend == BlendMode::blur);
+      return true;
+    }
+    count(frame, view);
+    if (parameters_.refine == Refine::at_once || lists_.bands() > 1) {
+      auto timing = frame.timers.scope("sort and mix");
+      lists_.sort_all(view, strokes_, brush_.texture(), look_.relief);
+      finish(frame, view);
+      return true;
+    }
+    // The frame that builds the lists shows the blurred picture; sorting starts with the next.
+    lists_.store_only_band(view, strokes_, brush_.texture());
+    remember(frame);
+    draw_nearest(frame, view, true);
+    return false;
+  }
+
+  std::vector<std::string> notes() const override { return notes_; }
+
+ private:
+  void count(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("count fragments");
+    lists_.count(view, strokes_, brush_.texture(), parameters_.stroke_order,
+                 std::uint64_t(parameters_.fragment_memory) << 20);
+    if (lists_.bands() > 1)
+      notes_.push_back(std::to_string(lists_.fragments()) + " fragments exceed fragment_memory: sorted in " +
+                       std::to_string(lists_.bands()) + " bands, none left out");
+  }
+
+  bool refine(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("sort and mix");
+    const bool done = lists_.sort_some(view, strokes_, look_.relief, 1);
+    if (done || ++steps_ >= parameters_.min_sorted) finish(frame, view);
+    refining_ = !done;
+    return done;
+  }
+
+  /// The picture so far: sums to a surface, lit.
+  void finish(Frame& frame, const View& view) {
+    if (!finish_) finish_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+    gl::ensure(albedo_, "albedo", GL_RGBA32F, view.width(), view.height());
+    view.bind();
+    const StrokeLists::Sums& sums = lists_.sums();
+    finish_.run({&sums.color, &sums.normal, &sums.rest}, {&albedo_, &frame.target.depth, &frame.target.normal});
+    shade(frame, view);
+  }
+
+  void shade(Frame& frame, const View& view) {
+    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+               {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+  }
+
+  /// Z-buffer, and the weighted blur of the moving picture (dos Anjos 2017, Sec. 3.3).
+  void draw_nearest(Frame& frame, const View& view, bool blur) {
+    auto timing = frame.timers.scope("nearest strokes");
+    const int width = view.width(), height = view.height();
+    gl::ensure(nearest_t_, "nearest distance", GL_R32F, width, height);
+    gl::ensure(nearest_, "nearest fragment", GL_RGBA32UI, width, height);
+    gl::ensure(nearest_depth_, "nearest depth", GL_DEPTH_COMPONENT32F, width, height);
+    gl::ensure(albedo_, "albedo", GL_RGBA32F, width, height);
+    nearest_.clear_uint(0xffffffffu);
+    gl::Program& program = nearest_program_[int(parameters_.stroke_order)];
+    if (!program) {
+      gl::Defines defines{"STROKE_NEAREST"};
+      if (parameters_.stroke_order == StrokeOrder::fragment) defines.push_back("FRAGMENT_ORDER");
+      program = gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
+    }
+    view.bind();
+    {
+      gl::Framebuffer framebuffer({&nearest_t_, &nearest_}, &nearest_depth_);
+      const float one = 1;
+      framebuffer.bind();
+      gl::State{.depth = gl::State::Depth::test_and_write}.apply();
+      glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &one);
+      strokes_.draw(program, brush_.texture());
+    }
+    if (!finish_nearest_)
+      finish_nearest_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, {"PAINT_NEAREST"});
+    finish_nearest_.set("relief", look_.relief);
+    strokes_.records().bind(binding::input);
+    nearest_.bind(binding::input + 1);
+    view.bind();
+    finish_nearest_.run({}, {&albedo_, &frame.target.depth, &frame.target.normal});
+    if (blur && parameters_.blur_radius > 0) soften(frame, view);
+    shade(frame, view);
+  }
+
+  void soften(Frame& frame, const View& view) {
+    if (!blur_) blur_ = ScreenPass("techniques/strokes/blur.glsl", {GL_RGBA32F, GL_RGBA32F});
+    gl::ensure(blurred_albedo_, "blurred albedo", GL_RGBA32F, view.width(), view.height());
+    gl::ensure(blurred_normal_, "blurred normals", GL_RGBA32F, view.width(), view.height());
+    // Within half a stroke in depth two strokes may be of one surface.
+    const float reach = std::max(0.005f * look_.length_percent * float(view.height()), 2.0f);
+    blur_.set("sigma", parameters_.blur_radius).set("reach", reach);
+    blur_.set("direction", ivec2(1, 0));
+    blur_.run({&albedo_, &frame.target.normal, &frame.target.depth}, {&blurred_albedo_, &blurred_normal_});
+    blur_.set("direction", ivec2(0, 1));
+    blur_.run({&blurred_albedo_, &blurred_normal_, &frame.target.depth}, {&albedo_, &frame.target.normal});
+  }
+
+  // What a half-refined picture depends on.
+  std::string state_of(Frame& frame) {
+    ParamList mine;
+    parameters_.describe(mine);
+    std::string text = std::to_string(frame.cloud.serial()) + " " + std::to_string(frame.camera.width) + "x" +
+                       std::to_string(frame.camera.height);
+    for (const Param& param : mine.all()) text += " " + param.resolved();
+    const dmat4 clip = frame.camera.projection_matrix() * frame.camera.view(dvec3(0));
+    for (int k = 0; k < 16; ++k) text += " " + std::to_string(clip[k / 4][k % 4]);
+    return text + " " + std::to_string(int(frame.settings.shading));
+  }
+  void remember(Frame& frame) {
+    state_ = state_of(frame);
+    steps_ = 0;
+    refining_ = true;
+  }
+  bool same_frame(Frame& frame) { return state_of(frame) == state_; }
+
+  Parameters parameters_;
+  Look look_;
+  BrushPicture brush_;
+  StrokeData data_;
+  StrokeSet strokes_;
+  StrokeLists lists_;
+  gl::Program nearest_program_[2];
+  gl::Texture albedo_, nearest_t_, nearest_, nearest_depth_, blurred_albedo_, blurred_normal_;
+  ScreenPass finish_, finish_nearest_, blur_;
+  Shade shade_;
+  std::vector<std::string> notes_;
+  bool refining_ = false;
+  int steps_ = 0;
+  std::string state_;
+};
+
+}  // namespace
+
+TechniqueInfo strokes_technique() {
+  return {"strokes", "a painting: brush strokes along the surface",
+          [] { return std::unique_ptr<Technique>(new Strokes); }};
+}
+
+}  // namespace sfumato
