@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <string_view>
+
+#include "passes/screen_pass.h"
+#include "scene.h"
+
+using namespace sfumato;
+using namespace sfumato::bench;
+
+namespace {
+
+constexpr int paper_width = 1248, paper_height = 768;  // of Bouchiba 2018, Table 1
+
+void whole_frame(benchmark::State& state) {
+  auto technique = find_technique("surface").create();
+  time_frames(state, *technique, std::size_t(state.range(0)), plain_settings(Shading::lit));
+}
+
+/// Time of the passes that `counts` names, one frame per iteration, always from the same camera.
+template <class F>
+void time_passes(benchmark::State& state, Technique& technique, std::size_t count, F counts, int width, int height) {
+  Renderer& renderer = tori_renderer(count);
+  const RenderSettings settings = plain_settings(Shading::lit);
+  RenderWants wants;
+  wants.timings = true;
+  renderer.render(technique, tori_camera(0, width, height), settings, wants);  // shaders and uploads
+  for (auto _ : state) {
+    double ms = 0;
+    for (const PassTiming& pass : renderer.render(technique, tori_camera(0, width, height), settings, wants).timings)
+      if (counts(std::string_view(pass.name))) ms += pass.ms;
+    state.SetIterationTime(1e-3 * ms);
+  }
+}
+
+/// Everything after the geometry visit, at the point spacing of 1M points whatever the cloud.
+void screen_part(benchmark::State& state) {
+  auto technique = find_technique("surface").create();
+  set(*technique, "point_spacing", "0.006");
+  time_passes(state, *technique, std::size_t(state.range(0)), [](std::string_view name) {
+    return name != "depth" && name != "index" && name != "resolve" && name != "finish";
+  }, 1024, 1024);
+}
+
+void one_pass(benchmark::State& state, const char* pass, const char* removal) {
+  auto technique = find_technique("surface").create();
+  set(*technique, "hidden_point_removal", removal);
+  set(*technique, "window_radius", "25");
+  time_passes(state, *technique, std::size_t(state.range(0)), [&](std::string_view name) { return name == pass; },
+              paper_width, paper_height);
+}
+
+/// That many copies of an RGBA32F image of the paper's size and a guard band of 64 px.
+void copies(benchmark::State& state) {
+  tori_renderer(128'000);  // makes the context
+  const int width = paper_width + 128, height = paper_height + 128;
+  gl::Texture from("from", GL_RGBA32F, width, height), to("to", GL_RGBA32F, width, height);
+  from.clear(vec4(0.5f));
+  ScreenPass copy("passes/finish.glsl", {GL_RGBA32F});
+  copy.set("background_srgb", vec3(1)).set("is_transparent", true);
+  for (auto _ : state) {
+    glFinish();
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < state.range(0); ++i) copy.run({&from}, {&to});
+    glFinish();
+    state.SetIterationTime(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+}
+
+void name(const char* row, void (*function)(benchmark::State&), std::initializer_list<int> counts) {
+  for (int count : counts)
+    benchmark::RegisterBenchmark((std::string("surface/") + row).c_str(), function)
+        ->Arg(count)
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+}
+
+const bool registered = [] {
+  name("frame", whole_frame, {128'000, 1'000'000, 6'000'000});
+  name("screen", screen_part, {128'000, 6'000'000});
+  name("removal", [](benchmark::State& s) { one_pass(s, "hidden point removal", "pyramid"); }, {1'000'000});
+  name("window", [](benchmark::State& s) { one_pass(s, "hidden point removal", "window"); }, {1'000'000});
+  name("pull_push", [](benchmark::State& s) { one_pass(s, "pull-push", "pyramid"); }, {1'000'000});
+  name("normals", [](benchmark::State& s) { one_pass(s, "normals", "pyramid"); }, {1'000'000});
+  name("copies", copies, {6, 16, 25});
+  return true;
+}();
+
+}  // namespace
