@@ -31,8 +31,10 @@ float occlusion(vec3 x, ivec2 at, int level) {
   if (uint(at.x) >= size.x || uint(at.y) >= size.y) return 2.0;
   vec4 y = texelFetch(pyramid, at, level);
   if (y.w <= 0.0) return 2.0;
-  vec2 away = pixel_from_eye(y.xyz) - center;
-  float radius = own_disc * y.w * pixels_at(-y.z);
+  // In pixels times depth, which saves a division for every neighbour.
+  vec2 away = vec2(frame.intrinsics.x, -frame.intrinsics.y) * y.xy +
+              (frame.intrinsics.zw - center) * (frame.orthographic != 0 ? 1.0 : -y.z);
+  float radius = own_disc * y.w * frame.pixels_per_unit;
   if (dot(away, away) <= radius * radius && y.z - x.z > disc_gap * y.w) under_disc = true;
   vec3 d = y.xyz - x;
   if (frame.orthographic != 0) return 1.0 - d.z * inversesqrt(max(dot(d, d), 1e-37));
