@@ -10,7 +10,7 @@ layout(binding = UNIT_INPUT + 3) uniform sampler2D front_image;
 uniform bool antialias;
 #endif
 #ifdef SCALE_BY_ANGLE
-layout(binding = UNIT_INPUT + 4) uniform sampler2D normal_image;
+layout(binding = UNIT_INPUT + 4) uniform sampler2D cosine_image;  // |n.v|
 const float c_min = 0.1;
 #endif
 layout(r32ui, binding = 7) writeonly uniform uimage2D open_flag;
@@ -52,9 +52,7 @@ bool filter_pixel(ivec2 pixel) {
   float depth = texelFetch(depth_image, pixel, 0).x;
   float gap = d_min;
 #ifdef SCALE_BY_ANGLE
-  vec3 normal = mat3(frame.eye_from_cloud) * texelFetch(normal_image, pixel, 0).xyz;
-  if (dot(normal, normal) > 0.25)
-    gap /= max(abs(dot(normal, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth)))), c_min);
+  gap /= max(texelFetch(cosine_image, pixel, 0).x, c_min);
 #endif
   // Never back towards the eye: filling may have taken a depth from in front of this pixel's last layer.
   // Rounded up to a bin, so that a cascade that keeps one point of a bin finds the same layers as passes; exact.

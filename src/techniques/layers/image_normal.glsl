@@ -1,16 +1,8 @@
 // Normals of a layer from its depth image, for clouds without: a plane through the 5 x 5 pixels that belong to the
-// same layer, by least squares.
-#include "frame.glsl"
+// same layer, by least squares. Include after `depth_image` and `d_min`.
 
-layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
-layout(binding = UNIT_INPUT + 1) uniform sampler2D normal_image;
-
-uniform float d_min;
-
-bool filter_pixel(ivec2 pixel) {
-  out_0 = texelFetch(normal_image, pixel, 0);
-  float depth = texelFetch(depth_image, pixel, 0).x;
-  if (isinf(depth)) return true;
+// World normal towards the camera, or 0 where too few pixels belong together.
+vec3 image_normal(ivec2 pixel, float depth) {
   ivec2 size = textureSize(depth_image, 0);
   // Depth = c + g . (x, y); moments of the neighbours relative to this pixel.
   float n = 0.0, z = 0.0;
@@ -32,7 +24,7 @@ bool filter_pixel(ivec2 pixel) {
   vec3 c = pp - vec3(p.x * p.x, p.x * p.y, p.y * p.y) / n;
   vec2 cz = pz - p * z / n;
   float determinant = c.x * c.z - c.y * c.y;
-  if (!(determinant > 0.5)) return true;  // on one line, or alone
+  if (!(determinant > 0.5)) return vec3(0.0);  // on one line, or alone
   vec2 g = vec2(c.z * cz.x - c.y * cz.y, c.x * cz.y - c.y * cz.x) / determinant;
 
   // Derivatives of the eye position along x and y of the image.
@@ -49,6 +41,5 @@ bool filter_pixel(ivec2 pixel) {
   }
   vec3 normal = normalize(cross(dx, dy));
   if (dot(normal, to_camera(position)) < 0.0) normal = -normal;
-  out_0.xyz = mat3(frame.cloud_from_eye) * normal;
-  return true;
+  return mat3(frame.cloud_from_eye) * normal;
 }

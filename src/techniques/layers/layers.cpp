@@ -19,6 +19,7 @@
 #include "passes/shade.h"
 #include "techniques/layers/opacity.h"
 #include "techniques/layers/peel.h"
+#include "techniques/layers/screen_extent.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -79,11 +80,11 @@ class Layers final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   bool render(Frame& frame) override {
-    settle(frame);
-    const int guard = guard_band();
-    const View view(frame.camera.with_guard_band(guard), frame.cloud.prepared().cloud.origin);
+    const layers::ScreenExtent extent = settle(frame);
+    const View view(extent.camera, frame.cloud.prepared().cloud.origin);
     const int last = parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
     make_textures(view);
+    frame.target.color.clear(vec4(0));
     frame.target.depth.clear(vec4(INFINITY));
     frame.target.normal.clear(vec4(0, 0, 0, 1));
     front_.clear(vec4(0));
@@ -93,20 +94,17 @@ class Layers final : public Technique {
     for (peeled_ = 0; peeled_ < last;) {
       ++peeled_;
       const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
+      const bool is_first = peeled_ == std::max(parameters_.show_layer, 1);
       peel_.next(frame.cloud, view, limit_, depth_, index_, frame.timers);
       fill(frame);
-      if (is_shown || parameters_.scale_by_angle) fetch_attributes(frame, view);
-      if (is_shown) {
-        light_and_smooth(frame, view);
-        if (peeled_ == std::max(parameters_.show_layer, 1)) {
-          crop(depth_, frame.target.depth, guard);
-          crop(normal_, frame.target.normal, guard);
-        }
-      }
+      if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first && frame.wants_normal);
+      if (is_shown) smooth(frame);
+      if (is_first) extent.copy(depth_, frame.target.depth);
+      if (is_first && frame.wants_normal) extent.copy(normal_, frame.target.normal);
       if (!advance(frame, view, is_shown)) break;
       frame.progress.check();
     }
-    crop(front_, frame.target.color, guard);
+    extent.copy(front_, frame.target.color);
     return true;
   }
 
@@ -118,34 +116,28 @@ class Layers final : public Technique {
 
  private:
   /// Automatic values and what follows from the view.
-  void settle(Frame& frame) {
+  layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing());
     bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
-    const View view(frame.camera, prepared.cloud.origin);
-    std::vector<float> spacings_px;
-    for (const Batch& batch : prepared.batches) {
-      if (!view.may_see(batch.box_min, batch.box_max)) continue;
-      const glm::dvec4 center(0.5 * (dvec3(batch.box_min) + dvec3(batch.box_max)), 1);
-      const double depth = std::max(-(view.eye_from_cloud() * center).z, frame.camera.near_plane);
-      const double px = batch.spacing * frame.camera.pixels_per_unit() / (frame.camera.orthographic() ? 1 : depth);
-      spacings_px.push_back(float(px));
-    }
-    float spacing_px = 1, largest_px = 0;
-    if (!spacings_px.empty()) {
-      const auto middle = spacings_px.begin() + std::ptrdiff_t(spacings_px.size() / 2);
-      std::nth_element(spacings_px.begin(), middle, spacings_px.end());
-      spacing_px = *middle;
-      largest_px = *std::max_element(spacings_px.begin(), spacings_px.end());
-    }
+    const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera);
     // Points scattered at random leave gaps of about a spacing between discs of two; an iteration closes one pixel.
-    const int iterations = std::clamp(1 + int(std::lround(std::min(spacing_px, 100.0f))), 1, 3);
+    const int iterations = std::clamp(1 + int(std::lround(std::min(spacing.median_px, 100.0f))), 1, 3);
     n_background_ = parameters_.background_iterations.resolve(iterations);
     n_occluded_ = parameters_.occluded_iterations.resolve(n_background_);
     footprint_ = {SizeMode::adaptive, parameters_.point_size};
-    if (largest_px * parameters_.point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
+    if (spacing.largest_px * parameters_.point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
     cascade_ = parameters_.peeling == Peeling::cascade;
+    choose_opacities(frame);
 
+    // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
+    const int last = std::max(parameters_.show_layer, parameters_.layers);
+    const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3, 64);
+    return {prepared, frame.camera, parameters_.point_size, reach};
+  }
+
+  void choose_opacities(Frame& frame) {
+    const PreparedCloud& prepared = frame.cloud.prepared();
     const std::vector<float>& list = parameters_.opacity;
     if (list.empty()) throw Error(ErrorCode::usage, "opacity: give at least one number between 0 and 1");
     has_list_ = list.size() > 1 && parameters_.show_layer == 0 && !prepared.cloud.empty();
@@ -156,17 +148,11 @@ class Layers final : public Technique {
     if (frame.cloud.field_key() != key) frame.cloud.set_field(layers::opacities(scalar, list), key);
   }
 
-  /// As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
-  int guard_band() const {
-    const int last = std::max(parameters_.show_layer, parameters_.layers);
-    return std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3, 64);
-  }
-
   void make_textures(const View& view) {
     const int w = view.width(), h = view.height();
-    for (gl::Texture* t : {&depth_, &other_depth_, &limit_, &other_limit_}) gl::ensure(*t, "layer depth", GL_R32F, w, h);
+    for (gl::Texture* t : {&depth_, &other_depth_, &limit_, &other_limit_, &cosine_}) gl::ensure(*t, "layer depth", GL_R32F, w, h);
     for (gl::Texture* t : {&index_, &other_index_}) gl::ensure(*t, "layer source index", GL_R32UI, w, h);
-    for (gl::Texture* t : {&albedo_, &normal_, &color_, &front_, &other_front_, &scratch_})
+    for (gl::Texture* t : {&normal_, &color_, &front_, &other_front_, &scratch_})
       gl::ensure(*t, "layer colour", GL_RGBA32F, w, h);
   }
 
@@ -182,18 +168,28 @@ class Layers final : public Technique {
     }
   }
 
-  void fetch_attributes(Frame& frame, const View& view) {
-    auto timing = frame.timers.scope("attributes");
+  /// Attributes of the points that the pixels took, lit. `write_normals`: into `normal_`.
+  void light(Frame& frame, const View& view, bool write_normals) {
+    auto timing = frame.timers.scope("light");
     GpuCloud& cloud = frame.cloud;
-    ScreenPass& pass = attributes_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4];
+    ScreenPass& pass =
+        light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 + write_normals * 8];
     if (!pass) {
       gl::Defines defines;
+      std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
       if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
       if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
       if (has_list_) defines.push_back("HAS_OPACITY");
-      pass = ScreenPass("techniques/layers/attributes.glsl", {GL_RGBA32F, GL_RGBA32F}, defines);
+      if (write_normals) {
+        defines.push_back("WRITE_NORMAL");
+        formats.push_back(GL_RGBA32F);
+      }
+      pass = ScreenPass("techniques/layers/light.glsl", formats, defines);
     }
     if (!has_list_) pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.front());
+    if (!cloud.has_normals()) pass.set("d_min", d_min_);
+    pass.set("shading", int(frame.settings.shading));
+    set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
     cloud.bind_places();
     bool first = true;
@@ -204,26 +200,18 @@ class Layers final : public Technique {
       if (cloud.has_shadow()) cloud.bind_shadow(chunk);
       if (has_list_) cloud.bind_field(chunk);
       pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
-      pass.run({&depth_, &index_}, {&albedo_, &normal_});
+      if (write_normals) pass.run({&depth_, &index_}, {&color_, &cosine_, &normal_});
+      else pass.run({&depth_, &index_}, {&color_, &cosine_});
       first = false;
     }
     if (first) {
-      albedo_.clear(vec4(0));
+      color_.clear(vec4(0));
+      cosine_.clear(vec4(1));
       normal_.clear(vec4(0, 0, 0, 1));
     }
-    if (cloud.has_normals()) return;
-    if (!image_normal_) image_normal_ = ScreenPass("techniques/layers/image_normal.glsl", {GL_RGBA32F});
-    image_normal_.set("d_min", d_min_);
-    image_normal_.run({&depth_, &normal_}, {&scratch_});
-    std::swap(normal_, scratch_);
   }
 
-  void light_and_smooth(Frame& frame, const View& view) {
-    {
-      auto timing = frame.timers.scope("shade");
-      shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin, {albedo_, depth_, normal_},
-                 color_);
-    }
+  void smooth(Frame& frame) {
     auto timing = frame.timers.scope("smooth");
     if (!smooth_) smooth_ = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F});
     for (int i = 0; i < parameters_.smoothing_iterations; ++i) {
@@ -252,19 +240,14 @@ class Layers final : public Technique {
     view.bind();
     open_.arm();
     if (is_shown) {
-      pass.run({&depth_, &limit_, &color_, &front_, &normal_}, {&other_limit_, &other_front_});
+      pass.run({&depth_, &limit_, &color_, &front_, &cosine_}, {&other_limit_, &other_front_});
       std::swap(front_, other_front_);
     } else {
-      normal_.bind(binding::input + 4);
+      cosine_.bind(binding::input + 4);
       pass.run({&depth_, &limit_}, {&other_limit_});
     }
     std::swap(limit_, other_limit_);
     return open_.is_set();
-  }
-
-  static void crop(const gl::Texture& from, const gl::Texture& to, int guard) {
-    glCopyImageSubData(from.id(), GL_TEXTURE_2D, 0, guard, guard, 0, to.id(), GL_TEXTURE_2D, 0, 0, 0, 0, to.width(),
-                       to.height(), 1);
   }
 
   Parameters parameters_;
@@ -276,10 +259,9 @@ class Layers final : public Technique {
   layers::Peel peel_;
   layers::Flag open_;
   Fill fill_;
-  Shade shade_;
-  ScreenPass attributes_[8], image_normal_, smooth_, advance_[4];
+  ScreenPass light_[16], smooth_, advance_[4];
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
-  gl::Texture albedo_, normal_, color_, front_, other_front_, scratch_;
+  gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;
 };
 
 }  // namespace

@@ -1,0 +1,55 @@
+// The lit surface of a layer: colour, opacity and normal of the point that each pixel took.
+//   HAS_NORMALS, HAS_SHADOW, HAS_OPACITY   what the cloud has for each point; else one value, or from the image
+//   WRITE_NORMAL                           somebody reads the normals
+#include "shading.glsl"
+#include "cloud.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
+layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
+layout(binding = UNIT_PLACES) uniform usamplerBuffer places;
+
+uniform uint chunk_first;
+uniform uint chunk_count;
+uniform bool write_background;
+#ifndef HAS_OPACITY
+uniform float opacity;
+#endif
+#ifndef HAS_NORMALS
+uniform float d_min;
+#include "techniques/layers/image_normal.glsl"
+#endif
+
+bool filter_pixel(ivec2 pixel) {
+  uint source = texelFetch(index_image, pixel, 0).x;
+  out_0 = vec4(0.0);
+  out_1 = vec4(1.0);
+#ifdef WRITE_NORMAL
+  out_2 = vec4(0.0, 0.0, 0.0, 1.0);
+#endif
+  if (source == 0xffffffffu) return write_background;
+  uint place = texelFetch(places, int(source)).x - chunk_first;
+  if (place >= chunk_count) return false;
+  int i = int(place);
+  float depth = texelFetch(depth_image, pixel, 0).x;
+#ifdef HAS_OPACITY
+  float opacity = point_field(i);
+#endif
+#ifdef HAS_NORMALS
+  vec3 normal = point_normal(i);
+#else
+  vec3 normal = image_normal(pixel, depth);
+#endif
+  vec3 to_eye = to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth));
+  float cosine = dot(mat3(frame.eye_from_cloud) * normal, to_eye);
+  if (cosine < 0.0) normal = -normal;  // unoriented: towards the camera
+  float shadow = 1.0;
+#ifdef HAS_SHADOW
+  shadow = point_shadow(i);
+#endif
+  out_0 = shaded_color(vec4(point_color(i) * opacity, opacity), vec2(pixel) + 0.5, depth, vec4(normal, shadow));
+  out_1 = vec4(dot(normal, normal) > 0.25 ? abs(cosine) : 1.0);
+#ifdef WRITE_NORMAL
+  out_2 = vec4(normal, shadow);
+#endif
+  return true;
+}

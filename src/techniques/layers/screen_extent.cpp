@@ -1,0 +1,67 @@
+#include "techniques/layers/screen_extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "passes/view.h"
+
+namespace sfumato::layers {
+
+ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera) {
+  const View view(camera, prepared.cloud.origin);
+  std::vector<float> px;
+  for (const Batch& batch : prepared.batches) {
+    if (!view.may_see(batch.box_min, batch.box_max)) continue;
+    const glm::dvec4 center(0.5 * (dvec3(batch.box_min) + dvec3(batch.box_max)), 1);
+    const double depth = std::max(-(view.eye_from_cloud() * center).z, camera.near_plane);
+    px.push_back(float(batch.spacing * camera.pixels_per_unit() / (camera.orthographic() ? 1 : depth)));
+  }
+  if (px.empty()) return {};
+  const auto middle = px.begin() + std::ptrdiff_t(px.size() / 2);
+  std::nth_element(px.begin(), middle, px.end());
+  return {*middle, *std::max_element(px.begin(), px.end())};
+}
+
+ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture, float point_size, int reach)
+    : camera(picture) {
+  const dmat4 eye_from_cloud = picture.view(prepared.cloud.origin);
+  const Intrinsics k = picture.intrinsics();
+  double lo_x = 1e9, lo_y = 1e9, hi_x = -1e9, hi_y = -1e9;
+  for (const Batch& batch : prepared.batches)
+    for (int corner = 0; corner < 8; ++corner) {
+      const dvec3 p(corner & 1 ? batch.box_max.x : batch.box_min.x, corner & 2 ? batch.box_max.y : batch.box_min.y,
+                    corner & 4 ? batch.box_max.z : batch.box_min.z);
+      const dvec3 eye(eye_from_cloud * glm::dvec4(p, 1));
+      if (!picture.orthographic() && -eye.z < picture.near_plane) {  // anywhere on the screen
+        lo_x = lo_y = -1e9, hi_x = hi_y = 1e9;
+        continue;
+      }
+      const double w = picture.orthographic() ? 1 : -eye.z;
+      const double x_px = k.fx * eye.x / w + k.cx, y_px = -k.fy * eye.y / w + k.cy;
+      const double radius = std::min(0.5 * point_size * batch.spacing * picture.pixels_per_unit() / w, 32.0) + 1;
+      lo_x = std::min(lo_x, x_px - radius), hi_x = std::max(hi_x, x_px + radius);
+      lo_y = std::min(lo_y, y_px - radius), hi_y = std::max(hi_y, y_px + radius);
+    }
+  // Sizes are multiples of 64, so that a turning view does not make new textures for every frame.
+  auto part = [&](double lo, double hi, int size, int& first, int& count) {
+    const int least = -reach, most = size + reach;
+    first = int(std::clamp(std::floor(lo) - reach, double(least), double(most - 1)));
+    const int end = int(std::clamp(std::ceil(hi) + reach, double(first + 1), double(most)));
+    count = std::min((end - first + 63) / 64 * 64, most - least);
+    first = std::min(first, most - count);
+  };
+  part(lo_x, hi_x, picture.width, x, camera.width);
+  part(lo_y, hi_y, picture.height, y, camera.height);
+  camera.custom_intrinsics = Intrinsics{k.fx, k.fy, k.cx - x, k.cy - y};
+}
+
+void ScreenExtent::copy(const gl::Texture& part, const gl::Texture& picture) const {
+  const int x0 = std::max(x, 0), y0 = std::max(y, 0);
+  const int x1 = std::min(x + part.width(), picture.width()), y1 = std::min(y + part.height(), picture.height());
+  if (x1 <= x0 || y1 <= y0) return;
+  glCopyImageSubData(part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y, 0, picture.id(), GL_TEXTURE_2D, 0, x0, y0, 0, x1 - x0,
+                     y1 - y0, 1);
+}
+
+}  // namespace sfumato::layers

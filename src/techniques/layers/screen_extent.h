@@ -1,0 +1,28 @@
+// Where the cloud is on the screen, and how dense.
+#pragma once
+
+#include "core/camera.h"
+#include "core/prepared_cloud.h"
+#include "gl/texture.h"
+
+namespace sfumato::layers {
+
+/// Point spacing in pixels over the batches in view.
+struct ScreenSpacing {
+  float median_px = 1, largest_px = 0;
+};
+ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera);
+
+/// The part of the picture that the cloud can reach, and what screen operators see beyond its border. Passes over this
+/// part alone give the same picture.
+struct ScreenExtent {
+  Camera camera;     ///< the view of this part
+  int x = 0, y = 0;  ///< its first pixel, counted in the picture: negative in the guard band
+
+  /// `reach`: pixels that operators move or look; `point_size`: diameter of a point, in spacings.
+  ScreenExtent(const PreparedCloud& prepared, const Camera& picture, float point_size, int reach);
+  /// Copies what lies inside the picture.
+  void copy(const gl::Texture& part, const gl::Texture& picture) const;
+};
+
+}  // namespace sfumato::layers
