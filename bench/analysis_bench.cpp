@@ -47,7 +47,8 @@ void spacing(benchmark::State& state) {
   reorder(cloud, morton_order(cloud));
   for (auto _ : state) {
     const NeighborTree tree(cloud.positions);
-    benchmark::DoNotOptimize(median_spacing(tree));
+    std::vector<Batch> batches = cut_batches(cloud.positions);
+    benchmark::DoNotOptimize(measure_spacing(batches, tree));
   }
   per_point(state, cloud.size());
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "analysis/clusters.h"
 #include "analysis/neighbors.h"
@@ -44,8 +45,8 @@ class KeptNeighbors {
 /// One call of `complete`. Works on copies until all is there, so that a cancelled call changes nothing.
 class Completion {
  public:
-  Completion(PreparedCloud& prepared, const PrepareOptions& options, Progress& progress)
-      : prepared_(prepared), cloud_(prepared.cloud), progress_(progress), tree_(cloud_.positions),
+  Completion(PreparedCloud& prepared, const PrepareOptions& options, const NeighborTree& tree, Progress& progress)
+      : prepared_(prepared), cloud_(prepared.cloud), progress_(progress), tree_(tree),
         k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
 
   void run(bool normals, bool radii, bool uncertainty) {
@@ -102,7 +103,7 @@ class Completion {
   PreparedCloud& prepared_;
   PointCloud& cloud_;
   Progress& progress_;
-  NeighborTree tree_;
+  const NeighborTree& tree_;
   std::size_t k_;
 };
 
@@ -133,6 +134,11 @@ float uncertainty_of(const std::vector<vec3>& normals, float radius, std::uint32
 }
 
 void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, Progress& progress) {
+  complete(prepared, needs, options, nullptr, progress);
+}
+
+void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, const NeighborTree* tree,
+              Progress& progress) {
   PointCloud& cloud = prepared.cloud;
   if (cloud.empty()) {
     prepared.available = prepared.available | needs;
@@ -145,7 +151,11 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
   const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);
   const bool radii = (uncertainty || needs.has(Attribute::radius)) && !had.has(Attribute::radius);
-  if (normals || radii || uncertainty) Completion(prepared, options, progress).run(normals, radii, uncertainty);
+  if (normals || radii || uncertainty) {
+    std::optional<NeighborTree> own;
+    if (!tree) tree = &own.emplace(cloud.positions);
+    Completion(prepared, options, *tree, progress).run(normals, radii, uncertainty);
+  }
   prepared.available = attributes_of(cloud);
   if (prepared.available.has(Attribute::radius)) prepared.median_radius = quantile(cloud.radii, 0.5);
   if (prepared.available.has(Attribute::uncertainty))

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/neighbors.h"
 #include "analysis/prepare.h"
 
 namespace sfumato::analysis {
@@ -19,5 +20,9 @@ float radius_of(float farthest, std::size_t neighbors);
 /// nothing). Scene units.
 float uncertainty_of(const std::vector<vec3>& normals, float radius, std::uint32_t point,
                      std::span<const std::uint32_t> neighbors);
+
+/// As `complete` without a tree; `tree` is over the cloud's positions, or nothing where it is still to be built.
+void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, const NeighborTree* tree,
+              Progress& progress);
 
 }  // namespace sfumato::analysis

@@ -6,40 +6,45 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <string>
+#include <utility>
 
+#include "analysis/memory.h"
 #include "core/error.h"
 
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t grain = 65'536;       // points between two looks at Progress
-constexpr std::size_t refined_from = 16;    // longer runs of one cell are sorted again inside their own box
-constexpr double largest_extent = 1e18;     // squared distances must stay finite in float
-constexpr int bits_per_axis = 21;           // 3 x 21 = 63 bits
+constexpr std::size_t grain = 65'536;        // points between two looks at Progress
+constexpr std::size_t refined_from = 16;     // longer runs of one cell are sorted again inside their own box
+constexpr double largest_extent = 1e18;      // squared distances must stay finite in float
+constexpr int bits_per_axis = 21;            // 3 x 21 = 63 bits
+constexpr std::size_t few = 4'096;           // so few are not cut into buckets
+constexpr std::size_t insertion_up_to = 24;  // shorter runs are sorted by insertion
+
+using Range = tbb::blocked_range<std::size_t>;
+using Ids = std::span<std::uint32_t>;
 
 struct Entry {
   std::uint64_t key;
-  std::uint32_t file_index, index;
-  bool operator<(const Entry& other) const {
-    return key != other.key ? key < other.key : file_index < other.file_index;
-  }
+  std::uint32_t id;
 };
 
 struct Box {
   vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
 };
 
-using Range = tbb::blocked_range<std::size_t>;
-
-Box box_of(std::span<const Entry> entries, const std::vector<vec3>& positions) {
+Box box_of(std::span<const std::uint32_t> ids, const std::vector<vec3>& positions) {
   return tbb::parallel_reduce(
-      Range(0, entries.size(), grain), Box(),
+      Range(0, ids.size(), grain), Box(),
       [&](const Range& range, Box box) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          const vec3& p = positions[entries[i].index];
+          const vec3 p = positions[ids[i]];
           box.min = glm::min(box.min, p);
           box.max = glm::max(box.max, p);
         }
@@ -48,52 +53,165 @@ Box box_of(std::span<const Entry> entries, const std::vector<vec3>& positions) {
       [](const Box& a, const Box& b) { return Box{glm::min(a.min, b.min), glm::max(a.max, b.max)}; });
 }
 
-/// Spreads the low 21 bits so that two zero bits follow each of them.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 32) & 0x001f00000000ffff;
-  x = (x | x << 16) & 0x001f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  x = (x | x << 2) & 0x1249249249249249;
-  return x;
-}
+/// The numbers below 128 with two zero bits after each bit.
+constexpr std::array<std::uint32_t, 128> spread = [] {
+  std::array<std::uint32_t, 128> table{};
+  for (std::uint32_t i = 0; i < 128; ++i)
+    for (int bit = 0; bit < 7; ++bit) table[i] |= (i >> bit & 1) << 3 * bit;
+  return table;
+}();
 
-void sort_along_curve(std::span<Entry> entries, const std::vector<vec3>& positions, const Progress& progress) {
-  const Box box = box_of(entries, positions);
-  const dvec3 low(box.min), size = dvec3(box.max) - low;
-  const double extent = std::max({size.x, size.y, size.z});
-  if (!(extent > 0)) return;  // coincident: the order of the file stays
-  const double cells = double(1 << bits_per_axis), scale = cells / extent;
-  tbb::parallel_for(Range(0, entries.size(), grain), [&](const Range& range) {
-    progress.check();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const dvec3 cell = glm::min((dvec3(positions[entries[i].index]) - low) * scale, dvec3(cells - 1));
-      entries[i].key = spread(std::uint64_t(cell.x)) | spread(std::uint64_t(cell.y)) << 1 |
-                       spread(std::uint64_t(cell.z)) << 2;
-    }
-  });
-  tbb::parallel_sort(entries.begin(), entries.end());
-  progress.check();
-
-  std::vector<std::span<Entry>> crowded;
-  for (std::size_t first = 0, i = 1; i <= entries.size(); ++i) {
-    if (i < entries.size() && entries[i].key == entries[first].key) continue;
-    if (i - first > refined_from) crowded.push_back(entries.subspan(first, i - first));
-    first = i;
+/// The cells of a box: 2^21 along its longest side.
+class Cells {
+ public:
+  explicit Cells(const Box& box) : low_(box.min) {
+    const dvec3 size = dvec3(box.max) - dvec3(box.min);
+    scale_ = float(double(1 << bits_per_axis) / std::max({size.x, size.y, size.z}));
   }
-  // A cell is 2^-21 of its box, so this ends after a few rounds.
-  tbb::parallel_for(std::size_t(0), crowded.size(),
-                    [&](std::size_t i) { sort_along_curve(crowded[i], positions, progress); });
+  /// False where all points are one place, as far as float can tell them apart.
+  bool any() const { return scale_ <= std::numeric_limits<float>::max(); }
+  std::uint64_t key(const vec3& p) const {
+    const Cell c = cell(p);
+    return std::uint64_t(seven_bits(c, 14)) << 42 | std::uint64_t(seven_bits(c, 7)) << 21 | seven_bits(c, 0);
+  }
+  /// The first 21 of the 63 bits of the key.
+  std::uint32_t key_begin(const vec3& p) const { return seven_bits(cell(p), 14); }
+
+ private:
+  struct Cell {
+    std::uint32_t x, y, z;
+  };
+  // In float: each step keeps the order of coordinates, and 24 bits tell 2^21 cells apart.
+  std::uint32_t along(float value, float low) const {
+    return std::min(std::uint32_t(std::int32_t((value - low) * scale_)), (1u << bits_per_axis) - 1);
+  }
+  Cell cell(const vec3& p) const { return {along(p.x, low_.x), along(p.y, low_.y), along(p.z, low_.z)}; }
+  static std::uint32_t seven_bits(const Cell& c, int shift) {
+    return spread[c.x >> shift & 127] | spread[c.y >> shift & 127] << 1 | spread[c.z >> shift & 127] << 2;
+  }
+
+  vec3 low_;
+  float scale_;
+};
+
+/// Stable: by the highest bits in which the keys differ, then each part in the same way.
+void sort_by_key(std::span<Entry> entries, Entry* scratch) {
+  if (entries.size() <= insertion_up_to) {
+    for (std::size_t i = 1; i < entries.size(); ++i) {
+      const Entry entry = entries[i];
+      std::size_t at = i;
+      for (; at > 0 && entries[at - 1].key > entry.key; --at) entries[at] = entries[at - 1];
+      entries[at] = entry;
+    }
+    return;
+  }
+  std::uint64_t differing = 0;
+  for (const Entry& entry : entries) differing |= entry.key ^ entries[0].key;
+  if (differing == 0) return;
+  constexpr int digit_bits = 8;
+  const int shift = std::max(0, int(std::bit_width(differing)) - digit_bits);
+  const auto digit = [&](const Entry& entry) { return entry.key >> shift & ((1u << digit_bits) - 1); };
+  std::array<std::uint32_t, (1 << digit_bits) + 1> ends{};
+  for (const Entry& entry : entries) ++ends[digit(entry) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  for (const Entry& entry : entries) scratch[ends[digit(entry)]++] = entry;
+  std::copy_n(scratch, entries.size(), entries.begin());
+  if (shift == 0) return;
+  for (std::size_t d = 0, first = 0; d < 1 << digit_bits; first = ends[d++])
+    if (ends[d] - first > 1) sort_by_key(entries.subspan(first, ends[d] - first), scratch);
 }
 
+class CurveSort {
+ public:
+  CurveSort(const std::vector<vec3>& positions, const Progress& progress)
+      : positions_(positions), progress_(progress) {}
+
+  /// Sorts `ids`, which come in the order that coincident points keep. First into buckets by the first bits of
+  /// their keys, on all threads, then each bucket within the cache of one thread.
+  void sort(Ids ids, const Box& box) const {
+    const Cells cells(box);
+    if (!cells.any()) return;
+    const std::size_t n = ids.size();
+    const int bits = n < few ? 0 : n < std::size_t(2'000'000) ? 12 : 15;
+    const auto entries = unset_array<Entry>(n);
+    const std::vector<std::size_t> ends = fill_buckets(ids, cells, bits, entries.get());
+    tbb::parallel_for(Range(0, ends.size(), 8), [&](const Range& range) {
+      progress_.check();
+      std::vector<Entry> scratch;
+      for (std::size_t b = range.begin(); b < range.end(); ++b) {
+        const std::size_t first = b == 0 ? 0 : ends[b - 1], count = ends[b] - first;
+        const std::span<Entry> bucket(entries.get() + first, count);
+        const bool crowded = n >= few && count > n / 2;  // it is sorted inside its own box
+        if (!crowded) {
+          scratch.resize(std::max(scratch.size(), count));
+          sort_by_key(bucket, scratch.data());
+        }
+        for (std::size_t i = 0; i < count; ++i) ids[first + i] = bucket[i].id;
+        if (crowded)
+          sort(ids.subspan(first, count));
+        else
+          refine(bucket, ids.subspan(first, count));
+      }
+    });
+  }
+
+ private:
+  void sort(Ids ids) const { sort(ids, box_of(ids, positions_)); }
+
+  /// Entries of `ids` in the order of the first `bits` bits of their keys. Returns where each bucket ends.
+  std::vector<std::size_t> fill_buckets(Ids ids, const Cells& cells, int bits, Entry* entries) const {
+    const std::size_t n = ids.size(), buckets = std::size_t(1) << bits;
+    const std::size_t parts = std::clamp<std::size_t>(n / grain, 1, 16);
+    const auto bucket_of = [&](std::uint32_t key_begin) { return key_begin >> (bits_per_axis - bits); };
+    std::vector<std::uint32_t> places(parts * buckets);
+    tbb::parallel_for(std::size_t(0), parts, [&](std::size_t part) {
+      progress_.check();
+      std::uint32_t* count = &places[part * buckets];
+      for (std::size_t i = part * n / parts; i < (part + 1) * n / parts; ++i)
+        ++count[bucket_of(cells.key_begin(positions_[ids[i]]))];
+    });
+    std::vector<std::size_t> ends(buckets);
+    std::uint32_t place = 0;
+    for (std::size_t b = 0; b < buckets; ++b) {
+      for (std::size_t part = 0; part < parts; ++part)
+        place += std::exchange(places[part * buckets + b], place);
+      ends[b] = place;
+    }
+    tbb::parallel_for(std::size_t(0), parts, [&](std::size_t part) {
+      progress_.check();
+      std::uint32_t* next = &places[part * buckets];
+      for (std::size_t i = part * n / parts; i < (part + 1) * n / parts; ++i) {
+        const std::uint64_t key = cells.key(positions_[ids[i]]);
+        entries[next[bucket_of(std::uint32_t(key >> 42))]++] = {key, ids[i]};
+      }
+    });
+    return ends;
+  }
+
+  /// A cell is 2^-21 of its box, so this ends after a few rounds.
+  void refine(std::span<const Entry> sorted, Ids ids) const {
+    for (std::size_t first = 0, i = 1; i <= sorted.size(); ++i) {
+      if (i < sorted.size() && sorted[i].key == sorted[first].key) continue;
+      if (i - first > refined_from) sort(ids.subspan(first, i - first));
+      first = i;
+    }
+  }
+
+  const std::vector<vec3>& positions_;
+  const Progress& progress_;
+};
+
+/// Permutes `values` by way of `scratch`, which stays touched and warm from one attribute to the next.
 template <class T>
-void gather(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, std::byte* scratch) {
   if (values.empty()) return;
-  std::vector<T> out(order.size());
+  T* const sorted = reinterpret_cast<T*>(scratch);
   tbb::parallel_for(Range(0, order.size(), grain), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) out[i] = values[order[i]];
+    for (std::size_t i = range.begin(); i < range.end(); ++i) sorted[i] = values[order[i]];
   });
-  values = std::move(out);
+  tbb::parallel_for(Range(0, order.size(), grain), [&](const Range& range) {
+    std::copy(sorted + range.begin(), sorted + range.end(), values.begin() + std::ptrdiff_t(range.begin()));
+  });
 }
 
 }  // namespace
@@ -105,36 +223,34 @@ std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progr
                                           " points, more than the 4294967295 that can be shown at once: thin it "
                                           "or cut it into parts");
   progress.update(0, "sorting");
-  std::vector<Entry> entries(n);
-  tbb::parallel_for(Range(0, n, grain), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i)
-      entries[i] = {0, cloud.source_index.empty() ? std::uint32_t(i) : cloud.source_index[i], std::uint32_t(i)};
-  });
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  const std::vector<std::uint32_t>& source = cloud.source_index;
   // Coincident points are never compared by key: bring them into the order of the file first.
-  if (!std::is_sorted(entries.begin(), entries.end())) tbb::parallel_sort(entries.begin(), entries.end());
-  const Box box = box_of(entries, cloud.positions);
+  if (!std::is_sorted(source.begin(), source.end()))
+    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return source[a] != source[b] ? source[a] < source[b] : a < b;
+    });
+  const Box box = box_of(order, cloud.positions);
   if (n > 0 && glm::distance(dvec3(box.min), dvec3(box.max)) > largest_extent)
     throw Error(ErrorCode::bad_input,
                 "the points spread over more than 1e18 units: some coordinates are damaged, filter them out");
-  sort_along_curve(entries, cloud.positions, progress);
-  std::vector<std::uint32_t> order(n);
-  tbb::parallel_for(Range(0, n, grain), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) order[i] = entries[i].index;
-  });
+  if (n > 0) CurveSort(cloud.positions, progress).sort(order, box);
   progress.update(1, "sorting");
   return order;
 }
 
-void reorder(PointCloud& cloud, const std::vector<std::uint32_t>& order) {
-  gather(cloud.positions, order);
-  gather(cloud.normals, order);
-  gather(cloud.colors, order);
-  gather(cloud.radii, order);
-  for (ScalarField& field : cloud.scalars) gather(field.values, order);
+void reorder(PointCloud& cloud, std::vector<std::uint32_t> order) {
+  const auto scratch = unset_array<std::byte>(order.size() * sizeof(vec3));
+  permute(cloud.positions, order, scratch.get());
+  permute(cloud.normals, order, scratch.get());
+  permute(cloud.colors, order, scratch.get());
+  permute(cloud.radii, order, scratch.get());
+  for (ScalarField& field : cloud.scalars) permute(field.values, order, scratch.get());
   if (cloud.source_index.empty())
-    cloud.source_index = order;
+    cloud.source_index = std::move(order);
   else
-    gather(cloud.source_index, order);
+    permute(cloud.source_index, order, scratch.get());
   cloud.grids.clear();
   cloud.grid_index.clear();
 }

@@ -17,6 +17,6 @@ std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progr
 
 /// Permutes every attribute of `cloud` (`order` names old places), one at a time, so that the peak of memory is
 /// one attribute. `source_index` is filled. Grids do not survive, as in `select`.
-void reorder(PointCloud& cloud, const std::vector<std::uint32_t>& order);
+void reorder(PointCloud& cloud, std::vector<std::uint32_t> order);
 
 }  // namespace sfumato::analysis

@@ -27,6 +27,8 @@ void keep_viewpoints(PointCloud& cloud) {
   if (!cloud.scanners.empty()) cloud.set_scalar(std::move(scanner));
 }
 
+}  // namespace
+
 std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
   // A small scan gets smaller batches: its density varies as much as that of a large one, and a batch has one
   // spacing. 69,000 points of a street sweep in batches of 10,240 gave discs of 60 px among points 2 px apart.
@@ -48,8 +50,6 @@ std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
   return batches;
 }
 
-}  // namespace
-
 void PrepareOptions::describe(ParamList& p) {
   p.add("neighbors", neighbors)
       .range(3, 256)
@@ -64,12 +64,9 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   reorder(prepared.cloud, morton_order(prepared.cloud, progress));
   progress.check();
   prepared.batches = cut_batches(prepared.cloud.positions);
-  {
-    const NeighborTree tree(prepared.cloud.positions);
-    prepared.median_spacing = median_spacing(tree);
-    measure_batches(prepared.batches, tree, prepared.median_spacing, progress);
-  }
-  complete(prepared, needs, options, progress);
+  const NeighborTree tree(prepared.cloud.positions);
+  prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
+  complete(prepared, needs, options, &tree, progress);
   return prepared;
 }
 

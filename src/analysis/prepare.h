@@ -1,6 +1,8 @@
 // From a cloud as it was read to a cloud ready for rendering.
 #pragma once
 
+#include <vector>
+
 #include "core/param.h"
 #include "core/prepared_cloud.h"
 #include "core/progress.h"
@@ -12,9 +14,12 @@ struct PrepareOptions {
   void describe(ParamList& p);
 };
 
-/// Sorts the cloud along a Morton curve, cuts it into batches of 512 to 10,240 points (some 512 of them, more for
-/// clouds of over 5 million), measures their spacing and then does `complete`. Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar
-/// `scanner`. The result is the same for any number of threads. Throws Cancelled when the user stops it.
+/// Batches of 512 to 10,240 of the positions, some 512 of them, more for clouds of over 5 million.
+std::vector<Batch> cut_batches(const std::vector<vec3>& positions);
+
+/// Sorts the cloud along a Morton curve, does `cut_batches`, measures their spacing and then does `complete`.
+/// Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar `scanner`. The result
+/// is the same for any number of threads. Throws Cancelled when the user stops it.
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
                       Progress& progress = no_progress());
 

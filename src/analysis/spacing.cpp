@@ -1,15 +1,16 @@
 #include "analysis/spacing.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t most_queries = 20'000, queries_per_batch = 16, near_on_curve = 12;
+constexpr std::size_t wanted_queries = 8'192, most_queries = 20'000, least_per_batch = 16;
+constexpr std::size_t near_on_curve = 12;
 
 /// The eight places nearest to a point other than its own.
 class NearestPlaces {
@@ -50,25 +51,18 @@ class NearestPlaces {
   vec3 place_[8];
 };
 
-/// Median over `queries` points of [first, first + count), one out of each of as many equal runs, at a place hashed
-/// from the run's number. 0 when no query found another place.
-float sampled_median(const NeighborTree& tree, std::size_t first, std::size_t count, std::size_t queries) {
-  queries = std::min(queries, count);
-  std::vector<float> spacings(queries);
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, queries, 256), [&](const Range& range) {
-    for (std::size_t q = range.begin(); q < range.end(); ++q) {
-      const std::size_t run = q * count / queries, end = (q + 1) * count / queries;
-      const std::uint32_t hash = std::uint32_t(q) * 2654435769u >> 8;
-      const std::size_t i = first + run + hash % (end - run), n = tree.positions().size();
-      const vec3& p = tree.positions()[i];
-      NearestPlaces nearest(tree.positions(), p);
-      // Those before and after it on the curve are mostly near: the search then skips what is farther at once.
-      for (std::size_t j = i - std::min(i, near_on_curve); j < std::min(n, i + near_on_curve); ++j) nearest.offer(j);
-      tree.search(p, nearest);
-      spacings[q] = nearest.spacing();
-    }
-  });
+float spacing_at(const NeighborTree& tree, std::size_t i) {
+  const std::span<const vec3> positions = tree.positions();
+  NearestPlaces nearest(positions, positions[i]);
+  // Those before and after it on the curve are mostly near: the search then skips what is farther at once.
+  const std::size_t last = std::min(positions.size(), i + near_on_curve);
+  for (std::size_t j = i - std::min(i, near_on_curve); j < last; ++j) nearest.offer(j);
+  tree.search(positions[i], nearest);
+  return nearest.spacing();
+}
+
+/// Partly sorts `spacings`; 0 when no query found another place.
+float median_of_positive(std::vector<float>& spacings) {
   std::erase_if(spacings, [](float s) { return !(s > 0) || !std::isfinite(s); });
   if (spacings.empty()) return 0;
   const auto middle = spacings.begin() + std::ptrdiff_t(spacings.size() / 2);
@@ -78,19 +72,35 @@ float sampled_median(const NeighborTree& tree, std::size_t first, std::size_t co
 
 }  // namespace
 
-float median_spacing(const NeighborTree& tree) {
-  const float spacing = sampled_median(tree, 0, tree.positions().size(), most_queries);
-  return spacing > 0 ? spacing : 1;
-}
-
-void measure_batches(std::span<Batch> batches, const NeighborTree& tree, float fallback,
-                     Progress& progress) {
-  tbb::parallel_for(std::size_t(0), batches.size(), [&](std::size_t i) {
+float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress) {
+  const std::size_t points = tree.positions().size();
+  const std::size_t wanted = std::min(points, wanted_queries);
+  const std::size_t each = batches.empty() ? 0 : std::max(least_per_batch, (wanted + batches.size() - 1) / batches.size());
+  std::vector<std::vector<float>> found(batches.size());
+  tbb::parallel_for(std::size_t(0), batches.size(), [&](std::size_t b) {
     progress.check();
-    Batch& batch = batches[i];
-    const float spacing = sampled_median(tree, batch.first, batch.count, queries_per_batch);
-    batch.spacing = spacing > 0 ? spacing : fallback;
+    Batch& batch = batches[b];
+    const std::size_t queries = std::min(each, std::size_t(batch.count));
+    found[b].resize(queries);
+    for (std::size_t q = 0; q < queries; ++q) {
+      const std::size_t run = q * batch.count / queries, end = (q + 1) * batch.count / queries;
+      const std::uint32_t hash = std::uint32_t(b * each + q) * 2654435769u >> 8;
+      found[b][q] = spacing_at(tree, batch.first + run + hash % (end - run));
+    }
+    std::vector<float> own = found[b];
+    batch.spacing = median_of_positive(own);
   });
+
+  // Of very many batches only every so many-th query counts.
+  std::vector<float> sample;
+  const std::size_t step = (batches.size() * each + most_queries - 1) / most_queries;
+  for (std::size_t b = 0, next = 0; b < found.size(); next -= found[b++].size())
+    for (; next < found[b].size(); next += step) sample.push_back(found[b][next]);
+  const float median = median_of_positive(sample);
+  const float spacing = median > 0 ? median : 1;
+  for (Batch& batch : batches)
+    if (!(batch.spacing > 0)) batch.spacing = spacing;
+  return spacing;
 }
 
 }  // namespace sfumato::analysis

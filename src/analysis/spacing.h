@@ -6,15 +6,15 @@
 
 namespace sfumato::analysis {
 
-/// Side of the square per point, scene units: the median of R_8 sqrt(pi / 8) over at most 20,000 points drawn
-/// with a fixed seed, R_8 being the distance to the 8th nearest place that holds another point (coincident points
-/// count once). Clouds of fewer than nine places use the farthest of what there is in the same formula; a
-/// single place has no spacing, and 1 is returned, so that the result is always positive and finite.
-float median_spacing(const NeighborTree& tree);
-
-/// Fills `spacing` of every batch: the same quantity over 16 points of the batch; `fallback` where all of a batch
-/// is one place of the cloud.
-void measure_batches(std::span<Batch> batches, const NeighborTree& tree, float fallback,
-                     Progress& progress = no_progress());
+/// The spacing at a point is the side of the square per point, R_8 sqrt(pi / 8) in scene units, R_8 being the
+/// distance to the 8th nearest place that holds another point (coincident points count once). Where there are
+/// fewer than nine places, the farthest of what there is goes into the same formula.
+///
+/// Returns the median over a sample of at most 20,000 points: as many from each batch (some 8,192 in all, at least
+/// 16 of a batch), one out of each of as many equal runs at a place hashed from the run's number. `spacing` of
+/// every batch becomes the median of its own part. A batch that is all in one place of the cloud gets the
+/// cloud's spacing, and a cloud of a single place 1, so that results are always positive and finite. The same
+/// for any number of threads.
+float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis
