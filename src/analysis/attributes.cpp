@@ -2,9 +2,11 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
@@ -25,7 +27,15 @@ bool missing(float radius) { return !(radius > 0); }
 
 template <class T>
 bool complete_for_all(const std::vector<T>& values) {
-  return !values.empty() && std::none_of(values.begin(), values.end(), [](const T& v) { return missing(v); });
+  using Range = tbb::blocked_range<std::size_t>;
+  return !values.empty() && tbb::parallel_reduce(
+                                Range(0, values.size(), 65'536), true,
+                                [&](const Range& range, bool complete) {
+                                  for (std::size_t i = range.begin(); complete && i < range.end(); ++i)
+                                    complete = !missing(values[i]);
+                                  return complete;
+                                },
+                                std::logical_and<>());
 }
 
 /// The same K neighbours for every point, in one array.

@@ -10,9 +10,9 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t shortest_leaf = 8, longest_leaf = 20;
+constexpr std::size_t shortest_leaf = 2, longest_leaf = 20;
 constexpr std::size_t segment = 4'096;        // leaves end at its multiples, so that segments are cut in parallel
-constexpr std::size_t leaves_per_block = 512;  // about 7,000 points between two looks at Progress
+constexpr std::size_t leaves_per_block = 512;  // about 6,000 points between two looks at Progress
 constexpr int most_candidates = 2'048;
 
 struct Box {
@@ -40,10 +40,9 @@ class KNearest {
  public:
   static constexpr bool merges_coincident = false;
   explicit KNearest(std::size_t k) : k_(k) { heap_.reserve(k); }
-  /// `limit`: squared distance that all k points are known to be below.
-  void start(std::uint32_t except, float limit = std::numeric_limits<float>::infinity()) {
+  void start(std::uint32_t except) {
     except_ = except;
-    limit_ = limit;
+    limit_ = std::numeric_limits<float>::infinity();
     heap_.clear();
   }
   float limit() const { return limit_; }
@@ -65,6 +64,55 @@ class KNearest {
   float limit_ = 0;
   std::vector<std::uint64_t> heap_;
 };
+
+// The loops over candidates, compiled twice where the processor may have wider registers. Neither version fuses
+// multiplications with additions, so both give the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define SFUMATO_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define SFUMATO_WIDE
+#endif
+
+struct Candidates {
+  // One more than the limit: a candidate is written before it is known whether it is kept.
+  alignas(32) float x[most_candidates + 1], y[most_candidates + 1], z[most_candidates + 1];
+  std::uint32_t ids[most_candidates + 1];
+  int count = 0;
+};
+
+SFUMATO_WIDE void distances2_to(const Candidates& all, const vec3& p, float* out) {
+  for (int j = 0; j < all.count; ++j) {
+    const float dx = all.x[j] - p.x, dy = all.y[j] - p.y, dz = all.z[j] - p.z;
+    out[j] = dx * dx + dy * dy + dz * dz;
+  }
+}
+
+SFUMATO_WIDE int count_up_to(const float* values, int count, float limit) {
+  int found = 0;
+  for (int j = 0; j < count; ++j) found += values[j] <= limit;
+  return found;
+}
+
+/// A limit below `high` that `least` to `most` of the values do not exceed, `high` where none was found;
+/// `high_count` of them do not exceed `high`. Squared distances on a surface are nearly uniform, so
+/// interpolation between two counts is soon there.
+struct Limit {
+  float value;
+  int count;
+};
+Limit limit_for(const float* values, int count, int least, int most, Limit high) {
+  Limit low{0, 0};
+  for (int round = 0; round < 12 && high.count > most; ++round) {
+    const float wanted = 0.5f * float(least + most) + 0.25f;
+    float share = (wanted - float(low.count)) / float(high.count - low.count);
+    if (round % 3 == 2) share = 0.5f;  // halving ends where interpolation creeps
+    const float middle = low.value + share * (high.value - low.value);
+    const int found = count_up_to(values, count, middle);
+    (found < least ? low : high) = {middle, found};
+  }
+  return high;
+}
+
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
 /// Finds the neighbours of one leaf after the other. The points of a leaf share one set of candidates: all
@@ -94,7 +142,7 @@ class LeafSearch {
       const float here = radius_at_center_ + glm::distance(center_, positions_[i]);
       const float from_last = i > first ? std::sqrt(distances2_[k_ - 1]) +
                                               glm::distance(positions_[i - 1], positions_[i]) : here;
-      select(i, self_ + (i - first), rounding * std::min(here, from_last));
+      select(i, self_ + int(i - first), rounding * std::min(here, from_last));
       report(i);
     }
   }
@@ -102,65 +150,106 @@ class LeafSearch {
  private:
   static constexpr float rounding = 1.00001f;  // more than the rounding of the sums above
 
+  /// Candidates of a leaf; false where there are too many.
   bool gather(std::uint32_t first, std::uint32_t last) {
     Box box;
     for (std::uint32_t i = first; i < last; ++i) box.add(positions_[i]);
     center_ = 0.5f * box.low + 0.5f * box.high;
-    around_center_.start(nobody, limit_from_the_curve(first, last));
-    tree_.search(center_, around_center_);
-    if (around_center_.heap().size() <= k_) return false;
-    radius_at_center_ = std::sqrt(around_center_.limit());
-    const float reach = rounding * (radius_at_center_ + 0.5f * glm::distance(box.low, box.high));
-    const float reach2 = reach * reach;
-    count_ = 0;
-    return tree_.leaves_near(box.low, box.high, reach, [&](std::uint32_t from, std::uint32_t to) {
-      if (count_ + int(to - from) > most_candidates) return false;
-      if (from == first) self_ = count_;  // all of the leaf's own points are taken
-      for (std::uint32_t j = from; j < to; ++j) {
-        const vec3 p = positions_[j];
-        const vec3 d = glm::max(glm::max(box.low - p, p - box.high), vec3(0));
-        x_[count_] = p.x, y_[count_] = p.y, z_[count_] = p.z, candidates_[count_] = j;
-        count_ += glm::dot(d, d) <= reach2;
+    const int needed = int(k_) + 1;
+    // All points of the leaves in reach, by a radius that is too large: mostly the last leaf's, grown ...
+    float limit = 1.4f * radius_at_center_ * radius_at_center_;
+    int within = take_leaves(box, limit) ? count_up_to(all_distances2_, all_.count, limit) : 0;
+    if (within < needed) {
+      limit = limit_from_the_curve(first, last);
+      if (!take_leaves(box, limit)) {  // much too large, where the curve jumps
+        around_center_.start(nobody);
+        tree_.search(center_, around_center_);
+        limit = around_center_.limit();
+        if (!take_leaves(box, limit)) return false;
       }
-      return true;
-    });
+      within = count_up_to(all_distances2_, all_.count, limit);
+    }
+    // ... from which a smaller one follows that still holds more than k around the centre.
+    const Limit tight = limit_for(all_distances2_, all_.count, needed, needed + needed / 8, {limit, within});
+    radius_at_center_ = std::sqrt(tight.value);
+    keep_near(box, first, reach_of(box, tight.value));
+    return true;
   }
 
-  /// A squared distance from the centre below which there are more than k points: those before and after the leaf
-  /// on the curve are mostly near, and finding the last of them is quicker than narrowing a search from infinity.
+  /// A ball around the centre with more than k points, grown by this, has more than k around each place of the box.
+  static float reach_of(const Box& box, float limit) {
+    return rounding * (std::sqrt(limit) + 0.5f * glm::distance(box.low, box.high));
+  }
+
+  /// Points of the leaves that are near enough for a squared radius around the centre, with their squared
+  /// distances from it; false where there are too many.
+  bool take_leaves(const Box& box, float limit) {
+    all_.count = 0;
+    const bool all = tree_.leaves_near(box.low, box.high, reach_of(box, limit), [&](std::uint32_t from, std::uint32_t to) {
+      if (all_.count + int(to - from) > most_candidates) return false;
+      int at = all_.count;
+      for (std::uint32_t j = from; j < to; ++j, ++at) {
+        const vec3& p = positions_[j];
+        all_.x[at] = p.x, all_.y[at] = p.y, all_.z[at] = p.z, all_.ids[at] = j;
+      }
+      all_.count = at;
+      return true;
+    });
+    distances2_to(all_, center_, all_distances2_);
+    return all;
+  }
+
+  void keep_near(const Box& box, std::uint32_t first, float reach) {
+    const float reach2 = reach * reach;
+    int kept = 0;
+    for (int j = 0; j < all_.count; ++j) {
+      const vec3 p(all_.x[j], all_.y[j], all_.z[j]);
+      const float dx = std::max(std::max(box.low.x - p.x, p.x - box.high.x), 0.0f);
+      const float dy = std::max(std::max(box.low.y - p.y, p.y - box.high.y), 0.0f);
+      const float dz = std::max(std::max(box.low.z - p.z, p.z - box.high.z), 0.0f);
+      if (all_.ids[j] == first) self_ = kept;  // the leaf's own points are kept, one after the other
+      all_.x[kept] = p.x, all_.y[kept] = p.y, all_.z[kept] = p.z, all_.ids[kept] = all_.ids[j];
+      kept += dx * dx + dy * dy + dz * dz <= reach2;
+    }
+    all_.count = kept;
+  }
+
+  /// A squared distance from the centre up to which there are more than k points: those before and after the
+  /// leaf on the curve are mostly near. Infinite where they are too few.
   float limit_from_the_curve(std::uint32_t first, std::uint32_t last) {
     const std::size_t margin = k_;
     const std::size_t from = first > margin ? first - margin : 0, to = std::min(positions_.size(), last + margin);
     if (to - from <= k_) return std::numeric_limits<float>::infinity();
-    distances2_.resize(to - from);
+    nearby_.resize(to - from);
     for (std::size_t i = from; i < to; ++i) {
       const vec3 d = positions_[i] - center_;
-      distances2_[i - from] = d.x * d.x + d.y * d.y + d.z * d.z;
+      nearby_[i - from] = d.x * d.x + d.y * d.y + d.z * d.z;
     }
-    const auto last_needed = distances2_.begin() + std::ptrdiff_t(k_);
-    std::nth_element(distances2_.begin(), last_needed, distances2_.end());
-    const float limit = std::nextafter(*last_needed, std::numeric_limits<float>::infinity());
-    distances2_.resize(k_);
-    return limit;
+    const auto last_needed = nearby_.begin() + std::ptrdiff_t(k_);
+    std::nth_element(nearby_.begin(), last_needed, nearby_.end());
+    return *last_needed;
   }
 
   /// The k candidates nearest to point i, all of which are within `radius`.
   void select(std::uint32_t i, int self, float radius) {
-    const vec3 p = positions_[i];
+    distances2_to(all_, positions_[i], all_distances2_);
+    all_distances2_[self] = std::numeric_limits<float>::infinity();
+    const int k = int(k_);
     const float radius2 = radius * radius;
-    for (int j = 0; j < count_; ++j) {
-      const float dx = x_[j] - p.x, dy = y_[j] - p.y, dz = z_[j] - p.z;
-      candidate_distances2_[j] = dx * dx + dy * dy + dz * dz;
-    }
-    candidate_distances2_[self] = std::numeric_limits<float>::infinity();
-    keys_.resize(std::size_t(count_));
+    const Limit limit = limit_for(all_distances2_, all_.count, k, k,
+                                  {radius2, count_up_to(all_distances2_, all_.count, radius2)});
+    keys_.resize(std::max(keys_.size(), std::size_t(all_.count)));
     std::size_t inside = 0;
-    for (int j = 0; j < count_; ++j) {
-      keys_[inside] = sort_key(candidate_distances2_[j], std::uint32_t(j));
-      inside += candidate_distances2_[j] <= radius2;
+    for (int j = 0; j < all_.count; ++j) {
+      keys_[inside] = sort_key(all_distances2_[j], std::uint32_t(j));
+      inside += all_distances2_[j] <= limit.value;
     }
-    std::nth_element(keys_.begin(), keys_.begin() + std::ptrdiff_t(k_ - 1), keys_.begin() + std::ptrdiff_t(inside));
-    for (std::size_t j = 0; j < k_; ++j) ids_[j] = candidates_[std::uint32_t(keys_[j])];
+    const auto end = keys_.begin() + std::ptrdiff_t(inside), farthest = keys_.begin() + std::ptrdiff_t(k_ - 1);
+    if (inside == k_)
+      std::iter_swap(farthest, std::max_element(keys_.begin(), end));
+    else  // several equally far
+      std::nth_element(keys_.begin(), farthest, end);
+    for (std::size_t j = 0; j < k_; ++j) ids_[j] = all_.ids[std::uint32_t(keys_[j])];
   }
 
   void report(std::uint32_t i) {
@@ -175,14 +264,12 @@ class LeafSearch {
   KNearest nearest_, around_center_;
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> ids_;
-  std::vector<float> distances2_;
+  std::vector<float> distances2_, nearby_;
   vec3 center_;
   float radius_at_center_ = 0;
-  int self_ = 0, count_ = 0;
-  // One more than the limit: `gather` writes a candidate before it knows whether to keep it.
-  float x_[most_candidates + 1], y_[most_candidates + 1], z_[most_candidates + 1];
-  float candidate_distances2_[most_candidates + 1];
-  std::uint32_t candidates_[most_candidates + 1];
+  int self_ = 0;
+  Candidates all_;
+  alignas(32) float all_distances2_[most_candidates + 1];
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -14,7 +15,7 @@
 
 namespace sfumato::analysis {
 
-/// A tree of boxes over an array of points, eight children a node. A leaf is a run of 8 to 20 consecutive points
+/// A tree of boxes over an array of points, eight children a node. A leaf is a run of 2 to 20 consecutive points
 /// that ends where the curve makes its longest jump; a node covers eight consecutive nodes of the level below.
 /// Correct for any order of the points, fast for Morton order. Keeps a view of the positions.
 class NeighborTree {
@@ -41,14 +42,18 @@ class NeighborTree {
   struct Octet {  // boxes of eight children; a missing child is inside out and infinitely far
     float low[3][8], high[3][8];
   };
-  /// Squared distances from the box [low, high] to the eight children.
-  static void distances2(const Octet& octet, const vec3& low, const vec3& high, float* out) {
-    for (int c = 0; c < 8; ++c) out[c] = 0;
-    for (int k = 0; k < 3; ++k)
-      for (int c = 0; c < 8; ++c) {
-        const float d = std::max(std::max(octet.low[k][c] - high[k], low[k] - octet.high[k][c]), 0.0f);
-        out[c] += d * d;
-      }
+  /// Squared distances from the box [low, high] to the eight children. By value and child by child: so written it
+  /// becomes vector instructions.
+  static std::array<float, 8> distances2(const Octet& octet, const vec3& low, const vec3& high) {
+    std::array<float, 8> out;
+    const float low_x = low.x, low_y = low.y, low_z = low.z, high_x = high.x, high_y = high.y, high_z = high.z;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const float dx = std::max(std::max(octet.low[0][c] - high_x, low_x - octet.high[0][c]), 0.0f);
+      const float dy = std::max(std::max(octet.low[1][c] - high_y, low_y - octet.high[1][c]), 0.0f);
+      const float dz = std::max(std::max(octet.low[2][c] - high_z, low_z - octet.high[2][c]), 0.0f);
+      out[c] = dx * dx + dy * dy + dz * dz;
+    }
+    return out;
   }
   static constexpr int stack_size = 96;  // at most 7 siblings wait on each of 11 levels
   struct Waiting {
@@ -83,8 +88,7 @@ void NeighborTree::search(const vec3& p, Nearest& nearest) const {
     const Waiting node = stack[--waiting];
     if (node.distance2 >= nearest.limit()) continue;
     const Octet& octet = levels_[node.level][node.index];
-    float d2[8];
-    distances2(octet, p, p, d2);
+    const std::array<float, 8> d2 = distances2(octet, p, p);
     std::uint64_t near[8];  // distance above, child below: sorts by distance
     int count = 0;
     for (std::uint32_t c = 0; c < 8; ++c) {
@@ -135,8 +139,7 @@ bool NeighborTree::leaves_near(const vec3& low, const vec3& high, float radius, 
   stack[waiting++] = {0, std::uint32_t(levels_.size() - 1), 0};
   while (waiting > 0) {
     const Waiting node = stack[--waiting];
-    float d2[8];
-    distances2(levels_[node.level][node.index], low, high, d2);
+    const std::array<float, 8> d2 = distances2(levels_[node.level][node.index], low, high);
     for (std::uint32_t c = 0; c < 8; ++c) {
       if (!(d2[c] <= radius2)) continue;
       const std::uint32_t child = node.index * 8 + c;
