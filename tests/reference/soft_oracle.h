@@ -22,13 +22,13 @@ inline double closed_form(double delta) {
   return delta < 1e-12 ? 1 : half - delta * delta * std::log((1 + half) / delta);
 }
 
-/// Depth through N nested spheres of density 1/N (exact), or of Eqs. 13 (1) and 15 (2) halved.
+/// Depth through N nested spheres of density 1/(N + 1) (exact), or of Eqs. 13 (1) and 15 (2) halved.
 inline double shell_sum(int count, double delta, int normalization = 0) {
   double depth = 0;
   for (int i = 0; i < count; ++i) {
     const double radius = 1 - double(i) / count;
     if (radius <= delta) break;
-    double mu = normalization == 0 ? 1.0 / count : 1 / (2 * count * radius);
+    double mu = normalization == 0 ? 1.0 / (count + 1) : 1 / (2 * count * radius);
     if (normalization == 2) mu *= 1 - delta / radius;
     depth += mu * 2 * std::sqrt(radius * radius - delta * delta);
   }
@@ -41,7 +41,7 @@ inline double ray_delta(const OracleRay& ray, const dvec3& center, double radius
 }
 
 struct SoftOracle {
-  double opacity = 0.15;
+  double opacity = 0.3;
   int shells = 0;         ///< 0: Base model
   int normalization = 0;  ///< of shells: exact, eq13, eq15
   bool express = false;
@@ -56,7 +56,7 @@ struct SoftOracle {
     for (int i = 0; i < shells; ++i) {
       const double radius = 1 - double(i) / shells;
       if (distance >= radius * s.radius) break;
-      double mu = normalization == 0 ? 1.0 / shells : 1 / (2 * shells * radius);
+      double mu = normalization == 0 ? 1.0 / (shells + 1) : 1 / (2 * shells * radius);
       if (normalization == 2) mu *= 1 - delta / radius;
       sum += mu;
     }

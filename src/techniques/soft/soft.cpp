@@ -30,7 +30,7 @@ enum class Model { express, concentric, base, one_layer };
 
 struct Parameters {
   Model model = Model::express;
-  float opacity = 0.15f;
+  float opacity = 0.3f;
   FieldSettings field;
   Auto<float> field_threshold, modulation_threshold;
   DrawOrder order = DrawOrder::exact;
@@ -48,7 +48,9 @@ struct Parameters {
         .help("density of a soft point: a blended disc, nested spheres, the exact integral; or only the first soft "
               "layer transparent")
         .paper("Seemann 2018, Sec. 3");
-    p.add("opacity", opacity).range(0, 1).help("of a lone soft point through its centre, in every model").paper("Seemann 2018, lambda");
+    p.add("opacity", opacity).range(0, 1)
+        .help("of a lone soft point through its centre, in every model")
+        .paper("Seemann 2018, lambda");
     field.describe(p);
     p.add("field_threshold", field_threshold)
         .range(-1, 1)
@@ -78,7 +80,8 @@ struct Parameters {
         .help("a splat covers at least a disc of 1 px radius on the screen; smaller soft points grow and thin out");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
-        .help("limit radii to twice their median, so that isolated points do not become big discs");
+        .help("limit radii to twice their median, soft points also to what nine in ten of them keep, so that isolated "
+              "points do not become big discs");
   }
 };
 
@@ -151,8 +154,9 @@ class Soft final : public Technique {
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
   }
 
-  void draw_soft(Frame& frame, const View& view, const SplatShape& shape) {
+  void draw_soft(Frame& frame, const View& view, SplatShape shape) {
     const Parameters& p = parameters_;
+    if (p.clamp_radius) shape.radius_limit = points_.radius_limit();
     Look look;
     look.opacity = p.opacity;
     look.field_threshold = p.field_threshold.value();

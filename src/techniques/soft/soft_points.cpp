@@ -4,6 +4,7 @@
 #include <bit>
 #include <numeric>
 
+#include "analysis/quantiles.h"
 #include "core/error.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
@@ -42,6 +43,9 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
   chosen_anew_ = true;
   sorted_ = false;
   axis_orders_ = {};
+  std::vector<float> radii;
+  for (std::uint32_t i : places_) radii.push_back(points.radii[i]);
+  radius_limit_ = std::max(2 * analysis::quantile(radii, 0.5), analysis::quantile(radii, 0.9));
 
   gl::require(count() <= std::uint64_t(gl::limits().max_texture_buffer_size),
               std::to_string(count()) + " soft points", "larger texture buffers (or a higher field_threshold)");

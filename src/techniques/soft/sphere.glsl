@@ -89,12 +89,12 @@ float modulated_depth(float opacity, float share, float delta, float depth) {
 float shell_radius(int i, int count) { return 1.0 - float(i) / float(count); }
 
 // Optical depth of a chord through shell i, of length 2 L_i in radii, is 2 L_i times this.
-//   exact: mu = 1/N, which tends to the Base model; Eq. 13: mu = r/(N r_i), Eq. 15: times (1 - d/r_i). The printed ones
-//   sum up to 2 through the centre, so that they are halved.
+//   exact: mu = 1/(N + 1), which tends to the Base model and is 1 through the centre for every N;
+//   Eq. 13: mu = r/(N r_i), Eq. 15: times (1 - d/r_i): these sum up to 2 through the centre, so that they are halved.
 uniform int normalization;
 float shell_density(int i, int count, float delta) {
-  float density = 1.0 / float(count), radius = shell_radius(i, count);
-  if (normalization >= 1) density *= 0.5 / radius;
+  float radius = shell_radius(i, count);
+  float density = normalization == 0 ? 1.0 / float(count + 1) : 0.5 / (float(count) * radius);
   if (normalization == 2) density *= 1.0 - delta / radius;
   return density;
 }
