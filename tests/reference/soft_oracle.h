@@ -41,7 +41,7 @@ inline double ray_delta(const OracleRay& ray, const dvec3& center, double radius
 }
 
 struct SoftOracle {
-  double opacity = 0.3;
+  double opacity = 0.15;
   int shells = 0;         ///< 0: Base model
   int normalization = 0;  ///< of shells: exact, eq13, eq15
   bool express = false;

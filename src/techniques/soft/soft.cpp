@@ -30,7 +30,7 @@ enum class Model { express, concentric, base, one_layer };
 
 struct Parameters {
   Model model = Model::express;
-  float opacity = 0.3f;
+  float opacity = 0.15f;
   FieldSettings field;
   Auto<float> field_threshold, modulation_threshold;
   DrawOrder order = DrawOrder::exact;
@@ -40,7 +40,7 @@ struct Parameters {
   Density density = Density::radial;
   Auto<float> epsilon;
   bool antialias = true;
-  float radius_scale = 1;
+  float radius_scale = 1.5f;  // closes randomly sampled surfaces (splats.cpp) and smooths the haze alike
   bool clamp_radius = true;
 
   void describe(ParamList& p) {

@@ -1,0 +1,371 @@
+// The parts of soft transparency: fragment lists, thresholds, modulation, the baseline, orders, light, fields.
+#include <random>
+
+#include "core/error.h"
+#include "reference/soft_scenes.h"
+#include "techniques/soft/express.h"
+#include "techniques/soft/field.h"
+#include "techniques/soft/interior.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+class SoftParts : public SoftTest {};
+
+/// What a technique does before Interior::draw, for tests that look inside.
+struct InteriorScene {
+  PreparedCloud prepared;
+  GpuCloud gpu;
+  Camera camera;
+  Target target;
+  gl::Timers timers{false};
+  RenderSettings settings;
+  Light light;
+  Frame frame;
+  View view;
+  soft::SoftPoints points;
+  gl::Texture solid_t, result;
+
+  InteriorScene(const std::vector<Ball>& balls, const Camera& asked, float solid)
+      : prepared(analysis::prepare(cloud_of(balls), {}, {})), gpu(prepared, colors_of(prepared.cloud)), camera(asked),
+        target(asked.width, asked.height),
+        frame{gpu, camera, settings, light, target, true, timers, no_progress()}, view(camera, prepared.cloud.origin),
+        solid_t("solid", GL_R32F, asked.width, asked.height), result("result", GL_RGBA32F, asked.width, asked.height) {
+    settings.shading = Shading::albedo;
+    gpu.set_field(prepared.cloud.scalar("soft")->values);
+    points.choose(gpu, prepared.cloud.scalar("soft")->values, 0.5f);
+    soft::Look look;
+    look.field_threshold = look.modulation_threshold = 0.5f;
+    look.antialias = false;
+    points.update(frame, view, look);
+    solid_t.clear(vec4(solid));
+    target.color.clear(vec4(0));
+  }
+};
+
+// A.7 test 6: as many records stored as counted, two for each sphere or shell that is left after clamping.
+TEST_F(SoftParts, FragmentsAreCountedAndStoredAlike) {
+  const std::vector<Ball> balls = ball_soup(60, 8);
+  const Camera camera = camera_at({0, -1.2, 0}, 40, 30, 70);
+  for (bool concentric : {false, true}) {
+    InteriorScene scene(balls, camera, 1.5f);
+    soft::Interior interior;
+    soft::InteriorSettings settings;
+    settings.concentric = concentric;
+    interior.draw(scene.points, scene.view, scene.solid_t, scene.target.color, scene.result, settings, false, scene.timers);
+    const Image<float> counted = interior.list().counts().download<float>();  // the storing pass adds once more
+    const Image<std::uint32_t> stored = interior.list().stored().download<std::uint32_t>();
+    std::uint64_t total = 0, expected = 0;
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+      ASSERT_EQ(counted.data()[i], 2.0f * float(stored.data()[i]));
+      ASSERT_EQ(stored.data()[i] % 2, 0u);
+      total += stored.data()[i];
+    }
+    EXPECT_EQ(total, interior.fragments());
+    EXPECT_EQ(interior.overflows(), 0u);
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x)
+        for (const Ball& ball : balls) {
+          const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+          const double delta = ray_delta(ray, ball.center, ball.radius), middle = glm::dot(dvec3(ball.center) - ray.origin, ray.direction);
+          const double depth = glm::dot(dvec3(ball.center) - ray.origin, camera.direction());
+          const double size_px = ball.radius * camera.pixels_per_unit() / std::max(depth, splat_near(camera));
+          const int shells = concentric ? std::clamp(int(size_px / 4), 1, 32) : 1;
+          for (int i = 0; i < shells && 1 - double(i) / shells > delta; ++i) {
+            const double half = ball.radius * std::sqrt(std::pow(1 - double(i) / shells, 2) - delta * delta);
+            if (std::max(middle - half, splat_near(camera) / ray.cosine) < std::min(middle + half, 1.5)) expected += 2;
+          }
+        }
+    // Rims and clamped chords that rounding decides: one in ten thousand.
+    EXPECT_NEAR(double(total), double(expected), 1 + 1e-4 * double(expected));
+  }
+}
+
+// More than 256 records in a pixel are sorted in the buffer, more than 64 open spheres counted as overflow.
+TEST_F(SoftParts, LongListsAndManyOpenSpheres) {
+  const Camera camera = camera_at({0, -20, 0}, 24, 24, 4);
+  std::vector<Ball> balls;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (int i = 0; i < 300; ++i)
+    balls.push_back({{0.2f * uniform(random), 8 * uniform(random), 0.2f * uniform(random)}, 0.4f, {std::uint8_t(i % 256), 128, 60, 255}});
+  SoftOracle oracle;
+  oracle.opacity = 0.02;
+  set_opacity(0.02);
+  set("model", "base");
+  expect_like_oracle(balls, camera, oracle);
+  for (Ball& ball : balls) ball.center.y *= 0.02f;  // all of them overlap
+  const RenderOutput out = render(balls, camera);
+  double worst = 0;
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 24; ++x) {
+      double depth = 0;
+      for (const Ball& ball : balls) {
+        const double delta = ray_delta(oracle_ray(camera, x + 0.5, y + 0.5), ball.center, ball.radius);
+        if (delta < 1) depth += lambda_of(0.02) * closed_form(delta);
+      }
+      worst = std::max(worst, std::abs(out.color_linear.at(x, y).a - (1 - std::exp(-depth))));
+    }
+  EXPECT_LT(worst, 1e-4) << "no opacity may be lost";
+  EXPECT_TRUE(std::any_of(out.notes.begin(), out.notes.end(), [](const std::string& note) {
+    return note.find("more than 64 spheres") != std::string::npos;
+  }));
+}
+
+// A.7 test 7.
+TEST_F(SoftParts, ThresholdAndOpacityAtTheirEnds) {
+  std::vector<Ball> balls = ball_soup(60, 12);
+  for (std::size_t i = 0; i < balls.size(); ++i) balls[i].field = i % 3 ? 0.2f : 0.9f;
+  const Camera camera = camera_at({0, -4, 0}, 48, 48);
+  auto splats = find_technique("splats").create();
+  set_parameter(*splats, "radius_scale", "1");
+  for (auto [name, value] : {std::pair{"antialias", "false"}, {"clamp_radius", "false"}, {"epsilon", "0.01"}})
+    set_parameter(*splats, name, value);
+  auto plain = [&](const std::vector<Ball>& some) {
+    Renderer renderer(context());
+    show(renderer, cloud_of(some), splats->needs());
+    return renderer.render(*splats, camera, settings_, all_outputs());
+  };
+  auto expect_equal = [](const RenderOutput& a, const RenderOutput& b) {
+    for (std::size_t i = 0; i < a.depth.size(); ++i) {
+      // The same sums; the batches, and with them the order of adding, may differ.
+      ASSERT_NEAR(glm::distance(a.color_linear.data()[i], b.color_linear.data()[i]), 0, 1e-5);
+      ASSERT_EQ(std::isinf(a.depth.data()[i]), std::isinf(b.depth.data()[i]));
+    }
+  };
+  std::vector<Ball> solid;
+  for (const Ball& ball : balls)
+    if (ball.field < 0.5f) solid.push_back(ball);
+  for (const char* model : {"express", "base", "concentric", "one_layer"}) {
+    SCOPED_TRACE(model);
+    set("model", model);
+    set("opacity", "0.5");
+    set("field_threshold", "1");
+    expect_equal(render(balls, camera), plain(balls));
+    set("field_threshold", "0.5");
+    if (model != std::string("one_layer")) {
+      set("opacity", "0");
+      expect_equal(render(balls, camera), plain(solid));
+      set("opacity", "1");
+      set("field_threshold", "-1");
+      const RenderOutput all = render(balls, camera);
+      for (float depth : all.depth) ASSERT_TRUE(std::isinf(depth)) << "no surface is left";
+      EXPECT_GT(all.color_linear.at(24, 24).a, 0.9f);
+    }
+  }
+}
+
+// A.7 test 8: between the thresholds the shape goes from a cone to the model's own, without a step at either end.
+TEST_F(SoftParts, ModulationIsContinuous) {
+  const Camera camera = camera_at({0, -3, 0}, 48, 48);
+  set("field_threshold", "0.5");
+  set("modulation_threshold", "0.8");
+  set_opacity(0.4);
+  auto row = [&](float field) {
+    const RenderOutput out = render({Ball{{0, 0, 0}, 0.7f, {200, 100, 50, 255}, field}}, camera);
+    std::vector<double> alpha;
+    for (int x = 0; x < 48; ++x) alpha.push_back(out.color_linear.at(x, 24).a);
+    return alpha;
+  };
+  for (const char* model : {"express", "base", "concentric"}) {
+    SCOPED_TRACE(model);
+    set("model", model);
+    set("modulation_threshold", "0.5");
+    const std::vector<double> own = row(0.9f);
+    set("modulation_threshold", "0.8");
+    const std::vector<double> below = row(0.7999f), above = row(0.8001f), lowest = row(0.50001f), middle = row(0.65f);
+    for (int x = 0; x < 48; ++x) {
+      const double delta = ray_delta(oracle_ray(camera, x + 0.5, 24.5), dvec3(0), 0.7);
+      const double cone = delta < 1 ? 0.4 * (1 - delta) : 0;
+      EXPECT_NEAR(above[std::size_t(x)], own[std::size_t(x)], 1e-6);
+      EXPECT_NEAR(below[std::size_t(x)], own[std::size_t(x)], 1e-3);  // the share is stored in 16 bits: 5e-4
+      EXPECT_NEAR(lowest[std::size_t(x)], cone, 3e-4);
+      EXPECT_NEAR(middle[std::size_t(x)], 0.5 * (cone + own[std::size_t(x)]), 3e-4);  // Eq. 22, W = 1/2
+    }
+  }
+}
+
+/// Discs on a grid in the plane y = `at`.
+void add_sheet(std::vector<Ball>& balls, float at, Rgba8 color, float field) {
+  for (int i = -8; i <= 8; ++i)
+    for (int j = -8; j <= 8; ++j) balls.push_back({{0.1f * float(i), at, 0.1f * float(j)}, 0.12f, color, field});
+}
+
+// A.6: of two parallel soft sheets the first is transparent, the second opaque.
+TEST_F(SoftParts, OneLayerShowsTheSecondSheetOpaque) {
+  std::vector<Ball> balls;
+  add_sheet(balls, 0, {255, 0, 0, 255}, 1);
+  add_sheet(balls, 0.5f, {0, 0, 255, 255}, 1);
+  const Camera camera = camera_at({0, -4, 0}, 32, 32, 15);
+  set("model", "one_layer");
+  set("opacity", "0.25");
+  const RenderOutput out = render(balls, camera);
+  const vec4 middle = out.color_linear.at(16, 16);
+  EXPECT_NEAR(middle.r, 0.25, 1e-4);
+  EXPECT_NEAR(middle.b, 0.75, 1e-4);
+  EXPECT_NEAR(middle.a, 1, 1e-6);
+  EXPECT_NEAR(out.depth.at(16, 16), 4.5, 1e-3);
+  // A solid sheet in front hides both.
+  add_sheet(balls, -0.5f, {0, 255, 0, 255}, 0);
+  EXPECT_NEAR(render(balls, camera).color_linear.at(16, 16).g, 1, 1e-4);
+}
+
+struct WithVariable {
+  const char* name;
+  WithVariable(const char* n, const char* value) : name(n) { setenv(n, value, 1); }
+  ~WithVariable() { unsetenv(name); }
+};
+
+TEST_F(SoftParts, SortingOnTheGpuGivesTheSamePicture) {
+  const std::vector<Ball> balls = ball_soup(5000, 30, 0.05f);
+  const Camera camera = camera_at({0.5, -3, 1}, 64, 64);
+  const RenderOutput cpu = render(balls, camera);
+  const WithVariable with("SFUMATO_DEPTH_SORT", "gpu");
+  const RenderOutput gpu = render(balls, camera);
+  for (std::size_t i = 0; i < cpu.color_linear.size(); ++i)
+    ASSERT_EQ(cpu.color_linear.data()[i], gpu.color_linear.data()[i]);
+}
+
+// Looking straight along an axis, the order along it is the order of depth.
+TEST_F(SoftParts, AxisOrderIsExactAlongAnAxis) {
+  const std::vector<Ball> balls = ball_soup(300, 31, 0.2f);
+  for (dvec3 from : {dvec3(0, -3, 0), dvec3(0, 3, 0), dvec3(3, 0, 0), dvec3(-3, 0, 0), dvec3(0, 0, 3)}) {
+    Camera camera = camera_at(from, 40, 40);
+    if (from.z != 0) camera.up = {0, 1, 0};
+    camera.projection = Projection::orthographic;
+    camera.height_world = 2.4;
+    set("order", "exact");
+    const RenderOutput exact = render(balls, camera);
+    set("order", "axis");
+    const RenderOutput axis = render(balls, camera);
+    for (std::size_t i = 0; i < exact.color_linear.size(); ++i)
+      ASSERT_NEAR(glm::distance(exact.color_linear.data()[i], axis.color_linear.data()[i]), 0, 1e-5);
+  }
+}
+
+// On an orbit in steps of one degree no picture moves by more than 1/8 of what the hard switch would.
+TEST(SoftAxisShares, FadeOverEightSteps) {
+  for (double elevation : {0.0, 20.0, 35.3, 60.0}) {
+    vec3 last(0);
+    for (int degree = 0; degree <= 360; ++degree) {
+      const double a = glm::radians(double(degree)), e = glm::radians(elevation);
+      const vec3 shares = soft::axis_shares({std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)});
+      EXPECT_NEAR(shares.x + shares.y + shares.z, 1, 1e-6);
+      if (degree > 0)
+        for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(shares[axis] - last[axis]), 0.125 + 1e-6) << degree;
+      last = shares;
+    }
+  }
+}
+
+// Lambert: ambient and diffuse, no highlight; both sides of a point are alike.
+TEST_F(SoftParts, SoftPointsAreLit) {
+  settings_.shading = Shading::lit;
+  settings_.light_text = "dir:0,-1,0";
+  set_opacity(0.5);
+  const Camera camera = camera_at({0, -3, 0}, 33, 33);
+  for (float sign : {1.0f, -1.0f}) {
+    Ball ball{{0, 0, 0}, 0.7f, {255, 255, 255, 255}};
+    ball.normal = sign * glm::normalize(vec3(1, -1, 0));
+    const vec4 middle = render({ball}, camera).color_linear.at(16, 16);
+    EXPECT_NEAR(middle.r / middle.a, 0.3 + 0.7 * std::sqrt(0.5), 1e-3);
+  }
+}
+
+/// Points on a line along x, at 0, 1 ... 10, with class and confidence.
+PreparedCloud line_cloud() {
+  PreparedCloud prepared;
+  ScalarField classes{"classification", 0, {}}, confidence{"confidence", 0, {}}, height{"height", 1000, {}}, constant{"constant", 0, {}};
+  for (int i = 0; i <= 10; ++i) {
+    prepared.cloud.positions.push_back({float(i), 0, 0});
+    classes.values.push_back(float(i % 4 + 3));
+    confidence.values.push_back(float(i) / 10);
+    height.values.push_back(float(i));
+    constant.values.push_back(7);
+  }
+  confidence.values[0] = std::nanf("");
+  for (const ScalarField& field : {classes, confidence, height, constant})
+    prepared.cloud.set_scalar(field);
+  return prepared;
+}
+
+TEST(SoftField, ScalarsInTheUnitRangeStayAndOthersAreNormalized) {
+  const PreparedCloud cloud = line_cloud();
+  soft::FieldSettings settings;
+  settings.field = "confidence";
+  const soft::Field own = soft::evaluate(cloud, settings);
+  EXPECT_EQ(own.values[0], 0) << "unknown is certain";
+  for (int i = 1; i <= 10; ++i) EXPECT_FLOAT_EQ(own.values[std::size_t(i)], float(i) / 10);
+  EXPECT_FLOAT_EQ(own.threshold, 0.85f);
+  EXPECT_FLOAT_EQ(own.modulation_threshold, 0.95f);
+  settings.invert = true;
+  EXPECT_FLOAT_EQ(soft::evaluate(cloud, settings).values[3], 0.7f);
+  settings.invert = false;
+  settings.field = "height";
+  const soft::Field height = soft::evaluate(cloud, settings);
+  EXPECT_EQ(height.values[0], 0);
+  EXPECT_EQ(height.values[10], 1);
+  EXPECT_NEAR(height.values[5], 0.5, 1e-5);
+  EXPECT_TRUE(height.notes.empty());
+  settings.field = "constant";
+  const soft::Field constant = soft::evaluate(cloud, settings);
+  EXPECT_EQ(*std::max_element(constant.values.begin(), constant.values.end()), 0);
+  ASSERT_EQ(constant.notes.size(), 1u);
+  EXPECT_NE(constant.notes[0].find("constant hardly varies"), std::string::npos);
+  settings.field = "confidense";
+  try {
+    soft::evaluate(cloud, settings);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean confidence"), std::string::npos) << error.what();
+  }
+}
+
+TEST(SoftField, ClassesAndDistances) {
+  const PreparedCloud cloud = line_cloud();
+  soft::FieldSettings settings;
+  settings.field = "class";
+  settings.classes = {3, 6};
+  const soft::Field classes = soft::evaluate(cloud, settings);
+  for (int i = 0; i <= 10; ++i) EXPECT_EQ(classes.values[std::size_t(i)], i % 4 == 0 || i % 4 == 3 ? 1 : 0);
+  // Most points may be soft: the threshold stays between the two values.
+  EXPECT_LT(classes.threshold, 1);
+  EXPECT_GE(classes.threshold, 0);
+
+  settings.field = "distance";
+  settings.range.user = 10.0f;
+  auto at = [&](soft::DistanceTo to, const char* origin, const char* direction, const char* size, int i) {
+    settings.distance_to = to;
+    settings.origin = origin;
+    settings.direction = direction;
+    settings.size = size;
+    return soft::evaluate(cloud, settings).values[std::size_t(i)];
+  };
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::axis, "3,4,9", "auto", "auto", 0), 0.5f);     // up: hypot(3, 4)
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::axis, "0,4,0", "1,0,0", "auto", 9), 0.4f);
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::plane, "2,5,5", "2,0,0", "auto", 8), 0.6f);
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::point, "3,4,0", "auto", "auto", 0), 0.5f);
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::box, "5,0,0", "auto", "4,1,1", 6), 0);
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::box, "5,0,0", "auto", "4,1,1", 10), 0.3f);
+  EXPECT_THROW(at(soft::DistanceTo::axis, "1,2", "auto", "auto", 0), Error);
+  EXPECT_THROW(at(soft::DistanceTo::axis, "auto", "0,0,0", "auto", 0), Error);
+}
+
+// The least certain 15 % are soft, whatever the units of the cloud.
+TEST_F(SoftParts, UncertaintyMakesItsShareSoft) {
+  set("field", "uncertainty");
+  set("field_threshold", "auto");
+  for (float radius : {0.001f, 1000.0f}) {
+    PointCloud cloud = sphere_cloud(4000, radius);
+    std::mt19937 random(2);
+    std::normal_distribution<float> noise(0, 0.01f * radius);
+    for (vec3& p : cloud.positions) p += vec3(noise(random), noise(random), noise(random));
+    const RenderOutput out = render(cloud, front_camera(32, 32, 4 * radius));
+    ASSERT_FALSE(out.notes.empty());
+    EXPECT_EQ(out.notes.back().substr(0, 34), "15.0 % of the points are soft (unc") << out.notes.back();
+  }
+}
+
+}  // namespace
