@@ -1,6 +1,6 @@
 // Soft transparency: points that are uncertain, or chosen otherwise, become a haze one can look through.
 //
-// S. Seemann, G. Palma, M. Dellepiane, P. Cignoni, M. Goesele, "Soft Transparency for Point Cloud Rendering",
+// P. Seemann, G. Palma, M. Dellepiane, P. Cignoni, M. Goesele, "Soft Transparency for Point Cloud Rendering",
 // Eurographics Symposium on Rendering - Experimental Ideas and Implementations 2018. Solid points are splatted; every
 // soft point is a sphere whose density falls off towards its rim, so that overlapping spheres make a continuous
 // haze in the right order.
