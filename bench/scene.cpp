@@ -7,18 +7,23 @@
 
 namespace sfumato::bench {
 
-Renderer& tori_renderer(std::size_t count, Attributes needs) {
+Renderer& cloud_renderer(const std::string& name, const std::function<PointCloud()>& make, Attributes needs) {
   static std::unique_ptr<gl::Context> context = gl::Context::create_headless();
   static Renderer renderer(*context);
-  static std::size_t loaded = 0;
-  if (loaded != count || !needs.without(renderer.prepared().available).empty()) {
-    PreparedCloud prepared = analysis::prepare(io::read(tori_file(count)).cloud, needs, {});
+  static std::string loaded;
+  if (loaded != name || !needs.without(renderer.prepared().available).empty()) {
+    PreparedCloud prepared = analysis::prepare(make(), needs, {});
     std::vector<Rgba8> colors = prepared.cloud.colors;
+    if (colors.empty()) colors.assign(prepared.cloud.size(), Rgba8{180, 180, 180, 255});
     for (Rgba8& c : colors) c.a = 255;
     renderer.set_cloud(std::move(prepared), std::move(colors));
-    loaded = count;
+    loaded = name;
   }
   return renderer;
+}
+
+Renderer& tori_renderer(std::size_t count, Attributes needs) {
+  return cloud_renderer("tori " + std::to_string(count), [&] { return io::read(tori_file(count)).cloud; }, needs);
 }
 
 Camera tori_camera(int frame, int width, int height) {

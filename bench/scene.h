@@ -4,6 +4,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include <functional>
+#include <string>
+
 #include "core/camera.h"
 #include "techniques/renderer.h"
 
@@ -12,6 +15,9 @@ namespace sfumato::bench {
 /// The renderer of this process with tori of `count` points uploaded, and the attributes in `needs` computed.
 /// Kept for the next benchmark of the same count.
 Renderer& tori_renderer(std::size_t count, Attributes needs = {});
+
+/// The same renderer with the cloud that `make` returns, prepared once for as long as `name` is asked for.
+Renderer& cloud_renderer(const std::string& name, const std::function<PointCloud()>& make, Attributes needs = {});
 
 /// Eye (0,-3.2,2.2), looks at the origin, z up, 45 degrees; one degree of orbit a frame, as in peers/peer_vtk.py.
 Camera tori_camera(int frame = 0, int width = 1024, int height = 1024);

@@ -137,6 +137,10 @@ void ShadowMaps::accumulate(GpuCloud& cloud, const Camera& light_camera, float d
     gl::ensure(closed_, "closed light map", GL_R32F, view.width(), view.height());
     if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
     decode_.run({&bits_}, {&map_});
+    if (ground_view) {  // which shows empty texels inside a shadow; points never look into one
+      fill_.run(FillKind::background, d_min, map_, closed_);
+      std::swap(map_, closed_);
+    }
     fill_.run(FillKind::occluded, d_min, map_, closed_);
   }
   auto timing = timers.scope("lit test");

@@ -1,0 +1,105 @@
+// The rows of Table 1 of Dobrev, Rosenthal, Linsen 2010, and what peers and bounds are compared with.
+#include <cstdlib>
+
+#include "analysis/prepare.h"
+#include "io/io.h"
+#include "isosurface.h"
+#include "scene.h"
+#include "synth/synth.h"
+
+using namespace sfumato;
+using namespace sfumato::bench;
+
+namespace {
+
+using Options = std::vector<std::pair<const char*, const char*>>;
+
+const Options paper{{"background_iterations", "1"}, {"occluded_iterations", "1"}, {"point_size", "0.01"}};
+const Options bare{{"background_iterations", "0"}, {"occluded_iterations", "0"}, {"smoothing_iterations", "0"},
+                   {"antialias", "false"},         {"scale_by_angle", "false"},  {"point_size", "0.01"}};
+
+std::filesystem::path data_folder() {
+  const char* folder = std::getenv("SFUMATO_TEST_DATA");
+  return folder ? folder : "../shared/data";
+}
+
+PointCloud make_cloud(const std::string& name) {
+  if (name == "dragon") {
+    synth::SampleOptions options;
+    options.points = 437'000;
+    options.normals.user = true;
+    return synth::sample(synth::make_mesh_scene(io::read_mesh(data_folder() / "dragon_vrip_res2.ply")), options);
+  }
+  const Volume volume = load_volume(data_folder() / "volumes", name);
+  if (name == "neghip") return sample_isosurface(volume, 0.25f, 128'000, {90, 140, 200, 255}, 0);
+  PointCloud cloud = sample_isosurface(volume, 0.05f, 178'000, {60, 90, 220, 255}, 0);
+  append(cloud, sample_isosurface(volume, 0.2f, 178'000, {60, 190, 80, 255}, 1));
+  append(cloud, sample_isosurface(volume, 0.5f, 179'000, {200, 100, 50, 255}, 2));
+  return cloud;
+}
+
+/// A frame per iteration: the camera turns, and with shadows the light too, so that they are found anew.
+void frames(benchmark::State& state, const std::string& scene, int layers, const Options& options,
+            const char* opacity, int light_samples) try {
+  auto technique = find_technique("layers").create();
+  set(*technique, "layers", std::to_string(layers));
+  set(*technique, "opacity", opacity);
+  for (const auto& [name, value] : options) set(*technique, name, value);
+  const bool is_tori = scene.starts_with("tori");
+  const std::size_t count = is_tori ? std::size_t(std::stoul(scene.substr(4))) : 0;
+  Renderer& renderer = is_tori ? tori_renderer(count) : cloud_renderer(scene, [&] { return make_cloud(scene); });
+  const PreparedCloud& prepared = renderer.prepared();
+  const Bounds box = bounds(prepared.cloud);
+  RenderSettings settings;
+  settings.shadows = light_samples > 0 ? Shadows::soft : Shadows::off;
+  settings.light_samples = std::max(light_samples, 1);
+  auto render = [&](int k) {
+    if (light_samples > 0) settings.light_text = "dir:1," + std::to_string(-1 - 0.01 * k) + ",2";
+    const Camera camera = is_tori ? tori_camera(k) : sfumato::frame(box, prepared.cloud.up, 1024, 1024,
+                                                                    glm::radians(-45.0 + k), glm::radians(30.0));
+    return renderer.render(*technique, camera, settings).total_ms;
+  };
+  render(0);
+  int k = 0;
+  for (auto _ : state) state.SetIterationTime(1e-3 * render(++k));
+} catch (const std::exception& e) {
+  state.SkipWithError(e.what());
+}
+
+void row(const std::string& name, const std::string& scene, int layers, const Options& options,
+         const char* opacity = "0.3", int light_samples = 0) {
+  benchmark::RegisterBenchmark(("layers/" + name + "/" + scene).c_str(),
+                               [=](benchmark::State& state) {
+                                 frames(state, scene, layers, options, opacity, light_samples);
+                               })
+      ->UseManualTime()
+      ->Iterations(3)
+      ->Unit(benchmark::kMillisecond);
+}
+
+Options with(Options options, const char* name, const char* value) {
+  options.push_back({name, value});
+  return options;
+}
+
+const bool registered = [] {
+  for (const char* scene : {"tori1000000", "tori6000000"}) {
+    row("filtered4", scene, 4, paper, "0.5");
+    row("bare4", scene, 4, bare, "0.5");
+  }
+  row("default", "tori1000000", 4, {}, "0.5");
+  for (const char* scene : {"tori128000", "tori1000000", "tori6000000"})
+    for (const char* peeling : {"passes", "cascade"})
+      row(std::string(peeling) + "6", scene, 6, with(paper, "peeling", peeling));
+  for (const char* scene : {"dragon", "neghip", "hydrogen", "tori6000000"}) {
+    row("light", scene, 1, paper, "1");
+    row("layers3", scene, 3, paper);
+    row("layers6", scene, 6, paper);
+    row("shadows1", scene, 1, paper, "1", 1);
+    row("shadows5", scene, 1, paper, "1", 5);
+    row("shadows10", scene, 1, paper, "1", 10);
+  }
+  return true;
+}();
+
+}  // namespace
