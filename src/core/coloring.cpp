@@ -117,9 +117,11 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
     return varies(cloud.scalar("intensity")) ? "intensity" : "elevation";
   }
   if (color_by == "elevation" || color_by == "normal" || cloud.scalar(color_by)) return std::string(color_by);
-  if (color_by == "rgb" && !cloud.colors.empty()) return "rgb";
+  if (color_by == "rgb" && has_colors(cloud)) return "rgb";
+  if (color_by == "rgb" && !cloud.colors.empty())
+    throw Error(ErrorCode::usage, "the cloud's rgb is all zero and would be black; use --color-by auto");
   std::vector<std::string> names = {"auto", "elevation", "normal"};
-  if (!cloud.colors.empty()) names.push_back("rgb");
+  if (has_colors(cloud)) names.push_back("rgb");
   for (const ScalarField& field : cloud.scalars) names.push_back(field.name);
   const std::string near = nearest_word(color_by, names);
   std::string all;

@@ -47,6 +47,7 @@ struct LasScaling {
   bool colors_16bit = true;     ///< false: the file held 0..255 in its 16-bit fields
   bool colors_shifted = false;  ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
   int point_format = -1;        ///< of the file, 0 to 10; -1 unknown
+  std::uint16_t time_and_returns = 0;  ///< global encoding bits 0 (kind of GPS time) and 3 (synthetic returns)
   std::vector<LasStep> steps;   ///< of extra bytes
 };
 

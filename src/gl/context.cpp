@@ -16,7 +16,7 @@ namespace {
 Limits current_limits;
 
 const char* const advice =
-    "; install an OpenGL driver (Debian: libegl1 libgl1-mesa-dri libopengl0), or run `sfumato doctor`";
+    "; install an OpenGL 4.5 driver (on Debian: libegl1 libgl1-mesa-dri libopengl0, or the GPU vendor's)";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::no_gl, what + advice); }
 

@@ -223,6 +223,7 @@ ReadResult PointCollector::finish(const std::vector<Stats>& parts, Progress& pro
   result.cloud.up = UpAxis::pos_z;
   result.cloud.las = LasScaling{header_.scale, header_.offset};
   result.cloud.las->point_format = header_.format;
+  result.cloud.las->time_and_returns = header_.global_encoding & (1 | 8);
   if (header_.format == 4 || header_.format == 5 || header_.format >= 9)
     result.report.notes.push_back("wave packets are not read");
   place_points(result, total, progress);

@@ -64,7 +64,7 @@ std::vector<OutVlr> vlrs_of(const std::filesystem::path& file, const PointCloud&
 
 laszip_header_struct header_of(const PointCloud& cloud, const WriteLayout& layout, const Summary& summary, bool is_wkt) {
   laszip_header_struct h{};
-  h.global_encoding = is_wkt ? 16 : 0;
+  h.global_encoding = std::uint16_t((is_wkt ? 16 : 0) | (cloud.las ? cloud.las->time_and_returns : 0));
   h.version_major = 1;
   h.version_minor = 4;
   std::strncpy(h.system_identifier, "conversion", sizeof h.system_identifier);

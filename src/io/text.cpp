@@ -256,18 +256,20 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
 }  // namespace
 
 bool is_text(std::string_view head) {
-  // Printable as far as we see, and a line that starts with three numbers somewhere.
+  // Printable as far as we see, and a line that starts with three numbers somewhere. Two counts of one number
+  // each on top are the grid of a PTX scan, whose pose would pass for points.
   const auto is_control = [](char c) {
     return static_cast<unsigned char>(c) < 32 && c != '\n' && !is_blank(c);
   };
   if (std::any_of(head.begin(), head.end(), is_control)) return false;
-  while (!head.empty()) {
+  for (int counts = 0; !head.empty();) {
     const std::size_t end = std::min(head.find('\n'), head.size());
     const std::vector<std::string_view> words = split(head.substr(0, end));
     const bool numbers =
         words.size() >= 3 && std::all_of(words.begin(), words.begin() + 3,
                                          [](std::string_view word) { return to_number(word).has_value(); });
-    if (numbers) return true;
+    if (numbers) return counts < 2;
+    counts += words.size() == 1 && to_number(words[0]).has_value();
     head.remove_prefix(std::min(head.size(), end + 1));
   }
   return false;

@@ -32,6 +32,8 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
   for (const Case& c : std::vector<Case>{
            {{}, "no file given"},
            {{"cube.ply"}, "viewer"},
+           {{"-t", "points", "--", "cube.ply"}, "viewer"},
+           {{"cube.ply", "-t", "points", "-o", "a.png", "--camera-view-angle", "0"}, "0 degrees is outside [0.001, 179]"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--pont-size", "3"}, "did you mean --point-size?"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--point-size", "-3"},
             "'-3' is not in range [0.01, 1e+06]; the nearest is 0.01"},

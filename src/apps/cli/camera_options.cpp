@@ -1,5 +1,7 @@
 #include "camera_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,8 +29,8 @@ struct Compass {
 double degrees_in(const char* option, const std::string& text, double low, double high) {
   const double value = parse_number(option, text);
   if (value < low || value > high)
-    throw Error(ErrorCode::usage, std::string(option) + ": " + text + " degrees is outside [" +
-                                      std::to_string(int(low)) + ", " + std::to_string(int(high)) + "]");
+    throw Error(ErrorCode::usage,
+                fmt::format("{}: {} degrees is outside [{}, {}]", option, text, low, high));
   return glm::radians(value);
 }
 

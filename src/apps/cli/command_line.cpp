@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "console.h"
 #include "core/error.h"
 #include "core/param.h"
 
@@ -92,14 +93,14 @@ bool CommandLine::parse(const Words& words) {
   try {
     state_->app.parse(reversed);
   } catch (const CLI::CallForHelp&) {
-    const std::string help = state_->app.help();
-    std::fwrite(help.data(), 1, help.size(), stdout);
+    print(state_->app.help());
     return false;
   } catch (const CLI::ParseError& error) {
     throw Error(ErrorCode::usage,
                 std::string(error.what()) + " (" + state_->app.get_name() + " --help lists all)");
   }
   for (const std::string& word : state_->app.remaining()) {
+    if (word == "--") continue;  // ends the options
     if (word.size() > 1 && word[0] == '-') state_->refuse_unknown(word.substr(0, word.find('=')));
     throw Error(ErrorCode::usage,
                 "unexpected argument '" + word + "' (" + state_->app.get_name() + " --help)");

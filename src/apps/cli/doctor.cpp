@@ -5,6 +5,7 @@
 #include "console.h"
 #include "core/version.h"
 #include "gl/context.h"
+#include "passes/screen_pass.h"
 
 namespace sfumato::cli {
 
@@ -17,9 +18,6 @@ int doctor_command(const Words& words) {
   auto row = [&](const char* key, const std::string& value) {
     text += fmt::format("{:<26}{}\n", key, value);
   };
-  auto fast = [](bool has, const char* without) {
-    return has ? std::string("yes") : std::string("no, ") + without;
-  };
   row("sfumato", version());
   row("GL version", l.version);
   row("renderer", l.renderer);
@@ -29,8 +27,8 @@ int doctor_command(const Words& words) {
   row("largest texture buffer", fmt::format("{} texels", l.max_texture_buffer_size));
   row("largest storage buffer", fmt::format("{:.0f} MiB", double(l.max_storage_block_size) / (1 << 20)));
   row("work groups per axis", std::to_string(l.max_work_groups));
-  row("fast: float atomics", fast(l.float_atomics, "--fast has no effect"));
-  row("fast: 64-bit atomics", fast(l.int64_atomics, "points take two passes instead of one"));
+  row("fast: float atomics", l.float_atomics ? "yes, used by --fast where a technique can" : "no, --fast has no effect");
+  row("fast: screen filters", default_screen_pass_kind() == ScreenPassKind::compute ? "compute passes" : "fragment passes");
   if (l.software)
     text +=
         "\nTo use a GPU: install its driver (Mesa: libgl1-mesa-dri and libegl-mesa0; NVIDIA: libnvidia-egl "

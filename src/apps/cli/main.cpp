@@ -1,6 +1,7 @@
 // sfumato: point clouds to pictures. This file picks the command and turns errors into one line and an exit
 // code.
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <new>
 
@@ -37,12 +38,13 @@ int fail(ErrorCode code, const char* what) {
 
 int main(int argc, char** argv) {
   cli::catch_interrupt();
+  setenv("EGL_LOG_LEVEL", "fatal", 0);  // our one line says what lacks, without Mesa's warnings before it
   try {
     return run(cli::Words(argv + 1, argv + argc));
   } catch (const Error& error) {
     return fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory, "out of memory; --max-points N renders a subsample");
+    return fail(ErrorCode::out_of_memory, "out of memory; rendering takes less with --max-points N, else split the file");
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorCode::io, error.what());
   } catch (const std::exception& error) {

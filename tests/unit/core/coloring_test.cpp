@@ -78,6 +78,7 @@ TEST(Coloring, AutoFallsFromColourToIntensityToElevation) {
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity");
   cloud.colors.assign(4, {0, 0, 0, 255});
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity") << "all zero means no colour";
+  EXPECT_THROW(resolve_color_by(cloud, "rgb"), Error) << "asked for by name, it is not drawn black either";
   cloud.colors[2].g = 1;
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb");
 }

@@ -321,6 +321,20 @@ TEST(LasWriter, KeepsACloudThatIsNotLas) {
   }
 }
 
+TEST(LasWriter, KeepsWhatTheHeaderSaysAboutTimesAndReturns) {
+  test::LasFile file = file_of(1, 3);
+  file.global_encoding = 1 | 8;  // adjusted standard GPS time, synthetic return numbers
+  const auto path = test::save(file.bytes(), "in.las");
+  const PointCloud cloud = io::read(path).cloud;
+  for (const char* name : {"out.las", "out.laz"}) {
+    const auto out = test::temporary(name);
+    io::write(out, cloud);
+    EXPECT_EQ(test::get<std::uint16_t>(test::load(out), 6), 1 | 8) << name;
+    std::filesystem::remove(out);
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(LasWriter, NoPointsAreFine) {
   for (const char* name : {"empty.las", "empty.laz"}) {
     const auto path = test::temporary(name);

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <charconv>
@@ -50,6 +51,17 @@ TEST(TextTest, NumbersOfEverySpelling) {
   EXPECT_EQ(parse("").first, -1);
   EXPECT_EQ(parse("-").first, -1);
   EXPECT_EQ(parse("1e").first, 1);
+}
+
+TEST(TextTest, APtxGridIsNotTakenForPoints) {
+  const std::string head = "2\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  try {
+    read_text(head + "1 2 3 0.5\n4 5 6 0.5\n", "a.ptx");
+    FAIL() << "the rows of the pose became points";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::bad_input);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("not a point cloud format"));
+  }
 }
 
 TEST(TextTest, SeparatorsMayBeMixed) {
