@@ -1,7 +1,6 @@
 #include "cli/command.h"
 
 #include <fcntl.h>
-#include <png.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,6 +10,8 @@
 #include <fstream>
 #include <sstream>
 #include <thread>
+
+#include "reference/png.h"
 
 namespace sfumato::testing {
 namespace {
@@ -109,16 +110,7 @@ std::string CommandTest::write_cube(const std::string& name, int per_edge) {
 }
 
 Image<Rgba8> CommandTest::read_png(const std::string& name) const {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_file(&png, path(name).c_str())) {
-    ADD_FAILURE() << name << ": " << png.message;
-    return {};
-  }
-  png.format = PNG_FORMAT_RGBA;
-  Image<Rgba8> image(int(png.width), int(png.height));
-  EXPECT_TRUE(png_image_finish_read(&png, nullptr, image.data(), 0, nullptr)) << png.message;
-  return image;
+  return testing::read_png(path(name));
 }
 
 std::map<std::string, std::string> CommandTest::png_texts(const std::string& name) const {

@@ -11,6 +11,7 @@
 using namespace sfumato;
 using namespace sfumato::testing;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 namespace {
 
@@ -318,6 +319,9 @@ TEST_F(RenderTest, WithoutGlExitCode4SaysWhatToInstall) {
   EXPECT_EQ(outcome.code, 4);
   EXPECT_EQ(doctor.code, 4);
   EXPECT_THAT(outcome.err, HasSubstr("install"));
+  EXPECT_EQ(outcome.err, doctor.err) << "and doctor does not advise to run doctor";
+  EXPECT_THAT(doctor.err, Not(HasSubstr("doctor")));
+  EXPECT_EQ(std::count(doctor.err.begin(), doctor.err.end(), '\n'), 1) << doctor.err;
   EXPECT_FALSE(exists("a.png"));
 }
 

@@ -1,0 +1,57 @@
+// From a cloud to pictures, without a display and without a window: the whole way of the command in one class.
+//
+//   sfumato::HeadlessRenderer renderer;
+//   renderer.set_cloud(sfumato::io::read("scan.laz").cloud);
+//   const sfumato::Pictures p = renderer.render("surface", renderer.first_view(1280, 720));
+//   sfumato::io::write_png("scan.png", p.color, false);
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sfumato/cloud.h"
+
+namespace sfumato {
+
+/// Names and values as on the command line: {"point_size", "3"}, {"shading", "albedo"}, {"s0", "auto"}.
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
+/// One view, top row first.
+struct Pictures {
+  Image<Rgba8> color;   ///< sRGB, straight alpha
+  Image<vec4> linear;   ///< linear, premultiplied; alpha is coverage when transparent, else 1
+  Image<float> depth;   ///< along the view axis, scene units, +inf where nothing
+  Image<vec3> normal;   ///< world, unit, facing the camera, 0 where none
+};
+
+/// Owns an OpenGL context, which is current on the thread that made it: use each instance on one thread.
+class HeadlessRenderer {
+ public:
+  /// Throws Error(no_gl) that says what lacks when there is no OpenGL 4.5.
+  HeadlessRenderer();
+  ~HeadlessRenderer();
+  HeadlessRenderer(const HeadlessRenderer&) = delete;
+  HeadlessRenderer& operator=(const HeadlessRenderer&) = delete;
+
+  /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without points,
+  /// Error(usage) for a colour source that it does not have.
+  void set_cloud(PointCloud cloud, const ColorSettings& coloring = {}, Progress& progress = no_progress());
+  /// The view from azimuth -45 and elevation 30 degrees that frames all but stray points.
+  Camera first_view(int width, int height) const;
+  /// `background` is sRGB 0..1, or nothing for a transparent picture. What the technique needs and the cloud
+  /// lacks is computed on the first call and kept. Throws Error(usage) for an unknown technique or parameter
+  /// and before a cloud was set; Cancelled when `progress` asks for it.
+  Pictures render(const std::string& technique, const Camera& camera, const Parameters& parameters = {},
+                  std::optional<vec3> background = vec3(1), Progress& progress = no_progress());
+
+  /// Names of the techniques, in the order of the documentation.
+  static std::vector<std::string> techniques();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sfumato
