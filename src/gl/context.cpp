@@ -41,7 +41,44 @@ void GLAPIENTRY on_message(GLenum source, GLenum, GLuint, GLenum severity, GLsiz
 struct Context::Egl {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
+
+  bool open(EGLDisplay candidate, const char*& lacks);
+  void close();
 };
+
+/// Makes a context of this display current; false, and a reason, when it cannot do what we need.
+bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
+  if (!eglInitialize(candidate, nullptr, nullptr)) return false;
+  display = candidate;
+  auto refuse = [&](const char* reason) {
+    lacks = reason;
+    close();
+    return false;
+  };
+  if (!eglBindAPI(EGL_OPENGL_API)) return refuse("no OpenGL: this EGL offers OpenGL ES only");
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint configs = 0;
+  const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
+  eglChooseConfig(display, wanted, &config, 1, &configs);
+  context = eglCreateContext(display, configs ? config : EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+  if (context == EGL_NO_CONTEXT) return refuse("no OpenGL 4.5 core context: the driver is too old");
+  if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+    return refuse("the OpenGL context cannot be used without a window");
+  if (epoxy_gl_version() < 45) return refuse("OpenGL 4.5 is needed, the driver offers less");
+  return true;
+}
+
+void Context::Egl::close() {
+  if (display == EGL_NO_DISPLAY) return;
+  eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
+  eglTerminate(display);
+  display = EGL_NO_DISPLAY;
+  context = EGL_NO_CONTEXT;
+}
 
 std::unique_ptr<Context> Context::create_headless() {
   // epoxy aborts the process where a library is missing, so look for them first.
@@ -53,36 +90,22 @@ std::unique_ptr<Context> Context::create_headless() {
 
   std::unique_ptr<Context> context(new Context);
   context->egl_ = std::make_unique<Egl>();
-  Egl& egl = *context->egl_;
-  // Device first: on machines with a GPU the surfaceless platform of Mesa would find only software.
+  // Devices first: on machines with a GPU the surfaceless platform of Mesa would find only software. A device whose
+  // driver is too old is passed over for the next one, software included.
+  std::vector<EGLDisplay> displays;
   if (has_extension(client, "EGL_EXT_platform_device") && has_extension(client, "EGL_EXT_device_enumeration")) {
     EGLDeviceEXT devices[16];
     EGLint count = 0;
     eglQueryDevicesEXT(16, devices, &count);
-    for (EGLint i = 0; i < count && egl.display == EGL_NO_DISPLAY; ++i) {
-      EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr);
-      if (display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr)) egl.display = display;
-    }
+    for (EGLint i = 0; i < count; ++i)
+      displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
   }
-  if (egl.display == EGL_NO_DISPLAY && has_extension(client, "EGL_MESA_platform_surfaceless")) {
-    EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-    if (display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr)) egl.display = display;
-  }
-  if (egl.display == EGL_NO_DISPLAY) fail("no OpenGL: EGL found no driver");
-  if (!eglBindAPI(EGL_OPENGL_API)) fail("no OpenGL: this EGL offers OpenGL ES only");
-
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                               EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
-  EGLConfig config = nullptr;
-  EGLint configs = 0;
-  const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
-  eglChooseConfig(egl.display, wanted, &config, 1, &configs);
-  egl.context = eglCreateContext(egl.display, configs ? config : EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-  if (egl.context == EGL_NO_CONTEXT) fail("no OpenGL 4.5 core context: the driver is too old");
-  if (!eglMakeCurrent(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl.context))
-    fail("the OpenGL context cannot be used without a window");
-  if (epoxy_gl_version() < 45) fail("OpenGL 4.5 is needed, the driver offers less");
+  if (has_extension(client, "EGL_MESA_platform_surfaceless"))
+    displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+  const char* lacks = "no OpenGL: EGL found no driver";
+  for (EGLDisplay display : displays)
+    if (display != EGL_NO_DISPLAY && context->egl_->open(display, lacks)) break;
+  if (context->egl_->context == EGL_NO_CONTEXT) fail(lacks);
 
   glDebugMessageCallback(on_message, &context->messages_);
   glEnable(GL_DEBUG_OUTPUT);
@@ -124,10 +147,7 @@ std::unique_ptr<Context> Context::create_headless() {
 }
 
 Context::~Context() {
-  if (!egl_) return;
-  eglMakeCurrent(egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  if (egl_->context != EGL_NO_CONTEXT) eglDestroyContext(egl_->display, egl_->context);
-  if (egl_->display != EGL_NO_DISPLAY) eglTerminate(egl_->display);
+  if (egl_) egl_->close();
 }
 
 std::vector<std::string> Context::take_messages() {

@@ -22,7 +22,7 @@ struct Limits {
 
 class Context {
  public:
-  /// Creates and makes current: surfaceless, else device platform. Throws Error(no_gl) with what is missing and
+  /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform. Throws Error(no_gl) with what is missing and
   /// what to install.
   static std::unique_ptr<Context> create_headless();
   ~Context();

@@ -54,6 +54,17 @@ inline Camera front_camera(int width, int height, double distance = 4) {
   return camera;
 }
 
+/// A camera that looks at the origin from `position`, z up.
+inline Camera camera_at(dvec3 position, int width, int height, double fov_deg = 45) {
+  Camera camera;
+  camera.position = position;
+  camera.target = {0, 0, 0};
+  camera.fov_y = glm::radians(fov_deg);
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
 inline std::vector<Rgba8> colors_of(const PointCloud& cloud, Rgba8 fallback = {180, 180, 180, 255}) {
   return cloud.colors.empty() ? std::vector<Rgba8>(cloud.size(), fallback) : cloud.colors;
 }

@@ -52,16 +52,6 @@ PointCloud disc_soup(std::size_t count, unsigned seed) {
   return cloud;
 }
 
-Camera camera_at(dvec3 position, int width, int height, double fov_deg = 45) {
-  Camera camera;
-  camera.position = position;
-  camera.target = {0, 0, 0};
-  camera.fov_y = glm::radians(fov_deg);
-  camera.width = width;
-  camera.height = height;
-  return camera;
-}
-
 class Splats : public GlTest {
  protected:
   Splats() {

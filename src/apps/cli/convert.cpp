@@ -29,6 +29,9 @@ int convert_command(const Words& words) {
   for (const std::string& note : result.report.notes) console.say("sfumato: " + input + ": " + note);
   if (axis) result.cloud.up = *axis;
   io::write(output, result.cloud, console);
+  if (result.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
+    console.say("sfumato: " + output + ": LAS files are taken as +Z up, this cloud is " + to_string(result.cloud.up) +
+                " up: render it with --up " + to_string(result.cloud.up));
   console.say("wrote " + output + " (" + std::to_string(result.cloud.size()) + " points)");
   return 0;
 }
