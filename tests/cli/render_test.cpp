@@ -100,9 +100,10 @@ TEST_F(RenderTest, BackgroundAndTransparency) {
 
 TEST_F(RenderTest, DepthNormalAndLinearArrays) {
   write_front_camera();
-  const Outcome outcome = run({"cube.ply", "-o", "c.npy", "--camera", "front.json", "--output-depth", "d.npy",
+  write_cube("fine.ply", 60);  // at least one point in each of the 29 x 29 pixels of the face
+  const Outcome outcome = run({"fine.ply", "-o", "c.npy", "--camera", "front.json", "--output-depth", "d.npy",
                                "--output-normal", "n.npy", "--output-camera", "k.json", "--shading", "albedo",
-                               "--no-background", "--edl", "false", "--point-size", "3"});
+                               "--no-background", "--edl", "false", "--size-mode", "pixels", "--point-size", "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Array color = read_npy("c.npy"), depth = read_npy("d.npy"), normal = read_npy("n.npy");
   EXPECT_EQ(color.shape, (std::vector<int>{48, 64, 4}));
@@ -119,10 +120,19 @@ TEST_F(RenderTest, DepthNormalAndLinearArrays) {
   EXPECT_EQ(camera["position"], (Json{0.5, -2.0, 0.5}));
 }
 
+TEST_F(RenderTest, DepthAloneNeedsNoPicture) {
+  const Outcome outcome = run({"cube.ply", "--resolution", "32x32", "--output-depth", "d.npy", "--shading", "albedo",
+                               "--edl", "false", "--quiet"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "") << "GL objects are deleted before their context";
+  EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "d.npy"}));
+}
+
 TEST_F(RenderTest, ExrHoldsColourDepthAndNormals) {
   write_front_camera();
-  ASSERT_EQ(run({"cube.ply", "-o", "a.exr", "--camera", "front.json", "--shading", "albedo", "--point-size",
-                 "3", "--edl", "false"})
+  write_cube("fine.ply", 60);
+  ASSERT_EQ(run({"fine.ply", "-o", "a.exr", "--camera", "front.json", "--shading", "albedo", "--size-mode",
+                 "pixels", "--point-size", "1", "--edl", "false"})
                 .code,
             0);
   Imf::InputFile file(path("a.exr").c_str());
@@ -131,7 +141,7 @@ TEST_F(RenderTest, ExrHoldsColourDepthAndNormals) {
     ASSERT_NE(channel, nullptr) << name;
     EXPECT_EQ(channel->type, Imf::FLOAT);
   }
-  EXPECT_THAT(Imf::comments(file.header()), HasSubstr("sfumato -t points cube.ply"));
+  EXPECT_THAT(Imf::comments(file.header()), HasSubstr("sfumato -t points fine.ply"));
   Image<float> green(64, 48), depth(64, 48);
   Imf::FrameBuffer buffer;
   buffer.insert("G", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(green.data()), 4, 4 * 64));

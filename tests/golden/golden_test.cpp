@@ -23,6 +23,10 @@ struct Golden {
   const char* color_by = "auto";
 };
 
+void PrintTo(const Golden& golden, std::ostream* out) {
+  *out << golden.name;
+}
+
 /// At most 20 in all: what a technique looks like, not every parameter of it.
 const Golden pictures[] = {
     {"points_courtyard", "points", "courtyard", 60'000, {}},
@@ -130,7 +134,7 @@ TEST_P(GoldenTest, LooksAsBefore) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pictures, GoldenTest, ::testing::ValuesIn(pictures),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& param_info) { return std::string(param_info.param.name); });
 
 TEST(GoldenFiles, StayFewAndSmallAndAreAllUsed) {
   std::set<std::string> names;
