@@ -96,7 +96,10 @@ void fragments_row(benchmark::State& state, const std::vector<std::string>& pass
 }
 
 void name(const std::string& row, const std::function<void(benchmark::State&)>& function, int count) {
-  benchmark::RegisterBenchmark(("soft/" + row).c_str(), function)->Arg(count)->UseManualTime()->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark(("soft/" + row).c_str(), function)->Arg(count)
+      ->UseManualTime()
+      ->MeasureProcessCPUTime()  // all threads: what a busy machine does not change
+      ->Unit(benchmark::kMillisecond);
 }
 
 const bool registered = [] {

@@ -39,8 +39,8 @@ struct InteriorScene {
     soft::Look look;
     look.field_threshold = look.modulation_threshold = 0.5f;
     look.antialias = false;
-    points.update(frame, view, look);
     solid_t.clear(vec4(solid));
+    points.update(frame, view, look, solid_t);
     target.color.clear(vec4(0));
   }
 };
@@ -226,6 +226,29 @@ TEST_F(SoftParts, SortingOnTheGpuGivesTheSamePicture) {
   const RenderOutput gpu = render(balls, camera);
   for (std::size_t i = 0; i < cpu.color_linear.size(); ++i)
     ASSERT_EQ(cpu.color_linear.data()[i], gpu.color_linear.data()[i]);
+}
+
+// The order is kept while the view stays, but not when spheres grow into it.
+TEST_F(SoftParts, KeptOrderFollowsThresholdAndRadius) {
+  std::vector<Ball> balls = ball_soup(400, 33, 0.1f);
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    balls[i].center *= 1.5f;
+    balls[i].field = float(i % 10) / 10;
+  }
+  const Camera camera = camera_at({0, -2.5, 0}, 40, 40, 40);
+  Renderer renderer(context());
+  show(renderer, cloud_of(balls), technique_->needs());
+  for (auto [name, value] : {std::pair{"radius_scale", "1"}, {"radius_scale", "3"}, {"field_threshold", "0.2"}, {"opacity", "0.5"}}) {
+    set(name, value);
+    const RenderOutput kept = renderer.render(*technique_, camera, settings_, all_outputs());
+    auto fresh = find_technique("soft").create();
+    ParamList params;
+    technique_->describe(params);
+    for (const Param& param : params.all()) set_parameter(*fresh, param.name, param.get());
+    const RenderOutput anew = renderer.render(*fresh, camera, settings_, all_outputs());
+    for (std::size_t i = 0; i < kept.color_linear.size(); ++i)
+      ASSERT_EQ(kept.color_linear.data()[i], anew.color_linear.data()[i]) << name << " = " << value;
+  }
 }
 
 // Looking straight along an axis, the order along it is the order of depth.

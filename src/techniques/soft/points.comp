@@ -1,16 +1,16 @@
 // Soft points of one chunk as spheres in eye space, lit, with the key of their drawing order. Once a view and light.
 #include "splat_cloud.glsl"
-#include "lighting.glsl"
+#include "shading.glsl"
 
 layout(local_size_x = 128) in;
 layout(binding = UNIT_LIST) uniform usamplerBuffer soft_list;  // places within the chunk
+layout(binding = UNIT_INPUT) uniform sampler2D solid_t_image;  // ray distance of the first solid hit, or infinity
 layout(std430, binding = 0) writeonly buffer Shapes { vec4 shapes[]; };
 layout(std430, binding = 1) writeonly buffer Looks { uvec4 looks[]; };
 layout(std430, binding = 2) writeonly buffer Keys { uint keys[]; };
 
 uniform uint point_count;
 uniform uint first_slot;
-uniform int shading;  // as in shade.glsl
 uniform float opacity;
 uniform float field_threshold;
 uniform float modulation_threshold;
@@ -22,18 +22,19 @@ const float most_shells = 32.0;
 
 // Without the specular term: haze does not shine.
 vec3 shaded(int i, Splat splat) {
-  vec3 base = point_color(i), normal = point_normal(i);
-  if (shading == 0) return lit_color(base, splat.center, dot(normal, normal) > 0.25 ? splat.normal : vec3(0.0),
-                                     to_camera(splat.center), point_shadow(i));
-  if (shading == 2) {
-    vec3 facing = dot(splat.normal, to_camera(splat.center)) < 0.0 ? -normal : normal;
-    return linear_from_srgb(dot(normal, normal) > 0.25 ? facing * 0.5 + 0.5 : vec3(0.5));
-  }
-  if (shading == 3) {
-    float near_to_far = (-splat.center.z - frame.near_plane) / (frame.far_plane - frame.near_plane);
-    return linear_from_srgb(vec3(clamp(1.0 - near_to_far, 0.0, 1.0)));
-  }
-  return base;
+  vec3 normal = point_normal(i);
+  if (dot(splat.normal, to_camera(splat.center)) < 0.0) normal = -normal;
+  return shaded_color(vec4(point_color(i), 1.0), pixel_from_eye(splat.center), -splat.center.z,
+                      vec4(normal, point_shadow(i))).rgb;
+}
+
+// Whether a pixel of [first, last] sees farther than `nearest`. More than 8 x 8 pixels are not searched.
+bool in_sight(ivec2 first, ivec2 last, float nearest) {
+  if (any(greaterThan(last - first, ivec2(7)))) return true;
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x)
+      if (texelFetch(solid_t_image, ivec2(x, y), 0).x > nearest) return true;
+  return false;
 }
 
 void main() {
@@ -54,10 +55,12 @@ void main() {
   float share = modulation_threshold > field_threshold
       ? clamp((point_field(i) - field_threshold) / (modulation_threshold - field_threshold), 0.0, 1.0) : 1.0;
   int shells = concentric_count > 0 ? concentric_count : int(clamp(px / concentric_spacing_px, 1.0, most_shells));
-  vec3 color = seen ? shaded(i, splat) : vec3(0.0);
+  // Hidden points keep their key: an order that is reused must not depend on what is solid.
+  bool drawn = seen && in_sight(first, last, distance - splat.radius);
+  vec3 color = drawn ? shaded(i, splat) : vec3(0.0);
 
   uint slot = first_slot + k;
-  shapes[slot] = vec4(splat.center, seen ? splat.radius : 0.0);
+  shapes[slot] = vec4(splat.center, drawn ? splat.radius : 0.0);
   looks[slot] = uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, share)), floatBitsToUint(alpha), uint(shells));
   // Far points first. Distances are positive but behind an orthographic camera, where nothing is drawn.
   keys[slot] = seen ? ~floatBitsToUint(max(distance, 0.0)) : 0xffffffffu;

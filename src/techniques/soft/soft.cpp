@@ -167,7 +167,7 @@ class Soft final : public Technique {
     look.shape = shape;
     {
       auto timing = frame.timers.scope("soft points");
-      points_.update(frame, view, look);
+      points_.update(frame, view, look, surface_.nearest_t());
     }
     const bool as_quads = choose_batches(frame.cloud, view, shape).fallbacks > 0;
     if (p.model == Model::express) {

@@ -63,7 +63,10 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
   keys_ = gl::Buffer("soft depths", count() * 4);
 }
 
-void SoftPoints::update(Frame& frame, const View& view, const Look& look) {
+void SoftPoints::update(Frame& frame, const View& view, const Look& look, const gl::Texture& solid_t) {
+  const vec3 sizes(look.shape.radius_scale, look.shape.radius_limit, look.antialias ? 1 : 0);
+  if (sizes != sorted_sizes_) sorted_ = false;
+  sorted_sizes_ = sizes;
   if (!fill_) fill_ = gl::Program::compute("techniques/soft/points.comp", {"SPLAT_SPHERE"});
   GpuCloud& cloud = frame.cloud;
   set_splat_uniforms(fill_, look.shape);
@@ -75,6 +78,7 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look) {
   fill_.set("smallest_px", look.antialias ? 1.0f : 0.0f);
   fill_.set("concentric_count", look.concentric_count).set("concentric_spacing_px", look.concentric_spacing_px);
   view.bind();
+  solid_t.bind(binding::input);
   shapes_.buffer().bind_storage(0);
   looks_.buffer().bind_storage(1);
   keys_.bind_storage(2);

@@ -38,8 +38,9 @@ class SoftPoints {
   /// Radius beyond which a soft point counts as isolated, scene units: twice the median of the soft points, or what
   /// nine in ten of them keep. Not that of all points: uncertain ones lie far apart.
   float radius_limit() const { return radius_limit_; }
-  /// Spheres in eye space, shaded. `view` and light are those of `frame`.
-  void update(Frame& frame, const View& view, const Look& look);
+  /// Spheres in eye space, shaded; those behind `solid_t` (R32F, ray distances) are left out. `view` and light are
+  /// those of `frame`.
+  void update(Frame& frame, const View& view, const Look& look, const gl::Texture& solid_t);
 
   /// Far to near by distance from the camera; kept while view and points stay.
   Order far_to_near(const View& view);
@@ -63,6 +64,7 @@ class SoftPoints {
   std::vector<std::uint32_t> initial_;    ///< slots by source index
   bool chosen_anew_ = true, sorted_ = false;
   dmat4 sorted_view_{0};
+  vec3 sorted_sizes_{0};  ///< radius scale, limit, antialiasing: what decides which spheres the view sees
   std::vector<gl::TextureBuffer> lists_;  ///< of each chunk: places within it
   gl::TextureBuffer shapes_, looks_;
   gl::Buffer keys_;
