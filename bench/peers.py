@@ -71,6 +71,12 @@ def _open3d(what, cloud, count, build, timeout):
 
 
 def _pcl(what, cloud, count, build, timeout):
+    if what == 'clusters':  # five median spacings of that scan, thresholds of PCL's tutorial
+        binary = _need_binary(build, 'peer_pcl_clusters', 'libpcl-dev')
+        data = os.environ.get('SFUMATO_TEST_DATA', '../shared/data')
+        labels = os.path.join(os.environ['SFUMATO_BENCH_DATA'], 'pcl_clusters.u32')
+        return _report([binary, os.path.join(data, 'Guanyin.ply'), '0.0168', '6', '5', '100', '30', labels],
+                       'clusters_ms', timeout)
     binary = _need_binary(build, 'peer_pcl', 'libpcl-dev')
     neighbors = NEIGHBORS if what == 'normals' else '0'
     return _report([binary, cloud, neighbors, THREADS], FIELDS[what], timeout)

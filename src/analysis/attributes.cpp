@@ -124,7 +124,8 @@ Attributes attributes_of(const PointCloud& cloud) {
   if (complete_for_all(cloud.normals)) found = found | Attribute::normal;
   if (complete_for_all(cloud.radii)) found = found | Attribute::radius;
   if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
-  if (cloud.scalar("cluster") && cloud.scalar("stroke_size")) found = found | Attribute::cluster;
+  if (cloud.scalar("cluster") && cloud.scalar("stroke_size") && cloud.scalar("stroke_room"))
+    found = found | Attribute::cluster;
   return found;
 }
 

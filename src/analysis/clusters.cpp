@@ -310,6 +310,51 @@ float stroke_size(std::vector<float>& distances, int k) {
   return float(mean + std::sqrt(variance));
 }
 
+std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const float> labels, std::span<const vec3> normals,
+                                std::span<const float> sizes, Progress& progress) {
+  constexpr float most_sizes = 100, crease = 0.866f, open_rim = 0.35f;  // cosine of 30 degrees
+  const std::span<const vec3> positions = graph.positions();
+  std::vector<float> room(positions.size());
+  for (std::size_t i = 0; i < room.size(); ++i) room[i] = most_sizes * sizes[i];
+  if (!graph.keeps()) return room;
+  graph.for_each(
+      [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
+        vec3 sum(0);
+        float farthest = 0;
+        for (std::uint32_t j : ids) {
+          const float distance = glm::distance(positions[i], positions[j]);
+          if (labels[j] != labels[i] || std::abs(glm::dot(normals[i], normals[j])) < crease)
+            room[i] = std::min(room[i], distance);
+          sum += positions[j] - positions[i];
+          farthest = std::max(farthest, distance);
+        }
+        // The points of half a disc have their centre 4/(3 pi) = 0.42 of the radius away from its middle.
+        if (!ids.empty() && glm::length(sum) > open_rim * farthest * float(ids.size()))
+          room[i] = std::min(room[i], 0.5f * sizes[i]);
+      },
+      "borders of strokes");
+  // Distances spread along the graph until nothing gets shorter; the result does not depend on the order.
+  std::vector<std::uint32_t> front, next;
+  for (std::uint32_t i = 0; i < room.size(); ++i)
+    if (room[i] < most_sizes * sizes[i]) front.push_back(i);
+  while (!front.empty()) {
+    progress.check();
+    next.clear();
+    for (std::uint32_t i : front)
+      for (std::uint32_t j : graph.of(i)) {
+        const float through = room[i] + glm::distance(positions[i], positions[j]);
+        if (through < room[j]) {
+          room[j] = through;
+          next.push_back(j);
+        }
+      }
+    std::sort(next.begin(), next.end());
+    next.erase(std::unique(next.begin(), next.end()), next.end());
+    std::swap(front, next);
+  }
+  return room;
+}
+
 void add_clusters(PreparedCloud& prepared, const ClusterOptions& options, Progress& progress) {
   PointCloud& cloud = prepared.cloud;
   const NeighborGraph graph(cloud.positions, options.neighbors, progress);
@@ -351,7 +396,10 @@ void add_clusters(PreparedCloud& prepared, const ClusterOptions& options, Progre
         normals[i] = normal ? orientation.facing(i, *normal) : orientation.fallback(i);
       },
       "stroke sizes");
+  ScalarField room{"stroke_room", 0, stroke_rooms(graph, cluster.values, normals, size.values, progress),
+                   StoredType::float32};
   cloud.normals = std::move(normals);
+  cloud.set_scalar(std::move(room));
   cloud.set_scalar(std::move(cluster));
   cloud.set_scalar(std::move(size));
 }

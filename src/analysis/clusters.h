@@ -35,6 +35,9 @@ class NeighborGraph {
   /// From several threads, for different points; the neighbours come in no order.
   void for_each(const Visit& visit, std::string_view text) const;
   std::span<const vec3> positions() const { return tree_.positions(); }
+  bool keeps() const { return keeps_; }
+  /// Only while `keeps`.
+  std::span<const std::uint32_t> of(std::size_t point) const { return {kept_.data() + point * k_, k_}; }
 
  private:
   NeighborTree tree_;
@@ -57,8 +60,14 @@ Clusters grow_clusters(const PointCloud& cloud, const NeighborGraph& graph, floa
 /// those distances (dos Anjos 2017, Sec. 3.1). `distances` in scene units, any order; 0 when there are none.
 float stroke_size(std::vector<float>& distances, int k);
 
-/// What `Attribute::cluster` stands for: the scalars `cluster` and `stroke_size`, and normals where the cloud has
-/// none, each from neighbours of its own cluster within 3 r (dos Anjos 2017, Sec. 3.1).
+/// How far a stroke may reach from each point along the surface, scene units: to the border of the cluster, to a crease
+/// (normals 30 degrees apart) or to where the points end. At most 100 stroke sizes; that, too, where the graph does
+/// not fit into memory.
+std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const float> labels, std::span<const vec3> normals,
+                                std::span<const float> sizes, Progress& progress = no_progress());
+
+/// What `Attribute::cluster` stands for: the scalars `cluster`, `stroke_size` and `stroke_room`, and normals where the
+/// cloud has none, each from neighbours of its own cluster within 3 r (dos Anjos 2017, Sec. 3.1).
 void add_clusters(PreparedCloud& prepared, const ClusterOptions& options, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

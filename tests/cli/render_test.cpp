@@ -211,6 +211,20 @@ TEST_F(RenderTest, QualifiedParametersReachOneTechnique) {
   EXPECT_EQ(json["parameters"]["point_size"], 2) << "the qualified name wins";
 }
 
+// One picture a file, all from the camera of the first.
+TEST_F(RenderTest, ASequenceIsOnePictureAFile) {
+  write_cube("a.ply");
+  write_cube("b.ply", 20);
+  const Json json = run_json({"a.ply", "b.ply", "a.ply", "--sequence", "-o", "f_{n:04}.png", "--resolution", "48x32",
+                              "-t", "points", "--json"});
+  EXPECT_EQ(json["outputs"].size(), 3u);
+  const Image<Rgba8> first = read_png("f_0000.png"), other = read_png("f_0001.png"), again = read_png("f_0002.png");
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), again.begin()));
+  EXPECT_FALSE(std::equal(first.begin(), first.end(), other.begin()));
+  EXPECT_NE(run({"a.ply", "b.ply", "--sequence", "-o", "f.png"}).err.find("{n:04}"), std::string::npos);
+  EXPECT_EQ(run({"a.ply", "--sequence", "--path", "orbit", "-o", "f_{n}.png"}).code, 2);
+}
+
 TEST_F(RenderTest, OrbitWritesOnePictureAFrame) {
   const Json json = run_json({"cube.ply", "-o", "f_{n:04}.png", "--path", "orbit", "--frames", "4",
                               "--resolution", "48x32", "--output-camera", "c_{n}.json", "--json"});

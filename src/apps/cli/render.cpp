@@ -41,29 +41,29 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// All files as one scene with the origin of the first, less what is hidden.
-PointCloud read_scene(const RenderOptions& options, RenderReport& report, Console& console) {
+/// `files` as one scene with the origin of the first, less what is hidden.
+PointCloud read_scene(const Words& files, const RenderOptions& options, RenderReport& report, Console& console) {
   PointCloud scene;
-  for (const std::string& file : options.files) {
+  for (const std::string& file : files) {
     io::ReadResult result = io::read(file, options.read, console);
     for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
     report.points_read += result.report.points;
     if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point to render in it");
-    if (options.files.size() == 1) {
+    if (files.size() == 1) {
       scene = std::move(result.cloud);
       break;
     }
     // Tells the files of a scene apart (`--opacity 0.3,1`, `--color-by file`); counts from 1 in their order.
-    const float number = float(&file - options.files.data() + 1);
+    const float number = float(&file - files.data() + 1);
     result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
     append(scene, result.cloud);
   }
-  if (options.read.max_points && options.files.size() > 1)
+  if (options.read.max_points && files.size() > 1)
     scene = subsample(scene, std::size_t(*options.read.max_points));
   if (options.up_axis) scene.up = *options.up_axis;
   report.points_hidden = hide_classes(scene, options.hidden_classes);
   if (scene.empty())
-    throw Error(ErrorCode::bad_input, options.files[0] +
+    throw Error(ErrorCode::bad_input, files[0] +
                                           ": every point is withheld or of a hidden class; show them "
                                           "with --hide-classes none");
   report.points_rendered = scene.size();
@@ -143,7 +143,7 @@ class Studio {
 
  private:
   std::string name_of(const std::string& pattern, int n) {
-    const std::string name = options_.path.empty() ? pattern : frame_name(pattern, n);
+    const std::string name = options_.path.empty() && !options_.sequence ? pattern : frame_name(pattern, n);
     report_.outputs.push_back(name);
     return name;
   }
@@ -247,20 +247,25 @@ int render_command(const Words& words) {
   Console console(options.quiet);
   RenderReport report;
   Stopwatch watch(report);
-  PointCloud scene = read_scene(options, report, console);
+  // The files of a sequence are read one by one, and seen by the camera that suits the first.
+  PointCloud scene = read_scene(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
   watch.lap("read");
   const Camera camera = options.camera.resolve(subject_of(scene), scene.up);
   const std::vector<Camera> cameras = cameras_of(options, camera, scene.up);
-  report.frames = int(cameras.size());
+  report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
 
   Words command = words;
   command.insert(command.begin(), "sfumato");
   Studio studio(options, choice, report, quote(command), console);
   studio.set_scene(std::move(scene));
   watch.lap("prepare");
-  for (std::size_t n = 0; n < cameras.size(); ++n) {
-    if (cameras.size() > 1) console.set_stage(fmt::format("frame {}/{}", n + 1, cameras.size()));
-    studio.shoot(cameras[n], int(n), watch);
+  for (int n = 0; n < report.frames; ++n) {
+    if (report.frames > 1) console.set_stage(fmt::format("frame {}/{}", n + 1, report.frames));
+    if (options.sequence && n > 0) {
+      studio.set_scene(read_scene({options.files[std::size_t(n)]}, options, report, console));
+      watch.lap("prepare");
+    }
+    studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);
   }
   if (!options.save_preset.empty()) {
     std::optional<Camera> kept = preset.camera;

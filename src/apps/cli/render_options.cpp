@@ -39,6 +39,7 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png");
   line.text("--frames", frames, "N", "pictures of the path (120)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
+  line.flag("--sequence", sequence, "files are frames: one picture each from one camera, -o frame_{n:04}.png");
   line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
   line.flag("--timings", timings, "time of every pass");
@@ -81,12 +82,15 @@ void RenderOptions::check(std::size_t technique_count) {
       refuse(std::string(option) + " " + file + ": the array is written as .npy");
   if (legend && (extension == ".exr" || extension == ".npy")) refuse("--legend goes with .png only");
   camera.check();
+  if (sequence && !path.empty()) refuse("--sequence shows its files from one camera: leave out --path");
   if (path.empty()) {
     if (!frames.empty() || !degrees.empty()) refuse("--frames and --degrees need --path");
   } else {
     frame_count = frames.empty() ? 120 : int(std::min(parse_whole("--frames", frames, 1), 1'000'000L));
     if (!degrees.empty() && path != "orbit") refuse("--degrees goes with --path orbit");
     if (!degrees.empty()) orbit_degrees = parse_number("--degrees", degrees);
+  }
+  if (sequence || !path.empty()) {
     for (const std::string& file : {output, output_depth, output_normal, output_camera})
       if (!file.empty() && (frame_name(file, 0) == frame_name(file, 1)))
         refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");

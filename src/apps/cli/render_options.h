@@ -21,6 +21,7 @@ struct RenderOptions {
   std::string up, background_color, color_range, hide_classes = "7,18", columns, max_points;
   ColorSettings color;
   bool no_background = false, legend = false, timings = false, json = false, quiet = false, version = false;
+  bool sequence = false;  ///< every file is a picture, not a part of one scene
   std::string path, frames, degrees, preset, save_preset;
 
   // Parsed by `check`.

@@ -88,7 +88,8 @@ std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vec
     double l[3];
     eigenvalues(sum.pp / n - glm::outerProduct(sum.p / n, sum.p / n), l);
     const double elongation = l[1] > 0 ? std::sqrt(l[0] / l[1]) : 1;
-    shapes[c].length_factor = elongation > 5 ? 1.6f : elongation > 2.5 ? 1.25f : 1;
+    shapes[c].elongation = elongation > 5 ? 2 : elongation > 2.5 ? 1 : 0;
+    shapes[c].mean.a = std::uint8_t(shapes[c].elongation);  // travels with the colour
   }
   return shapes;
 }
@@ -99,11 +100,19 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
   chunks_.clear();
   serial_ = 0;
   if (!points.empty()) {
-    const std::vector<float>&labels = points.scalar("cluster")->values, &sizes = points.scalar("stroke_size")->values;
+    const std::vector<float>& labels = points.scalar("cluster")->values;
+    const std::vector<float>& sizes = points.scalar("stroke_size")->values;
+    const std::vector<float>& rooms = points.scalar("stroke_room")->values;
     const std::vector<ClusterShape> shapes = cluster_shapes(points, cloud.colors(), labels, sizes);
     const std::vector<vec3> wide =
         tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
     quantum_ = seed_quantum(cloud.median_spacing(), quantum_);
+    // Isolated points must not become the largest strokes of the picture; four times the median still closes what is
+    // sixteen times as sparse.
+    std::vector<float> sorted = sizes;
+    const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const float most = 4 * *middle;
     std::vector<vec4> tangents;
     std::vector<glm::uvec4> traits;
     for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
@@ -116,10 +125,10 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
         const TangentFrame frame = tangent == Tangent::householder ? householder_frame(n)
                                    : tangent == Tangent::eberly    ? eberly_frame(n)
                                                                    : frame_along(n, wide[i]);
-        tangents[k] = vec4(frame.along, sizes[i]);
+        tangents[k] = vec4(frame.along, std::min(sizes[i], most));
         const ClusterShape& shape = shapes[std::size_t(std::max(labels[i], 0.0f))];
         traits[k] = {seed_of(points.world(i), quantum_), std::bit_cast<std::uint32_t>(shape.mean),
-                     std::bit_cast<std::uint32_t>(shape.extent), std::bit_cast<std::uint32_t>(shape.length_factor)};
+                     std::bit_cast<std::uint32_t>(shape.extent), std::bit_cast<std::uint32_t>(rooms[i])};
       }
       chunks_.push_back({gl::TextureBuffer("stroke tangents", GL_RGBA32F, std::span<const vec4>(tangents)),
                          gl::TextureBuffer("stroke traits", GL_RGBA32UI, std::span<const glm::uvec4>(traits))});

@@ -21,7 +21,7 @@ double seed_quantum(double median_spacing, double before);
 /// Modifiers of a cluster (dos Anjos 2017, Sec. 3.1), in coarse steps, so that a little noise does not change them.
 struct ClusterShape {
   float extent = 0;         ///< scene units: side of a square of the cluster's area
-  float length_factor = 1;  ///< longer strokes for elongated clusters: 1, 1.25 or 1.6
+  int elongation = 0;       ///< 0, 1, 2: strokes are 1, 1.25 or 1.6 times as long
   Rgba8 mean;               ///< mean colour
 };
 std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vector<Rgba8>& colors,
@@ -37,7 +37,7 @@ class StrokeData {
  private:
   struct Chunk {
     gl::TextureBuffer tangents;  // RGBA32F: t in the cloud's space, s
-    gl::TextureBuffer traits;    // RGBA32UI: seed, mean colour, extent, length factor (float bits)
+    gl::TextureBuffer traits;    // RGBA32UI: seed, mean colour and elongation, extent, room (float bits)
   };
   std::vector<Chunk> chunks_;
   std::uint64_t serial_ = 0;

@@ -14,7 +14,7 @@ struct StyleValues {
 /// In the order of `Style`. Gaussians: kind, rows, columns, A, dev, lambda, sigma_x, sigma_y, noise, bristles.
 /// Look: aspect, length, coverage, opacity, relief, variation, saturation, flatten.
 const StyleValues style_values[] = {
-    {{BrushKind::gaussians, 4, 4, 3, 0.13f, 3, 0.12f, 0.085f, 12, 0.75f}, {3.2f, 3.2f, 6, 1, 0.5f, 0.16f, 1.1f, 0.25f}},
+    {{BrushKind::gaussians, 4, 4, 3, 0.13f, 3, 0.12f, 0.085f, 12, 0.75f}, {3.2f, 3.2f, 6, 1, 0.35f, 0.16f, 1.15f, 0.2f}},
     {{BrushKind::gaussians, 3, 3, 4, 0.12f, 2.4f, 0.13f, 0.1f, 30, 0.5f}, {2.2f, 4, 6, 1, 0.4f, 0.3f, 1.3f, 0.1f}},
     {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 2, 5, 1, 0.25f, 0.35f, 1.35f, 0}},
     {{BrushKind::gaussians, 3, 4, 1, 0.16f, 2.6f, 0.15f, 0.13f, 25, 0.35f}, {1.8f, 9, 9, 0.45f, 0, 0.12f, 0.9f, 0.4f}},

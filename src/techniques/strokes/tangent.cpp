@@ -27,7 +27,7 @@ TangentFrame frame_along(const vec3& n, const vec3& direction) {
   const TangentFrame plain = householder_frame(n);
   vec3 t = direction - glm::dot(direction, n) * n;
   const float length = glm::length(t);
-  if (!(length > 1e-3f)) return plain;
+  if (!(length > 0.05f)) return plain;  // what is left of less has lost its digits
   t /= glm::dot(t, plain.along) < 0 ? -length : length;
   return {t, glm::cross(n, t)};
 }
