@@ -1,3 +1,4 @@
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -7,6 +8,7 @@
 #include "analysis/prepare.h"
 #include "io/io.h"
 #include "scene.h"
+#include "tori.h"
 
 using namespace sfumato;
 using namespace sfumato::bench;

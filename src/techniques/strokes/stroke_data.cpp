@@ -107,12 +107,12 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
     const std::vector<vec3> wide =
         tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
     quantum_ = seed_quantum(cloud.median_spacing(), quantum_);
-    // Isolated points must not become the largest strokes of the picture; four times the median still closes what is
-    // sixteen times as sparse.
+    // Isolated points must not become the largest strokes of the picture; eight times the median still closes what is
+    // 64 times as sparse.
     std::vector<float> sorted = sizes;
     const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    const float most = 4 * *middle;
+    const float most = 8 * *middle;
     std::vector<vec4> tangents;
     std::vector<glm::uvec4> traits;
     for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
