@@ -7,7 +7,8 @@
 namespace sfumato::cli {
 
 Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& background, bool transparent) {
-  const int count = int(panels.size()), columns = count == 4 ? 2 : std::min(count, 3);
+  const int count = int(panels.size());
+  const int columns = count == 4 ? 2 : std::min(count, count > 6 ? 4 : 3);
   const int rows = (count + columns - 1) / columns;
   const int width = panels[0].image.width(), height = panels[0].image.height();
   const Text text(std::clamp(height / 24, 9, 64));

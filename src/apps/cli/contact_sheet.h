@@ -13,7 +13,7 @@ struct Panel {
   Image<Rgba8> image;
 };
 
-/// Panels of one size, in reading order, at most three side by side (a square for four), a label above each.
+/// Panels of one size, in reading order, three side by side (a square for four, four from seven on), a label above each.
 /// `background` is sRGB 0..1; with `transparent` what lies between the panels is clear.
 Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& background, bool transparent);
 
