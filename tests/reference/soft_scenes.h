@@ -43,16 +43,6 @@ inline std::vector<Ball> ball_soup(int count, unsigned seed, float largest = 0.5
   return balls;
 }
 
-inline Camera camera_at(dvec3 position, int width, int height, double fov_deg = 45) {
-  Camera camera;
-  camera.position = position;
-  camera.target = {0, 0, 0};
-  camera.fov_y = glm::radians(fov_deg);
-  camera.width = width;
-  camera.height = height;
-  return camera;
-}
-
 inline double lambda_of(double opacity) { return -std::log(1 - std::min(opacity, 0.999)); }
 
 class SoftTest : public GlTest {
