@@ -60,6 +60,7 @@ std::unique_ptr<Technique> all_soft(std::size_t count) {
   set(*technique, "field_threshold", "-1");
   set(*technique, "modulation_threshold", "-1");
   set(*technique, "antialias", "false");
+  set(*technique, "radius_scale", "1");
   return technique;
 }
 
@@ -96,7 +97,8 @@ void fragments_row(benchmark::State& state, const std::vector<std::string>& pass
 }
 
 void name(const std::string& row, const std::function<void(benchmark::State&)>& function, int count) {
-  benchmark::RegisterBenchmark(("soft/" + row).c_str(), function)->Arg(count)
+  benchmark::RegisterBenchmark(("soft/" + row).c_str(), function)
+      ->Arg(count)
       ->UseManualTime()
       ->MeasureProcessCPUTime()  // all threads: what a busy machine does not change
       ->Unit(benchmark::kMillisecond);
