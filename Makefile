@@ -1,6 +1,7 @@
 # Thin over CMakePresets.json. ccache is used where it is installed.
 PREFIX ?= /usr/local
 JOBS := $(shell nproc)
+SFUMATO_TEST_DATA ?= ../shared/data
 CCACHE := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 export CCACHE_BASEDIR ?= $(CURDIR)
 
@@ -11,7 +12,7 @@ build = $(configure) && cmake --build build/$(1)
 check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
-.PHONY: release demo test bench asan format install
+.PHONY: release demo test bench eval-denoise asan format install
 
 release:  ## build/release/bin/sfumato
 	@$(call build,release)
@@ -26,6 +27,10 @@ test:  ## warnings as errors, then every test
 bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
 	@cmake --build build/release --target sfumato_benchmarks
 	@/usr/bin/python3 bench/run.py $(BENCH)
+
+eval-denoise: release  ## denoise against the truth of synthetic scenes; ARGS=--quick for a short look
+	@cmake --build build/release --target eval_denoise
+	@build/release/bin/eval_denoise --dragon "$(SFUMATO_TEST_DATA)/dragon_vrip_res2.ply" $(ARGS)
 
 asan:  ## every test under the address and undefined behaviour sanitizers
 	@$(call build,asan)

@@ -7,6 +7,7 @@
 
 #include "analysis/attributes.h"
 #include "analysis/morton.h"
+#include "analysis/range_image.h"
 #include "analysis/spacing.h"
 
 namespace sfumato::analysis {
@@ -61,6 +62,7 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
   keep_viewpoints(prepared.cloud);
+  complete_from_grids(prepared.cloud, needs, progress);
   reorder(prepared.cloud, morton_order(prepared.cloud, progress));
   progress.check();
   prepared.batches = cut_batches(prepared.cloud.positions);

@@ -16,7 +16,7 @@ float place_in_bin(ivec2 pixel, float t, float chosen) {
 #else
   if (b != wanted) return -1.0;
 #endif
-  return min(distance - bin_start(wanted), 4.0);  // beyond 1 in the last of the dense bins only
+  return min(distance - bin_start(wanted), 1.0);  // beyond 1 in the last of the dense bins only
 }
 
 #ifndef FAST
@@ -25,7 +25,8 @@ uniform int sum_stride;
 
 void add_sum(int at, float value) { imageAtomicAdd(sums, at, uint(int(round(value)))); }
 
-// The weight in the table sets the unit, so that the sum is near 2^24 whatever it is.
+// The weight in the table sets the unit: the sum is 2^24, or at most 2^30 where splats with a support of 1/64 at least
+// count less in the table than here.
 void add_attributes(ivec2 pixel, float table_weight, float w, vec4 color, vec3 normal, float place) {
   int at = (pixel.y * image_width + pixel.x) * sum_stride;
   w = round(w * (16777216.0 / max(table_weight, 1.0 / weight_unit)));

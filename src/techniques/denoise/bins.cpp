@@ -80,6 +80,7 @@ void BinTable::allocate(const View& view, const BinOptions& options, bool shadow
 void BinTable::set_uniforms(gl::Program& program, const BinOptions& options, const View& view) const {
   program.set("bin_size", options.bin_size).set("anchor_grid", options.anchor == Anchor::grid);
   program.set("slots", slots_).set("hash_bits", options.hash_bits).set("image_width", view.width());
+  program.set("weight_threshold", options.weight_threshold).set("pixel_splats", options.pixel_splats);
 }
 
 void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
@@ -100,7 +101,7 @@ void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& 
   bind_image(3, counters_, GL_R32UI);
   raster.draw(cloud, view, supported, batches, {}, [&](gl::Program& program) {
     set_uniforms(program, options, view);
-    program.set("weight_threshold", options.weight_threshold).set("reach", unsigned(options.peak_bins));
+    program.set("reach", unsigned(options.peak_bins));
   });
   finish_atomics();
 }
@@ -154,8 +155,8 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     ScreenPass& choose = choose_[variant(options)];
     if (!choose) choose = ScreenPass("techniques/denoise/choose.glsl", {GL_RGBA32F}, defines(options));
     set_uniforms(choose.program(), options, view);
-    choose.set("weight_threshold", options.weight_threshold).set("peak_share", options.peak_share);
-    choose.set("peak_bins", options.peak_bins).set("last_bin", options.miss == Miss::last_bin);
+    choose.set("peak_share", options.peak_share).set("peak_bins", options.peak_bins);
+    choose.set("heaviest_bin", options.heaviest_bin).set("last_bin", options.miss == Miss::last_bin);
     bind_after(2, weights_);
     if (keys_) bind_after(3, keys_);
     choose.run({&nearest_t, &first_bin_}, {&choice_});
@@ -174,7 +175,7 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     resolve = ScreenPass("techniques/denoise/resolve.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, list);
   }
   set_uniforms(resolve.program(), options, view);
-  resolve.set("show_weight", show_weight);
+  resolve.set("show_weight", show_weight).set("least_support", options.least_support);
   if (options.fast) {
     resolve.run({&nearest_t, &choice_, &color_sum_, &normal_sum_, shadow ? &shadow_sum_ : &color_sum_},
                 {&targets.albedo, &targets.depth, &targets.normal});

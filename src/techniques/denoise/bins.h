@@ -33,11 +33,14 @@ struct BinOptions {
   bool fast = false;            ///< float atomics and blended sums (needs limits().float_atomics): last bits vary
   float bin_size = 1;           ///< scene units along the ray
   float weight_threshold = 0;   ///< a bin counts when its weight is larger
+  float pixel_splats = 0;       ///< raises it where pixels are larger than splats (bins.glsl)
   // Automatic threshold (denoise.cpp says why): weights are scaled by how well the splat is supported, and bins
   // shortly behind the first one may raise the threshold.
   bool support = false;
   float peak_share = 0;         ///< a bin counts when it has this share of the largest weight within `peak_bins`
   int peak_bins = 0;
+  bool heaviest_bin = false;    ///< where no bin counts the heaviest one does ...
+  float least_support = 0;      ///< ... if its splats have this support on average
 };
 
 /// (Fibonacci hashing, Knuth): the first slot of bin `b` in a table of 2^bits, bits >= 1; as in bins.glsl.
@@ -59,7 +62,7 @@ class BinTable {
   BinCounts counts() const;
   /// Bytes of the table and of the sums.
   std::size_t bytes() const;
-  /// Of the last draw, RGBA32F: chosen bin or -1, its weight in the table, threshold in force, 0.
+  /// Of the last draw, RGBA32F: chosen bin or -1, its weight in the table, threshold in force, 1 for a second choice.
   const gl::Texture& choice() const { return choice_; }
   /// Of the last draw: `slots()` weights a pixel (2^-16, or float bits when fast), and keys (bin + 1, 0 = empty).
   const gl::TextureBuffer& weights() const { return weights_; }

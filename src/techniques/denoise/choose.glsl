@@ -1,4 +1,4 @@
-// The bin of every pixel (Eq. 6), or -1.
+// The bin of every pixel (Eq. 6), or -1; its weight in the table, the threshold, and 1 where it is a second choice.
 #include "techniques/denoise/bins.glsl"
 
 layout(binding = UNIT_INPUT + 1) uniform usampler2D first_bin;
@@ -9,9 +9,9 @@ layout(binding = UNIT_INPUT + 2) uniform usamplerBuffer bin_weights;
 #endif
 layout(binding = UNIT_INPUT + 3) uniform usamplerBuffer bin_keys;
 
-uniform float weight_threshold;
 uniform float peak_share;
 uniform int peak_bins;
+uniform bool heaviest_bin;  // where no bin is above the threshold the heaviest one is taken, on approval by resolve.glsl
 uniform bool last_bin;
 
 float weight_in(int slot) {
@@ -38,25 +38,34 @@ float weight_of(ivec2 pixel, uint b) {
 #endif
 }
 
-uint last_with_data(ivec2 pixel) {
+// Of a pixel without a bin above the threshold: the heaviest bin, or the last one with data.
+uint second_choice(ivec2 pixel) {
   int base = first_slot(pixel);
-  uint last = no_bin;
+  uint last = no_bin, heaviest = no_bin;
+  float most = 0.0;
   for (int slot = 0; slot < slots; ++slot) {
+    float weight = weight_in(base + slot);
+    if (!(weight > 0.0)) continue;
 #ifdef DENSE
-    if (weight_in(base + slot) > 0.0) last = uint(slot);
+    uint b = uint(slot);
 #else
-    uint key = texelFetch(bin_keys, base + slot).x;
-    if (key != 0u && (last == no_bin || key - 1u > last)) last = key - 1u;
+    uint b = texelFetch(bin_keys, base + slot).x - 1u;
 #endif
+    if (last == no_bin || b > last) last = b;
+    if (weight > most || (weight == most && b < heaviest)) {
+      heaviest = b;
+      most = weight;
+    }
   }
-  return last;
+  return heaviest_bin ? heaviest : last;
 }
 
 bool filter_pixel(ivec2 pixel) {
   uint b = texelFetch(first_bin, pixel, 0).x;
-  float threshold = weight_threshold;
+  float threshold = b == no_bin ? weight_threshold : threshold_of(b, bin_origin(pixel));
   out_0 = vec4(-1.0, 0.0, threshold, 0.0);
-  if (b == no_bin && last_bin && !isinf(texelFetch(nearest_t, pixel, 0).x)) b = last_with_data(pixel);
+  bool second = b == no_bin;
+  if (second && (heaviest_bin || last_bin) && !isinf(texelFetch(nearest_t, pixel, 0).x)) b = second_choice(pixel);
   if (b == no_bin) return true;
   float weight = weight_of(pixel, b);
   if (peak_bins > 0 && weight > threshold) {
@@ -65,6 +74,6 @@ bool filter_pixel(ivec2 pixel) {
     threshold = max(threshold, peak_share * peak);
     while (!(weight > threshold)) weight = weight_of(pixel, ++b);  // ends at the peak: peak_share < 1
   }
-  out_0 = vec4(float(b), weight, threshold, 0.0);
+  out_0 = vec4(float(b), weight, threshold, second);
   return true;
 }

@@ -10,6 +10,7 @@
 // distances are summed relative to their bin; T finds its own value per pixel, which the authors leave open.
 
 #include <algorithm>
+#include <cmath>
 
 #include "gl/context.h"
 #include "passes/shade.h"
@@ -27,9 +28,12 @@ using denoise::Miss;
 // The automatic threshold. Eq. 20 lets the splats of a surface cover it four times, and a cover weighs 1/7 on
 // average: a surface weighs 4/7.
 constexpr float surface_weight = 4.0f / 7;
-constexpr float surface_share = 0.35f;  // of it that the nearest bin needs
-constexpr float peak_share = 0.5f;      // of the largest weight within `peak_bins`: noise in front of its surface
-constexpr int peak_bins = 6;
+constexpr float surface_share = 0.15f;  // of it that the nearest bin needs
+constexpr float peak_share = 0.3f;      // of the largest weight within `peak_bins`: noise in front of its surface
+constexpr int peak_bins = 3;
+// Where no bin reaches that (a sparse edge, the rim of a splat) the heaviest one is shown, unless it is made of
+// isolated points.
+constexpr float least_support = 0.1f;
 
 struct Parameters {
   Layout bins = Layout::hashed;
@@ -86,7 +90,7 @@ class Denoise final : public Technique {
     shape.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
     if (parameters_.antialias) shape.prefilter_px = 1;
-    const denoise::BinOptions options = choose_options(frame);
+    const denoise::BinOptions options = choose_options(frame, shape);
 
     const SplatBatches batches = choose_batches(frame.cloud, view, shape);
     {
@@ -125,7 +129,14 @@ class Denoise final : public Technique {
     if (cloud.field_key() != support_key) cloud.set_field(denoise::splat_support(prepared, progress), support_key);
   }
 
-  denoise::BinOptions choose_options(const Frame& frame) {
+  /// Of a pixel at the middle of the cloud, scene units; 0 when that is behind the camera.
+  static float pixel_size(const Frame& frame) {
+    const Camera& camera = frame.camera;
+    const double depth = glm::dot(frame.cloud.bounds().center() - camera.position, camera.direction());
+    return float((camera.orthographic() ? 1 : std::max(depth, 0.0)) / camera.pixels_per_unit());
+  }
+
+  denoise::BinOptions choose_options(const Frame& frame, const SplatShape& shape) {
     denoise::BinOptions options;
     options.layout = parameters_.bins;
     options.hash_bits = parameters_.hash_bits;
@@ -134,14 +145,20 @@ class Denoise final : public Technique {
     options.anchor = parameters_.anchor;
     options.miss = parameters_.miss;
     options.fast = frame.settings.fast && gl::limits().float_atomics;
-    // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings would split what is tilted.
-    options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * frame.cloud.median_spacing()));
+    // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings, or two pixels where those
+    // are larger, would split what is tilted.
+    const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel_size(frame));
+    options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * spacing));
     const float scale = parameters_.radius_scale;
     options.weight_threshold = parameters_.weight_threshold.resolve(surface_share * surface_weight * scale * scale);
     if (parameters_.weight_threshold.is_auto()) {
       options.support = true;
+      const float radius = frame.cloud.median_radius() * scale;
+      if (shape.prefilter_px > 0 && radius > 0) options.pixel_splats = std::pow(shape.prefilter_px / radius, 2.0f);
       options.peak_share = peak_share;
       options.peak_bins = peak_bins;
+      options.heaviest_bin = true;
+      if (parameters_.miss == Miss::background) options.least_support = least_support;
     }
     return options;
   }

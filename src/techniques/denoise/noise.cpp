@@ -96,7 +96,7 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
     std::nth_element(around.begin(), around.begin() + k / 2, around.end());
     const float own = std::max(reach[i], std::numeric_limits<float>::min());
     const float among_all = std::min(1.0f, 2 * usual / own), among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
-    support[i] = std::max(1.0f / 16, among_all * among_all * std::pow(among_near, 4.0f));
+    support[i] = std::max(isolated_support, std::pow(among_all * among_near, 4.0f));
   }
   return support;
 }

@@ -12,11 +12,13 @@ namespace sfumato::denoise {
 /// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.
 float plane_residual(const PreparedCloud& prepared);
 
-/// Per point, how much its splat may say about a surface: 1 where it lies among equals, down to 1/16 where it is
-/// isolated. From the distance R to the 8th neighbour: against twice its median over the cloud, to the power of 2 as
-/// covers of a surface go, and against 1.5 times its median over the neighbours, to the power of 4, which tells a
-/// stray point near a dense surface from a point of a sparse one (compare the local outlier factor, Breunig et al.
-/// 2000; the margins keep random samples of a surface at 1).
+constexpr float isolated_support = 1.0f / 64;
+
+/// Per point, how much its splat may say about a surface: 1 where it lies among equals, down to `isolated_support` where
+/// it is isolated. From the distance R to the 8th neighbour, to the power of 4: against twice its median over the
+/// cloud, as radii are limited, and against 1.5 times its median over the neighbours, which tells a stray point near
+/// a dense surface from a point of a sparse one (compare the local outlier factor, Breunig et al. 2000). The margins
+/// keep random samples of a surface at 1.
 std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress);
 
 }  // namespace sfumato::denoise

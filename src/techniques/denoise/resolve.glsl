@@ -13,6 +13,7 @@ uniform int sum_stride;
 float sum_at(int at) { return float(int(texelFetch(sums, at).x)); }
 #endif
 uniform bool show_weight;
+uniform float least_support;  // mean over the splats of a bin, for the bins that are a second choice
 
 bool filter_pixel(ivec2 pixel) {
   vec4 chosen = texelFetch(choice, pixel, 0);
@@ -28,6 +29,13 @@ bool filter_pixel(ivec2 pixel) {
   vec4 normal = vec4(sum_at(at + 4), sum_at(at + 5), sum_at(at + 6), sum_at(at + 7));
 #endif
   if (!(color.a > 0.0)) return true;
+#ifdef FAST
+  float support = chosen.y / color.a;
+#else
+  float support = 16777216.0 / color.a;  // sums are in units of the weight in the table
+#endif
+  // Below 16 units of the table the ratio is a rounding.
+  if (chosen.w > 0.0 && least_support > 0.0 && (support < least_support || chosen.y < 16.0 / weight_unit)) return true;
   vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(vec2(pixel) + 0.5, 1.0);
   normal /= color.a;
   vec3 n = transpose(mat3(frame.eye_from_cloud)) * normal.xyz;

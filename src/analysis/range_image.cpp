@@ -1,0 +1,159 @@
+#include "analysis/range_image.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "analysis/quantiles.h"
+
+namespace sfumato::analysis {
+namespace {
+
+constexpr float none = std::numeric_limits<float>::infinity();
+
+/// One view: ranges from its viewpoint and the rays they were measured along.
+class RangeImage {
+ public:
+  /// Nothing when the grid is no picture.
+  static std::optional<RangeImage> from(const PointCloud& cloud, const Grid& grid) {
+    const std::size_t cells = std::size_t(grid.width) * grid.height;
+    if (!grid.viewpoint || grid.width < 8 || grid.height < 8 || grid.first + grid.count > cloud.size() ||
+        cloud.grid_index.size() != cloud.size())
+      return std::nullopt;
+    RangeImage image;
+    image.width_ = int(grid.width), image.height_ = int(grid.height);
+    image.range_.assign(cells, none);
+    image.ray_.assign(cells, vec3(0));
+    const vec3 eye(*grid.viewpoint - cloud.origin);
+    vec3 sum(0);
+    for (std::size_t i = grid.first; i < grid.first + grid.count; ++i) {
+      const std::uint32_t cell = cloud.grid_index[i];
+      const vec3 way = cloud.positions[i] - eye;
+      const float range = glm::length(way);
+      if (cell >= cells || !(range > 0)) continue;
+      image.range_[cell] = range;
+      image.ray_[cell] = way / range;
+      sum += image.ray_[cell];
+    }
+    const vec3 axis = glm::normalize(sum);
+    for (const vec3& ray : image.ray_)
+      if (ray != vec3(0) && !(glm::dot(ray, axis) > std::cos(float(glm::radians(75.0))))) return std::nullopt;
+    return image.measure() ? std::optional(std::move(image)) : std::nullopt;
+  }
+
+  float range(std::size_t cell) const { return range_[cell]; }
+  float pitch(float range) const { return pixel_angle_ * range; }
+
+  /// Gaussian in the picture, Gaussian in the ranges: noise averages out, edges stay (Tomasi, Manduchi 1998).
+  void smooth() {
+    std::vector<float> smoothed(range_.size(), none);
+    tbb::parallel_for(0, height_, [&](int y) {
+      for (int x = 0; x < width_; ++x) {
+        const float center = range_[at(x, y)];
+        if (center == none) continue;
+        const float sigma = spread(center);
+        // The noisier, the more pixels: slopes are to be known to a fraction of the noise over the pitch.
+        const int reach = std::clamp(int(std::ceil(2 * noise(center) / pitch(center))), 2, 6);
+        const float across = 0.6f * float(reach);
+        float sum = 0, weights = 0;
+        for (int v = std::max(0, y - reach); v <= std::min(height_ - 1, y + reach); ++v)
+          for (int u = std::max(0, x - reach); u <= std::min(width_ - 1, x + reach); ++u) {
+            const float range = range_[at(u, v)];
+            if (range == none) continue;
+            const float d = (range - center) / sigma, s2 = float((u - x) * (u - x) + (v - y) * (v - y));
+            const float w = std::exp(-0.5f * (d * d + s2 / (across * across)));
+            sum += w * range, weights += w;
+          }
+        smoothed[at(x, y)] = sum / weights;
+      }
+    });
+    range_.swap(smoothed);
+  }
+
+  /// Unit normal towards the viewpoint, 0 where the neighbours do not tell.
+  vec3 normal(std::size_t cell) const {
+    const int x = int(cell) % width_, y = int(cell) / width_;
+    const std::optional<vec3> across = difference(x, y, 1, 0), down = difference(x, y, 0, 1);
+    if (!across || !down) return vec3(0);
+    const vec3 n = glm::cross(*across, *down);
+    const float length = glm::length(n);
+    if (!(length > 0)) return vec3(0);
+    return glm::dot(n, ray_[cell]) > 0 ? -n / length : n / length;
+  }
+
+ private:
+  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
+  vec3 place(std::size_t cell) const { return range_[cell] * ray_[cell]; }
+  float noise(float range) const { return noise_ * range * range; }
+  /// Ranges that differ by less are one surface: noise, and a slope of 75 degrees over a pixel.
+  float spread(float range) const { return 2 * noise(range) + 3.7f * pitch(range); }
+
+  /// From one neighbour to the other, or to the pixel itself where one is missing or across an edge.
+  std::optional<vec3> difference(int x, int y, int dx, int dy) const {
+    const std::size_t own = at(x, y);
+    auto side = [&](int u, int v) -> std::optional<std::size_t> {
+      if (u < 0 || v < 0 || u >= width_ || v >= height_) return std::nullopt;
+      const float range = range_[at(u, v)];
+      if (range == none || std::abs(range - range_[own]) > spread(range_[own])) return std::nullopt;
+      return at(u, v);
+    };
+    const auto before = side(x - dx, y - dy), after = side(x + dx, y + dy);
+    if (!before && !after) return std::nullopt;
+    return place(after.value_or(own)) - place(before.value_or(own));
+  }
+
+  /// The angle of a pixel and the noise of the view; false where there are too few pixels side by side.
+  bool measure() {
+    std::vector<float> angles, bends;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 1; x + 1 < width_; ++x) {
+        const std::size_t a = at(x - 1, y), b = at(x, y), c = at(x + 1, y);
+        if (range_[a] == none || range_[b] == none || range_[c] == none) continue;
+        angles.push_back(0.5f * glm::length(ray_[c] - ray_[a]));
+        bends.push_back(std::abs(range_[a] - 2 * range_[b] + range_[c]) / (range_[b] * range_[b]));
+      }
+    if (angles.size() < 16) return false;
+    pixel_angle_ = quantile(angles, 0.5);
+    // Second differences of white noise have sqrt(6) times its deviation, which is the 68 % quantile of its size.
+    noise_ = quantile(bends, 0.68) / std::sqrt(6.0f);
+    return pixel_angle_ > 0;
+  }
+
+  int width_ = 0, height_ = 0;
+  std::vector<float> range_;  // scene units, `none` where the view is empty
+  std::vector<vec3> ray_;     // unit
+  float pixel_angle_ = 0;     // radians: 1 / focal length in pixels
+  float noise_ = 0;           // deviation of a range over the range squared, as stereo has it
+};
+
+}  // namespace
+
+void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress) {
+  const bool normals = needs.has(Attribute::normal) && cloud.normals.empty();
+  const bool radii = needs.has(Attribute::radius) && cloud.radii.empty();
+  if (!normals && !radii) return;
+  const float cover = float(std::sqrt(4 / M_PI));
+  for (const Grid& grid : cloud.grids) {
+    progress.check();
+    std::optional<RangeImage> image = RangeImage::from(cloud, grid);
+    if (!image) continue;
+    if (normals) cloud.normals.resize(cloud.size(), vec3(0));
+    if (radii) cloud.radii.resize(cloud.size(), 0.0f);
+    const std::size_t last = grid.first + grid.count;
+    if (radii)
+      for (std::size_t i = grid.first; i < last; ++i) {
+        const float range = image->range(cloud.grid_index[i]);
+        if (range != none) cloud.radii[i] = cover * image->pitch(range);
+      }
+    if (!normals) continue;
+    image->smooth();
+    tbb::parallel_for(grid.first, last, [&](std::size_t i) {
+      if (image->range(cloud.grid_index[i]) != none) cloud.normals[i] = image->normal(cloud.grid_index[i]);
+    });
+  }
+}
+
+}  // namespace sfumato::analysis

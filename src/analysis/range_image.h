@@ -1,0 +1,19 @@
+// Normals and radii of RGB-D views, from their grids: what belongs together there is known without searching.
+#pragma once
+
+#include "core/point_cloud.h"
+#include "core/prepared_cloud.h"
+#include "core/progress.h"
+
+namespace sfumato::analysis {
+
+/// Completes those of `needs` (normal, radius) that the cloud lacks altogether, for the points of grids that are
+/// pictures: with a viewpoint, seen under less than 150 degrees. Other points get 0, i.e. "missing".
+///
+/// Normals: cross products on a copy of the range image that a bilateral filter has smoothed, towards the viewpoint;
+/// positions stay raw. Radius: the pixel's side at that range times sqrt(4/pi), so that the splats of one view cover
+/// a surface four times, like those of Eq. 20 (Seemann 2018) do.
+/// To be called before the cloud is sorted: grids do not survive that.
+void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress = no_progress());
+
+}  // namespace sfumato::analysis
