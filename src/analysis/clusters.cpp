@@ -104,8 +104,33 @@ class RegionGrowing {
     progress_.check();
   }
 
+  /// As PCL does it: from seeds in the order of the file, along the directed edges of the graph.
+  void grow_serially(float limit2) {
+    constexpr std::uint32_t none = ~0u;
+    const std::vector<std::uint32_t>& source = cloud_.source_index;
+    std::vector<std::uint32_t> seeds, queue;
+    seeds.assign(source.empty() ? cloud_.size() : std::size_t(*std::max_element(source.begin(), source.end())) + 1, none);
+    for (std::uint32_t i = 0; i < cloud_.size(); ++i) seeds[source.empty() ? i : source[i]] = i;
+    segment_.assign(cloud_.size(), none);
+    for (std::uint32_t seed : seeds) {
+      if (seed == none || segment_[seed] != none) continue;
+      segment_[seed] = segment_count_;
+      queue.assign(1, seed);
+      for (std::size_t at = 0; at < queue.size(); ++at)
+        for (std::uint32_t j : graph_.of(queue[at])) {
+          if (segment_[j] != none || color_distance2(cloud_.colors[queue[at]], cloud_.colors[j]) > limit2) continue;
+          segment_[j] = segment_count_;
+          queue.push_back(j);
+        }
+      size_.push_back(queue.size());
+      ++segment_count_;
+    }
+    progress_.check();
+  }
+
   void grow_by_colors() {
     const float limit2 = options_.point_threshold * options_.point_threshold;
+    if (graph_.keeps()) return grow_serially(limit2);
     DisjointSets sets(cloud_.size());
     graph_.for_each(
         [&](std::uint32_t i, std::span<const std::uint32_t> ids) {

@@ -2,9 +2,10 @@
 // stroke-based splatting derives from them.
 //
 // Q. Zhan, Y. Liang, Y. Xiao, "Color-based segmentation of point clouds", ISPRS Laser Scanning 2009, in the form of
-// PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. We grow with union-find over
-// an undirected graph, in parallel, and number everything by the place in the file: the result depends on neither
-// threads nor the order of the points.
+// PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. Everything is
+// numbered by the place in the file: the result depends on neither threads nor the order of the points. A graph that
+// does not fit into memory, and growth by normals, go by union-find over undirected edges, in parallel; on symmetric
+// graphs both ways agree.
 #pragma once
 
 #include <functional>
