@@ -28,6 +28,11 @@ struct Frame {
   bool wants_normal;              ///< the caller reads target.normal; else it may stay undefined
   gl::Timers& timers;
   Progress& progress;
+  /// The finished picture (RGBA8, sRGB), offered when nothing follows the technique but the encoding and nobody
+  /// reads the target: who has finished colours at hand may write them here and set `is_finished`, and save two
+  /// passes over float targets. Null otherwise.
+  const gl::Texture* finished = nullptr;
+  bool is_finished = false;
 };
 
 }  // namespace sfumato

@@ -9,6 +9,9 @@ layout(binding = UNIT_PLACES) uniform usamplerBuffer places;
 uniform uint chunk_first;
 uniform uint chunk_count;
 uniform bool write_background;
+#ifdef FINISHED
+uniform vec4 background;  // sRGB, straight alpha
+#endif
 
 #ifdef WRITE_SPACING
 uniform int batch_count;
@@ -27,6 +30,14 @@ float spacing_at(int i) {
 
 bool filter_pixel(ivec2 pixel) {
   uint source = texelFetch(source_index, pixel, 0).x;
+#ifdef FINISHED
+  out_0 = background;
+  if (source == 0xffffffffu) return write_background;
+  uint place = texelFetch(places, int(source)).x - chunk_first;
+  if (place >= chunk_count) return false;
+  out_0 = vec4(texelFetch(cloud_colors, int(place)).rgb, 1.0);
+  return true;
+#else
   if (source == 0xffffffffu) {
     out_0 = vec4(0.0);
     out_1 = vec4(infinity);
@@ -63,4 +74,5 @@ bool filter_pixel(ivec2 pixel) {
 #endif
 #endif
   return true;
+#endif
 }

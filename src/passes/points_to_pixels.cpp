@@ -90,6 +90,25 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
   resolve_into(cloud, view, layer, pass, with_normals ? &layer.normal : nullptr);
 }
 
+void PointsToPixels::resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,
+                                      const vec3& background_srgb, bool is_transparent, const gl::Texture& rgba8,
+                                      gl::Timers& timers) {
+  auto timing = timers.scope("resolve");
+  ScreenPass& pass = resolve_finished_;
+  if (!pass) pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA8}, {"FINISHED"});
+  view.bind();
+  cloud.bind_places();
+  pass.set("background", is_transparent ? vec4(0) : vec4(background_srgb, 1));
+  bool first = true;
+  for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+    cloud.bind_geometry(chunk);
+    cloud.bind_colors(chunk);
+    pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+    pass.run({&layer.depth_bits, &layer.index}, {&rgba8});
+    first = false;
+  }
+}
+
 void PointsToPixels::resolve_spacing(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers) {
   auto timing = timers.scope("resolve");
   ScreenPass& pass = resolve_spacing_[cloud.has_shadow()];

@@ -49,6 +49,10 @@ class PointsToPixels {
   /// pixel (x, y) at (x, y + k height)), which the caller cleared to 0xffffffff.
   void draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint, float bin,
                   gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers, const gl::Texture* reference = nullptr);
+  /// The colours of the survivors over the background, as they are (sRGB), into `rgba8`: the finished picture of
+  /// points that nothing lights or blends.
+  void resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer, const vec3& background_srgb,
+                        bool is_transparent, const gl::Texture& rgba8, gl::Timers& timers);
   /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
   /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
   void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers, bool with_normals = true);
@@ -61,6 +65,7 @@ class PointsToPixels {
   gl::Program programs_[16];
   float inverse_bin_ = 0;
   void resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass, gl::Texture* third);
+  ScreenPass resolve_finished_;
   ScreenPass resolve_[8], resolve_spacing_[2];
 };
 

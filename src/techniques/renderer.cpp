@@ -72,7 +72,14 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
     s.shadows.clear(*s.cloud);
   }
 
+  Auto<bool> edl = settings.edl;
+  const bool plain = settings.shading != Shading::lit && settings.shading != Shading::albedo;
+  const bool with_edl = edl.resolve(technique.wants_edl()) && !plain;
+  const bool reads_target = wants.color_linear || wants.depth || wants.normal || (has_shadows && settings.ground);
+  if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
+
   Frame frame{*s.cloud, camera, settings, light, s.target, wants.normal, timers, progress};
+  if (wants.color && !with_edl && !reads_target) frame.finished = &s.rgba8;
   while (!technique.render(frame)) progress.check();
 
   if (has_shadows && settings.ground) {
@@ -83,17 +90,14 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
     std::swap(s.finish_scratch, s.target.color);
   }
 
-  Auto<bool> edl = settings.edl;
-  const bool plain = settings.shading != Shading::lit && settings.shading != Shading::albedo;
-  if (edl.resolve(technique.wants_edl()) && !plain) {
+  if (with_edl) {
     auto timing = timers.scope("eye-dome lighting");
     gl::ensure(s.finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
     s.edl.run(view, settings, s.target.color, s.target.depth, s.finish_scratch);
     std::swap(s.finish_scratch, s.target.color);
   }
-  if (wants.color) {
+  if (wants.color && !frame.is_finished) {
     auto timing = timers.scope("finish");
-    gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
     s.finish.run(settings, s.target.color, s.rgba8);
   }
   glFinish();

@@ -152,4 +152,28 @@ TEST_F(Passes, NormalsSurviveTheirEncoding) {
   }
 }
 
+// Unlit points take a short way to the finished picture; it must be the picture of the long way, which is
+// taken when somebody reads the float target.
+TEST_F(Passes, TheShortWayOfUnlitPointsGivesTheSamePicture) {
+  Renderer renderer(context());
+  PointCloud cloud = sphere_cloud(8000);
+  cloud.normals.clear();
+  show(renderer, std::move(cloud), {}, 3000);
+  auto points = find_technique("points").create();
+  RenderSettings settings;
+  settings.edl.user = false;
+  for (bool transparent : {false, true}) {
+    settings.transparent = transparent;
+    settings.background = vec3(0.2f, 0.4f, 0.9f);
+    const Image<Rgba8> quick = renderer.render(*points, front_camera(60, 44), settings).rgba8;
+    const Image<Rgba8> full = renderer.render(*points, front_camera(60, 44), settings, all_outputs()).rgba8;
+    for (std::size_t i = 0; i < full.size(); ++i) {
+      const Rgba8 a = quick.data()[i], b = full.data()[i];
+      // sRGB to linear and back in float rounds to the same byte but for the last bit.
+      ASSERT_LE(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 3);
+      ASSERT_EQ(a.a, b.a);
+    }
+  }
+}
+
 }  // namespace
