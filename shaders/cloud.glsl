@@ -9,6 +9,7 @@ layout(binding = UNIT_NORMALS) uniform samplerBuffer cloud_normals;
 layout(binding = UNIT_RADII) uniform samplerBuffer cloud_radii;
 layout(binding = UNIT_FIELD) uniform samplerBuffer cloud_field;
 layout(binding = UNIT_SHADOW) uniform samplerBuffer cloud_shadow;
+layout(binding = UNIT_CASTERS) uniform samplerBuffer cloud_casters;
 layout(binding = UNIT_BATCHES) uniform usamplerBuffer cloud_batches;
 
 vec3 point_position(int i) { return texelFetch(cloud_positions, i).xyz; }
@@ -17,6 +18,7 @@ vec3 point_color(int i) { return linear_from_srgb(texelFetch(cloud_colors, i).rg
 float point_radius(int i) { return texelFetch(cloud_radii, i).x; }
 float point_field(int i) { return texelFetch(cloud_field, i).x; }
 float point_shadow(int i) { return texelFetch(cloud_shadow, i).x; }
+float caster_opacity(int i) { return texelFetch(cloud_casters, i).x; }
 
 // Unit normal in cloud space, or 0 where the cloud knows none.
 vec3 point_normal(int i) {

@@ -10,6 +10,7 @@ enum Unit {
   list = 17,    ///< places within the chunk, in drawing order
   fragment_offsets = 18,
   fragments = 19,
+  casters = 20,
 };
 enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
 enum Block { frame = 0 };

@@ -145,6 +145,19 @@ void GpuCloud::set_field(std::span<const float> values, std::string key) {
     chunk.field = gl::TextureBuffer("field", GL_R32F, values.subspan(chunk.first, chunk.count));
 }
 
+void GpuCloud::set_casters(std::span<const float> opacity, float see_through_spacing, std::string key) {
+  casters_key_ = std::move(key);
+  static std::uint64_t stamps = 0;
+  casters_stamp_ = ++stamps;
+  has_casters_ = !opacity.empty();
+  see_through_spacing_ = see_through_spacing;
+  for (Chunk& chunk : chunks_)
+    chunk.casters = has_casters_ ? gl::TextureBuffer("casters", GL_R32F, opacity.subspan(chunk.first, chunk.count))
+                                 : gl::TextureBuffer();
+}
+
+void GpuCloud::bind_casters(const Chunk& chunk) const { chunk.casters.bind(binding::casters); }
+
 void GpuCloud::set_shadow(std::span<const float> values) {
   has_shadow_ = !values.empty();
   for (Chunk& chunk : chunks_)

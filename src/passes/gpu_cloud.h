@@ -22,7 +22,7 @@ class GpuCloud {
     std::uint32_t first_batch = 0, batch_count = 0;
     std::uint32_t visible_batches = 0;   ///< set by cull()
     std::uint32_t groups_per_batch = 0;  ///< work groups of 128 that cover the largest visible batch
-    gl::TextureBuffer positions, source_index, colors, normals, radii, field, shadow, batches;
+    gl::TextureBuffer positions, source_index, colors, normals, radii, field, shadow, casters, batches;
   };
 
   /// Keeps a reference to `prepared`. `max_chunk_points` is for tests; 0 means the driver's limit.
@@ -66,6 +66,15 @@ class GpuCloud {
   const std::string& field_key() const { return field_key_; }
   /// Different after every set_field of any cloud, 0 before the first.
   std::uint64_t field_stamp() const { return field_stamp_; }
+  /// How much of the light each point stops, 0 to 1; empty = all of it. `see_through_spacing`: spacing of the points
+  /// that let some of it pass, scene units, 0 when there are none. `key` as for `set_field`.
+  void set_casters(std::span<const float> opacity, float see_through_spacing, std::string key);
+  const std::string& casters_key() const { return casters_key_; }
+  /// Different after every set_casters.
+  std::uint64_t casters_stamp() const { return casters_stamp_; }
+  bool has_casters() const { return has_casters_; }
+  float see_through_spacing() const { return see_through_spacing_; }
+  void bind_casters(const Chunk& chunk) const;
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
   /// Makes shadow factors of 0 that a pass adds to (image unit access to `Chunk::shadow`).
@@ -83,6 +92,10 @@ class GpuCloud {
   bool has_shadow_ = false;
   std::string field_key_;
   std::uint64_t field_stamp_ = 0;
+  std::string casters_key_;
+  std::uint64_t casters_stamp_ = 0;
+  bool has_casters_ = false;
+  float see_through_spacing_ = 0;
   std::uint64_t serial_ = next_serial();
   static std::uint64_t next_serial();
   std::vector<float> largest_radii_;

@@ -1,18 +1,26 @@
 // The shadow factor of the ground plane seen by each pixel; one light sample is added to the sum so far.
+//   LAYER    the map is one layer of see-through casters: what they let pass is multiplied into `passed`
+//   PASSED   the ground gets what see-through casters let pass
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D light_map;
+#ifdef LAYER
+layout(binding = UNIT_INPUT + 1) uniform sampler2D opacity_map;
+#else
 layout(binding = UNIT_INPUT + 1) uniform sampler2D sum_so_far;
+uniform float share;
+#endif
+#if defined(LAYER) || defined(PASSED)
+layout(binding = UNIT_INPUT + 2) uniform sampler2D passed;
+#endif
 
 uniform vec4 plane_eye;          // dot(n, p) + d = 0
 uniform mat4 light_from_eye;     // this view's eye space to the light's
 uniform vec4 light_intrinsics;
 uniform bool light_orthographic;
 uniform float d_min;
-uniform float share;
 
 bool filter_pixel(ivec2 pixel) {
-  float sum = texelFetch(sum_so_far, pixel, 0).x;
   vec3 origin = ray_origin(vec2(pixel) + 0.5), direction = ray_direction(vec2(pixel) + 0.5);
   float t = -(dot(plane_eye.xyz, origin) + plane_eye.w) / dot(plane_eye.xyz, direction);
   vec3 at = (light_from_eye * vec4(origin + t * direction, 1.0)).xyz;
@@ -29,11 +37,24 @@ bool filter_pixel(ivec2 pixel) {
     lit = 0.0;
     for (int k = 0; k < 4; ++k) {
       ivec2 offset = ivec2(k & 1, k >> 1);
-      float map = texelFetch(light_map, clamp(ivec2(corner) + offset, ivec2(0), size - 1), 0).x;
+      ivec2 at = clamp(ivec2(corner) + offset, ivec2(0), size - 1);
+      float map = texelFetch(light_map, at, 0).x;
+#ifdef LAYER
+      float shaded = 1.0 - texelFetch(opacity_map, at, 0).x;
+#else
+      const float shaded = 0.0;
+#endif
       float weight = (offset.x == 1 ? f.x : 1.0 - f.x) * (offset.y == 1 ? f.y : 1.0 - f.y);
-      lit += depth < map + d_min ? weight : 0.0;
+      lit += weight * (depth < map + d_min ? 1.0 : shaded);
     }
   }
-  out_0 = vec4(sum + share * lit);
+#ifdef LAYER
+  out_0 = texelFetch(passed, pixel, 0) * lit;
+#else
+#ifdef PASSED
+  lit *= texelFetch(passed, pixel, 0).x;
+#endif
+  out_0 = texelFetch(sum_so_far, pixel, 0) + share * lit;
+#endif
   return true;
 }

@@ -1,5 +1,6 @@
 // One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit (WRITE_INDEX)
 // the lowest source index among the points of that depth. Both compute the same depth bit for bit (`precise`).
+//   CASTERS       only points that stop a share of the light within `caster_range`
 //   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked downwards
 #include "frame.glsl"
 #include "cloud.glsl"
@@ -17,6 +18,10 @@ uniform int size_mode;      // 0 adaptive, 1 pixels, 2 world
 uniform float point_size;   // factor, px, scene units
 uniform float largest_spacing;  // scene units; adaptive sizes of sparser batches stay at it
 uniform float min_gap;      // scene units behind the reference
+
+#ifdef CASTERS
+uniform vec2 caster_range;
+#endif
 
 #ifdef LIST_LENGTH
 uniform float inverse_bin;  // of a power of two: exact
@@ -64,6 +69,10 @@ void main() {
   int k = int(gl_GlobalInvocationID.x);
   if (k >= batch.count) return;
   int i = batch.first + k;
+#ifdef CASTERS
+  float stopped = caster_opacity(i);
+  if (!(stopped >= caster_range.x && stopped < caster_range.y)) return;
+#endif
 
   precise vec3 eye = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
   precise float depth = -eye.z;

@@ -7,52 +7,58 @@
 namespace sfumato {
 
 void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-                           gl::Texture* index, const gl::Texture* reference, float min_gap, bool lists) {
+                           gl::Texture* index, const gl::Texture* reference, float min_gap,
+                           const CasterRange* casters, bool lists) {
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
   gl::Program& program =
-      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0)];
+      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0) + (casters ? 16 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
     if (single) defines.push_back("SINGLE_PIXEL");
     if (reference) defines.push_back("DEPTH_REFERENCE");
+    if (casters) defines.push_back("CASTERS");
     if (lists) defines.push_back("LIST_LENGTH " + std::to_string(list_length));
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
   program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   if (lists && !index) program.set("inverse_bin", inverse_bin_);
+  if (casters) program.set("caster_range", vec2(casters->from, casters->below));
   view.bind();
   depth_bits.bind_image(0, GL_READ_WRITE);
   if (index) index->bind_image(1, GL_READ_WRITE);
   if (reference) reference->bind(binding::input);
   for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
+    if (casters) cloud.bind_casters(chunk);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
-                                         gl::Texture& depth_bits, const gl::Texture* reference, float min_gap) {
+                                         gl::Texture& depth_bits, const gl::Texture* reference, float min_gap,
+                                         const CasterRange* casters) {
   gl::ensure(depth_bits, "nearest depth bits", GL_R32UI, view.width(), view.height());
   depth_bits.clear_uint(0xffffffffu);
   const std::uint64_t points = cloud.cull(view);
-  visit(cloud, view, footprint, depth_bits, nullptr, reference, min_gap);
+  visit(cloud, view, footprint, depth_bits, nullptr, reference, min_gap, casters);
   return points;
 }
 
 std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Footprint& footprint, PixelLayer& layer,
-                                   gl::Timers& timers, const gl::Texture* reference, float min_gap) {
+                                   gl::Timers& timers, const gl::Texture* reference, float min_gap,
+                                   const CasterRange* casters) {
   std::uint64_t points = 0;
   {
     auto timing = timers.scope("depth");
-    points = draw_depth(cloud, view, footprint, layer.depth_bits, reference, min_gap);
+    points = draw_depth(cloud, view, footprint, layer.depth_bits, reference, min_gap, casters);
   }
   auto timing = timers.scope("index");
   gl::ensure(layer.index, "nearest source index", GL_R32UI, view.width(), view.height());
   layer.index.clear_uint(0xffffffffu);
-  visit(cloud, view, footprint, layer.depth_bits, &layer.index, reference, min_gap);
+  visit(cloud, view, footprint, layer.depth_bits, &layer.index, reference, min_gap, casters);
   return points;
 }
 
@@ -63,10 +69,10 @@ void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footpri
   inverse_bin_ = 1 / bin;
   {
     auto timing = timers.scope("depth");
-    visit(cloud, view, footprint, depth_lists, nullptr, reference, 0, true);
+    visit(cloud, view, footprint, depth_lists, nullptr, reference, 0, nullptr, true);
   }
   auto timing = timers.scope("index");
-  visit(cloud, view, footprint, depth_lists, &index_lists, reference, 0, true);
+  visit(cloud, view, footprint, depth_lists, &index_lists, reference, 0, nullptr, true);
 }
 
 void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,

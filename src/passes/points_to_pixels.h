@@ -23,6 +23,11 @@ struct Footprint {
   float largest_medians = 4;
 };
 
+/// Only points that stop this share of the light (GpuCloud::set_casters): `from` <= share < `below`.
+struct CasterRange {
+  float from = 0, below = 2;
+};
+
 /// What survived, at the view's size. Also the input of the screen-space techniques.
 struct PixelLayer {
   gl::Texture depth_bits;  ///< R32UI: eye depth as float bits, 0xffffffff where nothing
@@ -38,10 +43,12 @@ class PointsToPixels {
   /// Depth and index of the nearest point of every pixel; returns the number of points in visible batches.
   /// With `reference` (R32F, view-sized), only points at least `min_gap` behind it count (Dobrev 2010, Sec. 3).
   std::uint64_t draw(GpuCloud& cloud, const View& view, const Footprint& footprint, PixelLayer& layer,
-                     gl::Timers& timers, const gl::Texture* reference = nullptr, float min_gap = 0);
+                     gl::Timers& timers, const gl::Texture* reference = nullptr, float min_gap = 0,
+                     const CasterRange* casters = nullptr);
   /// Only the depth visit, into `layer.depth_bits`: enough for light maps and culling.
   std::uint64_t draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-                           const gl::Texture* reference = nullptr, float min_gap = 0);
+                           const gl::Texture* reference = nullptr, float min_gap = 0,
+                           const CasterRange* casters = nullptr);
   /// Entries of a list below.
   static constexpr int list_length = 4;
   /// The nearest depths in each of the `list_length` nearest bins that a pixel has points in, and the lowest source
@@ -61,8 +68,9 @@ class PointsToPixels {
 
  private:
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-             gl::Texture* index, const gl::Texture* reference, float min_gap, bool lists = false);
-  gl::Program programs_[16];
+             gl::Texture* index, const gl::Texture* reference, float min_gap, const CasterRange* casters,
+             bool lists = false);
+  gl::Program programs_[32];
   float inverse_bin_ = 0;
   void resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass, gl::Texture* third);
   ScreenPass resolve_finished_;

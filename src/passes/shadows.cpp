@@ -1,8 +1,10 @@
 #include "passes/shadows.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 
 #include "gl/context.h"
@@ -106,30 +108,107 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
                     std::to_string(d_min) + "/" + std::to_string(reinterpret_cast<std::uintptr_t>(&cloud)) + "/" +
                     std::to_string(cloud.has_normals());
   for (int axis = 0; axis < 3; ++axis) key += "/" + std::to_string(light.vector[axis]);
+  key += "/" + std::to_string(cloud.casters_stamp());
   // The ground depends on the camera as well, so it is always drawn anew.
   if (key == key_ && cloud.has_shadow() && !ground_view) return;
   key_ = key;
 
   cloud.begin_shadow();
-  if (ground_factor) ground_factor->clear(vec4(0));
+  std::optional<Catcher> catcher;
+  if (ground_view && ground_factor) {
+    ground_factor->clear(vec4(0));
+    catcher.emplace(Catcher{*ground_view, ground, *ground_factor});
+  }
+  const Catcher* caught = catcher ? &*catcher : nullptr;
   const double texel = texel_spacings * std::max(double(cloud.median_spacing()), 1e-12);
+  // See-through casters are sparser than the cloud: their map is as much coarser, and so is d_min.
+  const float coarser = cloud.see_through_spacing() / std::max(cloud.median_spacing(), 1e-12f);
   const std::vector<Light> samples = light_samples(light, box, size, count);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     progress.update(double(i) / double(samples.size()), "shadows");
     progress.check();
-    for (const Camera& camera : light_cameras(samples[i], box, texel))
-      accumulate(cloud, camera, d_min, 1.0f / float(samples.size()), timers, ground_view, ground, ground_factor);
+    const std::vector<Camera> cameras = light_cameras(samples[i], box, texel);
+    std::vector<Camera> coarse;
+    if (coarser > 0) coarse = light_cameras(samples[i], box, texel * coarser);
+    for (std::size_t face = 0; face < cameras.size(); ++face) {
+      if (coarser > 0) peel(cloud, coarse[face], d_min * coarser, timers, caught);
+      accumulate(cloud, cameras[face], d_min, 1.0f / float(samples.size()), timers, caught);
+    }
+  }
+}
+
+void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers,
+                      const Catcher* catcher) {
+  const dvec3 origin = cloud.prepared().cloud.origin;
+  const View view(light_camera, origin);
+  const int w = view.width(), h = view.height();
+  const CasterRange see_through{least_opacity, solid_opacity};
+  for (gl::Texture* t : {&layer_depth_, &other_depth_, &opacity_}) gl::ensure(*t, "light layer", GL_R32F, w, h);
+  for (gl::Texture* t : {&state_, &other_state_}) gl::ensure(*t, "light layer limit", GL_RG32F, w, h);
+  gl::ensure(other_index_, "light layer index", GL_R32UI, w, h);
+  state_.clear(vec4(0, 1, 0, 0));
+  passed_.resize(cloud.chunks().size());
+  for (std::size_t c = 0; c < passed_.size(); ++c) {
+    const std::size_t bytes = cloud.chunks()[c].count * sizeof(float);
+    if (!passed_[c] || passed_[c].buffer().bytes() < bytes) passed_[c] = gl::TextureBuffer("light passed", GL_R32F, bytes);
+    passed_[c].buffer().clear(std::bit_cast<std::uint32_t>(1.0f));
+  }
+  if (catcher) {
+    gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(), catcher->view.height());
+    ground_passed_.clear(vec4(1));
+  }
+  if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
+  if (!layer_pass_) layer_pass_ = ScreenPass("passes/light_layer.glsl", {GL_RG32F, GL_R32F});
+  if (!lit_layer_) lit_layer_ = gl::Program::compute("passes/lit_test.comp", {"LAYER"});
+  if (!ground_layer_) ground_layer_ = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, {"LAYER"});
+
+  for (int layer = 0; layer < most_layers; ++layer) {
+    {
+      auto timing = timers.scope("light map");
+      const gl::Texture* limit = layer == 0 ? nullptr : &state_;
+      gl::Timers untimed(false);  // its own scopes are those of the picture
+      to_pixels_.draw(cloud, view, {SizeMode::pixels, 1}, layer_, untimed, limit, 0, &see_through);
+    }
+    bool is_open = false;
+    {
+      auto timing = timers.scope("light map fill");
+      decode_.run({&layer_.depth_bits}, {&layer_depth_});
+      fill_.run_index(FillKind::background, d_min, layer_depth_, other_depth_, layer_.index, other_index_);
+      fill_.run_index(FillKind::occluded, d_min, other_depth_, layer_depth_, other_index_, layer_.index);
+      view.bind();
+      cloud.bind_places();
+      open_.arm();
+      bool first = true;
+      for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+        cloud.bind_normals(chunk);
+        cloud.bind_casters(chunk);
+        layer_pass_.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+        layer_pass_.set("has_normals", cloud.has_normals()).set("d_min", d_min);
+        layer_pass_.run({&layer_depth_, &layer_.index, &state_}, {&other_state_, &opacity_});
+        first = false;
+      }
+      std::swap(state_, other_state_);
+      is_open = open_.is_set();
+    }
+    auto timing = timers.scope("lit test");
+    layer_depth_.bind(binding::input);
+    opacity_.bind(binding::input + 1);
+    test_points(cloud, lit_layer_, view, d_min);
+    if (catcher)
+      test_ground(*catcher, ground_layer_, view, light_camera, origin, d_min, {&layer_depth_, &opacity_, &ground_passed_},
+                  ground_passed_);
+    if (!is_open) break;
   }
 }
 
 void ShadowMaps::accumulate(GpuCloud& cloud, const Camera& light_camera, float d_min, float share,
-                            gl::Timers& timers, const View* ground_view, const Ground& ground,
-                            gl::Texture* ground_factor) {
+                            gl::Timers& timers, const Catcher* catcher) {
   const dvec3 origin = cloud.prepared().cloud.origin;
   const View view(light_camera, origin);
+  const CasterRange solid{solid_opacity};
   {
     auto timing = timers.scope("light map");
-    to_pixels_.draw_depth(cloud, view, {SizeMode::pixels, 1}, bits_);
+    to_pixels_.draw_depth(cloud, view, {SizeMode::pixels, 1}, bits_, nullptr, 0, cloud.has_casters() ? &solid : nullptr);
   }
   {
     auto timing = timers.scope("light map fill");
@@ -137,42 +216,60 @@ void ShadowMaps::accumulate(GpuCloud& cloud, const Camera& light_camera, float d
     gl::ensure(closed_, "closed light map", GL_R32F, view.width(), view.height());
     if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
     decode_.run({&bits_}, {&map_});
-    if (ground_view) {  // which shows empty texels inside a shadow; points never look into one
+    if (catcher) {  // which shows empty texels inside a shadow; points never look into one
       fill_.run(FillKind::background, d_min, map_, closed_);
       std::swap(map_, closed_);
     }
     fill_.run(FillKind::occluded, d_min, map_, closed_);
   }
   auto timing = timers.scope("lit test");
-  if (!lit_test_) lit_test_ = gl::Program::compute("passes/lit_test.comp");
-  lit_test_.set("d_min", d_min).set("share", share).set("has_normals", cloud.has_normals());
-  view.bind();
+  const bool has_passed = cloud.see_through_spacing() > 0;
+  gl::Defines defines;
+  if (has_passed) defines.push_back("PASSED");
+  gl::Program& lit_test = lit_test_[has_passed];
+  if (!lit_test) lit_test = gl::Program::compute("passes/lit_test.comp", defines);
+  lit_test.set("share", share);
   closed_.bind(binding::input);
-  for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+  test_points(cloud, lit_test, view, d_min);
+  if (!catcher) return;
+  ScreenPass& ground_pass = ground_pass_[has_passed];
+  if (!ground_pass) ground_pass = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, defines);
+  ground_pass.set("share", share);
+  if (has_passed) ground_passed_.bind(binding::input + 2);
+  test_ground(*catcher, ground_pass, view, light_camera, origin, d_min, {&closed_, &catcher->factor}, catcher->factor);
+}
+
+void ShadowMaps::test_points(GpuCloud& cloud, gl::Program& program, const View& light_view, float d_min) {
+  program.set("d_min", d_min).set("has_normals", cloud.has_normals());
+  light_view.bind();
+  for (std::size_t c = 0; c < cloud.chunks().size(); ++c) {
+    GpuCloud::Chunk& chunk = cloud.chunks()[c];
     cloud.bind_geometry(chunk);
     cloud.bind_normals(chunk);
     glBindImageTexture(0, chunk.shadow.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+    if (c < passed_.size()) glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
     const unsigned groups = (chunk.count + 127) / 128;
-    lit_test_.set("point_count", chunk.count).dispatch(std::min(groups, 32768u), (groups + 32767) / 32768);
+    program.set("point_count", chunk.count).dispatch(std::min(groups, 32768u), (groups + 32767) / 32768);
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-  if (!ground_view || !ground_factor) return;
+}
 
-  if (!ground_pass_) ground_pass_ = ScreenPass("passes/ground_shadow.glsl", {GL_R32F});
-  const dmat4 eye_from_cloud = ground_view->eye_from_cloud();
-  const dvec3 point(eye_from_cloud * glm::dvec4(ground.point - origin, 1));
-  const dvec3 normal(eye_from_cloud * glm::dvec4(ground.normal, 0));
+void ShadowMaps::test_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view,
+                             const Camera& light_camera, const dvec3& origin, float d_min,
+                             std::initializer_list<const gl::Texture*> inputs, gl::Texture& target) {
+  const dmat4 eye_from_cloud = catcher.view.eye_from_cloud();
+  const dvec3 point(eye_from_cloud * glm::dvec4(catcher.ground.point - origin, 1));
+  const dvec3 normal(eye_from_cloud * glm::dvec4(catcher.ground.normal, 0));
   const Intrinsics k = light_camera.intrinsics();
-  ground_pass_.set("plane_eye", vec4(vec3(normal), float(-glm::dot(normal, point))))
-      .set("light_from_eye", mat4(view.eye_from_cloud() * glm::inverse(eye_from_cloud)))
+  pass.set("plane_eye", vec4(vec3(normal), float(-glm::dot(normal, point))))
+      .set("light_from_eye", mat4(light_view.eye_from_cloud() * glm::inverse(eye_from_cloud)))
       .set("light_intrinsics", vec4(k.fx, k.fy, k.cx, k.cy))
       .set("light_orthographic", light_camera.orthographic())
-      .set("d_min", d_min)
-      .set("share", share);
-  gl::Texture next("ground shadow", GL_R32F, ground_view->width(), ground_view->height());
-  ground_view->bind();
-  ground_pass_.run({&closed_, ground_factor}, {&next});
-  std::swap(next, *ground_factor);
+      .set("d_min", d_min);
+  gl::Texture next("ground shadow", GL_R32F, catcher.view.width(), catcher.view.height());
+  catcher.view.bind();
+  pass.run(inputs, {&next});
+  std::swap(next, target);
 }
 
 }  // namespace sfumato

@@ -1,6 +1,7 @@
 // Point cloud shadow textures (Dobrev, Rosenthal, Linsen 2010, Sec. 4): a light map of the points, closed by the
 // occluded-pixel filter, and a lit test for every point; averaged over samples of the light's disc. One value per
-// point, so that every technique darkens through the shared shading pass.
+// point, so that every technique darkens through the shared shading pass. Casters that let light pass are peeled into
+// layers in front of the light, as the camera peels them.
 #pragma once
 
 #include <string>
@@ -9,6 +10,7 @@
 #include "core/camera.h"
 #include "core/progress.h"
 #include "passes/fill.h"
+#include "passes/flag.h"
 #include "passes/gpu_cloud.h"
 #include "passes/light.h"
 #include "passes/points_to_pixels.h"
@@ -36,15 +38,33 @@ class ShadowMaps {
   /// Side of a texel of the light map: with 1.5 spacings a texel holds 2.25 points on average and is empty in
   /// exp(-2.25) = 11 % of the cases, which one pass of the filter closes.
   static constexpr double texel_spacings = 1.5;
+  /// Points that stop more than this of the light are solid, those that stop less than the other cast nothing.
+  static constexpr float solid_opacity = 0.999f, least_opacity = 0.001f;
+  /// Layers of see-through casters that count, seen from the light.
+  static constexpr int most_layers = 16;
 
  private:
+  struct Catcher {  ///< the ground that a view sees
+    const View& view;
+    Ground ground;
+    gl::Texture& factor;
+  };
+  void peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers, const Catcher* catcher);
   void accumulate(GpuCloud& cloud, const Camera& light_camera, float d_min, float share, gl::Timers& timers,
-                  const View* ground_view, const Ground& ground, gl::Texture* ground_factor);
+                  const Catcher* catcher);
+  void test_points(GpuCloud& cloud, gl::Program& program, const View& light_view, float d_min);
+  void test_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view, const Camera& light_camera,
+                   const dvec3& origin, float d_min, std::initializer_list<const gl::Texture*> inputs,
+                   gl::Texture& target);
   PointsToPixels to_pixels_;
   Fill fill_;
-  ScreenPass decode_, ground_pass_;
-  gl::Program lit_test_;
+  ScreenPass decode_, layer_pass_, ground_pass_[2], ground_layer_;
+  gl::Program lit_test_[2], lit_layer_;
   gl::Texture bits_, map_, closed_;
+  PixelLayer layer_;
+  gl::Texture layer_depth_, other_depth_, other_index_, state_, other_state_, opacity_, ground_passed_;
+  std::vector<gl::TextureBuffer> passed_;  ///< of each chunk: share of a light sample that reaches its points
+  Flag open_;
   std::string key_;  ///< what the cloud's factors were computed for
 };
 

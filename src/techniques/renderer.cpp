@@ -64,6 +64,7 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   if (has_shadows) {
     // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
     if (light.kind == Light::Kind::headlight) light = key_light(camera, s.prepared.cloud.up);
+    technique.cast(*s.cloud, progress);
     const bool on_ground = settings.ground;
     if (on_ground) gl::ensure(s.ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
     s.shadows.update(*s.cloud, settings, light, timers, progress, on_ground ? &view : nullptr, ground,

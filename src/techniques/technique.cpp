@@ -4,6 +4,10 @@
 
 namespace sfumato {
 
+void Technique::cast(GpuCloud& cloud, Progress&) {
+  if (cloud.casters_key() != "solid") cloud.set_casters({}, 0, "solid");
+}
+
 const TechniqueInfo& find_technique(std::string_view name) {
   std::vector<std::string> names;
   std::string list;

@@ -1,6 +1,7 @@
 #include "passes/shadows.h"
 
 #include "reference/gl_fixture.h"
+#include "techniques/casters.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -26,9 +27,14 @@ class ShadowTest : public GlTest {
   }
 
   /// Shadow factor of every point, in the order of `cloud`.
-  std::vector<float> factors(const PointCloud& cloud, const RenderSettings& settings) {
+  std::vector<float> factors(const PointCloud& cloud, const RenderSettings& settings,
+                             const std::vector<float>& opacity = {}) {
     prepared_ = analysis::prepare(cloud, {}, {});
     GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
+    std::vector<float> casters;
+    for (std::uint32_t source : prepared_.cloud.source_index)
+      if (!opacity.empty()) casters.push_back(opacity[source]);
+    set_casters(gpu, casters, "test");
     gl::Timers timers(false);
     ShadowMaps maps;
     maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress());
@@ -166,6 +172,83 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
       const double r = std::hypot(x - 49.5, y - 49.5) / 50;
       if (r < 0.44) ASSERT_NEAR(lit.at(x, y), 0, 1e-6) << r;  // a texel of 0.04 inside the outline
       if (r > 0.6) ASSERT_NEAR(lit.at(x, y), 1, 1e-6) << r;
+    }
+}
+
+// Seen from the light, every surface of opacity a lets 1 - a pass, and what it lets pass is multiplied.
+TEST_F(ShadowTest, SeeThroughCastersDarkenByTheirOpacity) {
+  struct Caster {
+    float height, opacity;
+  };
+  const std::vector<std::pair<std::vector<Caster>, double>> cases{
+      {{{1, 0.2f}}, 0.8},
+      {{{1, 0.2f}, {1.4f, 0.2f}}, 0.64},
+      {{{1, 0.5f}, {1.4f, 0.5f}, {1.8f, 0.5f}}, 0.125},
+      {{{1, 0.3f}, {1.4f, 0.6f}}, 0.7 * 0.4},
+      {{{1, 0}}, 1},             // removed
+      {{{1, 0.2f}, {1.4f, 0}}, 0.8},
+      {{{1, 0.2f}, {1.4f, 1}}, 0},   // solid behind and in front
+      {{{1, 1}, {1.4f, 0.2f}}, 0},
+      {{{1, 0.2f}, {-1, 0.5f}}, 0.8},  // the last one lies behind the plane
+  };
+  for (const auto& [casters, expected] : cases)
+    for (const char* text : {"dir:0,0,1", "dir:0.5,0.3,1", "dir:1,0,0.6", "1,0,9"}) {
+      PointCloud cloud = sheet(100, 1, 0);
+      const std::size_t plane = cloud.size();
+      std::vector<float> opacity(plane, 1.0f);
+      for (const Caster& caster : casters) {
+        append(cloud, sheet(200, 4, caster.height));
+        opacity.resize(cloud.size(), caster.opacity);
+      }
+      const std::vector<float> m = factors(cloud, hard(text), opacity);
+      double sum = 0;
+      std::size_t right = 0;
+      for (std::size_t i = 0; i < plane; ++i) {
+        sum += m[i] / double(plane);
+        right += std::abs(m[i] - expected) < 1e-5;  // some roundings of 1e-7
+      }
+      // Empty texels that the filters leave: below 1 % (the outline test above).
+      EXPECT_GE(right, plane * 0.99) << text << " " << expected << " got " << sum << ", casters " << casters.size();
+      EXPECT_NEAR(sum, expected, 0.01) << text;
+      // A sheet does not darken itself, nor what is in front of it.
+      std::size_t own = 0, own_right = 0;
+      double in_front = 1;
+      for (const Caster& other : casters)
+        if (other.height > casters[0].height) in_front *= 1 - other.opacity;
+      for (std::size_t i = plane; i < plane + 200 * 200; ++i) {
+        if (std::abs(cloud.positions[i].x) > 1 || std::abs(cloud.positions[i].y) > 1) continue;
+        ++own;
+        own_right += std::abs(m[i] - in_front) < 1e-5;
+      }
+      EXPECT_GE(own_right, own * 0.99) << text << " own, expected " << in_front;
+    }
+}
+
+// The ground under see-through casters, and casters on two sides of the limits of GPU buffers (7000 points).
+TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
+  PointCloud cloud = sheet(200, 1, 1);
+  append(cloud, sheet(200, 1, 1.5f));
+  prepared_ = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
+  set_casters(gpu, std::vector<float>(cloud.size(), 0.3f), "test");
+  Camera camera;
+  camera.position = {0, 0, 4};
+  camera.up = {0, 1, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = 4;
+  camera.width = camera.height = 100;
+  const View view(camera, prepared_.cloud.origin);
+  RenderSettings settings = hard("dir:0,0,1");
+  gl::Timers timers(false);
+  ShadowMaps maps;
+  gl::Texture factor("ground factor", GL_R32F, 100, 100);
+  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{}, &factor);
+  const Image<float> lit = factor.download<float>();
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) {
+      const double away = std::max(std::abs(x - 49.5), std::abs(y - 49.5)) / 25;  // the sheets reach 1
+      if (away < 0.94) ASSERT_NEAR(lit.at(x, y), 0.49, 1e-5) << away;
+      if (away > 1.06) ASSERT_NEAR(lit.at(x, y), 1, 1e-6) << away;
     }
 }
 

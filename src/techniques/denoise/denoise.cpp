@@ -14,6 +14,7 @@
 
 #include "gl/context.h"
 #include "passes/shade.h"
+#include "techniques/casters.h"
 #include "techniques/denoise/bins.h"
 #include "techniques/denoise/noise.h"
 #include "techniques/technique.h"
@@ -82,6 +83,20 @@ class Denoise final : public Technique {
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
 
   bool shows(Shading shading) const override { return shading < Shading::occlusion || shading == Shading::weight; }
+
+  /// What is removed casts no shadow: points that are not enough evidence for a surface. `weight_threshold` 0 shows
+  /// them all.
+  void cast(GpuCloud& cloud, Progress& progress) override {
+    const bool shows_all = !parameters_.weight_threshold.is_auto() && parameters_.weight_threshold.value() == 0;
+    const std::string key = shows_all ? "solid" : "denoise/" + std::to_string(cloud.serial());
+    if (cloud.casters_key() == key) return;
+    std::vector<float> opacity;
+    if (!shows_all) {
+      opacity = denoise::splat_support(cloud.prepared(), progress);
+      for (float& each : opacity) each = each < least_support ? 0 : 1;
+    }
+    set_casters(cloud, opacity, key);
+  }
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);

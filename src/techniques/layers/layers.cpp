@@ -17,6 +17,7 @@
 #include "passes/bindings.h"
 #include "passes/fill.h"
 #include "passes/shade.h"
+#include "techniques/casters.h"
 #include "techniques/layers/opacity.h"
 #include "techniques/layers/peel.h"
 #include "techniques/layers/screen_extent.h"
@@ -79,6 +80,16 @@ class Layers final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
 
+  void cast(GpuCloud& cloud, Progress&) override {
+    const std::vector<float>& list = parameters_.opacity;
+    if (list.empty()) throw no_opacity();
+    if (cloud.size() == 0) return cloud.set_casters({}, 0, "");
+    std::string key = "layers/" + parameters_.opacity_by;
+    for (float value : list) key += "," + std::to_string(value);
+    if (cloud.casters_key() == key) return;
+    set_casters(cloud, list.size() > 1 ? opacities_of_list(cloud) : std::vector<float>(cloud.size(), list[0]), key);
+  }
+
   bool render(Frame& frame) override {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
@@ -136,10 +147,17 @@ class Layers final : public Technique {
     return {prepared, frame.camera, parameters_.point_size, reach};
   }
 
+  static Error no_opacity() { return {ErrorCode::usage, "opacity: give at least one number between 0 and 1"}; }
+
+  std::vector<float> opacities_of_list(const GpuCloud& cloud) const {
+    const PointCloud& points = cloud.prepared().cloud;
+    return layers::opacities(layers::opacity_scalar(points, parameters_.opacity_by), parameters_.opacity);
+  }
+
   void choose_opacities(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const std::vector<float>& list = parameters_.opacity;
-    if (list.empty()) throw Error(ErrorCode::usage, "opacity: give at least one number between 0 and 1");
+    if (list.empty()) throw no_opacity();
     has_list_ = list.size() > 1 && parameters_.show_layer == 0 && !prepared.cloud.empty();
     if (!has_list_) return;
     const ScalarField& scalar = layers::opacity_scalar(prepared.cloud, parameters_.opacity_by);
@@ -257,7 +275,7 @@ class Layers final : public Technique {
   bool cascade_ = false, has_list_ = false;
 
   layers::Peel peel_;
-  layers::Flag open_;
+  Flag open_;
   Fill fill_;
   ScreenPass light_[16], smooth_, advance_[4];
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;

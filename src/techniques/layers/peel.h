@@ -1,22 +1,11 @@
 // Depth peeling of points: the nearest point of every pixel at or behind a limit, layer by layer.
 #pragma once
 
+#include "passes/flag.h"
 #include "passes/points_to_pixels.h"
 #include "passes/screen_pass.h"
 
 namespace sfumato::layers {
-
-/// One word that passes set when some pixel says yes; read back after the pass.
-class Flag {
- public:
-  /// Clears the flag and binds it as image 7.
-  void arm();
-  /// Waits for the GPU.
-  bool is_set();
-
- private:
-  gl::Texture word_;
-};
 
 class Peel {
  public:

@@ -15,6 +15,7 @@
 
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
+#include "techniques/casters.h"
 #include "techniques/soft/express.h"
 #include "techniques/soft/field.h"
 #include "techniques/soft/interior.h"
@@ -92,6 +93,17 @@ class Soft final : public Technique {
   Attributes needs() const override {
     const Attributes drawing = Attribute::normal | Attribute::radius;
     return parameters_.field.field == "uncertainty" ? drawing | Attribute::uncertainty : drawing;
+  }
+
+  void cast(GpuCloud& cloud, Progress&) override {
+    update_field(cloud);
+    const float threshold = parameters_.field_threshold.resolve(field_.threshold);
+    const std::string key = "soft/" + std::to_string(stamp_) + "/" + std::to_string(threshold) + "/" +
+                            std::to_string(parameters_.opacity);
+    if (cloud.casters_key() == key) return;
+    std::vector<float> opacity(field_.values.size());
+    for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? parameters_.opacity : 1;
+    set_casters(cloud, opacity, key);
   }
 
   bool render(Frame& frame) override {
