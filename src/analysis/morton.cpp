@@ -31,7 +31,7 @@ using Range = tbb::blocked_range<std::size_t>;
 using Ids = std::span<std::uint32_t>;
 
 struct Entry {
-  std::uint64_t key;
+  std::uint32_t key;  // 32 of the 63 bits: half the memory to move, and few cells need the others
   std::uint32_t id;
 };
 
@@ -50,7 +50,9 @@ Box box_of(std::span<const std::uint32_t> ids, const std::vector<vec3>& position
         }
         return box;
       },
-      [](const Box& a, const Box& b) { return Box{glm::min(a.min, b.min), glm::max(a.max, b.max)}; });
+      [](const Box& a, const Box& b) {
+        return Box{glm::min(a.min, b.min), glm::max(a.max, b.max)};
+      });
 }
 
 /// The numbers below 128 with two zero bits after each bit.
@@ -94,7 +96,8 @@ class Cells {
   float scale_;
 };
 
-/// Stable: by the highest bits in which the keys differ, then each part in the same way.
+/// Stable. By two digits from the highest bit in which the keys differ, the lower one first, and the few
+/// entries that agree in both in the same way: next to no branch depends on the keys.
 void sort_by_key(std::span<Entry> entries, Entry* scratch) {
   if (entries.size() <= insertion_up_to) {
     for (std::size_t i = 1; i < entries.size(); ++i) {
@@ -105,20 +108,32 @@ void sort_by_key(std::span<Entry> entries, Entry* scratch) {
     }
     return;
   }
-  std::uint64_t differing = 0;
+  std::uint32_t differing = 0;
   for (const Entry& entry : entries) differing |= entry.key ^ entries[0].key;
   if (differing == 0) return;
-  constexpr int digit_bits = 8;
-  const int shift = std::max(0, int(std::bit_width(differing)) - digit_bits);
-  const auto digit = [&](const Entry& entry) { return entry.key >> shift & ((1u << digit_bits) - 1); };
-  std::array<std::uint32_t, (1 << digit_bits) + 1> ends{};
-  for (const Entry& entry : entries) ++ends[digit(entry) + 1];
-  std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  for (const Entry& entry : entries) scratch[ends[digit(entry)]++] = entry;
-  std::copy_n(scratch, entries.size(), entries.begin());
+  constexpr int most_digit_bits = 9;
+  const int digit_bits = std::clamp(int(std::bit_width(entries.size())) - 1, 5, most_digit_bits);
+  const int shift = std::max(0, int(std::bit_width(differing)) - 2 * digit_bits);
+  const std::uint32_t digits = 1u << digit_bits;
+  const auto low = [&](const Entry& entry) { return entry.key >> shift & (digits - 1); };
+  const auto high = [&](const Entry& entry) { return entry.key >> shift >> digit_bits & (digits - 1); };
+  std::array<std::uint32_t, 1 << most_digit_bits> low_places, high_places;
+  std::fill_n(low_places.begin(), digits, 0u);
+  std::fill_n(high_places.begin(), digits, 0u);
+  for (const Entry& entry : entries) ++low_places[low(entry)], ++high_places[high(entry)];
+  std::uint32_t low_place = 0, high_place = 0;
+  for (std::uint32_t d = 0; d < digits; ++d) {
+    low_place += std::exchange(low_places[d], low_place);
+    high_place += std::exchange(high_places[d], high_place);
+  }
+  for (const Entry& entry : entries) scratch[low_places[low(entry)]++] = entry;
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[high_places[high(scratch[i])]++] = scratch[i];
   if (shift == 0) return;
-  for (std::size_t d = 0, first = 0; d < 1 << digit_bits; first = ends[d++])
-    if (ends[d] - first > 1) sort_by_key(entries.subspan(first, ends[d] - first), scratch);
+  for (std::size_t first = 0, i = 1; i <= entries.size(); ++i) {
+    if (i < entries.size() && (entries[i].key ^ entries[first].key) >> shift == 0) continue;
+    if (i - first > 1) sort_by_key(entries.subspan(first, i - first), scratch);
+    first = i;
+  }
 }
 
 class CurveSort {
@@ -126,8 +141,8 @@ class CurveSort {
   CurveSort(const std::vector<vec3>& positions, const Progress& progress)
       : positions_(positions), progress_(progress) {}
 
-  /// Sorts `ids`, which come in the order that coincident points keep. First into buckets by the first bits of
-  /// their keys, on all threads, then each bucket within the cache of one thread.
+  /// Sorts `ids`, which come in the order that coincident points keep. First into buckets by the first bits
+  /// of their keys, on all threads, then each bucket within the cache of one thread.
   void sort(Ids ids, const Box& box) const {
     const Cells cells(box);
     if (!cells.any()) return;
@@ -141,16 +156,15 @@ class CurveSort {
       for (std::size_t b = range.begin(); b < range.end(); ++b) {
         const std::size_t first = b == 0 ? 0 : ends[b - 1], count = ends[b] - first;
         const std::span<Entry> bucket(entries.get() + first, count);
+        const Ids its_ids = ids.subspan(first, count);
         const bool crowded = n >= few && count > n / 2;  // it is sorted inside its own box
-        if (!crowded) {
+        if (crowded) {
+          for (std::size_t i = 0; i < count; ++i) its_ids[i] = bucket[i].id;
+          sort(its_ids);
+        } else {
           scratch.resize(std::max(scratch.size(), count));
-          sort_by_key(bucket, scratch.data());
+          sort_bucket(bucket, scratch.data(), cells, 3 * bits_per_axis - bits - 32, its_ids);
         }
-        for (std::size_t i = 0; i < count; ++i) ids[first + i] = bucket[i].id;
-        if (crowded)
-          sort(ids.subspan(first, count));
-        else
-          refine(bucket, ids.subspan(first, count));
       }
     });
   }
@@ -158,7 +172,8 @@ class CurveSort {
  private:
   void sort(Ids ids) const { sort(ids, box_of(ids, positions_)); }
 
-  /// Entries of `ids` in the order of the first `bits` bits of their keys. Returns where each bucket ends.
+  /// Entries of `ids` in the order of the first `bits` bits of their keys, with the next 32. Returns where
+  /// each bucket ends.
   std::vector<std::size_t> fill_buckets(Ids ids, const Cells& cells, int bits, Entry* entries) const {
     const std::size_t n = ids.size(), buckets = std::size_t(1) << bits;
     const std::size_t parts = std::clamp<std::size_t>(n / grain, 1, 16);
@@ -182,17 +197,39 @@ class CurveSort {
       std::uint32_t* next = &places[part * buckets];
       for (std::size_t i = part * n / parts; i < (part + 1) * n / parts; ++i) {
         const std::uint64_t key = cells.key(positions_[ids[i]]);
-        entries[next[bucket_of(std::uint32_t(key >> 42))]++] = {key, ids[i]};
+        const std::uint32_t key_part = std::uint32_t(key >> (3 * bits_per_axis - bits - 32));
+        entries[next[bucket_of(std::uint32_t(key >> 42))]++] = {key_part, ids[i]};
       }
     });
     return ends;
   }
 
-  /// A cell is 2^-21 of its box, so this ends after a few rounds.
-  void refine(std::span<const Entry> sorted, Ids ids) const {
+  /// Sorts entries whose keys are those from the cells without their last `rest` bits, first of all by these.
+  void sort_bucket(std::span<Entry> bucket, Entry* scratch, const Cells& cells, int rest, Ids ids) const {
+    sort_by_key(bucket, scratch);
+    each_run(bucket, [&](std::size_t first, std::size_t count) {
+      const std::span<Entry> run = bucket.subspan(first, count);
+      const Ids run_ids = ids.subspan(first, count);
+      if (count > 1) {
+        const std::uint64_t mask = (std::uint64_t(1) << rest) - 1;
+        for (Entry& entry : run) entry.key = std::uint32_t(cells.key(positions_[entry.id]) & mask);
+        sort_by_key(run, scratch);
+      }
+      for (std::size_t i = 0; i < count; ++i) run_ids[i] = run[i].id;
+      // A cell is 2^-21 of its box, so this ends after a few rounds.
+      if (count > refined_from)
+        each_run(run, [&](std::size_t begin, std::size_t length) {
+          if (length > refined_from) sort(run_ids.subspan(begin, length));
+        });
+    });
+  }
+
+  /// Calls `run(first, count)` for the entries of each key.
+  template <class Run>
+  static void each_run(std::span<const Entry> sorted, const Run& run) {
     for (std::size_t first = 0, i = 1; i <= sorted.size(); ++i) {
       if (i < sorted.size() && sorted[i].key == sorted[first].key) continue;
-      if (i - first > refined_from) sort(ids.subspan(first, i - first));
+      run(first, i - first);
       first = i;
     }
   }
@@ -207,7 +244,14 @@ void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, st
   if (values.empty()) return;
   T* const sorted = reinterpret_cast<T*>(scratch);
   tbb::parallel_for(Range(0, order.size(), grain), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) sorted[i] = values[order[i]];
+    constexpr std::size_t ahead = 64;  // each value is a cache miss: more of them under way at once
+    const std::size_t near_end = range.end() - std::min(range.size(), ahead);
+    std::size_t i = range.begin();
+    for (; i < near_end; ++i) {
+      __builtin_prefetch(&values[order[i + ahead]]);
+      sorted[i] = values[order[i]];
+    }
+    for (; i < range.end(); ++i) sorted[i] = values[order[i]];
   });
   tbb::parallel_for(Range(0, order.size(), grain), [&](const Range& range) {
     std::copy(sorted + range.begin(), sorted + range.end(), values.begin() + std::ptrdiff_t(range.begin()));
@@ -219,9 +263,10 @@ void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, st
 std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progress) {
   const std::size_t n = cloud.size();
   if (n > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::bad_input, "the cloud has " + std::to_string(n) +
-                                          " points, more than the 4294967295 that can be shown at once: thin it "
-                                          "or cut it into parts");
+    throw Error(ErrorCode::bad_input,
+                "the cloud has " + std::to_string(n) +
+                    " points, more than the 4294967295 that can be shown at once: thin it "
+                    "or cut it into parts");
   progress.update(0, "sorting");
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
