@@ -33,9 +33,13 @@ void technique_row(benchmark::State& state, const char* name) {
   time_frames(state, *technique, std::size_t(state.range(0)), RenderSettings{}, table_size, table_size);
 }
 
-void model_row(benchmark::State& state, const char* model) {
+void model_row(benchmark::State& state, const char* model, bool every_point = false) {
   const std::size_t count = std::size_t(state.range(0));
   auto technique = soft_technique(model);
+  if (every_point) {  // as in Figure 8, whose cloud is vegetation
+    set(*technique, "field_threshold", "-1");
+    set(*technique, "modulation_threshold", "-1");
+  }
   Renderer& renderer = tori_renderer(count, technique->needs());
   renderer.render(*technique, tori_camera(0, table_size, table_size), RenderSettings{});
   double fragments = 0;
@@ -91,6 +95,13 @@ void sort_row(benchmark::State& state) {
   passes_row(state, *technique, {"sort"}, 1024, [](const RenderOutput&) { return 1.0; });
 }
 
+/// What the soft points add to the frame: the solid ones cost every model the same.
+void added_row(benchmark::State& state, const char* model) {
+  auto technique = soft_technique(model);
+  passes_row(state, *technique, {"soft points", "sort", "blend", "count", "prefix sum", "store", "resolve"}, table_size,
+             [](const RenderOutput&) { return 1.0; });
+}
+
 void fragments_row(benchmark::State& state, const std::vector<std::string>& passes) {
   auto technique = soft_technique("base");
   passes_row(state, *technique, passes, table_size, [](const RenderOutput& out) { return fragments_of(out) * 1e-6; });
@@ -110,6 +121,10 @@ const bool registered = [] {
       name(technique, [=](benchmark::State& state) { technique_row(state, technique); }, count);
     for (const char* model : {"one_layer", "express", "concentric", "base"})
       name(model, [=](benchmark::State& state) { model_row(state, model); }, count);
+    for (const char* model : {"express", "concentric", "base"}) {
+      name(std::string("added_by_") + model, [=](benchmark::State& state) { added_row(state, model); }, count);
+      name(std::string("every_point_") + model, [=](benchmark::State& state) { model_row(state, model, true); }, count);
+    }
   }
   name("all_soft", all_soft_row, 1'000'000);
   name("sort", sort_row, 1'000'000);

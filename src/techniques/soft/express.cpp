@@ -19,7 +19,8 @@ vec3 axis_shares(const dvec3& direction) {
 }
 
 void Express::blend(SoftPoints& points, const Order& order, const View& view, const gl::Texture& solid_t,
-                    const gl::Texture& color, bool as_quads) {
+                    gl::Texture& color, bool as_quads) {
+  if (default_blend_place() == BlendPlace::cpu) return cpu_.draw(points, order, view, solid_t, color);
   gl::Program& program = programs_[as_quads];
   if (!program) {
     gl::Defines defines{"SPLAT_SPHERE", "SOFT_ORDERED"};

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "passes/screen_pass.h"
-#include "techniques/soft/soft_points.h"
+#include "techniques/soft/express_cpu.h"
 
 namespace sfumato::soft {
 
@@ -21,8 +21,9 @@ class Express {
 
  private:
   void blend(SoftPoints& points, const Order& order, const View& view, const gl::Texture& solid_t,
-             const gl::Texture& color, bool as_quads);
+             gl::Texture& color, bool as_quads);
   gl::Program programs_[2];
+  ExpressCpu cpu_;
   ScreenPass mix_;
   gl::Texture one_order_, mixed_, sum_;
 };

@@ -8,6 +8,7 @@ layout(binding = UNIT_INPUT) uniform sampler2D solid_t_image;  // ray distance o
 layout(std430, binding = 0) writeonly buffer Shapes { vec4 shapes[]; };
 layout(std430, binding = 1) writeonly buffer Looks { uvec4 looks[]; };
 layout(std430, binding = 2) writeonly buffer Keys { uint keys[]; };
+layout(std430, binding = 3) writeonly buffer Boxes { uvec2 boxes[]; };  // first and last pixel; last < first: none
 
 uniform uint point_count;
 uniform uint first_slot;
@@ -62,6 +63,7 @@ void main() {
   uint slot = first_slot + k;
   shapes[slot] = vec4(splat.center, drawn ? splat.radius : 0.0);
   looks[slot] = uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, share)), floatBitsToUint(alpha), uint(shells));
+  boxes[slot] = drawn ? uvec2(first.x | first.y << 16, last.x | last.y << 16) : uvec2(1u, 0u);
   // Far points first. Distances are positive but behind an orthographic camera, where nothing is drawn.
   keys[slot] = seen ? ~floatBitsToUint(max(distance, 0.0)) : 0xffffffffu;
 }

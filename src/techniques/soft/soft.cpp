@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
@@ -159,6 +160,13 @@ class Soft final : public Technique {
   }
 
   void draw_solid(Frame& frame, const View& view, SplatShape shape, const SplatBlend& blend) {
+    if (points_.count() == field_.values.size()) {  // nothing is solid
+      surface_.draw_nearest(frame.cloud, view, shape, {});
+      frame.target.color.clear(vec4(0));
+      frame.target.depth.clear(vec4(std::numeric_limits<float>::infinity()));
+      frame.target.normal.clear(vec4(0, 0, 0, 1));
+      return;
+    }
     shape.part = SplatPart::not_above;
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
     auto timing = frame.timers.scope("shade");

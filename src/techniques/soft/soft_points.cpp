@@ -60,6 +60,7 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
   }
   shapes_ = gl::TextureBuffer("soft shapes", GL_RGBA32F, count() * 16);
   looks_ = gl::TextureBuffer("soft looks", GL_RGBA32UI, count() * 16);
+  boxes_ = gl::TextureBuffer("soft boxes", GL_RG32UI, count() * 8);
   keys_ = gl::Buffer("soft depths", count() * 4);
 }
 
@@ -82,6 +83,7 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
   shapes_.buffer().bind_storage(0);
   looks_.buffer().bind_storage(1);
   keys_.bind_storage(2);
+  boxes_.buffer().bind_storage(3);
   std::uint32_t slot = 0;
   for (std::size_t c = 0; c < cloud.chunks().size(); ++c) {
     const std::uint32_t points = std::uint32_t(lists_[c].buffer().bytes() / 4);

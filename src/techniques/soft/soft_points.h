@@ -54,6 +54,9 @@ class SoftPoints {
   /// For screen passes that read the spheres: UNIT_INPUT and UNIT_INPUT + 1.
   const gl::TextureBuffer& shapes() const { return shapes_; }
   const gl::TextureBuffer& looks() const { return looks_; }
+  /// RG32UI, of every slot: first and last pixel of its box, x in the low 16 bits, y in the high ones; the last before
+  /// the first where there is nothing to draw.
+  const gl::TextureBuffer& boxes() const { return boxes_; }
 
  private:
   const PointCloud* cloud_ = nullptr;
@@ -66,7 +69,7 @@ class SoftPoints {
   dmat4 sorted_view_{0};
   vec3 sorted_sizes_{0};  ///< radius scale, limit, antialiasing: what decides which spheres the view sees
   std::vector<gl::TextureBuffer> lists_;  ///< of each chunk: places within it
-  gl::TextureBuffer shapes_, looks_;
+  gl::TextureBuffer shapes_, looks_, boxes_;
   gl::Buffer keys_;
   gl::Program fill_;
   DepthSort depth_sort_;
