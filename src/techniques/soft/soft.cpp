@@ -32,7 +32,7 @@ enum class Model { express, concentric, base, one_layer };
 
 struct Parameters {
   Model model = Model::express;
-  float opacity = 0.15f;
+  Auto<float> opacity;
   FieldSettings field;
   Auto<float> field_threshold, modulation_threshold;
   DrawOrder order = DrawOrder::exact;
@@ -51,7 +51,8 @@ struct Parameters {
               "layer transparent")
         .paper("Seemann 2018, Sec. 3");
     p.add("opacity", opacity).range(0, 1)
-        .help("of a lone soft point through its centre, in every model")
+        .help("of a lone soft point through its centre, in every model (auto: 0.3 by uncertainty, so that a sheet of soft "
+              "points hides about half; 0.15 for what is chosen to be seen through)")
         .paper("Seemann 2018, lambda");
     field.describe(p);
     p.add("field_threshold", field_threshold)
@@ -117,16 +118,18 @@ class Soft final : public Technique {
     if (p.antialias) shape.prefilter_px = 1;
     shape.field_threshold = p.field_threshold.resolve(field_.threshold);
     p.modulation_threshold.resolve(field_.modulation_threshold);
+    // Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like holes.
+    const float opacity = p.opacity.resolve(p.field.field == "uncertainty" ? 0.3f : 0.15f);
     SplatBlend blend;
     blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
 
     points_.choose(frame.cloud, field_.values, shape.field_threshold);
     if (p.model == Model::one_layer) {
       shape.part = SplatPart::above;
-      one_layer_.draw(frame, view, shape, blend, p.opacity);
+      one_layer_.draw(frame, view, shape, blend, opacity);
     } else {
       draw_solid(frame, view, shape, blend);  // Sec. 4, step 2
-      if (points_.count() > 0 && p.opacity > 0) draw_soft(frame, view, shape);
+      if (points_.count() > 0 && opacity > 0) draw_soft(frame, view, shape);
     }
     return true;
   }
@@ -178,7 +181,7 @@ class Soft final : public Technique {
     const Parameters& p = parameters_;
     if (p.clamp_radius) shape.radius_limit = points_.radius_limit();
     Look look;
-    look.opacity = p.opacity;
+    look.opacity = p.opacity.value();
     look.field_threshold = p.field_threshold.value();
     look.modulation_threshold = p.modulation_threshold.value();
     look.antialias = p.antialias;
