@@ -207,10 +207,11 @@ PointCloud two_spheres() {
 
 TEST_F(StrokesTest, RefiningStepByStepEndsInTheSameBits) {
   for (const char* order : {"stroke", "fragment"})
-    for (const char* style : {"oil", "watercolor"}) {
+    for (auto [style, sort_steps] : {std::pair{"oil", "1"}, {"watercolor", "1"}, {"watercolor", "3"}}) {
       Studio at_once(two_spheres()), by_step(two_spheres());
       for (Studio* s : {&at_once, &by_step}) s->set("stroke_order", order), s->set("style", style);
       by_step.set("refine", "per_frame");
+      by_step.set("sort_steps", sort_steps);
       by_step.set("min_sorted", "0");
       ASSERT_TRUE(at_once.step());
       int frames = 1;
@@ -228,6 +229,27 @@ TEST_F(StrokesTest, RefiningStepByStepEndsInTheSameBits) {
       const Image<vec4> a = at_once.picture(), b = by_step.picture();
       for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << order << style << i;
     }
+}
+
+// What stands in until fragments are sorted is taken from the lists; the moving picture from a depth buffer.
+TEST_F(StrokesTest, TheFirstFrameOfARefinementIsTheBlurredPicture) {
+  for (const char* order : {"stroke", "fragment"}) {
+    Studio moving(two_spheres()), stopped(two_spheres());
+    for (Studio* s : {&moving, &stopped}) s->set("stroke_order", order);
+    moving.set("blend", "blur");
+    stopped.set("refine", "per_frame");
+    ASSERT_TRUE(moving.step());
+    ASSERT_FALSE(stopped.step());
+    const Image<vec4> a = moving.picture(), b = stopped.picture();
+    std::size_t covered = 0, apart = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      covered += a.data()[i].a > 0.5f;
+      apart += glm::distance(a.data()[i], b.data()[i]) > 1e-5f;
+    }
+    EXPECT_GT(covered, a.size() / 10);
+    // Strokes as near as each other to the last bits of a depth buffer: their pixels, and those the blur mixes with them.
+    EXPECT_LE(apart, a.size() / 500) << order;
+  }
 }
 
 TEST_F(StrokesTest, AChangeStartsOver) {

@@ -1,8 +1,27 @@
-// Running sums, or the one nearest fragment (PAINT_NEAREST), to albedo, depth and normal for the shading pass.
+// Running sums to albedo, depth and normal for the shading pass.
+//   PAINT_NEAREST   instead of sums the one nearest fragment
+//   PAINT_LISTED    the same from the lists of fragments
 #include "frame.glsl"
-#ifdef PAINT_NEAREST
+#if defined(PAINT_NEAREST) || defined(PAINT_LISTED)
 #include "techniques/strokes/paint.glsl"
+#endif
+#if defined(PAINT_NEAREST)
 layout(binding = UNIT_INPUT + 1) uniform usampler2D nearest;
+uvec4 nearest_fragment(ivec2 pixel) { return texelFetch(nearest, pixel, 0); }
+#elif defined(PAINT_LISTED)
+layout(binding = UNIT_INPUT + 1) uniform usampler2D offsets;
+layout(binding = UNIT_INPUT + 2) uniform usampler2D cursors;
+layout(binding = UNIT_INPUT + 3) uniform usamplerBuffer fragments;
+uvec4 nearest_fragment(ivec2 pixel) {
+  uvec4 nearest = uvec4(0xffffffffu);
+  int first = int(texelFetch(offsets, pixel, 0).x), end = first + int(texelFetch(cursors, pixel, 0).x);
+  for (int k = first; k < end; ++k) {
+    uvec4 fragment = texelFetch(fragments, k);
+    // Positive floats sort like their bits; as opaque as the pass that draws nothing else asks for (stroke.frag).
+    if (fragment.x < nearest.x && unpackUnorm2x16(fragment.w).x >= 0.5) nearest = fragment;
+  }
+  return nearest;
+}
 #else
 layout(binding = UNIT_INPUT) uniform sampler2D sum_color;
 layout(binding = UNIT_INPUT + 1) uniform sampler2D sum_normal;
@@ -10,8 +29,8 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D sum_rest;
 #endif
 
 bool filter_pixel(ivec2 pixel) {
-#ifdef PAINT_NEAREST
-  uvec4 fragment = texelFetch(nearest, pixel, 0);
+#if defined(PAINT_NEAREST) || defined(PAINT_LISTED)
+  uvec4 fragment = nearest_fragment(pixel);
   vec4 color = vec4(0.0, 0.0, 0.0, 1.0), normal = vec4(0.0);
   float t = 0.0;
   if (fragment.x != 0xffffffffu) {

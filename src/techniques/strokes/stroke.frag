@@ -1,10 +1,13 @@
 // The brush on a stroke's plane, met by the ray of the pixel.
-//   STROKE_OPAQUE   the nearest opaque fragment of every pixel, by GL_MIN blending
+//   STROKE_OPAQUE   the nearest opaque fragment of every pixel, by the depth test
 //   STROKE_COUNT    how many fragments lie before it, by additive blending
 //   STROKE_STORE    those fragments into the lists of their pixels
 //   STROKE_NEAREST  the nearest fragment, by the depth test
-//   FRAGMENT_ORDER  fragments by their own distance, not whole strokes by theirs
+//   FRAGMENT_ORDER  fragments by their own distance, not whole strokes by theirs: depths are those of fragments
 #include "frame.glsl"
+#if defined(STROKE_STORE) && !defined(FRAGMENT_ORDER)
+layout(early_fragment_tests) in;  // what is hidden is not stored
+#endif
 
 flat in int stroke;
 flat in vec4 stroke_center_key;
@@ -15,8 +18,8 @@ flat in vec2 stroke_tile;
 
 layout(binding = UNIT_INPUT + 1) uniform sampler2D brush;
 
-#if defined(STROKE_COUNT) || defined(STROKE_STORE)
-layout(binding = UNIT_INPUT + 2) uniform sampler2D opaque_z;
+#if defined(FRAGMENT_ORDER) && (defined(STROKE_COUNT) || defined(STROKE_STORE))
+layout(binding = UNIT_INPUT + 2) uniform sampler2D opaque_depth;
 #endif
 #ifdef STROKE_STORE
 layout(binding = UNIT_INPUT + 3) uniform usampler2D offsets;
@@ -24,11 +27,10 @@ layout(r32ui, binding = 0) uniform uimage2D cursors;
 layout(rgba32ui, binding = 1) writeonly uniform uimageBuffer fragments;
 uniform ivec2 rows;  // [first, last) of this band
 uniform uint fragment_room;
-#else
+#elif defined(STROKE_NEAREST)
+layout(location = 0) out uvec4 out_fragment;
+#elif defined(STROKE_COUNT)
 layout(location = 0) out vec4 out_value;
-#endif
-#ifdef STROKE_NEAREST
-layout(location = 1) out uvec4 out_fragment;
 #endif
 
 uint pack_paint(float alpha, vec2 slope) {
@@ -55,9 +57,14 @@ void main() {
 #else
   float z = stroke_center_key.w;
 #endif
+#ifdef FRAGMENT_ORDER
 #if defined(STROKE_COUNT) || defined(STROKE_STORE)
-  // Two programs may round z differently: a fragment too many does no harm, it is hidden.
-  if (z > texelFetch(opaque_z, ivec2(pixel), 0).x * (1.0 + 1e-5)) discard;
+  // As in stroke.vert, a trace nearer.
+  float trace = z * (1.0 - 1e-5);
+  if (trace / (trace + frame.far_plane) > texelFetch(opaque_depth, ivec2(pixel), 0).x) discard;
+#else
+  gl_FragDepth = z / (z + frame.far_plane);
+#endif
 #endif
   // A tile's border stays half a texel of the level away from its neighbours.
   float inset = 0.5 * exp2(ceil(stroke_u.w)) / 64.0;
@@ -67,7 +74,6 @@ void main() {
 
 #if defined(STROKE_OPAQUE)
   if (alpha < 0.995) discard;
-  out_value = vec4(z);
 #elif defined(STROKE_COUNT)
   if (alpha < 0.004) discard;
   out_value = vec4(1.0);
@@ -77,8 +83,6 @@ void main() {
   if (place < fragment_room) imageStore(fragments, int(place), uvec4(floatBitsToUint(z), uint(stroke), floatBitsToUint(t), pack_paint(alpha, paint.zw)));
 #else
   if (alpha < 0.5) discard;
-  gl_FragDepth = z / (z + frame.far_plane);
-  out_value = vec4(t);
   out_fragment = uvec4(floatBitsToUint(z), uint(stroke), floatBitsToUint(t), pack_paint(alpha, paint.zw));
 #endif
 }

@@ -1,7 +1,6 @@
 #include "techniques/strokes/stroke_lists.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/error.h"
 #include "gl/context.h"
@@ -25,29 +24,31 @@ gl::Program& made(gl::Program& program, const char* pass, StrokeOrder order) {
 
 }  // namespace
 
-void StrokeLists::count(const View& view, const StrokeSet& strokes, const gl::Texture& brush, StrokeOrder order,
+void StrokeLists::count(const View& view, StrokeSet& strokes, const gl::Texture& brush, StrokeOrder order,
                         std::uint64_t most_bytes) {
   order_ = order;
   const int width = view.width(), height = view.height();
-  gl::ensure(opaque_z_, "nearest opaque stroke", GL_R32F, width, height);
+  gl::ensure(opaque_depth_, "nearest opaque stroke", GL_DEPTH_COMPONENT32F, width, height);
   gl::ensure(counts_, "fragments of pixels", GL_R32F, width, height);
   gl::ensure(offsets_, "places of fragments", GL_R32UI, width, height);
   gl::ensure(cursors_, "stored fragments", GL_R32UI, width, height);
-  opaque_z_.clear(vec4(std::numeric_limits<float>::infinity()));
   counts_.clear(vec4(0));
   view.bind();
   {
-    gl::Framebuffer framebuffer({&opaque_z_});
+    gl::Framebuffer framebuffer({}, &opaque_depth_);
     framebuffer.bind();
-    gl::State{.blend = gl::State::Blend::min}.apply();
+    gl::State{.depth = gl::State::Depth::test_and_write}.apply();
+    const float farthest = 1;
+    glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &farthest);
     strokes.draw(made(opaque_[int(order)], "STROKE_OPAQUE", order), brush);
   }
+  if (order == StrokeOrder::stroke) strokes.hide(view, opaque_depth_);
   {
-    gl::Framebuffer framebuffer({&counts_});
+    gl::Framebuffer framebuffer({&counts_}, before_opaque());
     framebuffer.bind();
-    gl::State{.blend = gl::State::Blend::add}.apply();
-    opaque_z_.bind(binding::input + 2);
-    strokes.draw(made(count_[int(order)], "STROKE_COUNT", order), brush);
+    before_opaque_state(gl::State::Blend::add).apply();
+    opaque_depth_.bind(binding::input + 2);
+    draw(strokes, made(count_[int(order)], "STROKE_COUNT", order), brush);
   }
   cut_bands(width, height, most_bytes);
   current_ = steps_done_ = 0;
@@ -56,6 +57,19 @@ void StrokeLists::count(const View& view, const StrokeSet& strokes, const gl::Te
     gl::ensure(sums.normal, "sum of normals", GL_RGBA32F, width, height);
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
+}
+
+/// The depth test sorts out what lies behind opaque strokes; where fragments are ordered, their shader does.
+const gl::Texture* StrokeLists::before_opaque() const {
+  return order_ == StrokeOrder::stroke ? &opaque_depth_ : nullptr;
+}
+gl::State StrokeLists::before_opaque_state(gl::State::Blend blend) const {
+  return {.depth = before_opaque() ? gl::State::Depth::test : gl::State::Depth::off, .depth_func = GL_LEQUAL, .blend = blend};
+}
+
+void StrokeLists::draw(const StrokeSet& strokes, gl::Program& program, const gl::Texture& brush) const {
+  if (order_ == StrokeOrder::stroke) strokes.draw_visible(program, brush);
+  else strokes.draw(program, brush);
 }
 
 void StrokeLists::cut_bands(int width, int height, std::uint64_t most_bytes) {
@@ -108,16 +122,16 @@ void StrokeLists::cut_bands(int width, int height, std::uint64_t most_bytes) {
 void StrokeLists::store(const View& view, const StrokeSet& strokes, const gl::Texture& brush, const Band& band) {
   cursors_.clear_uint(0);
   view.bind();
-  gl::Framebuffer framebuffer({&counts_});  // nothing is written to it
+  gl::Framebuffer framebuffer({&counts_}, before_opaque());  // no colour is written
   framebuffer.bind();
-  gl::State{}.apply();
-  opaque_z_.bind(binding::input + 2);
+  before_opaque_state(gl::State::Blend::off).apply();
+  opaque_depth_.bind(binding::input + 2);
   offsets_.bind(binding::input + 3);
   glBindImageTexture(0, cursors_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
   glBindImageTexture(1, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   gl::Program& program = made(store_[int(order_)], "STROKE_STORE", order_);
   program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(band.fragments));
-  strokes.draw(program, brush);
+  draw(strokes, program, brush);
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
@@ -156,6 +170,12 @@ void StrokeLists::sort_all(const View& view, const StrokeSet& strokes, const gl:
 
 void StrokeLists::store_only_band(const View& view, const StrokeSet& strokes, const gl::Texture& brush) {
   store(view, strokes, brush, bands_.front());
+}
+
+void StrokeLists::bind_lists() const {
+  offsets_.bind(binding::input + 1);
+  cursors_.bind(binding::input + 2);
+  fragments_.bind(binding::input + 3);
 }
 
 bool StrokeLists::sort_some(const View& view, const StrokeSet& strokes, float relief, int steps) {

@@ -132,7 +132,10 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
       gl::TextureBuffer larger("strokes", GL_RGBA32UI, bytes + bytes / 3);
       if (count_ > 0) glCopyNamedBufferSubData(records_.buffer().id(), larger.buffer().id(), 0, 0,
                                                GLsizeiptr(count_ * record_texels * 16));
+      gl::Buffer more_keys("distances of strokes", larger.buffer().bytes() / (record_texels * 16) * 4);
+      if (count_ > 0) glCopyNamedBufferSubData(keys_.id(), more_keys.id(), 0, 0, GLsizeiptr(count_ * 4));
       records_ = std::move(larger);
+      keys_ = std::move(more_keys);
     }
     GpuCloud::Chunk& chunk = cloud.chunks()[c];
     view.bind();
@@ -143,6 +146,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     data.bind(c);
     list_.bind(binding::list);
     records_.buffer().bind_storage(0);
+    keys_.bind_storage(1);
     set_sizes(setup_);
     setup_.set("stroke_count", int(count)).set("first_record", int(count_)).set("noise", glm::radians(noise_deg));
     setup_.set("opacity", look.opacity).set("variation", lit ? look.variation : 0.0f);
@@ -152,19 +156,41 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     count_ += count;
   }
+  if (count_ == 0) return;
+  grow(elements_, "corners of strokes", std::size_t(count_) * 24);
+  depth_sort_.run(keys_, count_, {}, false);
+  if (!arrange_) arrange_ = gl::Program::compute("techniques/strokes/stroke_elements.comp");
+  depth_sort_.order().bind(binding::list);
+  elements_.bind_storage(0);
+  arrange_.set("stroke_count", int(count_)).dispatch((count_ + 63) / 64);
+  glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
 }
 
-void StrokeSet::draw(gl::Program& program, const gl::Texture& brush) const {
+void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
+  if (count_ == 0) return;
+  if (!hide_) {
+    hide_ = gl::Program::compute("techniques/strokes/stroke_elements.comp", {"HIDE"});
+    farthest_ = ScreenPass("techniques/strokes/farthest_opaque.glsl", {GL_R32F});
+  }
+  gl::ensure(farthest_depth_, "farthest opaque stroke", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
+  grow(visible_elements_, "corners of visible strokes", std::size_t(count_) * 24);
+  view.bind();
+  farthest_.run({&opaque_depth}, {&farthest_depth_});
+  records_.bind(binding::input);
+  farthest_depth_.bind(binding::input + 1);
+  depth_sort_.order().bind(binding::list);
+  visible_elements_.bind_storage(0);
+  hide_.set("stroke_count", int(count_)).dispatch((count_ + 63) / 64);
+  glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
+}
+
+void StrokeSet::draw(gl::Program& program, const gl::Texture& brush, const gl::Buffer& elements) const {
   if (count_ == 0) return;
   records_.bind(binding::input);
   brush.bind(binding::input + 1);
-  // In pieces, because gl_VertexID counts to 2^31.
-  constexpr std::uint32_t most = 1u << 27;
-  for (std::uint32_t first = 0; first < count_; first += most) {
-    program.set("first_stroke", int(first));
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, GLsizei(6 * std::min(most, count_ - first)));
-  }
+  program.use();
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements.id());
+  glDrawElements(GL_TRIANGLES, GLsizei(6 * count_), GL_UNSIGNED_INT, nullptr);
 }
 
 }  // namespace sfumato::strokes

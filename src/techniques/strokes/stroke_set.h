@@ -3,6 +3,7 @@
 
 #include "gl/program.h"
 #include "gl/texture.h"
+#include "passes/depth_sort.h"
 #include "passes/gpu_cloud.h"
 #include "passes/screen_pass.h"
 #include "techniques/strokes/stroke_data.h"
@@ -32,15 +33,24 @@ class StrokeSet {
               float noise_deg, bool two_layers, bool lit);
   std::uint32_t count() const { return count_; }
   const gl::TextureBuffer& records() const { return records_; }
-  /// Draws every stroke's quad with the bound program; `program` is of stroke.vert.
-  void draw(gl::Program& program, const gl::Texture& brush) const;
+  /// Draws every stroke's quad, near ones first; `program` is of stroke.vert.
+  void draw(gl::Program& program, const gl::Texture& brush) const { draw(program, brush, elements_); }
+  /// Finds the strokes that the opaque strokes hide. `opaque_depth`: window depths of whole strokes (stroke.vert).
+  void hide(const View& view, const gl::Texture& opaque_depth);
+  /// Draws those that `hide` left.
+  void draw_visible(gl::Program& program, const gl::Texture& brush) const { draw(program, brush, visible_elements_); }
 
  private:
   std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
   void set_sizes(gl::Program& program) const;
+  void draw(gl::Program& program, const gl::Texture& brush, const gl::Buffer& elements) const;
   gl::Program select_, compact_[4], setup_;
   gl::TextureBuffer flags_, list_, records_;
-  gl::Buffer offsets_, sums_, command_;
+  gl::Buffer offsets_, sums_, command_, keys_, elements_, visible_elements_;
+  DepthSort depth_sort_;
+  gl::Program arrange_, hide_;
+  ScreenPass farthest_;
+  gl::Texture farthest_depth_;
   std::uint32_t count_ = 0;
   Look look_;
   float share_ = 1;

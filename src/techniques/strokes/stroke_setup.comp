@@ -5,6 +5,7 @@
 layout(local_size_x = 64) in;
 layout(binding = UNIT_LIST) uniform usamplerBuffer stroke_list;
 layout(std430, binding = 0) writeonly buffer Records { uvec4 records[]; };
+layout(std430, binding = 1) writeonly buffer Keys { uint keys[]; };  // bits of positive floats sort like them
 
 uniform int stroke_count;
 uniform int first_record;
@@ -61,6 +62,7 @@ void main() {
   r.shadow = has_shadow ? point_shadow(i) : 1.0;
   r.source = point_source_index(i);
   r.lift = second ? 0.25 * size.half_width : 0.0;
+  keys[first_record + k] = floatBitsToUint(r.key);
   int at = stroke_texels * (first_record + k);
   for (int n = 0; n < stroke_texels; ++n) records[at + n] = stroke_texel(r, n);
 }

@@ -55,9 +55,12 @@ class Strokes final : public Technique {
       return true;
     }
     // The frame that builds the lists shows the blurred picture; sorting starts with the next.
-    lists_.store_only_band(view, strokes_, brush_.texture());
+    {
+      auto timing = frame.timers.scope("store fragments");
+      lists_.store_only_band(view, strokes_, brush_.texture());
+    }
     remember(frame);
-    draw_nearest(frame, view, true);
+    show_listed(frame, view);
     return false;
   }
 
@@ -75,8 +78,9 @@ class Strokes final : public Technique {
 
   bool refine(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("sort and mix");
-    const bool done = lists_.sort_some(view, strokes_, look_.relief, 1);
-    if (done || ++steps_ >= parameters_.min_sorted) finish(frame, view);
+    const bool done = lists_.sort_some(view, strokes_, look_.relief, parameters_.sort_steps);
+    steps_ += parameters_.sort_steps;
+    if (done || steps_ >= parameters_.min_sorted) finish(frame, view);
     refining_ = !done;
     return done;
   }
@@ -92,28 +96,27 @@ class Strokes final : public Technique {
   }
 
   void shade(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
   }
 
   /// Z-buffer, and the weighted blur of the moving picture (dos Anjos 2017, Sec. 3.3).
   void draw_nearest(Frame& frame, const View& view, bool blur) {
-    auto timing = frame.timers.scope("nearest strokes");
     const int width = view.width(), height = view.height();
-    gl::ensure(nearest_t_, "nearest distance", GL_R32F, width, height);
-    gl::ensure(nearest_, "nearest fragment", GL_RGBA32UI, width, height);
-    gl::ensure(nearest_depth_, "nearest depth", GL_DEPTH_COMPONENT32F, width, height);
-    gl::ensure(albedo_, "albedo", GL_RGBA32F, width, height);
-    nearest_.clear_uint(0xffffffffu);
-    gl::Program& program = nearest_program_[int(parameters_.stroke_order)];
-    if (!program) {
-      gl::Defines defines{"STROKE_NEAREST"};
-      if (parameters_.stroke_order == StrokeOrder::fragment) defines.push_back("FRAGMENT_ORDER");
-      program = gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
-    }
-    view.bind();
     {
-      gl::Framebuffer framebuffer({&nearest_t_, &nearest_}, &nearest_depth_);
+      auto timing = frame.timers.scope("nearest strokes");
+      gl::ensure(nearest_, "nearest fragment", GL_RGBA32UI, width, height);
+      gl::ensure(nearest_depth_, "nearest depth", GL_DEPTH_COMPONENT32F, width, height);
+      nearest_.clear_uint(0xffffffffu);
+      gl::Program& program = nearest_program_[int(parameters_.stroke_order)];
+      if (!program) {
+        gl::Defines defines{"STROKE_NEAREST"};
+        if (parameters_.stroke_order == StrokeOrder::fragment) defines.push_back("FRAGMENT_ORDER");
+        program = gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
+      }
+      view.bind();
+      gl::Framebuffer framebuffer({&nearest_}, &nearest_depth_);
       const float one = 1;
       framebuffer.bind();
       gl::State{.depth = gl::State::Depth::test_and_write}.apply();
@@ -122,16 +125,33 @@ class Strokes final : public Technique {
     }
     if (!finish_nearest_)
       finish_nearest_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, {"PAINT_NEAREST"});
-    finish_nearest_.set("relief", look_.relief);
-    strokes_.records().bind(binding::input);
     nearest_.bind(binding::input + 1);
-    view.bind();
-    finish_nearest_.run({}, {&albedo_, &frame.target.depth, &frame.target.normal});
+    show_nearest(frame, view, finish_nearest_, blur);
+  }
+
+  /// The same blurred picture from the lists, which spares drawing the strokes once more.
+  void show_listed(Frame& frame, const View& view) {
+    if (!finish_listed_)
+      finish_listed_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, {"PAINT_LISTED"});
+    lists_.bind_lists();
+    show_nearest(frame, view, finish_listed_, true);
+  }
+
+  void show_nearest(Frame& frame, const View& view, ScreenPass& finish_pass, bool blur) {
+    {
+      auto timing = frame.timers.scope("nearest to paint");
+      gl::ensure(albedo_, "albedo", GL_RGBA32F, view.width(), view.height());
+      finish_pass.set("relief", look_.relief);
+      strokes_.records().bind(binding::input);
+      view.bind();
+      finish_pass.run({}, {&albedo_, &frame.target.depth, &frame.target.normal});
+    }
     if (blur && parameters_.blur_radius > 0) soften(frame, view);
     shade(frame, view);
   }
 
   void soften(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("blur");
     if (!blur_) blur_ = ScreenPass("techniques/strokes/blur.glsl", {GL_RGBA32F, GL_RGBA32F});
     gl::ensure(blurred_albedo_, "blurred albedo", GL_RGBA32F, view.width(), view.height());
     gl::ensure(blurred_normal_, "blurred normals", GL_RGBA32F, view.width(), view.height());
@@ -169,8 +189,8 @@ class Strokes final : public Technique {
   StrokeSet strokes_;
   StrokeLists lists_;
   gl::Program nearest_program_[2];
-  gl::Texture albedo_, nearest_t_, nearest_, nearest_depth_, blurred_albedo_, blurred_normal_;
-  ScreenPass finish_, finish_nearest_, blur_;
+  gl::Texture albedo_, nearest_, nearest_depth_, blurred_albedo_, blurred_normal_;
+  ScreenPass finish_, finish_nearest_, finish_listed_, blur_;
   Shade shade_;
   std::vector<std::string> notes_;
   bool refining_ = false;

@@ -58,8 +58,9 @@ void Parameters::describe(ParamList& p) {
       .help("sorted fragments; nearest fragment and a weighted blur (fast); nearest fragment").paper("dos Anjos 2017, Sec. 3.3");
   p.add("stroke_order", stroke_order, {"stroke", "fragment"})
       .help("what lies on top: whole strokes in one order, or what is nearer in each pixel (the paper)");
-  p.add("refine", refine, {"at_once", "per_frame"}).help("sort everything in one frame, or one step a frame; the same picture in the end");
+  p.add("refine", refine, {"at_once", "per_frame"}).help("sort everything in one frame, or some steps a frame; the same picture in the end");
   p.add("min_sorted", min_sorted).range(0, 64).help("per_frame: steps before the sorted picture replaces the blurred one");
+  p.add("sort_steps", sort_steps).range(1, 64).help("per_frame: bubble-sort steps of a frame (the paper takes 1)").paper("dos Anjos 2017, Alg. 2");
   p.add("blur_radius", blur_radius).range(0, 16).unit("px").help("standard deviation of the blur");
   p.add("fragment_memory", fragment_memory).range(1, 1500).unit("MB")
       .help("memory of sorted fragments; a picture that needs more is sorted in horizontal bands");

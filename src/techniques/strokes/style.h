@@ -43,7 +43,7 @@ struct Parameters {
   BlendMode blend = BlendMode::a_buffer;
   StrokeOrder stroke_order = StrokeOrder::stroke;
   Refine refine = Refine::at_once;
-  int min_sorted = 16;
+  int min_sorted = 16, sort_steps = 2;
   float blur_radius = 1.5f;
   int fragment_memory = 1024;
 
