@@ -86,6 +86,9 @@ struct Parameters {
         .help("limit radii to twice their median, soft points also to what nine in ten of them keep, so that isolated "
               "points do not become big discs");
   }
+
+  /// Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like holes.
+  float resolve_opacity() { return opacity.resolve(field.field == "uncertainty" ? 0.3f : 0.15f); }
 };
 
 class Soft final : public Technique {
@@ -101,10 +104,11 @@ class Soft final : public Technique {
     update_field(cloud);
     const float threshold = parameters_.field_threshold.resolve(field_.threshold);
     const std::string key = "soft/" + std::to_string(stamp_) + "/" + std::to_string(threshold) + "/" +
-                            std::to_string(parameters_.opacity);
+                            std::to_string(parameters_.resolve_opacity());
     if (cloud.casters_key() == key) return;
     std::vector<float> opacity(field_.values.size());
-    for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? parameters_.opacity : 1;
+    const float soft = parameters_.resolve_opacity();
+    for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? soft : 1;
     set_casters(cloud, opacity, key);
   }
 
@@ -118,8 +122,7 @@ class Soft final : public Technique {
     if (p.antialias) shape.prefilter_px = 1;
     shape.field_threshold = p.field_threshold.resolve(field_.threshold);
     p.modulation_threshold.resolve(field_.modulation_threshold);
-    // Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like holes.
-    const float opacity = p.opacity.resolve(p.field.field == "uncertainty" ? 0.3f : 0.15f);
+    const float opacity = p.resolve_opacity();
     SplatBlend blend;
     blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
 
