@@ -164,12 +164,14 @@ template <class T>
 std::string print_any(T value) {
   if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
   else if constexpr (std::is_same_v<T, int>) return std::to_string(value);
+  else if constexpr (std::is_same_v<T, std::vector<float>>) return print_list(value.data(), value.size());
   else return print_number(value);
 }
 
 template <class T>
 bool parse_any(std::string_view text, T& value) {
   if constexpr (std::is_same_v<T, bool>) return parse_bool(text, value);
+  else if constexpr (std::is_same_v<T, std::vector<float>>) return parse_list(text, value);
   else return parse_number(text, value);
 }
 
@@ -184,8 +186,10 @@ void bind_auto(Auto<T>& value, Print& print, PrintResolved& print_resolved, Pars
     value.user = parsed;
     return true;
   };
-  numbers = [&value] {
-    return value.is_auto() ? std::vector<double>{} : std::vector<double>{double(*value.user)};
+  numbers = [&value]() -> std::vector<double> {
+    if (value.is_auto()) return {};
+    if constexpr (std::is_same_v<T, std::vector<float>>) return {value.user->begin(), value.user->end()};
+    else return {double(*value.user)};
   };
 }
 
@@ -213,6 +217,15 @@ Param& ParamList::add(std::string name, Auto<bool>& value) {
   Param p;
   p.name = std::move(name);
   p.kind = ParamKind::boolean;
+  p.can_be_auto = true;
+  bind_auto(value, p.print_, p.print_resolved_, p.parse_, p.numbers_);
+  return insert(std::move(p));
+}
+
+Param& ParamList::add(std::string name, Auto<std::vector<float>>& value) {
+  Param p;
+  p.name = std::move(name);
+  p.kind = ParamKind::real_list;
   p.can_be_auto = true;
   bind_auto(value, p.print_, p.print_resolved_, p.parse_, p.numbers_);
   return insert(std::move(p));

@@ -77,6 +77,7 @@ class ParamList {
   Param& add(std::string name, Auto<float>& value);
   Param& add(std::string name, Auto<int>& value);
   Param& add(std::string name, Auto<bool>& value);
+  Param& add(std::string name, Auto<std::vector<float>>& value);
   /// An enum class whose values 0,1,2... are spelled by `names`.
   template <class E>
     requires std::is_enum_v<E>

@@ -209,6 +209,50 @@ TEST_F(LayersTest, EqualLayersBlendAsTheFormulaSays) {
     }
 }
 
+// Without an opacity the last surface is opaque: what it hides is the page, not another surface.
+TEST_F(LayersTest, TheLastSurfaceIsOpaqueUnlessOpacityIsGiven) {
+  PointCloud cloud;
+  for (int k = 0; k < 3; ++k) append(cloud, sheet(12000, 1, -0.3f * float(k), Rgba8(std::uint8_t(250 - 70 * k), 90, 90, 255)));
+  show(renderer_, cloud, {});
+  const double c[3] = {linear(250), linear(180), linear(110)};
+  const std::vector<std::pair<Values, double>> cases{
+      {{}, 0.5 * c[0] + 0.25 * c[1] + 0.25 * c[2]},
+      {{{"layers", "2"}}, 0.5 * c[0] + 0.5 * c[1]},
+      {{{"layers", "1"}}, c[0]},
+      {{{"layers", "9"}, {"antialias", "false"}}, 0.5 * c[0] + 0.25 * c[1] + 0.25 * c[2]},
+      {{{"opacity", "0.3"}, {"opaque_last", "true"}}, 0.3 * c[0] + 0.7 * 0.3 * c[1] + 0.49 * c[2]},
+  };
+  for (const auto& [values, expected] : cases) {
+    const RenderOutput out = render(above(), values);
+    for (const vec4& pixel : out.color_linear) {
+      ASSERT_NEAR(pixel.a, 1, 1e-5);  // some roundings of 1e-7
+      ASSERT_NEAR(pixel.r, expected, 1e-5);
+    }
+  }
+  EXPECT_NEAR(render(above(), {{"opacity", "0.5"}}).color_linear.at(24, 24).a, 0.875, 1e-5);
+  EXPECT_NEAR(render(above(), {{"opaque_last", "false"}}).color_linear.at(24, 24).a, 0.875, 1e-5);
+}
+
+// The outline of a surface behind another one lets no page shine through, and the outline of the picture is smooth.
+TEST_F(LayersTest, OnlyTheOutlineOfThePictureIsBlendedWithThePage) {
+  PointCloud cloud = sheet(60000, 0.5f, 0, {200, 200, 200, 255});
+  append(cloud, sheet(60000, 0.25f, -0.3f, {20, 20, 20, 255}));
+  show(renderer_, cloud, {});
+  const RenderOutput out = render(above(96), {});
+  int partly = 0;
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const double away = std::max(std::abs(x - 47.5), std::abs(y - 47.5)) / 80;  // the sheet reaches 0.5
+      const float a = out.color_linear.at(x, y).a;
+      if (away < 0.46) ASSERT_NEAR(a, 1, 1e-5) << x << " " << y;
+      if (away > 0.54) ASSERT_EQ(a, 0);
+      partly += a > 0.01f && a < 0.99f;
+    }
+  EXPECT_GT(partly, 4 * 60);  // a pixel or more along most of four edges of 80
+  EXPECT_NEAR(out.color_linear.at(48, 48).r, 0.5 * (linear(200) + linear(20)), 1e-5);
+  EXPECT_NEAR(out.color_linear.at(48, 20).r, linear(200), 1e-5);
+}
+
 TEST_F(LayersTest, NothingShowsThroughAnOpaqueLayer) {
   PointCloud cloud = sheets(6);
   for (std::size_t i = 0; i < cloud.size(); ++i)

@@ -30,7 +30,8 @@ enum class Peeling { automatic, cascade, passes };
 
 struct Parameters {
   int layers = 4;
-  std::vector<float> opacity{0.5f};
+  Auto<std::vector<float>> opacity;
+  Auto<bool> opaque_last;
   std::string opacity_by = "auto";
   Auto<float> min_layer_distance;
   bool scale_by_angle = true;
@@ -45,8 +46,10 @@ struct Parameters {
     p.add("layers", layers).range(1, 32).help("surfaces that are peeled and blended; 1 is plain rendering");
     p.add("opacity", opacity)
         .range(0, 1)
-        .help("of a layer: one number, or a list in the order of the files (or of opacity_by)")
+        .help("of a layer: one number, or a list in the order of the files or of opacity_by (auto: 0.5)")
         .paper("alpha");
+    p.add("opaque_last", opaque_last)
+        .help("the last surface of a pixel is opaque, as there is nothing to see behind it (auto: unless opacity is given)");
     p.add("opacity_by", opacity_by)
         .help("scalar whose values, ascending, choose from a list of opacities (auto: file, layer, classification)");
     p.add("min_layer_distance", min_layer_distance)
@@ -81,8 +84,7 @@ class Layers final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   void cast(GpuCloud& cloud, Progress&) override {
-    const std::vector<float>& list = parameters_.opacity;
-    if (list.empty()) throw no_opacity();
+    const std::vector<float> list = opacity_list();
     if (cloud.size() == 0) return cloud.set_casters({}, 0, "");
     std::string key = "layers/" + parameters_.opacity_by;
     for (float value : list) key += "," + std::to_string(value);
@@ -108,13 +110,23 @@ class Layers final : public Technique {
       const bool is_first = peeled_ == std::max(parameters_.show_layer, 1);
       peel_.next(frame.cloud, view, limit_, depth_, index_, frame.timers);
       fill(frame);
+      if (knows_last_) {
+        cover(frame, peeled_ == 1 ? coverage_ : next_coverage_);
+        if (peeled_ > 1) blend_last(frame, false);
+      }
       if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first && frame.wants_normal);
       if (is_shown) smooth(frame);
       if (is_first) extent.copy(depth_, frame.target.depth);
       if (is_first && frame.wants_normal) extent.copy(normal_, frame.target.normal);
-      if (!advance(frame, view, is_shown)) break;
+      const bool is_open = advance(frame, view, is_shown && !knows_last_);
+      if (knows_last_) {
+        std::swap(color_, held_color_);
+        std::swap(depth_, held_depth_);
+      }
+      if (!is_open) break;
       frame.progress.check();
     }
+    if (knows_last_) blend_last(frame, true);
     extent.copy(front_, frame.target.color);
     return true;
   }
@@ -147,17 +159,21 @@ class Layers final : public Technique {
     return {prepared, frame.camera, parameters_.point_size, reach};
   }
 
-  static Error no_opacity() { return {ErrorCode::usage, "opacity: give at least one number between 0 and 1"}; }
+  std::vector<float> opacity_list() {
+    const std::vector<float> list = parameters_.opacity.resolve({0.5f});
+    if (list.empty()) throw Error(ErrorCode::usage, "opacity: give at least one number between 0 and 1");
+    return list;
+  }
 
   std::vector<float> opacities_of_list(const GpuCloud& cloud) const {
     const PointCloud& points = cloud.prepared().cloud;
-    return layers::opacities(layers::opacity_scalar(points, parameters_.opacity_by), parameters_.opacity);
+    return layers::opacities(layers::opacity_scalar(points, parameters_.opacity_by), parameters_.opacity.value());
   }
 
   void choose_opacities(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
-    const std::vector<float>& list = parameters_.opacity;
-    if (list.empty()) throw no_opacity();
+    const std::vector<float> list = opacity_list();
+    knows_last_ = parameters_.opaque_last.resolve(parameters_.opacity.is_auto()) && parameters_.show_layer == 0;
     has_list_ = list.size() > 1 && parameters_.show_layer == 0 && !prepared.cloud.empty();
     if (!has_list_) return;
     const ScalarField& scalar = layers::opacity_scalar(prepared.cloud, parameters_.opacity_by);
@@ -168,9 +184,10 @@ class Layers final : public Technique {
 
   void make_textures(const View& view) {
     const int w = view.width(), h = view.height();
-    for (gl::Texture* t : {&depth_, &other_depth_, &limit_, &other_limit_, &cosine_}) gl::ensure(*t, "layer depth", GL_R32F, w, h);
+    for (gl::Texture* t : {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &cosine_, &coverage_, &next_coverage_})
+      gl::ensure(*t, "layer depth", GL_R32F, w, h);
     for (gl::Texture* t : {&index_, &other_index_}) gl::ensure(*t, "layer source index", GL_R32UI, w, h);
-    for (gl::Texture* t : {&normal_, &color_, &front_, &other_front_, &scratch_})
+    for (gl::Texture* t : {&normal_, &color_, &held_color_, &front_, &other_front_, &scratch_})
       gl::ensure(*t, "layer colour", GL_RGBA32F, w, h);
   }
 
@@ -204,7 +221,7 @@ class Layers final : public Technique {
       }
       pass = ScreenPass("techniques/layers/light.glsl", formats, defines);
     }
-    if (!has_list_) pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.front());
+    if (!has_list_) pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
     if (!cloud.has_normals()) pass.set("d_min", d_min_);
     pass.set("shading", int(frame.settings.shading));
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
@@ -268,17 +285,34 @@ class Layers final : public Technique {
     return open_.is_set();
   }
 
+  void cover(Frame& frame, const gl::Texture& coverage) {
+    auto timing = frame.timers.scope("blend");
+    if (!cover_) cover_ = ScreenPass("techniques/layers/coverage.glsl", {GL_R32F});
+    cover_.set("d_min", d_min_).set("antialias", parameters_.antialias).run({&depth_}, {&coverage});
+  }
+
+  /// Blends the layer that was held back until it was known where another one follows.
+  void blend_last(Frame& frame, bool is_last) {
+    auto timing = frame.timers.scope("blend");
+    if (!blend_last_) blend_last_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
+    blend_last_.set("d_min", d_min_).set("antialias", parameters_.antialias).set("is_last", is_last);
+    blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
+    std::swap(front_, other_front_);
+  }
+
   Parameters parameters_;
   float d_min_ = 0, bin_ = 0;
   int n_background_ = 1, n_occluded_ = 1, peeled_ = 0;
   Footprint footprint_;
   bool cascade_ = false, has_list_ = false;
+  bool knows_last_ = false;  ///< layers are blended one late, when it is known whether another follows
 
   layers::Peel peel_;
   Flag open_;
   Fill fill_;
-  ScreenPass light_[16], smooth_, advance_[4];
+  ScreenPass light_[16], smooth_, advance_[4], cover_, blend_last_;
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
+  gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
   gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;
 };
 

@@ -1,0 +1,21 @@
+// Which pixels of a layer lie on an edge. Include after `depth_image` and `d_min`.
+
+float depth_at(ivec2 at) {
+  bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, textureSize(depth_image, 0)));
+  return is_inside ? texelFetch(depth_image, at, 0).x : infinity;
+}
+
+// One of its four neighbours lies more than d_min nearer or farther; background: infinitely far.
+bool is_edge(ivec2 pixel, float depth) {
+  bool is_marked = false;
+  const ivec2 cross_of_four[4] = ivec2[4](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1));
+  for (int k = 0; k < 4; ++k) {
+    float neighbor = depth_at(pixel + cross_of_four[k]);
+    // Not the absolute difference: infinity minus infinity is no jump.
+    is_marked = is_marked || max(depth, neighbor) > min(depth, neighbor) + d_min;
+  }
+  return is_marked;
+}
+
+// Weight of a pixel in the 3 x 3 Gaussian around it, by offset.
+float gaussian(int x, int y) { return (x == 0 ? 2.0 : 1.0) * (y == 0 ? 2.0 : 1.0) / 16.0; }
