@@ -298,6 +298,28 @@ TEST_F(LayersTest, CascadeGivesThePicturesOfPasses) {
   }
 }
 
+// At the size of the paper's largest scene: hundreds of points a pixel, far more than a list holds.
+TEST_F(LayersTest, CascadeGivesThePictureOfPassesAtSixMillionPoints) {
+  synth::SampleOptions options;
+  options.points = 6'000'000;
+  show(renderer_, synth::sample(synth::make_scene("tori"), options), {});
+  Camera camera = front_camera(160, 120, 3.4);
+  camera.position.z = 2;
+  for (const char* size : {"0.01", "2"}) {
+    Values values{{"layers", "6"}, {"opacity", "0.3,0.5,0.6"}, {"point_size", size}, {"peeling", "passes"}};
+    const RenderOutput passes = render(camera, values, Shading::lit);
+    const std::string passes_note = technique_->notes().at(0);
+    values["peeling"] = "cascade";
+    const RenderOutput cascade = render(camera, values, Shading::lit);
+    EXPECT_TRUE(std::ranges::equal(passes.color_linear, cascade.color_linear));
+    EXPECT_TRUE(std::ranges::equal(passes.depth, cascade.depth));
+    EXPECT_TRUE(std::ranges::equal(passes.normal, cascade.normal));
+    // Not two empty pictures: the tori cover a third of this one.
+    EXPECT_GT(std::ranges::count_if(passes.depth, [](float d) { return !std::isinf(d); }), 160 * 120 / 4);
+    EXPECT_LE(visits(technique_->notes().at(0)), visits(passes_note));
+  }
+}
+
 // The lists of a pixel hold its nearest different depths, ascending, with the lowest source index of each.
 TEST_F(LayersTest, ListsHoldTheNearestDepths) {
   PointCloud cloud = tori(20000);
