@@ -12,7 +12,7 @@ build = $(configure) && cmake --build build/$(1)
 check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
-.PHONY: release demo test bench eval-denoise asan format install
+.PHONY: release demo test bench eval-denoise eval-shadows asan format install
 
 release:  ## build/release/bin/sfumato
 	@$(call build,release)
@@ -31,6 +31,10 @@ bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
 eval-denoise: release  ## denoise against the truth of synthetic scenes; ARGS=--quick for a short look
 	@cmake --build build/release --target eval_denoise
 	@build/release/bin/eval_denoise --dragon "$(SFUMATO_TEST_DATA)/dragon_vrip_res2.ply" $(ARGS)
+
+eval-shadows: release  ## resolutions of the light map against the shadow of a sphere
+	@cmake --build build/release --target eval_shadows
+	@build/release/bin/eval_shadows out/shadow_resolution.png
 
 asan:  ## every test under the address and undefined behaviour sanitizers
 	@$(call build,asan)

@@ -116,4 +116,13 @@ PointCloud sample_isosurface(const Volume& volume, float level, std::size_t coun
   return cloud;
 }
 
+PointCloud isosurfaces(const std::filesystem::path& folder, const std::string& name) {
+  const Volume volume = load_volume(folder, name);
+  if (name == "neghip") return sample_isosurface(volume, 0.25f, 128'000, {90, 140, 200, 255}, 0);
+  PointCloud cloud = sample_isosurface(volume, 0.05f, 178'000, {60, 90, 220, 255}, 0);
+  append(cloud, sample_isosurface(volume, 0.2f, 178'000, {60, 190, 80, 255}, 1));
+  append(cloud, sample_isosurface(volume, 0.5f, 179'000, {200, 100, 50, 255}, 2));
+  return cloud;
+}
+
 }  // namespace sfumato::bench

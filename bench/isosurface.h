@@ -24,4 +24,7 @@ Volume load_volume(const std::filesystem::path& folder, const std::string& name)
 /// `count` random points; the longest side of the volume is 2 and its middle the origin. Scalar `layer` is `layer`.
 PointCloud sample_isosurface(const Volume& volume, float level, std::size_t count, Rgba8 color, int layer);
 
+/// The two clouds of the paper: `neghip`, 128k points on one surface; `hydrogen`, 535k points on three nested ones.
+PointCloud isosurfaces(const std::filesystem::path& folder, const std::string& name);
+
 }  // namespace sfumato::bench

@@ -30,12 +30,7 @@ PointCloud make_cloud(const std::string& name) {
     options.normals.user = true;
     return synth::sample(synth::make_mesh_scene(io::read_mesh(data_folder() / "dragon_vrip_res2.ply")), options);
   }
-  const Volume volume = load_volume(data_folder() / "volumes", name);
-  if (name == "neghip") return sample_isosurface(volume, 0.25f, 128'000, {90, 140, 200, 255}, 0);
-  PointCloud cloud = sample_isosurface(volume, 0.05f, 178'000, {60, 90, 220, 255}, 0);
-  append(cloud, sample_isosurface(volume, 0.2f, 178'000, {60, 190, 80, 255}, 1));
-  append(cloud, sample_isosurface(volume, 0.5f, 179'000, {200, 100, 50, 255}, 2));
-  return cloud;
+  return isosurfaces(data_folder() / "volumes", name);
 }
 
 /// A frame per iteration: the camera turns, and with shadows the light too, so that they are found anew.

@@ -10,9 +10,11 @@ void Fill::run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl
                std::initializer_list<const gl::Texture*> extra_in,
                std::initializer_list<const gl::Texture*> extra_out) {
   const std::size_t extras = extra_in.size();
-  ScreenPass& pass = passes_[kind == FillKind::occluded][extras];
+  const bool bits = depth_in.format() == GL_R32UI;
+  ScreenPass& pass = passes_[(kind == FillKind::occluded) + 2 * bits][extras];
   if (!pass) {
     gl::Defines defines{"EXTRAS " + std::to_string(extras)};
+    if (bits) defines.push_back("BITS");
     if (kind == FillKind::occluded) defines.push_back("OCCLUDED");
     std::vector<GLenum> formats(1 + extras, GL_RGBA32F);
     formats[0] = GL_R32F;
@@ -30,9 +32,11 @@ void Fill::run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl
 
 void Fill::run_index(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
                      const gl::Texture& index_in, const gl::Texture& index_out) {
-  ScreenPass& pass = index_passes_[kind == FillKind::occluded];
+  const bool bits = depth_in.format() == GL_R32UI;
+  ScreenPass& pass = index_passes_[(kind == FillKind::occluded) + 2 * bits];
   if (!pass) {
     gl::Defines defines{"EXTRAS 0", "INDEX"};
+    if (bits) defines.push_back("BITS");
     if (kind == FillKind::occluded) defines.push_back("OCCLUDED");
     pass = ScreenPass("passes/fill.glsl", {GL_R32F, GL_R32UI}, defines);
   }

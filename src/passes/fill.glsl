@@ -1,11 +1,16 @@
 // The eight masks of Rosenthal and Linsen 2008, Fig. 4, in one rule: a candidate is left alone when at least five
 // consecutive pixels of its ring of eight are white; any of the masks matches exactly then (all 256 rings tested).
 //   background: candidate = no sample,                    white = no sample
+//   BITS:       the depths are what atomicMin left: float bits, 0xffffffff where nothing
 //   OCCLUDED:   candidate = sample at depth d,            white = deeper than d - d_min
 // The minus sign is that of Rosenthal and Linsen; the plus printed in Dobrev 2010, Sec. 3 eats whole surfaces.
 #include "bindings.glsl"
 
+#ifdef BITS
+layout(binding = UNIT_INPUT) uniform usampler2D depth_bits;
+#else
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
+#endif
 #if EXTRAS > 0
 layout(binding = UNIT_INPUT + 1) uniform sampler2D extra_image_0;
 #endif
@@ -23,9 +28,20 @@ const float infinity = uintBitsToFloat(0x7f800000u);
 const ivec2 ring[8] = ivec2[8](ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(1, 0), ivec2(1, 1), ivec2(0, 1),
                                ivec2(-1, 1), ivec2(-1, 0));
 
+#ifdef BITS
+#define FIRST_INPUT depth_bits
+float depth_of(ivec2 at) {
+  uint bits = texelFetch(depth_bits, at, 0).x;
+  return bits == 0xffffffffu ? infinity : uintBitsToFloat(bits);
+}
+#else
+#define FIRST_INPUT depth_image
+float depth_of(ivec2 at) { return texelFetch(depth_image, at, 0).x; }
+#endif
+
 bool filter_pixel(ivec2 pixel) {
-  float depth = texelFetch(depth_image, pixel, 0).x;
-  ivec2 size = textureSize(depth_image, 0), from = pixel;
+  float depth = depth_of(pixel);
+  ivec2 size = textureSize(FIRST_INPUT, 0), from = pixel;
 #ifdef OCCLUDED
   bool is_candidate = !isinf(depth);
   float limit = depth - d_min;
@@ -39,7 +55,7 @@ bool filter_pixel(ivec2 pixel) {
     for (int k = 0; k < 8; ++k) {
       ivec2 at = pixel + ring[k];
       bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
-      float neighbor = is_inside ? texelFetch(depth_image, at, 0).x : infinity;
+      float neighbor = is_inside ? depth_of(at) : infinity;
 #ifdef OCCLUDED
       if (neighbor > limit) white |= 1u << k;
 #else

@@ -16,7 +16,7 @@ enum class FillKind {
 
 class Fill {
  public:
-  /// Reads `depth_in` (R32F, +inf where nothing), writes `depth_out`; `extra_in[k]` (RGBA32F) follow the same
+  /// Reads `depth_in` (R32F, +inf where nothing, or the R32UI that PointsToPixels leaves), writes `depth_out` (R32F); `extra_in[k]` (RGBA32F) follow the same
   /// choice into `extra_out[k]`, at most two. Outside the image counts as background.
   void run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
            std::initializer_list<const gl::Texture*> extra_in = {},
@@ -26,7 +26,7 @@ class Fill {
                  const gl::Texture& index_in, const gl::Texture& index_out);
 
  private:
-  ScreenPass passes_[2][3], index_passes_[2];
+  ScreenPass passes_[4][3], index_passes_[4];
 };
 
 }  // namespace sfumato

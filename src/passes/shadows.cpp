@@ -120,7 +120,7 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
     catcher.emplace(Catcher{*ground_view, ground, *ground_factor});
   }
   const Catcher* caught = catcher ? &*catcher : nullptr;
-  const double texel = texel_spacings * std::max(double(cloud.median_spacing()), 1e-12);
+  const double texel = texel_ * std::max(double(cloud.median_spacing()), 1e-12);
   // See-through casters are sparser than the cloud: their map is as much coarser, and so is d_min.
   const float coarser = cloud.see_through_spacing() / std::max(cloud.median_spacing(), 1e-12f);
   const std::vector<Light> samples = light_samples(light, box, size, count);
@@ -157,7 +157,6 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(), catcher->view.height());
     ground_passed_.clear(vec4(1));
   }
-  if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
   if (!layer_pass_) layer_pass_ = ScreenPass("passes/light_layer.glsl", {GL_RG32F, GL_R32F});
   if (!lit_layer_) lit_layer_ = gl::Program::compute("passes/lit_test.comp", {"LAYER"});
   if (!ground_layer_) ground_layer_ = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, {"LAYER"});
@@ -172,8 +171,7 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     bool is_open = false;
     {
       auto timing = timers.scope("light map fill");
-      decode_.run({&layer_.depth_bits}, {&layer_depth_});
-      fill_.run_index(FillKind::background, d_min, layer_depth_, other_depth_, layer_.index, other_index_);
+      fill_.run_index(FillKind::background, d_min, layer_.depth_bits, other_depth_, layer_.index, other_index_);
       fill_.run_index(FillKind::occluded, d_min, other_depth_, layer_depth_, other_index_, layer_.index);
       view.bind();
       cloud.bind_places();
@@ -214,13 +212,19 @@ void ShadowMaps::accumulate(GpuCloud& cloud, const Camera& light_camera, float d
     auto timing = timers.scope("light map fill");
     gl::ensure(map_, "light map", GL_R32F, view.width(), view.height());
     gl::ensure(closed_, "closed light map", GL_R32F, view.width(), view.height());
-    if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
-    decode_.run({&bits_}, {&map_});
-    if (catcher) {  // which shows empty texels inside a shadow; points never look into one
-      fill_.run(FillKind::background, d_min, map_, closed_);
+    const gl::Texture* last = &bits_;
+    auto fill = [&](FillKind kind) {
+      fill_.run(kind, d_min, *last, closed_);
       std::swap(map_, closed_);
+      last = &map_;
+    };
+    // The ground shows empty texels inside a shadow; points never look into one.
+    if (catcher) fill(FillKind::background);
+    for (int i = 0; i < fills_; ++i) fill(FillKind::occluded);
+    if (last == &bits_) {
+      if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
+      decode_.run({&bits_}, {&map_});
     }
-    fill_.run(FillKind::occluded, d_min, map_, closed_);
   }
   auto timing = timers.scope("lit test");
   const bool has_passed = cloud.see_through_spacing() > 0;
@@ -229,14 +233,14 @@ void ShadowMaps::accumulate(GpuCloud& cloud, const Camera& light_camera, float d
   gl::Program& lit_test = lit_test_[has_passed];
   if (!lit_test) lit_test = gl::Program::compute("passes/lit_test.comp", defines);
   lit_test.set("share", share);
-  closed_.bind(binding::input);
+  map_.bind(binding::input);
   test_points(cloud, lit_test, view, d_min);
   if (!catcher) return;
   ScreenPass& ground_pass = ground_pass_[has_passed];
   if (!ground_pass) ground_pass = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, defines);
   ground_pass.set("share", share);
   if (has_passed) ground_passed_.bind(binding::input + 2);
-  test_ground(*catcher, ground_pass, view, light_camera, origin, d_min, {&closed_, &catcher->factor}, catcher->factor);
+  test_ground(*catcher, ground_pass, view, light_camera, origin, d_min, {&map_, &catcher->factor}, catcher->factor);
 }
 
 void ShadowMaps::test_points(GpuCloud& cloud, gl::Program& program, const View& light_view, float d_min) {

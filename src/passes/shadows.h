@@ -38,6 +38,8 @@ class ShadowMaps {
   /// Side of a texel of the light map: with 1.5 spacings a texel holds 2.25 points on average and is empty in
   /// exp(-2.25) = 11 % of the cases, which one pass of the filter closes.
   static constexpr double texel_spacings = 1.5;
+  /// Another resolution, to measure what it does: side of a texel in spacings, passes of the occluded-pixel filter.
+  void set_resolution(double texel, int fills) { texel_ = texel, fills_ = fills; }
   /// Points that stop more than this of the light are solid, those that stop less than the other cast nothing.
   static constexpr float solid_opacity = 0.999f, least_opacity = 0.001f;
   /// Layers of see-through casters that count, seen from the light.
@@ -56,6 +58,8 @@ class ShadowMaps {
   void test_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view, const Camera& light_camera,
                    const dvec3& origin, float d_min, std::initializer_list<const gl::Texture*> inputs,
                    gl::Texture& target);
+  double texel_ = texel_spacings;
+  int fills_ = 1;
   PointsToPixels to_pixels_;
   Fill fill_;
   ScreenPass decode_, layer_pass_, ground_pass_[2], ground_layer_;

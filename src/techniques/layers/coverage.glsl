@@ -7,6 +7,8 @@ uniform float d_min;
 uniform bool antialias;
 
 #include "techniques/layers/edge.glsl"
+#define WEIGHTS_ONLY
+#include "techniques/layers/gaussian.glsl"
 
 bool filter_pixel(ivec2 pixel) {
   float depth = texelFetch(depth_image, pixel, 0).x;

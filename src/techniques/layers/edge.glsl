@@ -16,6 +16,3 @@ bool is_edge(ivec2 pixel, float depth) {
   }
   return is_marked;
 }
-
-// Weight of a pixel in the 3 x 3 Gaussian around it, by offset.
-float gaussian(int x, int y) { return (x == 0 ? 2.0 : 1.0) * (y == 0 ? 2.0 : 1.0) / 16.0; }

@@ -108,8 +108,8 @@ class Layers final : public Technique {
       ++peeled_;
       const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
       const bool is_first = peeled_ == std::max(parameters_.show_layer, 1);
-      peel_.next(frame.cloud, view, limit_, depth_, index_, frame.timers);
-      fill(frame);
+      const bool is_filled = n_background_ + n_occluded_ > 0;
+      fill(frame, peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
       if (knows_last_) {
         cover(frame, peeled_ == 1 ? coverage_ : next_coverage_);
         if (peeled_ > 1) blend_last(frame, false);
@@ -193,11 +193,11 @@ class Layers final : public Technique {
 
   /// Rosenthal and Linsen 2008, Sec. 4: background first, then what shines through. Source indices follow; their
   /// attributes are read afterwards.
-  void fill(Frame& frame) {
+  void fill(Frame& frame, const gl::Texture& peeled) {
     auto timing = frame.timers.scope("fill");
     for (int i = 0; i < n_background_ + n_occluded_; ++i) {
       const FillKind kind = i < n_background_ ? FillKind::background : FillKind::occluded;
-      fill_.run_index(kind, d_min_, depth_, other_depth_, index_, other_index_);
+      fill_.run_index(kind, d_min_, i == 0 ? peeled : depth_, other_depth_, index_, other_index_);
       std::swap(depth_, other_depth_);
       std::swap(index_, other_index_);
     }
@@ -249,7 +249,7 @@ class Layers final : public Technique {
   void smooth(Frame& frame) {
     auto timing = frame.timers.scope("smooth");
     if (!smooth_) smooth_ = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F});
-    for (int i = 0; i < parameters_.smoothing_iterations; ++i) {
+    for (int i = 1; i < parameters_.smoothing_iterations; ++i) {  // the last one when blending
       smooth_.set("d_min", d_min_);
       smooth_.run({&color_, &depth_}, {&scratch_});
       std::swap(color_, scratch_);
@@ -271,7 +271,7 @@ class Layers final : public Technique {
       pass = ScreenPass("techniques/layers/advance.glsl", formats, defines);
     }
     pass.set("d_min", d_min_).set("bin", bin_);
-    if (is_shown) pass.set("antialias", parameters_.antialias);
+    if (is_shown) pass.set("antialias", parameters_.antialias).set("smooth_once", parameters_.smoothing_iterations > 0);
     view.bind();
     open_.arm();
     if (is_shown) {
@@ -296,6 +296,7 @@ class Layers final : public Technique {
     auto timing = frame.timers.scope("blend");
     if (!blend_last_) blend_last_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
     blend_last_.set("d_min", d_min_).set("antialias", parameters_.antialias).set("is_last", is_last);
+    blend_last_.set("smooth_once", parameters_.smoothing_iterations > 0);
     blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
     std::swap(front_, other_front_);
   }

@@ -14,18 +14,19 @@ void Peel::begin(const View& view, const Footprint& footprint, bool cascade, flo
   gl::ensure(revisit_, "limits of another visit", GL_R32F, view.width(), view.height());
 }
 
-void Peel::next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl::Texture& depth, gl::Texture& index,
-                gl::Timers& timers) {
+const gl::Texture& Peel::next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl::Texture& depth,
+                              gl::Texture& index, bool may_be_bits, gl::Timers& timers) {
   const bool is_first = visits_ == 0;
   if (!cascade_) {
     ++visits_;
     std::swap(layer_.index, index);
     to_pixels_.draw(cloud, view, footprint_, layer_, timers, is_first ? nullptr : &limit);
     std::swap(layer_.index, index);
+    if (may_be_bits) return layer_.depth_bits;
     auto timing = timers.scope("select");
     if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
     decode_.run({&layer_.depth_bits}, {&depth});
-    return;
+    return depth;
   }
   if (is_first) {
     ++visits_;
@@ -36,7 +37,7 @@ void Peel::next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl:
   {
     auto timing = timers.scope("select");
     select(view, limit, depth, index);
-    if (!too_short_.is_set()) return;
+    if (!too_short_.is_set()) return depth;
     if (!empty_) empty_ = ScreenPass("techniques/layers/empty_lists.glsl", {GL_R32UI, GL_R32UI});
     empty_.run({&revisit_}, {&depth_lists_, &index_lists_});
   }
@@ -44,6 +45,7 @@ void Peel::next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl:
   to_pixels_.draw_lists(cloud, view, footprint_, bin_, depth_lists_, index_lists_, timers, &revisit_);
   auto timing = timers.scope("select");
   select(view, limit, depth, index);
+  return depth;
 }
 
 void Peel::select(const View& view, const gl::Texture& limit, const gl::Texture& depth, const gl::Texture& index) {
