@@ -55,7 +55,7 @@ struct Parameters {
     p.add("min_layer_distance", min_layer_distance)
         .at_least(0)
         .unit("scene units")
-        .help("points closer than this behind a layer belong to it (auto: 3 median spacings)")
+        .help("points closer than this behind a layer belong to it (auto: 3 median spacings, at least 3 px)")
         .paper("d_min");
     p.add("scale_by_angle", scale_by_angle)
         .help("min_layer_distance / |n.v|: a layer seen edge-on is thicker along the view");
@@ -84,8 +84,9 @@ class Layers final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   void cast(GpuCloud& cloud, Progress&) override {
-    const std::vector<float> list = opacity_list();
+    std::vector<float> list = opacity_list();
     if (cloud.size() == 0) return cloud.set_casters({}, 0, "");
+    if (parameters_.layers == 1 && parameters_.opaque_last.resolve(parameters_.opacity.is_auto())) list = {1};
     std::string key = "layers/" + parameters_.opacity_by;
     for (float value : list) key += "," + std::to_string(value);
     if (cloud.casters_key() == key) return;
@@ -141,9 +142,10 @@ class Layers final : public Technique {
   /// Automatic values and what follows from the view.
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
-    d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing());
-    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
     const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera);
+    // A pixel and the two that filling looks at see more of a slanted surface than points of a dense cloud are apart.
+    d_min_ = parameters_.min_layer_distance.resolve(std::max(3 * frame.cloud.median_spacing(), 3 * spacing.pixel));
+    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
     // Points scattered at random leave gaps of about a spacing between discs of two; an iteration closes one pixel.
     const int iterations = std::clamp(1 + int(std::lround(std::min(spacing.median_px, 100.0f))), 1, 3);
     n_background_ = parameters_.background_iterations.resolve(iterations);
@@ -249,7 +251,7 @@ class Layers final : public Technique {
   void smooth(Frame& frame) {
     auto timing = frame.timers.scope("smooth");
     if (!smooth_) smooth_ = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F});
-    for (int i = 1; i < parameters_.smoothing_iterations; ++i) {  // the last one when blending
+    for (int i = 0; i < parameters_.smoothing_iterations; ++i) {
       smooth_.set("d_min", d_min_);
       smooth_.run({&color_, &depth_}, {&scratch_});
       std::swap(color_, scratch_);
@@ -271,7 +273,7 @@ class Layers final : public Technique {
       pass = ScreenPass("techniques/layers/advance.glsl", formats, defines);
     }
     pass.set("d_min", d_min_).set("bin", bin_);
-    if (is_shown) pass.set("antialias", parameters_.antialias).set("smooth_once", parameters_.smoothing_iterations > 0);
+    if (is_shown) pass.set("antialias", parameters_.antialias);
     view.bind();
     open_.arm();
     if (is_shown) {
@@ -296,7 +298,6 @@ class Layers final : public Technique {
     auto timing = frame.timers.scope("blend");
     if (!blend_last_) blend_last_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
     blend_last_.set("d_min", d_min_).set("antialias", parameters_.antialias).set("is_last", is_last);
-    blend_last_.set("smooth_once", parameters_.smoothing_iterations > 0);
     blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
     std::swap(front_, other_front_);
   }

@@ -10,17 +10,21 @@ namespace sfumato::layers {
 
 ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera) {
   const View view(camera, prepared.cloud.origin);
-  std::vector<float> px;
+  std::vector<float> px, pixels;
   for (const Batch& batch : prepared.batches) {
     if (!view.may_see(batch.box_min, batch.box_max)) continue;
     const glm::dvec4 center(0.5 * (dvec3(batch.box_min) + dvec3(batch.box_max)), 1);
     const double depth = std::max(-(view.eye_from_cloud() * center).z, camera.near_plane);
-    px.push_back(float(batch.spacing * camera.pixels_per_unit() / (camera.orthographic() ? 1 : depth)));
+    pixels.push_back(float((camera.orthographic() ? 1 : depth) / camera.pixels_per_unit()));
+    px.push_back(batch.spacing / pixels.back());
   }
   if (px.empty()) return {};
-  const auto middle = px.begin() + std::ptrdiff_t(px.size() / 2);
-  std::nth_element(px.begin(), middle, px.end());
-  return {*middle, *std::max_element(px.begin(), px.end())};
+  auto median = [](std::vector<float>& values) {
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {median(px), *std::max_element(px.begin(), px.end()), median(pixels)};
 }
 
 ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture, float point_size, int reach)

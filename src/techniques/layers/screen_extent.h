@@ -7,9 +7,10 @@
 
 namespace sfumato::layers {
 
-/// Point spacing in pixels over the batches in view.
+/// Over the batches in view.
 struct ScreenSpacing {
-  float median_px = 1, largest_px = 0;
+  float median_px = 1, largest_px = 0;  ///< point spacing in pixels
+  float pixel = 0;                      ///< median size of a pixel where they are, scene units
 };
 ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera);
 

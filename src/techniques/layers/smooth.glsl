@@ -1,14 +1,27 @@
-// One more smoothing of a layer than the one that blending does.
+// 3 x 3 Gaussian over the pixels of the same layer (Dobrev 2010, Sec. 3): neighbours without a sample or farther
+// than d_min in depth do not count.
 #include "bindings.glsl"
+#include "techniques/layers/gaussian.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
 layout(binding = UNIT_INPUT + 1) uniform sampler2D depth_image;
 
 uniform float d_min;
 
-#include "techniques/layers/gaussian.glsl"
-
 bool filter_pixel(ivec2 pixel) {
-  out_0 = smoothed(pixel, texelFetch(depth_image, pixel, 0).x);
+  float depth = texelFetch(depth_image, pixel, 0).x;
+  ivec2 size = textureSize(depth_image, 0);
+  vec4 sum = vec4(0.0);
+  float weights = 0.0;
+  int taps = isinf(depth) ? 0 : 9;
+  for (int tap = 0; tap < taps; ++tap) {
+    ivec2 at = pixel + gaussian_offset(tap);
+    bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
+    bool is_of_layer = is_inside && abs(texelFetch(depth_image, at, 0).x - depth) <= d_min;
+    float weight = is_of_layer ? gaussian_weight(tap) : 0.0;
+    sum += weight * texelFetch(color_image, at, 0);
+    weights += weight;
+  }
+  out_0 = weights > 0.0 ? sum / weights : vec4(0.0);
   return true;
 }
