@@ -3,7 +3,12 @@
 #include "color.glsl"
 #include "lighting.glsl"
 
+// Software GL computes every branch: who can make a program for each shading defines SHADING.
+#ifdef SHADING
+const int shading = SHADING;
+#else
 uniform int shading;  // 0 lit, 1 albedo, 2 normals, 3 depth; else as albedo
+#endif
 
 // `albedo` is premultiplied; `normal`: world normal or 0, shadow factor in w.
 vec4 shaded_color(vec4 albedo, vec2 pixel, float depth, vec4 normal) {

@@ -1,5 +1,7 @@
 #include "passes/shade.h"
 
+#include <string>
+
 namespace sfumato {
 
 void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings, const Light& light,
@@ -19,11 +21,12 @@ void set_light_uniforms(gl::Program& program, const View& view, const RenderSett
 
 void Shade::run(const View& view, const RenderSettings& settings, const Light& light, const dvec3& cloud_origin,
                 const Surface& surface, const gl::Texture& color) {
-  if (!pass_) pass_ = ScreenPass("passes/shade.glsl", {GL_RGBA32F});
+  const int shading = int(settings.shading);
+  ScreenPass& pass = passes_[shading];
+  if (!pass) pass = ScreenPass("passes/shade.glsl", {GL_RGBA32F}, {"SHADING " + std::to_string(shading)});
   view.bind();
-  set_light_uniforms(pass_.program(), view, settings, light, cloud_origin);
-  pass_.set("shading", int(settings.shading));
-  pass_.run({&surface.albedo, &surface.depth, &surface.normal}, {&color});
+  set_light_uniforms(pass.program(), view, settings, light, cloud_origin);
+  pass.run({&surface.albedo, &surface.depth, &surface.normal}, {&color});
 }
 
 }  // namespace sfumato

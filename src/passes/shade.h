@@ -1,6 +1,8 @@
 // Deferred shading shared by every technique: Phong with the per-point shadow factor.
 #pragma once
 
+#include <map>
+
 #include "gl/texture.h"
 #include "passes/light.h"
 #include "passes/screen_pass.h"
@@ -26,7 +28,7 @@ class Shade {
            const Surface& surface, const gl::Texture& color);
 
  private:
-  ScreenPass pass_;
+  std::map<int, ScreenPass> passes_;  ///< by shading
 };
 
 }  // namespace sfumato

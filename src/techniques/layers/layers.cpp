@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "core/error.h"
@@ -209,10 +210,11 @@ class Layers final : public Technique {
   void light(Frame& frame, const View& view, bool write_normals) {
     auto timing = frame.timers.scope("light");
     GpuCloud& cloud = frame.cloud;
+    const int shading = int(frame.settings.shading);
     ScreenPass& pass =
-        light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 + write_normals * 8];
+        light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 + write_normals * 8 + shading * 16];
     if (!pass) {
-      gl::Defines defines;
+      gl::Defines defines{"SHADING " + std::to_string(shading)};
       std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
       if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
       if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
@@ -225,7 +227,6 @@ class Layers final : public Technique {
     }
     if (!has_list_) pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
     if (!cloud.has_normals()) pass.set("d_min", d_min_);
-    pass.set("shading", int(frame.settings.shading));
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
     cloud.bind_places();
@@ -312,7 +313,8 @@ class Layers final : public Technique {
   layers::Peel peel_;
   Flag open_;
   Fill fill_;
-  ScreenPass light_[16], smooth_, advance_[4], cover_, blend_last_;
+  std::map<int, ScreenPass> light_;
+  ScreenPass smooth_, advance_[4], cover_, blend_last_;
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
   gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
   gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;
