@@ -155,10 +155,11 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
     prepared.available = prepared.available | needs;
     return;
   }
+  const Attributes found = attributes_of(cloud);
   // First, because the normals of points without one come from their clusters.
-  if (needs.has(Attribute::cluster) && !attributes_of(cloud).has(Attribute::cluster))
-    add_clusters(prepared, {}, progress);
-  const Attributes had = attributes_of(cloud);
+  const bool clusters = needs.has(Attribute::cluster) && !found.has(Attribute::cluster);
+  if (clusters) add_clusters(prepared, {}, progress);
+  const Attributes had = clusters ? attributes_of(cloud) : found;
   const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
   const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);
   const bool radii = (uncertainty || needs.has(Attribute::radius)) && !had.has(Attribute::radius);
@@ -168,6 +169,7 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
     Completion(prepared, options, *tree, progress).run(normals, radii, uncertainty);
   }
   prepared.available = attributes_of(cloud);
+  prepared.computed = prepared.computed | prepared.available.without(found);
   if (prepared.available.has(Attribute::radius)) prepared.median_radius = quantile(cloud.radii, 0.5);
   if (prepared.available.has(Attribute::uncertainty))
     prepared.uncertainty_range = quantiles(cloud.scalar("uncertainty")->values);

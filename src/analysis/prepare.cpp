@@ -62,6 +62,7 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
   keep_viewpoints(prepared.cloud);
+  const Attributes given = attributes_of(prepared.cloud);
   complete_from_grids(prepared.cloud, needs, progress);
   reorder(prepared.cloud, morton_order(prepared.cloud, progress));
   progress.check();
@@ -69,6 +70,7 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
   complete(prepared, needs, options, &tree, progress);
+  prepared.computed = prepared.available.without(given);
   return prepared;
 }
 

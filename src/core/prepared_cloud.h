@@ -51,6 +51,7 @@ struct PreparedCloud {
   float median_radius = 0;      ///< scene units; 0 while there are no radii
   Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
+  Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
 };
 
 }  // namespace sfumato

@@ -41,7 +41,11 @@ class GpuCloud {
   float median_radius() const {
     return prepared_.median_radius > 0 ? prepared_.median_radius : std::numeric_limits<float>::infinity();
   }
-  bool has_normals() const { return prepared_.available.has(Attribute::normal); }
+  /// What was computed for one technique is not there for another, which so draws the same picture in any company.
+  void show_to(Attributes needs) { shown_ = needs; }
+  bool has_normals() const {
+    return prepared_.available.without(prepared_.computed.without(shown_)).has(Attribute::normal);
+  }
   std::vector<Chunk>& chunks() { return chunks_; }
 
   /// Chooses the batches that the view may see, in every chunk; returns how many points they hold.
@@ -97,6 +101,7 @@ class GpuCloud {
   bool has_casters_ = false;
   float see_through_spacing_ = 0;
   std::uint64_t serial_ = next_serial();
+  Attributes shown_ = Attribute::normal | Attribute::radius | Attribute::uncertainty | Attribute::cluster;
   static std::uint64_t next_serial();
   std::vector<float> largest_radii_;
 };

@@ -47,6 +47,7 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
     s.cloud->attributes_changed();
     s.uploaded = s.prepared.available;
   }
+  s.cloud->show_to(technique.needs());
   Camera camera = asked;
   camera.fit_depth_range(s.cloud->bounds());
   if (!s.target.color || s.target.color.width() != camera.width || s.target.color.height() != camera.height)

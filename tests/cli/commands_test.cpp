@@ -53,6 +53,7 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
            {{"cube.ply", "-o", "a_{n:q}.png", "--path", "orbit"}, "template"},
            {{"cube.ply", "-o", "a.png", "--frames", "3"}, "--path"},
            {{"cube.ply", "-o", "a.exr", "-t", "points,points"}, "contact sheet"},
+           {{"cube.ply", "-o", "a.png", "--output-panels", "b.png"}, "{technique}"},
            {{"cube.ply", "-o", "a.png", "--output-depth", "d.png"}, ".npy"},
            {{"info"}, "info needs a file"},
            {{"info", "cube.ply", "more.ply"}, "unexpected argument 'more.ply'"},

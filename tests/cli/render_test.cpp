@@ -101,9 +101,11 @@ TEST_F(RenderTest, BackgroundAndTransparency) {
 TEST_F(RenderTest, DepthNormalAndLinearArrays) {
   write_front_camera();
   write_cube("fine.ply", 60);  // at least one point in each of the 29 x 29 pixels of the face
-  const Outcome outcome = run({"fine.ply", "-o", "c.npy", "--camera", "front.json", "--output-depth", "d.npy",
-                               "--output-normal", "n.npy", "--output-camera", "k.json", "--shading", "albedo",
-                               "--no-background", "--edl", "false", "--size-mode", "pixels", "--point-size", "1"});
+  const Outcome outcome =
+      run({"fine.ply",       "-o",          "c.npy",           "--camera",        "front.json",
+           "--output-depth", "d.npy",       "--output-normal", "n.npy",           "--output-camera",
+           "k.json",         "--shading",   "albedo",          "--no-background", "--edl",
+           "false",          "--size-mode", "pixels",          "--point-size",    "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Array color = read_npy("c.npy"), depth = read_npy("d.npy"), normal = read_npy("n.npy");
   EXPECT_EQ(color.shape, (std::vector<int>{48, 64, 4}));
@@ -121,8 +123,8 @@ TEST_F(RenderTest, DepthNormalAndLinearArrays) {
 }
 
 TEST_F(RenderTest, DepthAloneNeedsNoPicture) {
-  const Outcome outcome = run({"cube.ply", "--resolution", "32x32", "--output-depth", "d.npy", "--shading", "albedo",
-                               "--edl", "false", "--quiet"});
+  const Outcome outcome = run({"cube.ply", "--resolution", "32x32", "--output-depth", "d.npy", "--shading",
+                               "albedo", "--edl", "false", "--quiet"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "") << "GL objects are deleted before their context";
   EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "d.npy"}));
@@ -205,6 +207,19 @@ TEST_F(RenderTest, ContactSheetShowsEveryTechniqueWithItsLabel) {
   EXPECT_EQ(json["technique"], (Json{"points", "points"}));
 }
 
+TEST_F(RenderTest, PanelsOfTheSheetAreThePicturesOfEachTechnique) {
+  const Json json = run_json({"cube.ply", "-t", "points,splats", "-o", "sheet.png", "--output-panels",
+                              "cube_{technique}.png", "--resolution", "96x64", "--json"});
+  for (const std::string technique : {"points", "splats"}) {
+    run_json({"cube.ply", "-t", technique, "-o", "alone.png", "--resolution", "96x64", "--json"});
+    const Image<Rgba8> panel = read_png("cube_" + technique + ".png"), alone = read_png("alone.png");
+    ASSERT_EQ(panel.width(), alone.width());
+    ASSERT_EQ(panel.height(), alone.height());
+    EXPECT_TRUE(std::equal(panel.data(), panel.data() + 96 * 64, alone.data())) << technique;
+  }
+  EXPECT_EQ(json["outputs"], (Json{"cube_points.png", "cube_splats.png", "sheet.png"}));
+}
+
 TEST_F(RenderTest, QualifiedParametersReachOneTechnique) {
   const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--points.point-size", "2",
                               "--point-size", "5", "--json"});
@@ -215,14 +230,16 @@ TEST_F(RenderTest, QualifiedParametersReachOneTechnique) {
 TEST_F(RenderTest, ASequenceIsOnePictureAFile) {
   write_cube("a.ply");
   write_cube("b.ply", 20);
-  const Json json = run_json({"a.ply", "b.ply", "a.ply", "--sequence", "-o", "f_{n:04}.png", "--resolution", "48x32",
-                              "-t", "points", "--json"});
+  const Json json = run_json({"a.ply", "b.ply", "a.ply", "--sequence", "-o", "f_{n:04}.png", "--resolution",
+                              "48x32", "-t", "points", "--json"});
   EXPECT_EQ(json["outputs"].size(), 3u);
-  const Image<Rgba8> first = read_png("f_0000.png"), other = read_png("f_0001.png"), again = read_png("f_0002.png");
+  const Image<Rgba8> first = read_png("f_0000.png"), other = read_png("f_0001.png"),
+                     again = read_png("f_0002.png");
   EXPECT_TRUE(std::equal(first.begin(), first.end(), again.begin()));
   EXPECT_FALSE(std::equal(first.begin(), first.end(), other.begin()));
   EXPECT_NE(run({"a.ply", "b.ply", "--sequence", "-o", "f.png"}).err.find("{n:04}"), std::string::npos);
-  EXPECT_NE(run({"a.ply", "--sequence", "--path", "orbit", "-o", "f_{n}.png"}).err.find("leave out --path"), std::string::npos);
+  EXPECT_NE(run({"a.ply", "--sequence", "--path", "orbit", "-o", "f_{n}.png"}).err.find("leave out --path"),
+            std::string::npos);
 }
 
 TEST_F(RenderTest, OrbitWritesOnePictureAFrame) {

@@ -42,7 +42,8 @@ class Stopwatch {
 };
 
 /// `files` as one scene with the origin of the first, less what is hidden.
-PointCloud read_scene(const Words& files, const RenderOptions& options, RenderReport& report, Console& console) {
+PointCloud read_scene(const Words& files, const RenderOptions& options, RenderReport& report,
+                      Console& console) {
   PointCloud scene;
   for (const std::string& file : files) {
     io::ReadResult result = io::read(file, options.read, console);
@@ -84,7 +85,7 @@ class Studio {
         renderer_(*context_) {
     report_.techniques.resize(choice_.techniques.size());
     const std::string extension = extension_of(options_.output);
-    wants_.color = extension == ".png";
+    wants_.color = extension == ".png" || !options_.output_panels.empty();
     wants_.color_linear = extension == ".exr" || extension == ".npy";
     wants_.depth = extension == ".exr" || !options_.output_depth.empty();
     wants_.normal = extension == ".exr" || !options_.output_normal.empty();
@@ -127,11 +128,15 @@ class Studio {
       console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
       out = renderer_.render(*chosen.technique, camera, chosen.settings, wants_, console_);
       report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.notes};
-      if (choice_.techniques.size() > 1) panels.push_back({chosen.name, std::move(out.rgba8)});
+      if (choice_.techniques.size() > 1)
+        panels.push_back({chosen.name, std::move(out.rgba8)});
+      else if (!options_.output_panels.empty())
+        panels.push_back({chosen.name, out.rgba8});
     }
     console_.check();
     watch.lap("render");
-    if (!panels.empty()) {
+    if (!options_.output_panels.empty()) write_panels(panels, camera, n);
+    if (panels.size() > 1) {
       if (options_.legend) draw_legend(panels.back().image, coloring_, options_.background);
       if (wants_.color) out.rgba8 = contact_sheet(panels, options_.background, options_.no_background);
     } else if (options_.legend && wants_.color) {
@@ -142,20 +147,34 @@ class Studio {
   }
 
  private:
-  std::string name_of(const std::string& pattern, int n) {
-    const std::string name = options_.path.empty() && !options_.sequence ? pattern : frame_name(pattern, n);
+  std::string name_of(const std::string& pattern, int n, const std::string& technique = {}) {
+    const bool fixed = options_.path.empty() && !options_.sequence && technique.empty();
+    const std::string name = fixed ? pattern : frame_name(pattern, n, technique);
     report_.outputs.push_back(name);
     return name;
+  }
+
+  void write_png(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
+    io::write_png(name, image, options_.no_background,
+                  {{"Software", std::string("sfumato ") + version()},
+                   {"Command", command_},
+                   {"Camera", io::camera_to_json(camera)}});
+  }
+
+  void write_panels(const std::vector<Panel>& panels, const Camera& camera, int n) {
+    for (const Panel& panel : panels) {
+      const std::string name = name_of(options_.output_panels, n, panel.label);
+      Image<Rgba8> image = panel.image;
+      if (options_.legend) draw_legend(image, coloring_, options_.background);
+      write_png(name, image, camera);
+    }
   }
 
   void write(const RenderOutput& out, const Camera& camera, int n) {
     if (!options_.output.empty()) {
       const std::string name = name_of(options_.output, n), extension = extension_of(name);
       if (extension == ".png") {
-        io::write_png(name, out.rgba8, options_.no_background,
-                      {{"Software", std::string("sfumato ") + version()},
-                       {"Command", command_},
-                       {"Camera", io::camera_to_json(camera)}});
+        write_png(name, out.rgba8, camera);
       } else if (extension == ".exr") {
         io::write_exr(name, out.color_linear, out.depth, out.normal, command_);
       } else {
@@ -248,7 +267,8 @@ int render_command(const Words& words) {
   RenderReport report;
   Stopwatch watch(report);
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  PointCloud scene = read_scene(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
+  PointCloud scene =
+      read_scene(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
   watch.lap("read");
   const Camera camera = options.camera.resolve(subject_of(scene), scene.up);
   const std::vector<Camera> cameras = cameras_of(options, camera, scene.up);

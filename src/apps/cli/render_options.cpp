@@ -31,6 +31,8 @@ void RenderOptions::declare(CommandLine& line) {
                 "); several give a labelled contact sheet. See: sfumato techniques");
   line.text("-o,--output", output, "FILE",
             "picture: .png (sRGB), .exr (linear, Z, normals), .npy (linear RGBA)");
+  line.text("--output-panels", output_panels, "NAME_{technique}.png",
+            "each technique's own picture as well, of the same rendering as the contact sheet");
   line.text("--output-depth", output_depth, "FILE.npy",
             "float32 HxW, depth along the view axis, inf where nothing");
   line.text("--output-normal", output_normal, "FILE.npy",
@@ -39,7 +41,8 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png");
   line.text("--frames", frames, "N", "pictures of the path (120)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
-  line.flag("--sequence", sequence, "files are frames: one picture each from one camera, -o frame_{n:04}.png");
+  line.flag("--sequence", sequence,
+            "files are frames: one picture each from one camera, -o frame_{n:04}.png");
   line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
   line.flag("--timings", timings, "time of every pass");
@@ -70,6 +73,12 @@ void RenderOptions::check(std::size_t technique_count) {
   const std::string extension = extension_of(output);
   if (!output.empty() && extension != ".png" && extension != ".exr" && extension != ".npy")
     refuse("-o " + output + ": pictures are written as .png, .exr or .npy");
+  if (!output_panels.empty()) {
+    if (extension_of(output_panels) != ".png")
+      refuse("--output-panels " + output_panels + ": panels are written as .png");
+    if (frame_name(output_panels, 0, "a") == frame_name(output_panels, 0, "b"))
+      refuse("--output-panels " + output_panels + ": write {technique} where the technique's name goes");
+  }
   if (technique_count > 1) {
     if (!output.empty() && extension != ".png")
       refuse("-o " + output + ": a contact sheet of several techniques is a .png");
@@ -91,7 +100,7 @@ void RenderOptions::check(std::size_t technique_count) {
     if (!degrees.empty()) orbit_degrees = parse_number("--degrees", degrees);
   }
   if (sequence || !path.empty()) {
-    for (const std::string& file : {output, output_depth, output_normal, output_camera})
+    for (const std::string& file : {output, output_panels, output_depth, output_normal, output_camera})
       if (!file.empty() && (frame_name(file, 0) == frame_name(file, 1)))
         refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
   }
@@ -123,9 +132,9 @@ std::string extension_of(const std::string& file) {
   return extension;
 }
 
-std::string frame_name(const std::string& pattern, int n) {
+std::string frame_name(const std::string& pattern, int n, const std::string& technique) {
   try {
-    return fmt::format(fmt::runtime(pattern), fmt::arg("n", n));
+    return fmt::format(fmt::runtime(pattern), fmt::arg("n", n), fmt::arg("technique", technique));
   } catch (const fmt::format_error& error) {
     refuse("'" + pattern + "' is no file name template (" + error.what() +
            "): write {n:04} for the frame's number");

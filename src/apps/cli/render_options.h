@@ -16,7 +16,7 @@ namespace sfumato::cli {
 
 struct RenderOptions {
   Words files;
-  std::string technique, output, output_depth, output_normal, output_camera;
+  std::string technique, output, output_panels, output_depth, output_normal, output_camera;
   CameraOptions camera;
   std::string up, background_color, color_range, hide_classes = "7,18", columns, max_points;
   ColorSettings color;
@@ -36,14 +36,16 @@ struct RenderOptions {
   /// Everything that can be wrong before a file is opened. Throws Error(usage).
   void check(std::size_t technique_count);
   bool has_output() const {
-    return !output.empty() || !output_depth.empty() || !output_normal.empty() || !output_camera.empty();
+    return !output.empty() || !output_panels.empty() || !output_depth.empty() || !output_normal.empty() ||
+           !output_camera.empty();
   }
 };
 
 /// Lower-case extension: ".png".
 std::string extension_of(const std::string& file);
-/// "frame_{n:04}.png" for frame 7: "frame_0007.png". Throws Error(usage) for a broken template.
-std::string frame_name(const std::string& pattern, int n);
+/// "frame_{n:04}.png" for frame 7: "frame_0007.png"; {technique} is the technique. Throws Error(usage) for a
+/// broken template.
+std::string frame_name(const std::string& pattern, int n, const std::string& technique = {});
 /// The last value of an option, found before the line is parsed; empty when it is not given.
 std::string peek(const Words& words, char short_name, const std::string& long_name);
 
