@@ -99,11 +99,14 @@ class Layers final : public Technique {
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
     const int last = parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
     make_textures(view);
-    frame.target.color.clear(vec4(0));
-    frame.target.depth.clear(vec4(INFINITY));
-    frame.target.normal.clear(vec4(0, 0, 0, 1));
-    front_.clear(vec4(0));
-    limit_.clear(vec4(0));
+    {
+      auto timing = frame.timers.scope("clear");
+      frame.target.color.clear(vec4(0));
+      frame.target.depth.clear(vec4(INFINITY));
+      if (frame.wants_normal) frame.target.normal.clear(vec4(0, 0, 0, 1));
+      front_.clear(vec4(0));
+      limit_.clear(vec4(0));
+    }
 
     peel_.begin(view, footprint_, cascade_, bin_);
     for (peeled_ = 0; peeled_ < last;) {
@@ -129,6 +132,7 @@ class Layers final : public Technique {
       frame.progress.check();
     }
     if (knows_last_) blend_last(frame, true);
+    auto timing = frame.timers.scope("copy");
     extent.copy(front_, frame.target.color);
     return true;
   }
