@@ -5,17 +5,23 @@
 uniform bool antialias;
 
 // A pixel on an edge is replaced by the Gaussian of its 3 x 3 pixels, background included. Premultiplied; `covered`: the
-// share of the pixel that the layer covers.
+// share of the pixel that the layer covers (COVERED).
 vec4 antialiased(ivec2 pixel, float depth, out float covered) {
+  covered = 1.0;
   vec4 sum = vec4(0.0);
+#ifdef COVERED
   float weights = 0.0;
+#endif
   int taps = antialias && is_edge(pixel, depth) ? 9 : 0;
   for (int tap = 0; tap < taps; ++tap) {
     ivec2 at = pixel + gaussian_offset(tap);
-    float weight = isinf(depth_at(at)) ? 0.0 : gaussian_weight(tap);
-    sum += weight * texelFetch(color_image, at, 0);
-    weights += weight;
+    sum += gaussian_weight(tap) * texelFetch(color_image, clamped(at), 0);  // 0 where nothing is
+#ifdef COVERED
+    weights += isinf(depth_at(at)) ? 0.0 : gaussian_weight(tap);
+#endif
   }
+#ifdef COVERED
   covered = taps > 0 ? weights : isinf(depth) ? 0.0 : 1.0;
+#endif
   return taps > 0 ? sum : texelFetch(color_image, pixel, 0);
 }

@@ -11,6 +11,7 @@ layout(binding = UNIT_INPUT + 4) uniform sampler2D next_coverage_image;
 uniform bool is_last;
 uniform float d_min;
 
+#define COVERED
 #include "techniques/layers/antialiased.glsl"
 
 bool filter_pixel(ivec2 pixel) {

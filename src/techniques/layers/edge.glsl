@@ -1,9 +1,8 @@
 // Which pixels of a layer lie on an edge. Include after `depth_image` and `d_min`.
 
-float depth_at(ivec2 at) {
-  bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, textureSize(depth_image, 0)));
-  return is_inside ? texelFetch(depth_image, at, 0).x : infinity;
-}
+// Beyond the border the border goes on: it is empty, or farther out than the picture's operators look (ScreenExtent).
+ivec2 clamped(ivec2 at) { return clamp(at, ivec2(0), textureSize(depth_image, 0) - 1); }
+float depth_at(ivec2 at) { return texelFetch(depth_image, clamped(at), 0).x; }
 
 // One of its four neighbours lies more than d_min nearer or farther; background: infinitely far.
 bool is_edge(ivec2 pixel, float depth) {

@@ -15,10 +15,8 @@ bool filter_pixel(ivec2 pixel) {
   float weights = 0.0;
   int taps = isinf(depth) ? 0 : 9;
   for (int tap = 0; tap < taps; ++tap) {
-    ivec2 at = pixel + gaussian_offset(tap);
-    bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
-    bool is_of_layer = is_inside && abs(texelFetch(depth_image, at, 0).x - depth) <= d_min;
-    float weight = is_of_layer ? gaussian_weight(tap) : 0.0;
+    ivec2 at = clamp(pixel + gaussian_offset(tap), ivec2(0), size - 1);  // nobody sees the border (ScreenExtent)
+    float weight = abs(texelFetch(depth_image, at, 0).x - depth) <= d_min ? gaussian_weight(tap) : 0.0;
     sum += weight * texelFetch(color_image, at, 0);
     weights += weight;
   }
