@@ -11,6 +11,7 @@ enum Unit {
   fragment_offsets = 18,
   fragments = 19,
   casters = 20,
+  tiles = 21,   ///< one texel a tile of the image
 };
 enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
 enum Block { frame = 0 };

@@ -13,7 +13,8 @@ uniform bool write_background;
 uniform vec4 background;  // sRGB, straight alpha
 #endif
 
-#ifdef WRITE_SPACING
+#ifdef WRITE_EYE
+uniform float same_spacing;  // of all points, scene units; 0: that of each one's batch
 uniform int batch_count;
 
 // Spacing of the point's batch, found among the visible ones, which ascend.
@@ -37,13 +38,23 @@ bool filter_pixel(ivec2 pixel) {
   if (place >= chunk_count) return false;
   out_0 = vec4(texelFetch(cloud_colors, int(place)).rgb, 1.0);
   return true;
+#elif defined(WRITE_EYE)
+  out_0 = vec4(0.0, 0.0, 0.0, 1.0);
+  out_1 = vec4(0.0, 0.0, -3e38, 0.0);
+  if (source == 0xffffffffu) return write_background;
+  int place = int(texelFetch(places, int(source)).x - chunk_first);
+  if (uint(place) >= chunk_count) return false;
+  float depth = uintBitsToFloat(texelFetch(depth_bits, pixel, 0).x);
+  out_0.rgb = point_color(place);
+#ifdef HAS_SHADOW
+  out_0.a = point_shadow(place);
+#endif
+  out_1 = vec4(eye_from_pixel(vec2(pixel) + 0.5, depth), same_spacing > 0.0 ? same_spacing : spacing_at(place));
+  return true;
 #else
   if (source == 0xffffffffu) {
     out_0 = vec4(0.0);
     out_1 = vec4(infinity);
-#ifdef WRITE_SPACING
-    out_2 = vec4(0.0, 1.0, 0.0, 0.0);
-#endif
 #ifdef WRITE_NORMAL
     out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #endif
@@ -54,13 +65,6 @@ bool filter_pixel(ivec2 pixel) {
   float depth = uintBitsToFloat(texelFetch(depth_bits, pixel, 0).x);
   out_0 = vec4(point_color(int(i)), 1.0);
   out_1 = vec4(depth);
-#ifdef WRITE_SPACING
-#ifdef HAS_SHADOW
-  out_2 = vec4(spacing_at(int(i)), point_shadow(int(i)), 0.0, 0.0);
-#else
-  out_2 = vec4(spacing_at(int(i)), 1.0, 0.0, 0.0);
-#endif
-#endif
 #ifdef WRITE_NORMAL
   out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #ifdef HAS_NORMALS

@@ -91,9 +91,16 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
     }
     pass = ScreenPass("passes/points_resolve.glsl", formats, defines);
   }
+  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
+  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
   if (with_normals) gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
-  if (with_normals && cloud.chunks().empty()) layer.normal.clear(vec4(0, 0, 0, 1));
-  resolve_into(cloud, view, layer, pass, with_normals ? &layer.normal : nullptr);
+  if (cloud.chunks().empty()) {
+    layer.albedo.clear(vec4(0));
+    layer.depth.clear(vec4(INFINITY));
+    if (with_normals) layer.normal.clear(vec4(0, 0, 0, 1));
+  }
+  if (with_normals) for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth, &layer.normal}, true);
+  else for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth});
 }
 
 void PointsToPixels::resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,
@@ -102,52 +109,41 @@ void PointsToPixels::resolve_finished(GpuCloud& cloud, const View& view, const P
   auto timing = timers.scope("resolve");
   ScreenPass& pass = resolve_finished_;
   if (!pass) pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA8}, {"FINISHED"});
-  view.bind();
-  cloud.bind_places();
   pass.set("background", is_transparent ? vec4(0) : vec4(background_srgb, 1));
-  bool first = true;
-  for (GpuCloud::Chunk& chunk : cloud.chunks()) {
-    cloud.bind_geometry(chunk);
-    cloud.bind_colors(chunk);
-    pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
-    pass.run({&layer.depth_bits, &layer.index}, {&rgba8});
-    first = false;
-  }
+  for_each_chunk(cloud, view, layer, pass, {&rgba8});
 }
 
-void PointsToPixels::resolve_spacing(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers) {
+void PointsToPixels::resolve_eye(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Texture& eye,
+                                 float same_spacing, gl::Timers& timers) {
   auto timing = timers.scope("resolve");
-  ScreenPass& pass = resolve_spacing_[cloud.has_shadow()];
+  ScreenPass& pass = resolve_eye_[cloud.has_shadow()];
   if (!pass) {
-    gl::Defines defines{"WRITE_SPACING"};
+    gl::Defines defines{"WRITE_EYE"};
     if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
-    pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA32F, GL_R32F, GL_RG32F}, defines);
+    pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA16F, GL_RGBA32F}, defines);
   }
-  gl::ensure(layer.spacing, "spacing", GL_RG32F, view.width(), view.height());
-  if (cloud.chunks().empty()) layer.spacing.clear(vec4(0, 1, 0, 0));
-  resolve_into(cloud, view, layer, pass, &layer.spacing);
+  gl::ensure(layer.shadowed, "color and shadow", GL_RGBA16F, view.width(), view.height());
+  if (cloud.chunks().empty()) {
+    layer.shadowed.clear(vec4(0, 0, 0, 1));
+    eye.clear(vec4(0, 0, -3e38f, 0));
+  }
+  pass.set("same_spacing", same_spacing);
+  for_each_chunk(cloud, view, layer, pass, {&layer.shadowed, &eye});
 }
 
-void PointsToPixels::resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass,
-                                  gl::Texture* third) {
-  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
-  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
+void PointsToPixels::for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,
+                                    std::initializer_list<const gl::Texture*> targets, bool with_normals) {
   view.bind();
   cloud.bind_places();
   bool first = true;
-  if (cloud.chunks().empty()) {
-    layer.albedo.clear(vec4(0));
-    layer.depth.clear(vec4(INFINITY));
-  }
   for (GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
     cloud.bind_colors(chunk);
-    if (third == &layer.normal && cloud.has_normals()) cloud.bind_normals(chunk);
-    if (third && cloud.has_shadow()) cloud.bind_shadow(chunk);
+    if (with_normals && cloud.has_normals()) cloud.bind_normals(chunk);
+    if (cloud.has_shadow()) cloud.bind_shadow(chunk);
     pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
     pass.set("batch_count", int(chunk.visible_batches));
-    if (third) pass.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth, third});
-    else pass.run({&layer.depth_bits, &layer.index}, {&layer.albedo, &layer.depth});
+    pass.run({&layer.depth_bits, &layer.index}, targets);
     first = false;
   }
 }

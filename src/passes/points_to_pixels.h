@@ -35,7 +35,7 @@ struct PixelLayer {
   gl::Texture albedo;      ///< RGBA32F: linear colour, alpha 1 where covered
   gl::Texture depth;       ///< R32F: eye depth, +inf where nothing
   gl::Texture normal;      ///< RGBA32F: world normal facing the camera or 0; w = shadow factor
-  gl::Texture spacing;     ///< RG32F: point spacing of the point's batch, scene units, 0 where nothing; shadow factor
+  gl::Texture shadowed;    ///< RGBA16F: linear colour, shadow factor; (0 0 0 1) where nothing
 };
 
 class PointsToPixels {
@@ -63,8 +63,11 @@ class PointsToPixels {
   /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
   /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
   void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers, bool with_normals = true);
-  /// Attributes of the survivors into `layer.albedo`, `.depth` and `.spacing`.
-  void resolve_spacing(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers);
+  /// The survivors as screen operators want them: eye position and point spacing into `eye` (RGBA32F; z = -3e38,
+  /// behind everything, and spacing 0 where nothing is), the rest into `layer.shadowed`. The spacing is that of the
+  /// point's batch unless `same_spacing` > 0 holds everywhere.
+  void resolve_eye(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Texture& eye, float same_spacing,
+                   gl::Timers& timers);
 
  private:
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
@@ -72,9 +75,11 @@ class PointsToPixels {
              bool lists = false);
   gl::Program programs_[32];
   float inverse_bin_ = 0;
-  void resolve_into(GpuCloud& cloud, const View& view, PixelLayer& layer, ScreenPass& pass, gl::Texture* third);
+  /// Runs a resolve once for each chunk; binds its geometry and colours.
+  void for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,
+                      std::initializer_list<const gl::Texture*> targets, bool with_normals = false);
   ScreenPass resolve_finished_;
-  ScreenPass resolve_[8], resolve_spacing_[2];
+  ScreenPass resolve_[8], resolve_eye_[2];
 };
 
 }  // namespace sfumato

@@ -18,9 +18,9 @@ class NearestPyramid {
   /// Sizes that halve exactly down to the last level: what `size` has to be padded to.
   static int padded(int size) { return (size + (1 << (levels - 1)) - 1) >> (levels - 1) << (levels - 1); }
 
-  /// `depth`: R32F eye depth, +inf where nothing; `spacing`: point spacing in red, unless `same_spacing` > 0 holds
-  /// everywhere. Both of a padded size. The view is bound.
-  void build(const gl::Texture& depth, const gl::Texture& spacing, float same_spacing = 0);
+  /// Level 0, to be filled before `build`; of a padded size.
+  gl::Texture& points(int width, int height);
+  void build();
   /// All levels, for texelFetch with a level.
   const gl::Texture& texture() const { return storage_; }
   const gl::Texture& level(int l) const { return views_[std::size_t(l)]; }
@@ -28,7 +28,7 @@ class NearestPyramid {
  private:
   gl::Texture storage_;
   std::vector<gl::Texture> views_;
-  ScreenPass unproject_, reduce_;
+  ScreenPass reduce_;
 };
 
 /// Weighted pull-push (Gortler 1996; Kraus 2009) of two images that share their weights: fine to coarse with the
@@ -36,21 +36,26 @@ class NearestPyramid {
 /// y_l = x_l + (1 - w_l) B(y_{l+1}) with bilinear B. Samples of weight 1 come back unchanged.
 class PullPush {
  public:
-  /// Level 0, to be filled before `run`: `a` = (x y z) w and the weight w, `b` = (p q r s) w. RGBA32F.
   struct Level {
-    gl::Texture a, b;
+    gl::Texture a, b;  ///< RGBA32F
   };
   explicit PullPush(ScreenPassKind kind = ScreenPassKind::automatic) : kind_(kind) {}
-  Level& seeds(int width, int height);
+  /// `a` = (x y z) w and the weight w; `b` = (p q r s), not multiplied, of the same weight and size.
   /// With `depth_edge` > 0, `a.x` is an eye depth, and samples do not mix across a jump of depth that is steeper
   /// than this slope (depth over width); the side with more weight decides. The view is bound then.
-  void run(float depth_edge = 0);
+  /// Levels finer than `first` are not filled: a pass over the picture may do that step itself (shaders/
+  /// push_level.glsl) and save a round trip through memory. With `tiles`, `a` is 0 within a tile's size around those
+  /// that are off, and nobody looks up what is filled there: the finest levels stay 0 in them.
+  void run(const gl::Texture& a, const gl::Texture& b, float depth_edge = 0, int first = 0, const Tiles* tiles = nullptr);
   /// Filled levels, finest first; level l is ceil(size / 2^l). `a.w` is 1 unless there was no sample at all.
   std::vector<Level>& filled() { return filled_; }
 
  private:
+  void allocate(int width, int height);
+  void pull(const gl::Texture& fine_a, const gl::Texture& fine_b, int level, const Tiles* tiles);
+  void push(const gl::Texture& pulled_a, const gl::Texture& pulled_b, int level, const Tiles* tiles);
   ScreenPassKind kind_;
-  std::vector<Level> pulled_, filled_;
+  std::vector<Level> pulled_, filled_;  // level 0 of what is pulled are the caller's
   ScreenPass pull_, push_;
 };
 

@@ -42,6 +42,25 @@ std::string output_declarations(const std::vector<GLenum>& formats, bool compute
   return text;
 }
 
+/// `main` of the compute wrapper, and what it needs.
+std::string compute_main(std::size_t outputs) {
+  std::string elsewhere, otherwise, stores;
+  for (std::size_t i = 0; i < outputs; ++i) {
+    const std::string n = std::to_string(i);
+    elsewhere += "uniform vec4 elsewhere_" + n + ";\n";
+    otherwise += " out_" + n + " = elsewhere_" + n + ";";
+    stores += "  imageStore(image_" + n + ", pixel, out_" + n + ");\n";
+  }
+  return "layout(binding = " + std::to_string(binding::tiles) + ") uniform sampler2D tiles;\n" +
+         "uniform int tile_size;\nuniform ivec2 tile_offset;\n" + elsewhere +
+         "layout(local_size_x = 16, local_size_y = 8) in;\nvoid main() {\n"
+         "  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
+         "  if (any(greaterThanEqual(pixel, imageSize(image_0)))) return;\n"
+         "  bool runs = tile_size == 0;\n"
+         "  if (!runs) runs = texelFetch(tiles, (pixel + tile_offset) / tile_size, 0).x > 0.0;\n"
+         "  if (!runs) {" + otherwise + " }\n  else if (!filter_pixel(pixel)) return;\n" + stores + "}\n";
+}
+
 }  // namespace
 
 ScreenPassKind default_screen_pass_kind() {
@@ -57,40 +76,58 @@ ScreenPass::ScreenPass(const std::string& file, std::vector<GLenum> formats, con
                        ScreenPassKind kind) {
   if (kind == ScreenPassKind::automatic) kind = default_screen_pass_kind();
   compute_ = kind == ScreenPassKind::compute;
-  const std::string head = output_declarations(formats, compute_);
+  const std::string head = output_declarations(formats, compute_) + "bool filter_pixel(ivec2 pixel);\n";
   if (compute_) {
-    std::string tail = head + "bool filter_pixel(ivec2 pixel);\nlayout(local_size_x = 16, local_size_y = 8) in;\n"
-                              "void main() {\n  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
-                              "  if (any(greaterThanEqual(pixel, imageSize(image_0)))) return;\n"
-                              "  if (!filter_pixel(pixel)) return;\n";
-    for (std::size_t i = 0; i < formats.size(); ++i)
-      tail += "  imageStore(image_" + std::to_string(i) + ", pixel, out_" + std::to_string(i) + ");\n";
-    program_ = gl::Program::compute(file, defines, tail + "}\n");
+    program_ = gl::Program::compute(file, defines, head + compute_main(formats.size()));
   } else {
-    const std::string main_text = head + "bool filter_pixel(ivec2 pixel);\n"
-                                         "void main() { if (!filter_pixel(ivec2(gl_FragCoord.xy))) discard; }\n";
-    program_ = gl::Program::raster("passes/whole_screen.vert", file, defines, main_text);
+    const std::string main_text = "void main() { if (!filter_pixel(ivec2(gl_FragCoord.xy))) discard; }\n";
+    program_ = gl::Program::raster("passes/screen_pass.vert", file, defines, head + main_text);
   }
 }
 
 void ScreenPass::run(std::initializer_list<const gl::Texture*> inputs,
                      std::initializer_list<const gl::Texture*> outputs) {
+  draw(nullptr, inputs, outputs, {});
+}
+
+void ScreenPass::run(const Tiles& tiles, std::initializer_list<const gl::Texture*> inputs,
+                     std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere) {
+  draw(&tiles, inputs, outputs, elsewhere);
+}
+
+void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Texture*> inputs,
+                      std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere) {
   int unit = binding::input;
   for (const gl::Texture* input : inputs) input->bind(unit++);
+  if (tiles) tiles->on.bind(binding::tiles);
+  program_.set("tile_size", tiles ? tiles->size : 0);
+
   if (compute_) {
-    int index = 0;
-    for (const gl::Texture* output : outputs) output->bind_image(index++, GL_WRITE_ONLY);
+    program_.set("tile_offset", tiles ? tiles->offset : ivec2(0));
+    for (std::size_t k = 0; k < outputs.size(); ++k)
+      program_.set("elsewhere_" + std::to_string(k), tiles ? elsewhere.begin()[k] : vec4(0));
+    int image = 0;
+    for (const gl::Texture* output : outputs) output->bind_image(image++, GL_WRITE_ONLY);
     const gl::Texture& first = **outputs.begin();
     program_.dispatch(unsigned(first.width() + 15) / 16, unsigned(first.height() + 7) / 8);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
                     GL_TEXTURE_UPDATE_BARRIER_BIT);
-  } else {
-    gl::Framebuffer framebuffer(outputs);
-    framebuffer.bind();
-    gl::State{}.apply();
-    program_.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return;
   }
+
+  gl::Framebuffer framebuffer(outputs);
+  framebuffer.bind();
+  gl::State{}.apply();
+  program_.use();
+  if (!tiles) {
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return;
+  }
+  int attachment = 0;
+  for (const vec4& value : elsewhere) glClearBufferfv(GL_COLOR, attachment++, &value.x);
+  const int columns = tiles->on.width(), rows = tiles->on.height();
+  glViewport(-tiles->offset.x, -tiles->offset.y, columns * tiles->size, rows * tiles->size);
+  glDrawArrays(GL_POINTS, 0, columns * rows);
 }
 
 }  // namespace sfumato

@@ -18,6 +18,15 @@ enum class ScreenPassKind { automatic, fragment, compute };
 /// The kind in force: the environment, else fragment on software GL and compute elsewhere.
 ScreenPassKind default_screen_pass_kind();
 
+/// Squares of pixels, of an area that holds the image, and which of them a pass has something to do in.
+struct Tiles {
+  /// One texel a tile, above 0 where the pass runs. Vertex shaders read it, and those of llvmpipe (Mesa 22.3) do not
+  /// wait for the fragment pass that draws it: software GL needs a glFinish in between.
+  const gl::Texture& on;
+  int size;                 ///< px of the image
+  ivec2 offset = ivec2(0);  ///< of the image within the tiled area, px
+};
+
 class ScreenPass {
  public:
   ScreenPass() = default;
@@ -35,8 +44,13 @@ class ScreenPass {
   }
   /// Binds `inputs` to UNIT_INPUT + k and runs over every pixel of `outputs` (all of one size).
   void run(std::initializer_list<const gl::Texture*> inputs, std::initializer_list<const gl::Texture*> outputs);
+  /// The same, only where a tile is on; everywhere else output k becomes `elsewhere[k]` (float formats only).
+  void run(const Tiles& tiles, std::initializer_list<const gl::Texture*> inputs,
+           std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere);
 
  private:
+  void draw(const Tiles* tiles, std::initializer_list<const gl::Texture*> inputs,
+            std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere);
   gl::Program program_;
   bool compute_ = false;
 };

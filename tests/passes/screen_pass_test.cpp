@@ -1,5 +1,6 @@
 #include "passes/screen_pass.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "passes/finish.h"
@@ -39,6 +40,33 @@ TEST_F(Passes, FragmentAndComputeWrappersAgree) {
   const double linear = c.r + (1 - c.a);
   const double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
   EXPECT_NEAR(results[0].at(5, 7).r, 255 * srgb, 0.6);
+}
+
+// Tiles that are on get what the whole pass writes, everything else the value for elsewhere; the tiled area may reach
+// beyond the image on all sides.
+TEST_F(Passes, APassOnTilesLeavesTheRestAlone) {
+  Image<vec4> image(37, 23);
+  for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = vec4(float(i) / float(image.size()));
+  gl::Texture in("in", GL_RGBA32F, 37, 23), on("tiles", GL_R32F, 7, 5);
+  in.upload(image);
+  Image<float> switches(7, 5);
+  std::mt19937 random(9);
+  for (float& s : switches) s = float(random() & 1);
+  on.upload(switches);
+  const ivec2 offset(5, 11);
+  for (ScreenPassKind kind : {ScreenPassKind::fragment, ScreenPassKind::compute}) {
+    gl::Texture out("out", GL_RGBA32F, 37, 23);
+    ScreenPass copy("passes/finish.glsl", {GL_RGBA32F}, {}, kind);
+    copy.set("background_srgb", vec3(1)).set("is_transparent", true);
+    glFinish();  // llvmpipe's vertex shaders do not wait for textures
+    copy.run({on, 8, offset}, {&in}, {&out}, {vec4(-3)});
+    const Image<vec4> result = out.download<vec4>();
+    for (int y = 0; y < 23; ++y)
+      for (int x = 0; x < 37; ++x) {
+        const bool runs = switches.at((x + offset.x) / 8, (y + offset.y) / 8) > 0;
+        ASSERT_EQ(result.at(x, y), runs ? image.at(x, y) : vec4(-3)) << x << " " << y;
+      }
+  }
 }
 
 // Brute force: the nearest point of every pixel, ties to the lowest source index.
@@ -84,6 +112,39 @@ TEST_F(Passes, PointsToPixelsKeepsTheNearestPoint) {
   EXPECT_GT(covered, 400u);
   // Points on a pixel border may round to the other side in float: a few of thousands.
   EXPECT_LE(different, covered / 200);
+
+  // The same points as eye positions with colour and spacing.
+  gl::Texture eye("eye", GL_RGBA32F, 61, 47);
+  for (float same_spacing : {0.0f, 0.3f}) {
+    to_pixels.resolve_eye(gpu, view, layer, eye, same_spacing, timers);
+    const auto positions = eye.download<vec4>();
+    const auto colors = layer.shadowed.download<vec4>();
+    for (int y = 0; y < 47; ++y)
+      for (int x = 0; x < 61; ++x) {
+        const std::uint32_t source = index.at(x, y);
+        if (source == 0xffffffffu) {
+          ASSERT_EQ(positions.at(x, y), vec4(0, 0, -3e38f, 0));
+          ASSERT_EQ(colors.at(x, y), vec4(0, 0, 0, 1));
+          continue;
+        }
+        const double z = depth.at(x, y);
+        const dvec3 at((x + 0.5 - k.cx) / k.fx * z, -(y + 0.5 - k.cy) / k.fy * z, -z);
+        for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(positions.at(x, y)[axis], at[axis], 3e-6);  // roundings near 4
+        const auto& order = prepared.cloud.source_index;
+        const auto place = std::size_t(std::find(order.begin(), order.end(), source) - order.begin());
+        const auto batch = std::find_if(prepared.batches.begin(), prepared.batches.end(), [&](const Batch& b) {
+          return place >= b.first && place < b.first + b.count;
+        });
+        ASSERT_EQ(positions.at(x, y).w, same_spacing > 0 ? same_spacing : batch->spacing);
+        const Rgba8 color = prepared.cloud.colors[place];
+        for (int c = 0; c < 3; ++c) {
+          const double code = (&color.r)[c] / 255.0;
+          const double linear = code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+          ASSERT_NEAR(colors.at(x, y)[c], linear, 1e-3 * linear + 1e-6);  // 11 bits, the rest cut off
+        }
+        ASSERT_EQ(colors.at(x, y).a, 1);
+      }
+  }
 }
 
 TEST_F(Passes, DiscsAreRoundAndOfTheAskedSize) {

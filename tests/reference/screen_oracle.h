@@ -19,6 +19,15 @@ inline dvec3 unproject(const Camera& camera, double x_px, double y_px, double de
   return camera.orthographic() ? dvec3(x, y, -depth) : dvec3(x * depth, y * depth, -depth);
 }
 
+/// What NearestPyramid starts from: eye positions with that point spacing; where there is none, far behind everything.
+inline Image<vec4> eye_positions(const Camera& camera, const Image<float>& depth, float spacing) {
+  Image<vec4> eye(depth.width(), depth.height(), vec4(0, 0, -3e38f, 0));
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x)
+      if (!std::isinf(depth.at(x, y))) eye.at(x, y) = vec4(unproject(camera, x + 0.5, y + 0.5, depth.at(x, y)), spacing);
+  return eye;
+}
+
 /// Nearest point of the square of 2^level pixels a side with this place in its grid, by looking at every pixel.
 inline std::optional<dvec3> nearest_in_square(const Camera& camera, const Image<float>& depth, int x, int y, int level) {
   const int side = 1 << level;

@@ -36,14 +36,13 @@ struct Operators {
   HiddenPoints hidden_points;
 
   Operators(const Camera& c, const Image<float>& d, float spacing) : camera(c), depth(d), view(c, dvec3(0)) {
-    gl::Texture depth_image("depth", GL_R32F, d.width(), d.height()), unused("spacing", GL_RG32F, d.width(), d.height());
-    depth_image.upload(d);
-    view.bind();
-    pyramid.build(depth_image, unused, spacing);
+    pyramid.points(d.width(), d.height()).upload(eye_positions(c, d, spacing));
+    pyramid.build();
   }
   Image<float> mean(const HiddenPoints::Options& options) {
     view.bind();
-    return hidden_points.run(pyramid, options).download<float>();
+    hidden_points.run(pyramid, options);
+    return hidden_points.mean().download<float>();
   }
   /// Bilinear between the squares of the coarse map.
   double level_at(const Image<float>& levels, int coarse_level, int x, int y) const {
@@ -106,6 +105,34 @@ TEST_F(Surface, MeanOcclusionAndFetchesAreThoseOfThePaper) {
           ASSERT_NEAR(mean.at(x, y), expected.mean, 1e-3) << x << " " << y << " level " << level;
         }
     }
+  }
+}
+
+// Tiles without a point in reach are not even looked at: that must not show.
+TEST_F(Surface, SkippedTilesAreOpenSky) {
+  const Camera camera = wide_camera(256, 192);
+  Image<float> depth(256, 192, INFINITY);
+  add_layer(depth, 7, [](double x, double y) { return std::hypot(x - 200, y - 40) < 30 ? 3 + x / 100 + y / 77 : INFINITY; });
+  depth.at(20, 150) = 3;
+  for (float spacing : {0.03f, 0.12f}) {
+    Operators on_screen(camera, depth, spacing);
+    HiddenPoints::Options options;
+    options.gap_scale = 8;
+    const Image<float> mean = on_screen.mean(options);
+    const Image<float> levels = on_screen.hidden_points.levels().download<float>();
+    const Image<float> tiles = on_screen.hidden_points.tiles().on.download<float>();
+    const int size = on_screen.hidden_points.tiles().size;
+    int skipped = 0;
+    for (int y = 0; y < 192; ++y)
+      for (int x = 0; x < 256; ++x) {
+        double level = on_screen.level_at(levels, options.coarse_level, x, y);
+        if (std::isinf(depth.at(x, y))) level = std::clamp(level + std::log2(0.8), 0.0, 6.0);
+        skipped += tiles.at(x / size, y / size) == 0;
+        if (tiles.at(x / size, y / size) > 0 && (x % 5 || y % 3)) continue;  // the rest is tested above
+        const double expected = mean_occlusion(camera, depth, x, y, level, options.disc_radius, spacing).mean;
+        ASSERT_NEAR(mean.at(x, y), expected, 1e-3) << x << " " << y;
+      }
+    EXPECT_GT(skipped, 3000);
   }
 }
 
@@ -234,12 +261,11 @@ TEST_F(Surface, LevelNormalsAreThoseOfASphere) {
   double noisy_error[5] = {};
   for (bool with_noise : {false, true}) {
     PullPush pull_push;
-    PullPush::Level& seeds = pull_push.seeds(128, 128);
-    Image<vec4> a(128, 128, vec4(1)), b(128, 128);
-    for (std::size_t i = 0; i < b.size(); ++i) a.data()[i].x = (with_noise ? noisy : truth).data()[i];
-    seeds.a.upload(a);
-    seeds.b.upload(b);
-    pull_push.run();
+    Image<vec4> a(128, 128, vec4(1));
+    for (std::size_t i = 0; i < a.size(); ++i) a.data()[i].x = (with_noise ? noisy : truth).data()[i];
+    gl::Texture seeds("seeds", GL_RGBA32F, 128, 128);
+    seeds.upload(a);
+    pull_push.run(seeds, seeds);
     view.bind();
     LevelNormals level_normals;
     level_normals.run(pull_push.filled(), 0, 4);

@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "gl/context.h"
+
 namespace sfumato::surface {
 
-const gl::Texture& HiddenPoints::run(const NearestPyramid& pyramid, const Options& options) {
+void HiddenPoints::run(const NearestPyramid& pyramid, const Options& options) {
   const gl::Texture &points = pyramid.texture(), &coarse = pyramid.level(options.coarse_level);
   if (!choose_level_) choose_level_ = ScreenPass("techniques/surface/removal_level.glsl", {GL_R32F});
   gl::ensure(level_, "removal level", GL_R32F, coarse.width(), coarse.height());
@@ -13,26 +15,35 @@ const gl::Texture& HiddenPoints::run(const NearestPyramid& pyramid, const Option
   choose_level_.run({&points}, {&level_});
 
   const bool window = options.method == Removal::window;
+  const float gap_level = std::log2(options.gap_scale / options.removal_scale);
+  constexpr int top_level = NearestPyramid::levels - 1;
+  if (!find_tiles_) find_tiles_ = ScreenPass("techniques/surface/tiles_in_reach.glsl", {GL_R8});
+  gl::ensure(tiles_, "tiles in reach", GL_R8, points.width() >> tile_level, points.height() >> tile_level);
+  find_tiles_.set("tile_level", tile_level).set("coarse_level", options.coarse_level).set("top_level", top_level);
+  find_tiles_.set("gap_level", gap_level).set("window_level", window ? std::log2(float(options.window_radius)) : 0);
+  find_tiles_.run({&points, &level_}, {&tiles_});
+  if (gl::limits().software) glFinish();  // see Tiles::on
+
   ScreenPass& pass = removal_[(window ? 1 : 0) + (options.count_fetches ? 2 : 0)];
   if (!pass) {
     gl::Defines defines;
     if (window) defines.push_back("WINDOW");
     if (options.count_fetches) defines.push_back("COUNT_FETCHES");
-    pass = ScreenPass("techniques/surface/hidden_points.glsl",
-                      options.count_fetches ? std::vector<GLenum>{GL_R32F, GL_R32F} : std::vector<GLenum>{GL_R32F},
-                      defines);
+    std::vector<GLenum> formats{GL_R32F, GL_RGBA32F};
+    if (options.count_fetches) formats.push_back(GL_R32F);
+    pass = ScreenPass("techniques/surface/hidden_points.glsl", formats, defines);
   }
-  pass.set("coarse_level", options.coarse_level).set("window_radius", options.window_radius);
-  pass.set("disc_radius", options.disc_radius);
-  pass.set("gap_level", std::log2(options.gap_scale / options.removal_scale));
+  pass.set("coarse_level", options.coarse_level).set("top_level", top_level);
+  pass.set("window_radius", options.window_radius).set("gap_level", gap_level);
+  pass.set("disc_radius", options.disc_radius).set("disc_level", options.disc_level).set("threshold", options.point_threshold());
   gl::ensure(mean_, "mean occlusion", GL_R32F, points.width(), points.height());
+  gl::ensure(visible_, "visible points", GL_RGBA32F, points.width(), points.height());
   if (options.count_fetches) {
     gl::ensure(fetches_, "fetches", GL_R32F, points.width(), points.height());
-    pass.run({&points, &level_}, {&mean_, &fetches_});
+    pass.run(tiles(), {&points, &level_}, {&mean_, &visible_, &fetches_}, {vec4(2), vec4(0), vec4(0)});
   } else {
-    pass.run({&points, &level_}, {&mean_});
+    pass.run(tiles(), {&points, &level_}, {&mean_, &visible_}, {vec4(2), vec4(0)});
   }
-  return mean_;
 }
 
 const gl::Texture& LevelNormals::run(const std::vector<PullPush::Level>& filled, int first, int last) {

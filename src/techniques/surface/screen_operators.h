@@ -16,23 +16,34 @@ class HiddenPoints {
  public:
   struct Options {
     Removal method = Removal::pyramid;  ///< `none` finds holes like `pyramid`
+    float threshold = 0.1f;    ///< mean occlusion below which a pixel is a hole
     int coarse_level = 4;
     float removal_scale = 10;  ///< s_hpr / s_0
     float gap_scale = 5;       ///< the same for pixels without a point: how wide gaps are closed
     float disc_radius = 0.65f; ///< what lies behind a point within this many spacings on the screen is hidden
+    /// A level whose squares are as wide as the radius of any disc on the screen: discs need no coarser ones.
+    int disc_level = NearestPyramid::levels - 1;
     int window_radius = 25;    ///< px
     bool count_fetches = false;
+    float point_threshold() const { return method == Removal::none ? -1 : threshold; }
   };
-  /// Mean occlusion of every pixel, R32F, 0 hidden .. 2 open. The view is bound.
-  const gl::Texture& run(const NearestPyramid& pyramid, const Options& options);
+  /// The view is bound.
+  void run(const NearestPyramid& pyramid, const Options& options);
+  /// Mean occlusion of every pixel, R32F, 0 hidden .. 2 open.
+  const gl::Texture& mean() const { return mean_; }
+  /// RGBA32F: eye depth, openness, point spacing and 1 where there is a visible point, else 0.
+  const gl::Texture& visible() const { return visible_; }
+  /// Where there is more than open sky, after `run`: every point, and all that it may close or hide.
+  Tiles tiles() const { return {tiles_, 1 << tile_level}; }
   /// R32F, 1 / 2^coarse_level of the size: the level of Eq. 1.
   const gl::Texture& levels() const { return level_; }
   /// R32F: neighbours that were read, when asked for.
   const gl::Texture& fetches() const { return fetches_; }
 
  private:
-  gl::Texture level_, mean_, fetches_;
-  ScreenPass choose_level_, removal_[4];
+  static constexpr int tile_level = 5;
+  gl::Texture level_, tiles_, mean_, visible_, fetches_;
+  ScreenPass choose_level_, find_tiles_, removal_[4];
 };
 
 /// Normals of every push level (Bouchiba 2018, Sec. 3.3), for a trilinear lookup.

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "passes/finish.h"
 #include "passes/points_to_pixels.h"
 #include "passes/pyramid.h"
 #include "passes/shade.h"
@@ -34,7 +35,7 @@ class SurfaceTechnique final : public Technique {
         .paper("Bouchiba 2018, s_0");
     p.add("hidden_point_removal", removal_.method, {"pyramid", "window", "none"})
         .help("pyramid: by depth, fast; window: every pixel around (Pintus 2011); none: points behind shine through");
-    p.add("occlusion_threshold", occlusion_threshold_)
+    p.add("occlusion_threshold", removal_.threshold)
         .range(0, 1)
         .help("mean sector occlusion below which a pixel counts as hidden; above 0.125 one open side is not enough")
         .paper("Bouchiba 2018, Sec. 3.1.2");
@@ -79,58 +80,70 @@ class SurfaceTechnique final : public Technique {
     Camera camera = frame.camera.with_guard_band(guard);
     camera.width = NearestPyramid::padded(camera.width);
     camera.height = NearestPyramid::padded(camera.height);
-    const View wide(camera, origin), own(frame.camera, origin);
+    const View wide(camera, origin);
 
     // One pixel per point (Sec. 3), each with the spacing around it.
     to_pixels_.draw(frame.cloud, wide, {SizeMode::pixels, 1}, layer_, frame.timers);
-    to_pixels_.resolve_spacing(frame.cloud, wide, layer_, frame.timers);
-
+    const float same_spacing = point_spacing_.is_auto() ? 0 : point_spacing_.value();
+    to_pixels_.resolve_eye(frame.cloud, wide, layer_, pyramid_.points(camera.width, camera.height), same_spacing,
+                           frame.timers);
     wide.bind();
     {
       auto timing = frame.timers.scope("pyramid");  // Sec. 3.1.1
-      pyramid_.build(layer_.depth, layer_.spacing, point_spacing_.is_auto() ? 0 : point_spacing_.value());
+      pyramid_.build();
     }
-    const gl::Texture* mean;
     {
       auto timing = frame.timers.scope("hidden point removal");  // Sec. 3.1.2
-      mean = &hidden_points_.run(pyramid_, removal_);
+      removal_.disc_level = highest_level(removal_.disc_radius, frame);
+      hidden_points_.run(pyramid_, removal_);
     }
-    const float point_threshold = removal_.method == Removal::none ? -1.0f : occlusion_threshold_;
-    {
-      auto timing = frame.timers.scope("pull-push");  // Sec. 3.2
-      const PullPush::Level& seeds = pull_push_.seeds(camera.width, camera.height);
-      if (!seed_) seed_ = ScreenPass("techniques/surface/seed.glsl", {GL_RGBA32F, GL_RGBA32F});
-      seed_.set("threshold", point_threshold);
-      seed_.run({&layer_.albedo, &layer_.spacing, &pyramid_.texture(), mean}, {&seeds.a, &seeds.b});
-      pull_push_.run(depth_edge_);
-    }
+    const Tiles tiles = hidden_points_.tiles();
     const auto [first, last] = normal_levels(frame);
+    {
+      auto timing = frame.timers.scope("pull-push");  // Sec. 3.2; the last step, to level 0, is left to compose
+      pull_push_.run(hidden_points_.visible(), layer_.shadowed, depth_edge_, std::min(first, 1), &tiles);
+    }
     const gl::Texture* normals;
     {
       auto timing = frame.timers.scope("normals");  // Sec. 3.3
       normals = &level_normals_.run(pull_push_.filled(), first, last);
     }
-    {
-      auto timing = frame.timers.scope("compose");
-      const PullPush::Level& filled = pull_push_.filled()[0];
-      gl::Texture& coarse = pull_push_.filled()[occlusion_level].b;
-      coarse.set_linear_filter();
-      if (!compose_) compose_ = ScreenPass("techniques/surface/compose.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
-      gl::ensure(albedo_, "surface albedo", GL_RGBA32F, frame.camera.width, frame.camera.height);
-      compose_.set("offset", ivec2(guard)).set("hole_threshold", occlusion_threshold_);
-      compose_.set("point_threshold", point_threshold).set("normal_scale", normal_scale_);
-      compose_.set("normal_levels", vec2(first, last)).set("shading", int(frame.settings.shading));
-      compose_.set("ambient_occlusion", frame.settings.shading == Shading::lit ? ambient_occlusion_ : 0.0f);
-      compose_.run({&filled.a, &filled.b, &pyramid_.texture(), mean, normals, &coarse},
-                   {&albedo_, &frame.target.depth, &frame.target.normal});
-    }
-    auto timing = frame.timers.scope("shade");
-    shade_.run(own, frame.settings, frame.light, origin, {albedo_, frame.target.depth, frame.target.normal},
-               frame.target.color);
+    auto timing = frame.timers.scope("compose");  // Sec. 3.4
+    compose(frame, wide, {tiles.on, tiles.size, ivec2(guard)}, *normals, {first, last});
     return true;
   }
 
  private:
+  /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the picture.
+  void compose(Frame& frame, const View& wide, const Tiles& tiles, const gl::Texture& normals,
+               const vec2& normal_levels) {
+    const RenderSettings& settings = frame.settings;
+    frame.is_finished = frame.finished != nullptr;
+    ScreenPass& pass = compose_[frame.is_finished];
+    if (!pass)
+      pass = frame.is_finished
+                 ? ScreenPass("techniques/surface/compose.glsl", {GL_RGBA8}, {"FINISHED"})
+                 : ScreenPass("techniques/surface/compose.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+    if (frame.is_finished) Finish::set(pass, settings);
+    set_light_uniforms(pass.program(), wide, settings, frame.light, frame.cloud.prepared().cloud.origin);
+    pass.set("offset", tiles.offset).set("hole_threshold", removal_.threshold).set("depth_edge", depth_edge_);
+    pass.set("point_threshold", removal_.point_threshold()).set("normal_scale", normal_scale_);
+    pass.set("normal_levels", normal_levels).set("shading", int(settings.shading));
+    pass.set("ambient_occlusion", settings.shading == Shading::lit ? ambient_occlusion_ : 0.0f);
+    const PullPush::Level& filled = pull_push_.filled()[1];
+    gl::Texture& coarse = pull_push_.filled()[occlusion_level].a;
+    coarse.set_linear_filter();
+    const auto run = [&](std::initializer_list<const gl::Texture*> targets, std::initializer_list<vec4> background) {
+      pass.run(tiles, {&hidden_points_.visible(), &layer_.shadowed, &filled.a, &filled.b, &pyramid_.texture(),
+                       &hidden_points_.mean(), &normals, &coarse}, targets, background);
+    };
+    if (frame.is_finished)
+      run({frame.finished}, {settings.transparent ? vec4(0) : vec4(settings.background, 1)});
+    else
+      run({&frame.target.color, &frame.target.depth, &frame.target.normal},
+          {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
+  }
+
   /// Level of a length at an eye depth (Eq. 1).
   static double level_of(double length, double depth, const Camera& camera) {
     return std::log2(length * camera.pixels_per_unit() / (camera.orthographic() ? 1 : depth));
@@ -143,25 +156,23 @@ class SurfaceTechnique final : public Technique {
         lo = std::min(lo, batch.spacing), hi = std::max(hi, batch.spacing);
     return {lo, hi};
   }
-  /// As far as the operator may look from the border of the picture, at most as far as it looks at all.
-  int guard_band(const Frame& frame) {
-    const double level =
-        level_of(removal_.removal_scale * spacing_range(frame).second, frame.camera.near_plane, frame.camera);
-    return 1 << int(std::ceil(std::clamp(level, 0.0, double(NearestPyramid::levels - 1))));
+  /// The level of a number of point spacings where they are largest and nearest, rounded up.
+  int highest_level(double spacings, const Frame& frame) {
+    const double level = level_of(spacings * spacing_range(frame).second, frame.camera.near_plane, frame.camera);
+    return int(std::ceil(std::clamp(level, 0.0, double(NearestPyramid::levels - 1))));
   }
+  /// As far as the operator may look from the border of the picture, at most as far as it looks at all.
+  int guard_band(const Frame& frame) { return 1 << highest_level(removal_.removal_scale, frame); }
   /// The push levels that some pixel may ask normals from.
   std::pair<int, int> normal_levels(const Frame& frame) {
-    const auto [lo, hi] = spacing_range(frame);
-    const double least = level_of(normal_scale_ * lo, frame.camera.far_plane, frame.camera);
-    const double most = level_of(normal_scale_ * hi, frame.camera.near_plane, frame.camera);
-    const double top = NearestPyramid::levels - 1;
-    return {int(std::floor(std::clamp(least, 0.0, top))), int(std::ceil(std::clamp(most, 0.0, top)))};
+    const double least = level_of(normal_scale_ * spacing_range(frame).first, frame.camera.far_plane, frame.camera);
+    return {int(std::clamp(least, 0.0, double(NearestPyramid::levels - 1))), highest_level(normal_scale_, frame)};
   }
 
   static constexpr int occlusion_level = 3;
   Auto<float> point_spacing_;
   HiddenPoints::Options removal_;
-  float occlusion_threshold_ = 0.1f, normal_scale_ = 3, depth_edge_ = 6, ambient_occlusion_ = 0.5f;
+  float normal_scale_ = 3, depth_edge_ = 6, ambient_occlusion_ = 0.5f;
 
   PointsToPixels to_pixels_;
   PixelLayer layer_;
@@ -169,9 +180,7 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints hidden_points_;
   PullPush pull_push_;
   LevelNormals level_normals_;
-  ScreenPass seed_, compose_;
-  gl::Texture albedo_;
-  Shade shade_;
+  ScreenPass compose_[2];
 };
 
 }  // namespace
