@@ -1,5 +1,6 @@
 // The picture's own pixels, cut out of the guard band: background where the operator says so, else the filled
 // colour and depth, lit with the normal of the level that suits the depth.
+//   SHADING    which one
 //   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "push_level.glsl"
 #include "shading.glsl"

@@ -45,7 +45,6 @@ float signed_square(vec3 x, ivec2 at, int level, bool with_discs) {
   float t = dot(d, from_camera);
   return t * abs(t) / max(dot(d, d) * dot(from_camera, from_camera), 1e-37);
 }
-float occlusion(float signed_square) { return 1.0 + sign(signed_square) * sqrt(abs(signed_square)); }
 vec4 occlusion(vec4 signed_square) { return 1.0 + sign(signed_square) * sqrt(abs(signed_square)); }
 
 // The level between the squares of the coarse map, so that it does not jump at their borders.
@@ -66,17 +65,13 @@ void look_around(vec3 x, ivec2 pixel, int l, bool with_discs) {
   ivec2 own = pixel >> l;
   sides_before = sides;
   corners_before = corners;
-  sides = min(sides, vec4(signed_square(x, own + ivec2(1, 0), l, with_discs),
-                          signed_square(x, own + ivec2(0, 1), l, with_discs),
-                          signed_square(x, own - ivec2(1, 0), l, with_discs),
-                          signed_square(x, own - ivec2(0, 1), l, with_discs)));
-  corners = min(corners, vec4(signed_square(x, own + ivec2(1, 1), l, with_discs),
-                              signed_square(x, own + ivec2(-1, 1), l, with_discs),
-                              signed_square(x, own - ivec2(1, 1), l, with_discs),
-                              signed_square(x, own + ivec2(1, -1), l, with_discs)));
+#define TOWARDS(dx, dy) signed_square(x, own + ivec2(dx, dy), l, with_discs)
+  sides = min(sides, vec4(TOWARDS(1, 0), TOWARDS(0, 1), TOWARDS(-1, 0), TOWARDS(0, -1)));
+  corners = min(corners, vec4(TOWARDS(1, 1), TOWARDS(-1, 1), TOWARDS(-1, -1), TOWARDS(1, -1)));
+#undef TOWARDS
 }
 
-// Every level up to l. The last ring counts by the fraction of l, so that nothing pops when l grows.
+// Every level up to l, the last one by the fraction of l, so that nothing pops when l grows.
 float pyramid_mean(ivec2 pixel, vec3 x, bool covered) {
   float reach = level_at(pixel);
   if (!covered) reach = clamp(reach + gap_level, 0.0, float(top_level));
@@ -98,9 +93,9 @@ float window_mean(ivec2 pixel, vec3 x) {
       int sector = int(floor(atan(float(dy), float(dx)) / 0.785398163 + 0.5)) & 7;
       least[sector] = min(least[sector], signed_square(x, pixel + ivec2(dx, dy), 0, true));
     }
-  float sum = 0.0;
-  for (int k = 0; k < 8; ++k) sum += occlusion(least[k]);
-  return sum / 8.0;
+  vec4 sum = occlusion(vec4(least[0], least[1], least[2], least[3])) +
+             occlusion(vec4(least[4], least[5], least[6], least[7]));
+  return dot(sum, vec4(0.125));
 }
 
 bool filter_pixel(ivec2 pixel) {

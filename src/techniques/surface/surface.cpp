@@ -10,6 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "passes/finish.h"
 #include "passes/points_to_pixels.h"
@@ -119,16 +122,18 @@ class SurfaceTechnique final : public Technique {
                const vec2& normal_levels) {
     const RenderSettings& settings = frame.settings;
     frame.is_finished = frame.finished != nullptr;
-    ScreenPass& pass = compose_[frame.is_finished];
-    if (!pass)
-      pass = frame.is_finished
-                 ? ScreenPass("techniques/surface/compose.glsl", {GL_RGBA8}, {"FINISHED"})
-                 : ScreenPass("techniques/surface/compose.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+    ScreenPass& pass = compose_[{settings.shading, frame.is_finished}];
+    if (!pass) {
+      gl::Defines defines{"SHADING " + std::to_string(int(settings.shading))};
+      std::vector<GLenum> formats{GL_RGBA32F, GL_R32F, GL_RGBA32F};
+      if (frame.is_finished) formats = {GL_RGBA8}, defines.push_back("FINISHED");
+      pass = ScreenPass("techniques/surface/compose.glsl", formats, defines);
+    }
     if (frame.is_finished) Finish::set(pass, settings);
     set_light_uniforms(pass.program(), wide, settings, frame.light, frame.cloud.prepared().cloud.origin);
     pass.set("offset", tiles.offset).set("hole_threshold", removal_.threshold).set("depth_edge", depth_edge_);
     pass.set("point_threshold", removal_.point_threshold()).set("normal_scale", normal_scale_);
-    pass.set("normal_levels", normal_levels).set("shading", int(settings.shading));
+    pass.set("normal_levels", normal_levels);
     pass.set("ambient_occlusion", settings.shading == Shading::lit ? ambient_occlusion_ : 0.0f);
     const PullPush::Level& filled = pull_push_.filled()[1];
     gl::Texture& coarse = pull_push_.filled()[occlusion_level].a;
@@ -180,7 +185,7 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints hidden_points_;
   PullPush pull_push_;
   LevelNormals level_normals_;
-  ScreenPass compose_[2];
+  std::map<std::pair<Shading, bool>, ScreenPass> compose_;  ///< by shading, and whether it finishes the picture
 };
 
 }  // namespace
