@@ -1,0 +1,113 @@
+// Strokes against strokes painted over a picture (dos Anjos 2017, Figure 6), and how calm both are in motion:
+//
+//   eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence]
+//
+// Writes {points,image,strokes}_{all,40000}.png at the size of the camera, and prints the mean change of a pixel from frame
+// to frame (bench/frame_difference.h) along a slow orbit.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "analysis/prepare.h"
+#include "core/coloring.h"
+#include "core/error.h"
+#include "frame_difference.h"
+#include "image_strokes.h"
+#include "io/camera_json.h"
+#include "io/image_png.h"
+#include "io/io.h"
+#include "techniques/renderer.h"
+
+using namespace sfumato;
+
+namespace {
+
+/// As long and as wide as the strokes of the default style paint.
+bench::ImageStrokes like_ours(const Camera& camera) {
+  bench::ImageStrokes s;
+  s.length_px = 0.032f * float(camera.height);
+  s.width_px = s.length_px / 3.2f;
+  return s;
+}
+
+void show(Renderer& renderer, const PointCloud& cloud) {
+  PreparedCloud prepared = analysis::prepare(cloud, Attribute::normal | Attribute::radius | Attribute::cluster, {});
+  std::vector<Rgba8> colors = color_points(prepared.cloud, {}).colors;
+  renderer.set_cloud(std::move(prepared), std::move(colors));
+}
+
+std::unique_ptr<Technique> made(const std::string& name, const std::string& parameter, const std::string& value) {
+  auto technique = find_technique(name).create();
+  ParamList params;
+  technique->describe(params);
+  if (!parameter.empty()) params.find(parameter)->set(value);
+  return technique;
+}
+
+void figure_6(Renderer& renderer, const PointCloud& cloud, const Camera& camera, const std::string& folder) {
+  for (std::size_t most : {std::size_t(0), std::size_t(40'000)}) {
+    show(renderer, most ? subsample(cloud, most) : cloud);
+    const std::string end = most ? "_40000.png" : "_all.png";
+    for (const char* name : {"points", "strokes"}) {
+      auto technique = made(name, "", "");
+      const Image<Rgba8> picture = renderer.render(*technique, camera, RenderSettings{}).rgba8;
+      io::write_png(folder + "/" + name + end, picture, false);
+      if (name == std::string("points")) io::write_png(folder + "/image" + end, bench::paint_over(picture, like_ours(camera)), false);
+    }
+  }
+}
+
+/// `degrees` a frame about the camera's target.
+void coherence(Renderer& renderer, const PointCloud& cloud, Camera camera, int frames, double degrees) {
+  struct Row {
+    const char *label, *technique, *parameter, *value;
+    bool over;
+    bench::FrameDifferenceMeter meter;
+  };
+  std::vector<Row> rows = {{"points", "points", "", "", false, {}},
+                           {"splats", "splats", "", "", false, {}},
+                           {"strokes, a_buffer", "strokes", "", "", false, {}},
+                           {"strokes, a_buffer by fragment", "strokes", "stroke_order", "fragment", false, {}},
+                           {"strokes, blur", "strokes", "blend", "blur", false, {}},
+                           {"strokes over the picture of points", "points", "", "", true, {}},
+                           {"strokes over the picture of splats", "splats", "", "", true, {}}};
+  camera.width /= 2, camera.height /= 2;
+  const dvec3 start = camera.position;
+  show(renderer, cloud);
+  for (Row& row : rows) {
+    auto technique = made(row.technique, row.parameter, row.value);
+    for (int frame = 0; frame < frames; ++frame) {
+      const double angle = glm::radians(degrees * frame);
+      const dvec3 from = start - camera.target, up = glm::normalize(camera.up);
+      camera.position = camera.target + from * std::cos(angle) + glm::cross(up, from) * std::sin(angle) +
+                        up * glm::dot(up, from) * (1 - std::cos(angle));
+      const Image<Rgba8> picture = renderer.render(*technique, camera, RenderSettings{}).rgba8;
+      row.meter.add(row.over ? bench::paint_over(picture, like_ours(camera)) : picture);
+    }
+    const bench::FrameDifference d = row.meter.result();
+    std::printf("| %s | %.2f | %.2f |\n", row.label, d.mean, d.worst);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count != 4 && count != 6) {
+    std::fprintf(stderr, "usage: eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence]\n");
+    return 2;
+  }
+  const std::string part = count == 6 ? words[5] : "all";
+  try {
+    auto context = gl::Context::create_headless();
+    Renderer renderer(*context);
+    const PointCloud cloud = io::read(words[1]).cloud;
+    const Camera camera = io::read_camera(words[2]);
+    if (part != "coherence") figure_6(renderer, cloud, camera, words[3]);
+    if (part != "figure6") coherence(renderer, cloud, camera, 25, 0.25);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "eval_strokes: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
