@@ -169,16 +169,17 @@ TEST_F(SoftParts, ModulationIsContinuous) {
     for (int x = 0; x < 48; ++x) alpha.push_back(out.color_linear.at(x, 24).a);
     return alpha;
   };
-  for (const char* model : {"express", "base", "concentric"}) {
+  for (auto [model, at_threshold] : {std::pair{"express", 0.4}, {"base", 0.4}, {"concentric", 0.4}, {"express", 0.9}, {"base", 0.9}}) {
     SCOPED_TRACE(model);
     set("model", model);
+    set("modulation_opacity", std::to_string(at_threshold));
     set("modulation_threshold", "0.5");
     const std::vector<double> own = row(0.9f);
     set("modulation_threshold", "0.8");
     const std::vector<double> below = row(0.7999f), above = row(0.8001f), lowest = row(0.50001f), middle = row(0.65f);
     for (int x = 0; x < 48; ++x) {
       const double delta = ray_delta(oracle_ray(camera, x + 0.5, 24.5), dvec3(0), 0.7);
-      const double cone = delta < 1 ? 0.4 * (1 - delta) : 0;
+      const double cone = delta < 1 ? at_threshold * (1 - delta) : 0;
       EXPECT_NEAR(above[std::size_t(x)], own[std::size_t(x)], 1e-6);
       EXPECT_NEAR(below[std::size_t(x)], own[std::size_t(x)], 1e-3);  // the share is stored in 16 bits: 5e-4
       EXPECT_NEAR(lowest[std::size_t(x)], cone, 3e-4);

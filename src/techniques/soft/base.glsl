@@ -36,7 +36,7 @@ float enter(uint slot, float t, float leave_t, vec2 pixel) {
   SoftPoint point = soft_point(int(slot));
   SoftRay ray = soft_ray(point.center, point.radius, pixel);
   float whole = radial_depth(ray.delta);
-  float depth = modulated_depth(point.opacity, point.share, ray.delta, lambda_of(point.opacity) * whole);
+  float depth = modulated_depth(point.cone, point.share, ray.delta, lambda_of(point.opacity) * whole);
   Open sphere = Open(slot, ray.middle, point.radius, ray.delta, whole > 1e-9 ? depth / whole : 0.0, 0.0,
                      max(1.0 - ray.delta, 0.0));
   sphere.before = integral(sphere, t);

@@ -30,7 +30,7 @@ bool filter_pixel(ivec2 pixel) {
     float lambda = lambda_of(point.opacity);
     if (point.share < 1.0) {
       float depth = lambda * shells_depth(point.shells, delta);
-      lambda *= depth > 1e-9 ? modulated_depth(point.opacity, point.share, delta, depth) / depth : 0.0;
+      lambda *= depth > 1e-9 ? modulated_depth(point.cone, point.share, delta, depth) / depth : 0.0;
     }
     density += side * lambda * shell_density(shell, point.shells, delta) / point.radius;
     if (shell == 0) {

@@ -87,6 +87,7 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
     const glm::uvec4 look = looks_[slot];
     const vec2 rg = glm::unpackHalf2x16(look.x), b_share = glm::unpackHalf2x16(look.y);
     const float opacity = std::bit_cast<float>(look.z), share = b_share.y, depth = -shape.z;
+    const float cone_opacity = float(look.w >> 12) / 1048575;
     const vec4 paint(rg.x, rg.y, b_share.x, 1);
     const float inverse_radius2 = 1 / (shape.w * shape.w), scale = orthographic ? 1 : depth;
     const Box box = boxes_[slot];
@@ -107,7 +108,7 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
         if (!(delta2 < 1) || middle > behind[row + std::size_t(x)] || middle < near) continue;
         float alpha = opacity * cosine_falloff(delta2);
         if (share < 1) {  // Eq. 22
-          const float cone = opacity * (1 - std::sqrt(std::max(delta2, 0.0f)));
+          const float cone = cone_opacity * (1 - std::sqrt(std::max(delta2, 0.0f)));
           alpha = std::clamp(cone + share * (alpha - cone), 0.0f, 1.0f);
         }
         pixels[x] = alpha * paint + (1 - alpha) * pixels[x];

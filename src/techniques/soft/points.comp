@@ -15,6 +15,7 @@ uniform uint first_slot;
 uniform float opacity;
 uniform float field_threshold;
 uniform float modulation_threshold;
+uniform float modulation_opacity;  // through the centre, at the field threshold
 uniform float smallest_px;      // radius below which a sphere grows and thins out
 uniform int concentric_count;   // 0: one for each concentric_spacing_px of the radius
 uniform float concentric_spacing_px;
@@ -45,9 +46,11 @@ void main() {
   Splat splat = cloud_splat(i);
   float distance = frame.orthographic != 0 ? -splat.center.z : length(splat.center);
   float px = splat.radius * pixels_at(max(-splat.center.z, splat_near()));
-  float alpha = opacity;
+  float alpha = opacity, cone = modulation_opacity;
   if (px < smallest_px && splat.radius > 0.0) {
-    alpha *= px * px / (smallest_px * smallest_px);
+    float thinner = px * px / (smallest_px * smallest_px);
+    alpha *= thinner;
+    cone *= thinner;
     splat.radius *= smallest_px / px;
     px = smallest_px;
   }
@@ -62,7 +65,8 @@ void main() {
 
   uint slot = first_slot + k;
   shapes[slot] = vec4(splat.center, drawn ? splat.radius : 0.0);
-  looks[slot] = uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, share)), floatBitsToUint(alpha), uint(shells));
+  looks[slot] = uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, share)), floatBitsToUint(alpha),
+                      uint(shells) | uint(round(cone * 1048575.0)) << 12u);
   boxes[slot] = drawn ? uvec2(first.x | first.y << 16, last.x | last.y << 16) : uvec2(1u, 0u);
   // Far points first. Distances are positive but behind an orthographic camera, where nothing is drawn.
   keys[slot] = seen ? ~floatBitsToUint(max(distance, 0.0)) : 0xffffffffu;

@@ -35,6 +35,7 @@ struct Parameters {
   Auto<float> opacity;
   FieldSettings field;
   Auto<float> field_threshold, modulation_threshold;
+  float modulation_opacity = 1;
   DrawOrder order = DrawOrder::exact;
   Auto<int> concentric_count;
   float concentric_spacing_px = 4;
@@ -64,6 +65,10 @@ struct Parameters {
         .help("field from which a soft point has its full shape; at or below field_threshold: no modulation (auto: 95 % "
               "of the points are below)")
         .paper("Seemann 2018, l_m");
+    p.add("modulation_opacity", modulation_opacity).range(0, 1)
+        .help("of a soft point at the field threshold, through its centre: denser than those beyond, so that solid and soft "
+              "parts meet without an edge")
+        .paper("Seemann 2018, lambda of Eq. 22, Fig. 5");
     p.add("order", order, {"exact", "axis"})
         .help("express: sorted for each view, or along the nearest axis with a cross-fade (for motion)");
     p.add("concentric_count", concentric_count).range(1, 1024).help("nested spheres of a point (auto: by its size)").paper("Seemann 2018, N");
@@ -187,6 +192,7 @@ class Soft final : public Technique {
     look.opacity = p.opacity.value();
     look.field_threshold = p.field_threshold.value();
     look.modulation_threshold = p.modulation_threshold.value();
+    look.modulation_opacity = p.modulation_opacity;
     look.antialias = p.antialias;
     look.concentric_count = p.concentric_count.user.value_or(0);
     look.concentric_spacing_px = p.concentric_spacing_px;

@@ -75,7 +75,7 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
   const Phong& phong = frame.settings.phong;
   fill_.set("phong", vec4(phong.ambient, phong.diffuse, 0, 1)).set("shading", int(frame.settings.shading));
   fill_.set("opacity", look.opacity).set("field_threshold", look.field_threshold);
-  fill_.set("modulation_threshold", look.modulation_threshold);
+  fill_.set("modulation_threshold", look.modulation_threshold).set("modulation_opacity", look.modulation_opacity);
   fill_.set("smallest_px", look.antialias ? 1.0f : 0.0f);
   fill_.set("concentric_count", look.concentric_count).set("concentric_spacing_px", look.concentric_spacing_px);
   view.bind();

@@ -15,7 +15,7 @@ namespace sfumato::soft {
 /// What all soft points share in a frame.
 struct Look {
   float opacity = 0.15f;
-  float field_threshold = 1, modulation_threshold = 1;
+  float field_threshold = 1, modulation_threshold = 1, modulation_opacity = 1;
   bool antialias = true;
   int concentric_count = 0;  ///< 0: by size on the screen
   float concentric_spacing_px = 4;

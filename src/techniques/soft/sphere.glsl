@@ -9,6 +9,7 @@ struct SoftPoint {
   vec3 color;     // lit, linear
   float opacity;  // of a lone sphere through its centre
   float share;    // W of Eq. 22: 0 at the field threshold, 1 at the modulation threshold and beyond
+  float cone;     // opacity through the centre at the field threshold, where share is 0
   int shells;     // nested spheres of the Concentric model
 };
 
@@ -20,7 +21,8 @@ SoftPoint soft_point(int slot) {
   vec4 shape = texelFetch(soft_shapes, slot);
   uvec4 look = texelFetch(soft_looks, slot);
   vec2 rg = unpackHalf2x16(look.x), b_share = unpackHalf2x16(look.y);
-  return SoftPoint(shape.xyz, shape.w, vec3(rg, b_share.x), uintBitsToFloat(look.z), b_share.y, int(look.w));
+  return SoftPoint(shape.xyz, shape.w, vec3(rg, b_share.x), uintBitsToFloat(look.z), b_share.y,
+                   float(look.w >> 12u) / 1048575.0, int(look.w & 4095u));
 }
 #endif
 
@@ -76,13 +78,13 @@ float radial_depth(float delta) {
 float lambda_of(float opacity) { return -log(1.0 - min(opacity, 0.999)); }
 
 // Eq. 22: between the thresholds the opacity goes over from a cone to the model's own.
-float modulated(float opacity, float share, float delta, float model_opacity) {
-  return clamp(mix(opacity * (1.0 - delta), model_opacity, share), 0.0, 1.0);
+float modulated(float cone, float share, float delta, float model_opacity) {
+  return clamp(mix(cone * (1.0 - delta), model_opacity, share), 0.0, 1.0);
 }
 // The same for optical depths.
-float modulated_depth(float opacity, float share, float delta, float depth) {
+float modulated_depth(float cone, float share, float delta, float depth) {
   if (share >= 1.0) return depth;
-  return -log(1.0 - min(modulated(opacity, share, delta, 1.0 - exp(-depth)), 0.9999));
+  return -log(1.0 - min(modulated(cone, share, delta, 1.0 - exp(-depth)), 0.9999));
 }
 
 // Nested spheres r_i = r - i r/N (Concentric model), i = 0 is the outermost.

@@ -11,7 +11,7 @@ uniform int order_step;  // 1, or -1: read backwards
 
 flat out vec4 soft_shape;
 flat out vec4 soft_color;  // opacity in alpha
-flat out float soft_share;
+flat out vec2 soft_share;  // share and cone of Eq. 22
 flat out int soft_shells;
 flat out int soft_slot;
 
@@ -27,7 +27,7 @@ void main() {
   SoftPoint point = soft_point(k);
   soft_shape = vec4(point.center, point.radius);
   soft_color = vec4(point.color, point.opacity);
-  soft_share = point.share;
+  soft_share = vec2(point.share, point.cone);
   soft_shells = point.shells;
   soft_slot = k;
   ivec2 first, last;

@@ -5,7 +5,7 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D solid_t_image;  // ray distan
 
 flat in vec4 soft_shape;
 flat in vec4 soft_color;
-flat in float soft_share;
+flat in vec2 soft_share;  // share and cone of Eq. 22
 flat in int soft_shells;
 flat in int soft_slot;
 
