@@ -44,7 +44,9 @@ bool hit_splat(Splat splat, vec2 pixel, out SplatHit hit) {
   bool inside = hit.rho < 1.0;
 #ifdef SPLAT_PREFILTER
   // Approximate screen filter: dist = min(|x - c| / r_px, rho); outside of the disc the depth is the centre's.
-  float screen = length(across.xy) * pixels_at(center_depth) / splat_prefilter_px;
+  float scale = pixels_at(center_depth);
+  // A centre behind the eye is nowhere on the screen, though its disc may reach into view.
+  float screen = scale > 0.0 ? length(across.xy) * scale / splat_prefilter_px : 1.0;
   if (!inside) {
     hit.offset = across;
     hit.depth = center_depth;

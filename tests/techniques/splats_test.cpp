@@ -333,6 +333,24 @@ TEST_F(Splats, AntialiasingLeavesLargeSplatsAlone) {
   EXPECT_LT(mean, 2e-3);
 }
 
+// The disc is a floor under the eye: its centre is nowhere on the screen, where the filter measures.
+TEST_F(Splats, AntialiasingSparesDiscsWhoseCentreIsBehindTheEye) {
+  const PointCloud cloud = discs({disc({0, -4.1f, -0.2f}, {0, 0, 1}, 1), disc({0, 0, 1}, {0, -1, 0}, 1)});
+  const Camera camera = camera_at({0, -4, 0}, 64, 48, 100);
+  const RenderOutput plain = render(cloud, camera);
+  set("antialias", "true");
+  const RenderOutput filtered = render(cloud, camera);
+  int floor = 0;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) {
+      if (!(plain.depth.at(x, y) < 1)) continue;
+      ++floor;
+      ASSERT_EQ(filtered.depth.at(x, y), plain.depth.at(x, y)) << x << "," << y;
+      ASSERT_EQ(filtered.color_linear.at(x, y), plain.color_linear.at(x, y));
+    }
+  EXPECT_GT(floor, 500);
+}
+
 TEST_F(Splats, ClampedRadiiKeepOutliersSmall) {
   PointCloud cloud = sphere_cloud(3000, 0.5f);
   cloud.radii.assign(cloud.size(), 0.02f);
