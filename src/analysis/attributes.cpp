@@ -14,6 +14,7 @@
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
+#include "analysis/range_image.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -156,10 +157,15 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
     return;
   }
   const Attributes found = attributes_of(cloud);
+  const bool views = !prepared.views.grids.empty();
+  if (views) {
+    complete_from_views(cloud, prepared.views, needs, progress);
+    if (!cloud.normals.empty() && !cloud.radii.empty()) prepared.views = {};
+  }
   // First, because the normals of points without one come from their clusters.
   const bool clusters = needs.has(Attribute::cluster) && !found.has(Attribute::cluster);
   if (clusters) add_clusters(prepared, {}, progress);
-  const Attributes had = clusters ? attributes_of(cloud) : found;
+  const Attributes had = clusters || views ? attributes_of(cloud) : found;
   const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
   const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);
   const bool radii = (uncertainty || needs.has(Attribute::radius)) && !had.has(Attribute::radius);

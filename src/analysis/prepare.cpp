@@ -64,7 +64,9 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   keep_viewpoints(prepared.cloud);
   const Attributes given = attributes_of(prepared.cloud);
   complete_from_grids(prepared.cloud, needs, progress);
-  reorder(prepared.cloud, morton_order(prepared.cloud, progress));
+  std::vector<std::uint32_t> order = morton_order(prepared.cloud, progress);
+  prepared.views = view_places(prepared.cloud, order);
+  reorder(prepared.cloud, std::move(order));
   progress.check();
   prepared.batches = cut_batches(prepared.cloud.positions);
   const NeighborTree tree(prepared.cloud.positions);

@@ -23,7 +23,8 @@ std::vector<Batch> cut_batches(const std::vector<vec3>& positions);
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
                       Progress& progress = no_progress());
 
-/// Computes those attributes of `needs` that the cloud lacks; neighbours are found once. What the file brought
+/// Computes those attributes of `needs` that the cloud lacks, from its RGB-D views or else from neighbours, which are
+/// found once. What the file brought
 /// wins: only normals that are zero and radii that are not positive are computed.
 void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options,
               Progress& progress = no_progress());

@@ -1,6 +1,7 @@
 #include "analysis/range_image.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -153,6 +154,58 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
     tbb::parallel_for(grid.first, last, [&](std::size_t i) {
       if (image->range(cloud.grid_index[i]) != none) cloud.normals[i] = image->normal(cloud.grid_index[i]);
     });
+  }
+}
+
+ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
+  ViewPlaces places;
+  const bool views = std::any_of(cloud.grids.begin(), cloud.grids.end(), [](const Grid& g) { return bool(g.viewpoint); });
+  if (!views || cloud.grid_index.size() != cloud.size() || (!cloud.normals.empty() && !cloud.radii.empty()))
+    return places;
+  places.grids = cloud.grids;
+  std::vector<std::uint32_t> grid_of(cloud.size(), std::uint32_t(cloud.grids.size()));
+  for (std::size_t g = 0; g < cloud.grids.size(); ++g) {
+    const std::size_t last = std::min(cloud.size(), cloud.grids[g].first + cloud.grids[g].count);
+    for (std::size_t i = cloud.grids[g].first; i < last; ++i) grid_of[i] = std::uint32_t(g);
+    places.grids[g].first = places.grids[g].count = 0;
+  }
+  places.grid.resize(order.size()), places.cell.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    places.grid[i] = grid_of[order[i]], places.cell[i] = cloud.grid_index[order[i]];
+  return places;
+}
+
+void complete_from_views(PointCloud& cloud, const ViewPlaces& views, Attributes needs, Progress& progress) {
+  if (views.grids.empty() || views.grid.size() != cloud.size()) return;
+  // The views side by side again, in the order of the file where a pixel has two points.
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i)
+    if (views.grid[i] < views.grids.size()) order.push_back(i);
+  const std::vector<std::uint32_t>& source = cloud.source_index;
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (views.grid[a] != views.grid[b]) return views.grid[a] < views.grid[b];
+    return source.empty() || source[a] == source[b] ? a < b : source[a] < source[b];
+  });
+  PointCloud organised;
+  organised.origin = cloud.origin;
+  organised.grids = views.grids;
+  for (std::uint32_t i : order) {
+    Grid& grid = organised.grids[views.grid[i]];
+    if (grid.count++ == 0) grid.first = organised.size();
+    organised.positions.push_back(cloud.positions[i]);
+    organised.grid_index.push_back(views.cell[i]);
+  }
+  Attributes lacking;
+  if (needs.has(Attribute::normal) && cloud.normals.empty()) lacking = lacking | Attribute::normal;
+  if (needs.has(Attribute::radius) && cloud.radii.empty()) lacking = lacking | Attribute::radius;
+  complete_from_grids(organised, lacking, progress);
+  if (!organised.normals.empty()) {
+    cloud.normals.assign(cloud.size(), vec3(0));
+    for (std::size_t k = 0; k < order.size(); ++k) cloud.normals[order[k]] = organised.normals[k];
+  }
+  if (!organised.radii.empty()) {
+    cloud.radii.assign(cloud.size(), 0.0f);
+    for (std::size_t k = 0; k < order.size(); ++k) cloud.radii[order[k]] = organised.radii[k];
   }
 }
 

@@ -16,4 +16,10 @@ namespace sfumato::analysis {
 /// To be called before the cloud is sorted: grids do not survive that.
 void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress = no_progress());
 
+/// The places of all points of `cloud`, which is to be sorted into `order`; empty when there are no views or the cloud
+/// has normals and radii.
+ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
+/// As `complete_from_grids`, for a sorted cloud.
+void complete_from_views(PointCloud& cloud, const ViewPlaces& views, Attributes needs, Progress& progress = no_progress());
+
 }  // namespace sfumato::analysis

@@ -44,6 +44,14 @@ struct Quantiles {
   float q02 = 0, q98 = 0;
 };
 
+/// Which pixel of which organised view a point was. Grids do not survive sorting; this does, until nothing is left
+/// that could be computed from it.
+struct ViewPlaces {
+  std::vector<Grid> grids;           ///< without `first` and `count`
+  std::vector<std::uint32_t> grid;   ///< per point; grids.size() = none
+  std::vector<std::uint32_t> cell;   ///< per point: row * width + column
+};
+
 struct PreparedCloud {
   PointCloud cloud;             ///< Morton order, stable; `source_index` always filled
   std::vector<Batch> batches;
@@ -52,6 +60,7 @@ struct PreparedCloud {
   Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
+  ViewPlaces views;             ///< empty unless normals or radii may still come from RGB-D views
 };
 
 }  // namespace sfumato

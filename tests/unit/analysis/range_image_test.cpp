@@ -74,6 +74,26 @@ TEST(RangeImage, NoiseIsSmoothedAway) {
   EXPECT_TRUE(cloud.radii.empty()) << "only what is needed";
 }
 
+// A technique that comes second, or a renderer that learns late which one is wanted, gets the same normals.
+TEST(RangeImage, CompletesASortedCloudLater) {
+  const vec3 left(0, -1, 0), right = glm::normalize(vec3(-0.5f, -1, 0.3f));
+  PointCloud cloud = view_of(left, {0, 2, 0}, right, {0, 3, 0}, 0.002f);
+  const PointCloud other = view_of(right, {0, 4, 0}, left, {0, 2.5f, 0}, 0.002f);
+  cloud.positions.push_back({0, 0, 0});  // between the views, of none
+  cloud.grid_index.push_back(0);
+  append(cloud, other);
+  const Attributes needs = Attribute::normal | Attribute::radius;
+  const PreparedCloud at_once = prepare(cloud, needs, {});
+  PreparedCloud later = prepare(cloud, {}, {});
+  EXPECT_TRUE(later.cloud.normals.empty());
+  EXPECT_FALSE(later.views.grids.empty());
+  complete(later, Attribute::radius, {});
+  complete(later, needs, {});
+  EXPECT_EQ(later.cloud.normals, at_once.cloud.normals);
+  EXPECT_EQ(later.cloud.radii, at_once.cloud.radii);
+  EXPECT_TRUE(later.views.grids.empty()) << "nothing is left to be computed from them";
+}
+
 TEST(RangeImage, LeavesOtherCloudsAlone) {
   PointCloud cloud = view_of({0, -1, 0}, {0, 2, 0}, {0, -1, 0}, {0, 2, 0}, 0);
   cloud.grids[0].viewpoint.reset();
