@@ -30,6 +30,22 @@ void grow(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size
 
 }  // namespace
 
+void visit_small(GpuCloud& cloud, const View& view, const SplatBatches& batches, gl::Program& program, bool colors) {
+  view.bind();
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
+    const SplatBatches::Ranges& small = batches.chunks[c].small;
+    if (small.first.empty()) continue;
+    GpuCloud::Chunk& chunk = cloud.chunks()[c];
+    const unsigned groups = show_small(chunk, small);
+    bind_splats(cloud, chunk);
+    if (colors) {
+      cloud.bind_colors(chunk);
+      if (cloud.has_shadow()) cloud.bind_shadow(chunk);
+    }
+    program.dispatch(groups, unsigned(small.first.size()));
+  }
+}
+
 gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
   gl::Program& chosen =
       programs_[(mark ? 1 : 0) + (shape.prefilter_px > 0 ? 2 : 0) + (shape.part != SplatPart::all ? 4 : 0)];
@@ -42,16 +58,8 @@ gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
 
 void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                               const gl::Texture& nearest_t) {
-  view.bind();
-  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
-    const SplatBatches::Ranges& small = batches.chunks[c].small;
-    if (small.first.empty()) continue;
-    GpuCloud::Chunk& chunk = cloud.chunks()[c];
-    const unsigned groups = show_small(chunk, small);
-    bind_splats(cloud, chunk);
-    glBindImageTexture(0, nearest_t.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
-    program(false, shape).dispatch(groups, unsigned(small.first.size()));
-  }
+  glBindImageTexture(0, nearest_t.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  visit_small(cloud, view, batches, program(false, shape));
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
 }
 

@@ -11,6 +11,12 @@
 
 namespace sfumato {
 
+/// Runs a compute program over the small splats of `batches`, one thread each, in work groups of 128: the batch is
+/// `visible_batch(gl_WorkGroupID.y)`, the place in it gl_GlobalInvocationID.x. Uniforms, textures of the pass and
+/// images are the caller's, as is the barrier afterwards. `colors`: binds colours and shadow factors too.
+void visit_small(GpuCloud& cloud, const View& view, const SplatBatches& batches, gl::Program& program,
+                 bool colors = false);
+
 class SplatVisit {
  public:
   /// Lowers `nearest_t` (R32F) to the nearest hit among the small splats of `batches`.

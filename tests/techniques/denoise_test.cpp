@@ -1,6 +1,8 @@
 // Binned splats against the oracle, analytic answers and each other.
 #include "techniques/denoise/bins.h"
 
+#include "techniques/denoise/noise.h"
+
 #include <map>
 #include <numeric>
 
@@ -294,6 +296,9 @@ class Table : public GlTest {
   denoise::BinOptions options_{.bin_size = 0.1f, .weight_threshold = 0.5f};
   Image<vec4> choose(const PointCloud& cloud, const Camera& asked) {
     prepared_ = analysis::prepare(cloud, Attribute::normal | Attribute::radius, {});
+    return choose(asked);
+  }
+  Image<vec4> choose(const Camera& asked) {
     GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
     Camera camera = asked;
     camera.fit_depth_range(gpu.bounds());
@@ -324,6 +329,43 @@ class Table : public GlTest {
   SplatSurface surface_;
   denoise::BinTable table_;
 };
+
+// A table that is full turns later bins away, so that the order of the points matters there, but nowhere else.
+TEST_F(Table, OrderMattersOnlyWhereThePixelsTableIsFull) {
+  options_.hash_bits = 2;
+  options_.weight_threshold = 2;
+  const Camera camera = front_camera(64, 48);
+  const Image<vec4> before = choose(noisy_sphere(3000, 0.05f, 1500, 4), camera);
+  EXPECT_GT(table_.counts().overflow, 0u);
+  std::vector<std::size_t> used;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) used.push_back(bins(x, y, 64).size());
+
+  prepared_.batches.resize(1);
+  const Bounds box = bounds(prepared_.cloud);
+  prepared_.batches[0] = {0, std::uint32_t(prepared_.cloud.size()), vec3(box.min), vec3(box.max),
+                          prepared_.median_spacing};
+  const Image<vec4> in_one_batch = choose(camera);
+  std::vector<std::uint32_t> order(prepared_.cloud.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  prepared_.cloud = select(prepared_.cloud, order);
+  const Image<vec4> after = choose(camera);
+  int roomy = 0, full = 0;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const std::size_t now = bins(x, y, 64).size();
+      if (std::max(now, used[std::size_t(y) * 64 + std::size_t(x)]) == 4) {  // slots never empty again
+        ++full;
+        continue;
+      }
+      roomy += now > 0;
+      ASSERT_EQ(in_one_batch.at(x, y), after.at(x, y)) << x << "," << y;
+      ASSERT_EQ(before.at(x, y), after.at(x, y)) << x << "," << y;
+    }
+  EXPECT_GT(roomy, 500);
+  EXPECT_GT(full, 100);
+}
 
 // The bin tracked while adding is the nearest one of the finished table.
 TEST_F(Table, TrackedBinIsTheNearestAboveTheThreshold) {
@@ -493,6 +535,53 @@ TEST_F(Denoise, DefaultsRemoveOutliersAndKeepTheSurface) {
     }
   EXPECT_GT(kept, 0.99 * surface);
   EXPECT_LT(stray, 0.002 * around);
+}
+
+/// Two walls facing the camera, the right one with a sixteenth of the density of the left, and outliers all around.
+PointCloud walls_of_two_densities() {
+  PointCloud cloud = plane_cloud(0, {0, 200, 0, 255}, 80, 10);
+  const PointCloud sparse = plane_cloud(0.5f, {0, 0, 200, 255}, 20, 10, 0, 2);
+  for (std::size_t i = 0; i < sparse.size(); ++i)
+    add_disc(cloud, sparse.positions[i] + vec3(3, 0, 0), sparse.radii[i], sparse.colors[i]);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (int i = 0; i < 400; ++i)
+    add_disc(cloud, {1.5f + 2.5f * uniform(random), 2 * uniform(random), uniform(random)}, 0.1f, {200, 0, 0, 255});
+  cloud.radii.clear();
+  return cloud;
+}
+
+// A sparse surface is no crowd of outliers: what counts is how full the space is, not how dense the cloud.
+TEST(DenoiseSupport, IsLocal) {
+  const PreparedCloud prepared = analysis::prepare(walls_of_two_densities(), Attribute::radius, {});
+  const std::vector<float> support = denoise::splat_support(prepared, no_progress());
+  std::map<char, std::pair<int, int>> kept;  // by colour: supported, all
+  for (std::size_t i = 0; i < support.size(); ++i) {
+    const Rgba8 c = prepared.cloud.colors[i];
+    auto& [supported, all] = kept[c.r ? 'r' : c.g ? 'g' : 'b'];
+    supported += support[i] > 0.5f;
+    ++all;
+  }
+  ASSERT_EQ(kept['b'].second, 400);
+  // Corners have neighbours on two sides only.
+  EXPECT_GT(kept['g'].first, 0.999 * kept['g'].second);
+  EXPECT_GT(kept['b'].first, 0.98 * kept['b'].second);
+  // Of the volume, 5 % lies within 0.1 of a wall, where an outlier is hard to tell from its points.
+  EXPECT_LT(kept['r'].first, 0.08 * kept['r'].second);
+}
+
+TEST_F(Denoise, DefaultsKeepSparseSurfaces) {
+  technique_ = find_technique("denoise").create();
+  set_parameter(*technique_, "clamp_radius", "false");  // the discs of the sparse wall are four times the median
+  Camera camera = straight_camera(60);
+  camera.position = {3, -6, 0};
+  camera.target = {3, 0, 0};
+  const RenderOutput out = render(walls_of_two_densities(), camera);
+  int blue = 0;
+  for (int y = 6; y < 54; ++y)
+    for (int x = 6; x < 54; ++x) blue += out.color_linear.at(x, y).b > 0.3f;
+  // Outliers that touch the wall tint it.
+  EXPECT_GT(blue, 0.95 * 48 * 48);
 }
 
 TEST_F(Denoise, ShadingWeightGrowsWithTheWeight) {

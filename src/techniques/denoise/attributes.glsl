@@ -19,22 +19,38 @@ float place_in_bin(ivec2 pixel, float t, float chosen) {
   return min(distance - bin_start(wanted), 1.0);  // beyond 1 in the last of the dense bins only
 }
 
-#ifndef FAST
-layout(r32ui, binding = 0) uniform uimageBuffer sums;  // two's complement: w, w rgb, w n, w place, w shadow
+// w, w rgb, w n (eye, facing the camera), w place, w shadow; two's complement unless FAST.
+#ifdef FAST
+layout(r32f, binding = 0) coherent uniform imageBuffer sums;
+#else
+layout(r32ui, binding = 0) uniform uimageBuffer sums;
+#endif
 uniform int sum_stride;
 
-void add_sum(int at, float value) { imageAtomicAdd(sums, at, uint(int(round(value)))); }
+void add_sum(int at, float value) {
+#ifdef FAST
+  imageAtomicAdd(sums, at, value);
+#else
+  imageAtomicAdd(sums, at, uint(int(round(value))));
+#endif
+}
 
-// The weight in the table sets the unit: the sum is 2^24, or at most 2^30 where splats with a support of 1/64 at least
-// count less in the table than here.
-void add_attributes(ivec2 pixel, float table_weight, float w, vec4 color, vec3 normal, float place) {
-  int at = (pixel.y * image_width + pixel.x) * sum_stride;
+void add_attributes(ivec2 pixel, float table_weight, Splat splat, bool has_normal, float rho, vec4 color, float place) {
+  float w = splat_weight(rho);
+  if (covers > 0.0) w *= evidence(splat);
+  w = max(w, least_weight);
+#ifndef FAST
+  // The weight in the table sets the unit: the sum is 2^24, or less than 2^30 where splats with a support of 1/64 at
+  // least count less in the table than here.
   w = round(w * (16777216.0 / max(table_weight, 1.0 / weight_unit)));
+#endif
+  int at = (pixel.y * image_width + pixel.x) * sum_stride;
   add_sum(at, w);
   add_sum(at + 1, w * color.r);
   add_sum(at + 2, w * color.g);
   add_sum(at + 3, w * color.b);
-  if (normal != vec3(0.0)) {
+  if (has_normal) {
+    vec3 normal = dot(splat.normal, ray_slope(vec2(pixel) + 0.5)) > 0.0 ? -splat.normal : splat.normal;
     add_sum(at + 4, w * normal.x);
     add_sum(at + 5, w * normal.y);
     add_sum(at + 6, w * normal.z);
@@ -44,4 +60,3 @@ void add_attributes(ivec2 pixel, float table_weight, float w, vec4 color, vec3 n
   add_sum(at + 8, w * color.a);
 #endif
 }
-#endif

@@ -45,8 +45,10 @@ int variant(const BinOptions& options) {
 
 void BinTable::allocate(const View& view, const BinOptions& options, bool shadow) {
   const std::size_t pixels = std::size_t(view.width()) * std::size_t(view.height());
+  if (options.fast != fast_) weights_ = {}, sums_ = {};  // same size, another format
+  fast_ = options.fast;
   slots_ = options.layout == Layout::dense ? options.dense_bins : 1 << options.hash_bits;
-  stride_ = options.fast ? 0 : shadow ? 9 : 8;
+  stride_ = shadow ? 9 : 8;
   grow(weights_, "bin weights", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(slots_));
   weights_.buffer().clear(0);
   if (options.layout == Layout::hashed) {
@@ -60,38 +62,29 @@ void BinTable::allocate(const View& view, const BinOptions& options, bool shadow
   gl::ensure(first_bin_, "first bin", GL_R32UI, view.width(), view.height());
   first_bin_.clear_uint(0xffffffffu);
   gl::ensure(sink_, "no colour", GL_R8, view.width(), view.height());
-  if (options.fast) {
-    sums_ = {};
-    gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, view.width(), view.height());
-    gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, view.width(), view.height());
-    color_sum_.clear(vec4(0));
-    normal_sum_.clear(vec4(0));
-    if (shadow) {
-      gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, view.width(), view.height());
-      shadow_sum_.clear(vec4(0));
-    }
-  } else {
-    for (gl::Texture* texture : {&color_sum_, &normal_sum_, &shadow_sum_}) *texture = gl::Texture();
-    grow(sums_, "bin sums", GL_R32UI, pixels * std::size_t(stride_));
-    sums_.buffer().clear(0);
-  }
+  grow(sums_, "bin sums", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(stride_));
+  sums_.buffer().clear(0);
 }
 
 void BinTable::set_uniforms(gl::Program& program, const BinOptions& options, const View& view) const {
   program.set("bin_size", options.bin_size).set("anchor_grid", options.anchor == Anchor::grid);
   program.set("slots", slots_).set("hash_bits", options.hash_bits).set("image_width", view.width());
-  program.set("weight_threshold", options.weight_threshold).set("pixel_splats", options.pixel_splats);
+  program.set("weight_threshold", options.weight_threshold);
+  program.set("covers", options.covers).set("surface_share", options.surface_share);
+}
+
+gl::Program& BinTable::small_program(std::map<int, gl::Program>& programs, int key, const char* file, gl::Defines list,
+                                     const SplatShape& shape) const {
+  gl::Program& program = programs[2 * key + (shape.prefilter_px > 0) + 64 * (shape.part != SplatPart::all)];
+  if (!program) program = gl::Program::compute(file, splat_defines(std::move(list), shape));
+  set_splat_uniforms(program, shape);
+  return program;
 }
 
 void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                            const gl::Texture& nearest_t, const BinOptions& options) {
   SplatRaster& raster = weight_raster_[variant(options)];
   if (!raster) raster = SplatRaster("techniques/denoise/weights.frag", defines(options));
-  SplatShape supported = shape;
-  if (options.support) {  // makes the field known to the shader, and lets every splat pass
-    supported.part = SplatPart::above;
-    supported.field_threshold = -1;
-  }
   gl::Framebuffer framebuffer({&sink_});
   framebuffer.bind();
   nearest_t.bind(binding::input);
@@ -99,10 +92,15 @@ void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& 
   if (keys_) bind_image(1, keys_, GL_R32UI);
   first_bin_.bind_image(2, GL_READ_WRITE);
   bind_image(3, counters_, GL_R32UI);
-  raster.draw(cloud, view, supported, batches, {}, [&](gl::Program& program) {
+  auto set = [&](gl::Program& program) {
     set_uniforms(program, options, view);
     program.set("reach", unsigned(options.peak_bins));
-  });
+  };
+  gl::Program& small = small_program(weight_small_, variant(options), "techniques/denoise/weights.comp",
+                                     defines(options), shape);
+  set(small);
+  visit_small(cloud, view, batches, small);
+  raster.draw(cloud, view, shape, batches, {}, set, false);
   finish_atomics();
 }
 
@@ -116,23 +114,24 @@ void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShap
     if (shadow) list.push_back("SPLAT_SHADOW");
     raster = SplatRaster("techniques/denoise/attributes.frag", list);
   }
-  auto draw_into = [&](const gl::Framebuffer& framebuffer, const gl::State& state) {
-    framebuffer.bind();
-    nearest_t.bind(binding::input);
-    choice_.bind(binding::input + 1);
-    raster.draw(cloud, view, shape, batches, state, [&](gl::Program& program) {
-      set_uniforms(program, options, view);
-      if (!options.fast) program.set("sum_stride", stride_);
-    });
+  bind_image(0, sums_, options.fast ? GL_R32F : GL_R32UI);
+  gl::Framebuffer framebuffer({&sink_});
+  framebuffer.bind();
+  nearest_t.bind(binding::input);
+  choice_.bind(binding::input + 1);
+  auto set = [&](gl::Program& program) {
+    set_uniforms(program, options, view);
+    program.set("sum_stride", stride_);
   };
-  if (!options.fast) {
-    bind_image(0, sums_, GL_R32UI);
-    draw_into(gl::Framebuffer({&sink_}), {});
-  } else if (shadow) {
-    draw_into(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}), {.blend = gl::State::Blend::add});
-  } else {
-    draw_into(gl::Framebuffer({&color_sum_, &normal_sum_}), {.blend = gl::State::Blend::add});
-  }
+  gl::Defines list = defines(options);
+  if (shadow) list.push_back("SPLAT_SHADOW");
+  gl::Program& small = small_program(attribute_small_, variant(options) + (shadow ? 8 : 0),
+                                     "techniques/denoise/attributes.comp", std::move(list), shape);
+  set(small);
+  small.set("splat_has_shadow", shadow);
+  farthest_end_.bind(binding::input + 2);
+  visit_small(cloud, view, batches, small, true);
+  raster.draw(cloud, view, shape, batches, {}, set, false);
   finish_atomics();
 }
 
@@ -160,6 +159,10 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     bind_after(2, weights_);
     if (keys_) bind_after(3, keys_);
     choose.run({&nearest_t, &first_bin_}, {&choice_});
+    if (!farthest_) farthest_ = ScreenPass("techniques/denoise/farthest.glsl", {GL_R32F});
+    gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
+    farthest_.run({&choice_}, {&farthest_end_});
+    view.bind();
   }
   {
     auto timing = timers.scope("attributes");
@@ -175,15 +178,10 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     resolve = ScreenPass("techniques/denoise/resolve.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, list);
   }
   set_uniforms(resolve.program(), options, view);
-  resolve.set("show_weight", show_weight).set("least_support", options.least_support);
-  if (options.fast) {
-    resolve.run({&nearest_t, &choice_, &color_sum_, &normal_sum_, shadow ? &shadow_sum_ : &color_sum_},
-                {&targets.albedo, &targets.depth, &targets.normal});
-  } else {
-    resolve.set("sum_stride", stride_);
-    bind_after(2, sums_);
-    resolve.run({&nearest_t, &choice_}, {&targets.albedo, &targets.depth, &targets.normal});
-  }
+  resolve.set("show_weight", show_weight);
+  resolve.set("sum_stride", stride_);
+  bind_after(2, sums_);
+  resolve.run({&nearest_t, &choice_}, {&targets.albedo, &targets.depth, &targets.normal});
 }
 
 BinCounts BinTable::counts() const {
@@ -193,10 +191,7 @@ BinCounts BinTable::counts() const {
 }
 
 std::size_t BinTable::bytes() const {
-  std::size_t sum = weights_.buffer().bytes() + keys_.buffer().bytes() + sums_.buffer().bytes();
-  for (const gl::Texture* texture : {&color_sum_, &normal_sum_})
-    if (*texture) sum += std::size_t(texture->width()) * std::size_t(texture->height()) * 16;
-  return sum;
+  return weights_.buffer().bytes() + keys_.buffer().bytes() + sums_.buffer().bytes();
 }
 
 }  // namespace sfumato::denoise

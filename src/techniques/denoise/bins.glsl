@@ -48,12 +48,6 @@ float bin_start(uint b) {
 #endif
 }
 
-// Where pixels are larger than the splats, more of them meet in a pixel, and a surface weighs more.
 uniform float weight_threshold;
-uniform float pixel_splats;  // (radius of the screen filter in px / usual radius)^2, 0: the threshold is the same everywhere
-float threshold_of(uint b, float origin) {
-  float px = pixels_at(max(origin + bin_start(b) * bin_size, 1e-30));
-  return weight_threshold * max(1.0, pixel_splats / (px * px));
-}
 
 uint hashed_slot(uint b) { return (b * 2654435769u) >> (32 - hash_bits); }  // 2^32 / golden ratio

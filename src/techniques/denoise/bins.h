@@ -10,12 +10,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 
 #include "gl/program.h"
 #include "gl/texture.h"
 #include "gl/timer.h"
 #include "passes/screen_pass.h"
 #include "passes/splat_surface.h"
+#include "passes/splat_visit.h"
 
 namespace sfumato::denoise {
 
@@ -30,17 +32,16 @@ struct BinOptions {
   bool overlapping = false;     ///< windows at half steps
   Anchor anchor = Anchor::nearest;
   Miss miss = Miss::background;
-  bool fast = false;            ///< float atomics and blended sums (needs limits().float_atomics): last bits vary
+  bool fast = false;            ///< float atomics (needs limits().float_atomics): last bits vary
   float bin_size = 1;           ///< scene units along the ray
   float weight_threshold = 0;   ///< a bin counts when its weight is larger
-  float pixel_splats = 0;       ///< raises it where pixels are larger than splats (bins.glsl)
   // Automatic threshold (denoise.cpp says why): weights are scaled by how well the splat is supported, and bins
   // shortly behind the first one may raise the threshold.
-  bool support = false;
+  float covers = 0;             ///< splats over every place of a surface (evidence.glsl); 0: weights as they are
+  float surface_share = 1;      ///< of what those weigh, a weight of 1 in the table
   float peak_share = 0;         ///< a bin counts when it has this share of the largest weight within `peak_bins`
   int peak_bins = 0;
-  bool heaviest_bin = false;    ///< where no bin counts the heaviest one does ...
-  float least_support = 0;      ///< ... if its splats have this support on average
+  bool heaviest_bin = false;    ///< where no bin counts the heaviest one does
 };
 
 /// (Fibonacci hashing, Knuth): the first slot of bin `b` in a table of 2^bits, bits >= 1; as in bins.glsl.
@@ -62,7 +63,8 @@ class BinTable {
   BinCounts counts() const;
   /// Bytes of the table and of the sums.
   std::size_t bytes() const;
-  /// Of the last draw, RGBA32F: chosen bin or -1, its weight in the table, threshold in force, 1 for a second choice.
+  /// Of the last draw, RGBA32F: chosen bin or -1, its weight in the table, threshold in force, ray
+  /// distance where the bin ends or -1.
   const gl::Texture& choice() const { return choice_; }
   /// Of the last draw: `slots()` weights a pixel (2^-16, or float bits when fast), and keys (bin + 1, 0 = empty).
   const gl::TextureBuffer& weights() const { return weights_; }
@@ -77,12 +79,16 @@ class BinTable {
   void add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                       const gl::Texture& nearest_t, const BinOptions& options);
   gl::Defines defines(const BinOptions& options) const;
+  gl::Program& small_program(std::map<int, gl::Program>& programs, int key, const char* file, gl::Defines list,
+                             const SplatShape& shape) const;
 
   int slots_ = 0, stride_ = 0;
+  bool fast_ = false;
   gl::TextureBuffer weights_, keys_, counters_, sums_;
-  gl::Texture first_bin_, choice_, sink_, color_sum_, normal_sum_, shadow_sum_;
+  gl::Texture first_bin_, choice_, sink_, farthest_end_;
   SplatRaster weight_raster_[8], attribute_raster_[16];
-  ScreenPass choose_[8], resolve_[16];
+  std::map<int, gl::Program> weight_small_, attribute_small_;
+  ScreenPass choose_[8], farthest_, resolve_[16];
 };
 
 }  // namespace sfumato::denoise

@@ -1,4 +1,5 @@
-// The bin of every pixel (Eq. 6), or -1; its weight in the table, the threshold, and 1 where it is a second choice.
+// The bin of every pixel (Eq. 6), or -1; its weight in the table, the threshold in force, and where the bin ends (ray
+// distance, or -1).
 #include "techniques/denoise/bins.glsl"
 
 layout(binding = UNIT_INPUT + 1) uniform usampler2D first_bin;
@@ -11,7 +12,7 @@ layout(binding = UNIT_INPUT + 3) uniform usamplerBuffer bin_keys;
 
 uniform float peak_share;
 uniform int peak_bins;
-uniform bool heaviest_bin;  // where no bin is above the threshold the heaviest one is taken, on approval by resolve.glsl
+uniform bool heaviest_bin;  // where no bin is above the threshold the heaviest one is taken
 uniform bool last_bin;
 
 float weight_in(int slot) {
@@ -60,12 +61,19 @@ uint second_choice(ivec2 pixel) {
   return heaviest_bin ? heaviest : last;
 }
 
+// Ray distance where bin b ends.
+float end_of(ivec2 pixel, uint b) {
+#ifdef DENSE
+  if (int(b) == slots - 1) return infinity;
+#endif
+  return bin_origin(pixel) + (bin_start(b) + 1.0) * bin_size;
+}
+
 bool filter_pixel(ivec2 pixel) {
   uint b = texelFetch(first_bin, pixel, 0).x;
-  float threshold = b == no_bin ? weight_threshold : threshold_of(b, bin_origin(pixel));
-  out_0 = vec4(-1.0, 0.0, threshold, 0.0);
-  bool second = b == no_bin;
-  if (second && (heaviest_bin || last_bin) && !isinf(texelFetch(nearest_t, pixel, 0).x)) b = second_choice(pixel);
+  float threshold = weight_threshold;
+  out_0 = vec4(-1.0, 0.0, threshold, -1.0);
+  if (b == no_bin && (heaviest_bin || last_bin) && !isinf(texelFetch(nearest_t, pixel, 0).x)) b = second_choice(pixel);
   if (b == no_bin) return true;
   float weight = weight_of(pixel, b);
   if (peak_bins > 0 && weight > threshold) {
@@ -74,6 +82,6 @@ bool filter_pixel(ivec2 pixel) {
     threshold = max(threshold, peak_share * peak);
     while (!(weight > threshold)) weight = weight_of(pixel, ++b);  // ends at the peak: peak_share < 1
   }
-  out_0 = vec4(float(b), weight, threshold, second);
+  out_0 = vec4(float(b), weight, threshold, end_of(pixel, b));
   return true;
 }

@@ -26,14 +26,14 @@ using denoise::Anchor;
 using denoise::Layout;
 using denoise::Miss;
 
-// The automatic threshold. Eq. 20 lets the splats of a surface cover it four times, and a cover weighs 1/7 on
-// average: a surface weighs 4/7.
-constexpr float surface_weight = 4.0f / 7;
-constexpr float surface_share = 0.15f;  // of it that the nearest bin needs
-constexpr float peak_share = 0.3f;      // of the largest weight within `peak_bins`: noise in front of its surface
+// The automatic threshold: weights are in units of what the surface they belong to needs (evidence.glsl), so that it
+// is 1 everywhere. (Seemann 2018, Eq. 20) lets the splats of a surface cover it four times.
+constexpr float radius_covers = 4;
+constexpr float surface_share = 0.15f;  // of the mean weight of a surface that the nearest bin needs
+constexpr float peak_share = 0.3f;  // of the largest weight within `peak_bins`: noise in front of its surface
 constexpr int peak_bins = 3;
-// Where no bin reaches that (a sparse edge, the rim of a splat) the heaviest one is shown, unless it is made of
-// isolated points.
+// Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge, the rim of a
+// splat) the heaviest one is shown.
 constexpr float least_support = 0.1f;
 
 struct Parameters {
@@ -74,8 +74,6 @@ struct Parameters {
   }
 };
 
-constexpr const char* support_key = "splat support";  // of the cloud's field
-
 class Denoise final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
@@ -100,11 +98,15 @@ class Denoise final : public Technique {
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
-    measure(frame.cloud, frame.progress);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+    measure(frame.cloud, shape.radius_limit, frame.progress);
     if (parameters_.antialias) shape.prefilter_px = 1;
+    if (parameters_.weight_threshold.is_auto()) {
+      shape.part = SplatPart::above;
+      shape.field_threshold = parameters_.miss == Miss::background ? least_support : 0;
+    }
     const denoise::BinOptions options = choose_options(frame, shape);
 
     const SplatBatches batches = choose_batches(frame.cloud, view, shape);
@@ -133,15 +135,18 @@ class Denoise final : public Technique {
   }
 
  private:
-  /// Measures a cloud that was not seen before.
-  void measure(GpuCloud& cloud, Progress& progress) {
+  /// Measures a cloud that was not seen before. `radius_limit`: scene units, infinite for none.
+  void measure(GpuCloud& cloud, float radius_limit, Progress& progress) {
     const PreparedCloud& prepared = cloud.prepared();
-    if (prepared.cloud.positions.data() != seen_positions_ || prepared.cloud.size() != seen_size_) {
+    const bool seen = field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
+    if (!seen) {
       residual_ = denoise::plane_residual(prepared);
-      seen_positions_ = prepared.cloud.positions.data();
-      seen_size_ = prepared.cloud.size();
+      support_ = denoise::splat_support(prepared, progress);
     }
-    if (cloud.field_key() != support_key) cloud.set_field(denoise::splat_support(prepared, progress), support_key);
+    if (seen && radius_limit == field_limit_) return;
+    cloud.set_field(denoise::splat_worth(prepared, support_, least_support, radius_limit));
+    field_stamp_ = cloud.field_stamp();
+    field_limit_ = radius_limit;
   }
 
   /// Of a pixel at the middle of the cloud, scene units; 0 when that is behind the camera.
@@ -164,24 +169,21 @@ class Denoise final : public Technique {
     // are larger, would split what is tilted.
     const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel_size(frame));
     options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * spacing));
-    const float scale = parameters_.radius_scale;
-    options.weight_threshold = parameters_.weight_threshold.resolve(surface_share * surface_weight * scale * scale);
+    options.weight_threshold = parameters_.weight_threshold.resolve(1);
     if (parameters_.weight_threshold.is_auto()) {
-      options.support = true;
-      const float radius = frame.cloud.median_radius() * scale;
-      if (shape.prefilter_px > 0 && radius > 0) options.pixel_splats = std::pow(shape.prefilter_px / radius, 2.0f);
+      options.covers = radius_covers * parameters_.radius_scale * parameters_.radius_scale;
       options.peak_share = peak_share;
       options.peak_bins = peak_bins;
       options.heaviest_bin = true;
-      if (parameters_.miss == Miss::background) options.least_support = least_support;
+      options.surface_share = surface_share;
     }
     return options;
   }
 
   Parameters parameters_;
-  const void* seen_positions_ = nullptr;  ///< the cloud that was measured last
-  std::size_t seen_size_ = 0;
-  float residual_ = 0;
+  std::uint64_t field_stamp_ = 0;  ///< of the cloud that was measured last
+  float field_limit_ = 0, residual_ = 0;
+  std::vector<float> support_;
   SplatSurface surface_;
   denoise::BinTable bins_;
   gl::Texture albedo_;

@@ -11,11 +11,12 @@
 namespace sfumato::denoise {
 namespace {
 
-constexpr std::size_t neighbors = 64, samples = 500;
+constexpr std::size_t samples = 500;
 
 /// The nearest points of a place as the tree offers them.
 struct Nearest {
   static constexpr bool merges_coincident = false;
+  std::size_t neighbors;
   struct One {
     float distance2;
     std::uint32_t point;
@@ -58,6 +59,32 @@ double residual_around(const std::vector<vec3>& positions, const Nearest& neares
   return std::sqrt(std::max(0.0, least_eigenvalue(m)) / double(nearest.heap.size()));
 }
 
+/// Radical inverse (Halton 1960): points in [0, 1) that fill it evenly.
+double radical_inverse(std::size_t i, std::size_t base) {
+  double value = 0, digit = 1;
+  for (; i > 0; i /= base) value += (digit /= double(base)) * double(i % base);
+  return value;
+}
+
+/// Median distance from a place anywhere in the cloud's box to its k-th nearest point. The box holds 98 % of the points
+/// along each axis, so that a few far outliers do not decide it.
+float empty_reach(const std::vector<vec3>& positions, const analysis::NeighborTree& tree, std::size_t k) {
+  vec3 low, high;
+  std::vector<float> along(positions.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < positions.size(); ++i) along[i] = positions[i][axis];
+    low[axis] = analysis::quantile(along, 0.01), high[axis] = analysis::quantile(along, 0.99);
+  }
+  std::vector<float> reach;
+  for (std::size_t i = 1; i <= samples; ++i) {
+    const vec3 at(radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5));
+    Nearest nearest{k, {}};
+    tree.search(low + at * (high - low), nearest);
+    reach.push_back(std::sqrt(nearest.heap.front().distance2));
+  }
+  return analysis::quantile(reach, 0.5);
+}
+
 }  // namespace
 
 float plane_residual(const PreparedCloud& prepared) {
@@ -67,7 +94,7 @@ float plane_residual(const PreparedCloud& prepared) {
   std::vector<float> residuals;
   const std::size_t step = std::max<std::size_t>(1, positions.size() / samples);
   for (std::size_t i = 0; i < positions.size(); i += step) {
-    Nearest nearest;
+    Nearest nearest{64, {}};
     tree.search(positions[i], nearest);
     residuals.push_back(float(residual_around(positions, nearest)));
   }
@@ -88,17 +115,27 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
         std::copy(ids.begin(), ids.end(), neighbors_of[i].begin());
       },
       "splat support", progress);
-  const float usual = analysis::quantile(reach, 0.5);
+  const float enough = std::max(2 * analysis::quantile(reach, 0.5), 0.45f * empty_reach(prepared.cloud.positions, tree, k));
   std::vector<float> support(n);
   for (std::size_t i = 0; i < n; ++i) {
     std::array<float, k> around;
     for (std::size_t j = 0; j < k; ++j) around[j] = reach[neighbors_of[i][j]];
     std::nth_element(around.begin(), around.begin() + k / 2, around.end());
     const float own = std::max(reach[i], std::numeric_limits<float>::min());
-    const float among_all = std::min(1.0f, 2 * usual / own), among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
-    support[i] = std::max(isolated_support, std::pow(among_all * among_near, 4.0f));
+    const float among_all = std::min(1.0f, enough / own), among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
+    support[i] = std::max(isolated_support, std::pow(among_all * among_all * among_all * among_near, 4.0f));
   }
   return support;
+}
+
+std::vector<float> splat_worth(const PreparedCloud& prepared, const std::vector<float>& support, float least,
+                               float radius_limit) {
+  std::vector<float> worth = support;
+  for (std::size_t i = 0; i < worth.size() && i < prepared.cloud.radii.size(); ++i) {
+    const float lost = std::max(1.0f, prepared.cloud.radii[i] / radius_limit);
+    if (support[i] >= least) worth[i] *= lost * lost;
+  }
+  return worth;
 }
 
 }  // namespace sfumato::denoise

@@ -15,10 +15,19 @@ float plane_residual(const PreparedCloud& prepared);
 constexpr float isolated_support = 1.0f / 64;
 
 /// Per point, how much its splat may say about a surface: 1 where it lies among equals, down to `isolated_support` where
-/// it is isolated. From the distance R to the 8th neighbour, to the power of 4: against twice its median over the
-/// cloud, as radii are limited, and against 1.5 times its median over the neighbours, which tells a stray point near
-/// a dense surface from a point of a sparse one (compare the local outlier factor, Breunig et al. 2000). The margins
-/// keep random samples of a surface at 1.
+/// it is isolated. From the distance R to the 8th neighbour, compared with
+///   - the median of R over the neighbours, times 1.5: a stray point near a surface has neighbours that are closer
+///     together than it is to them, a point of a sparse surface has not (compare the local outlier factor, Breunig et
+///     al. 2000); power of 4. The margin keeps random samples of a surface at 1;
+///   - 0.45 times the median of R over places anywhere in the cloud's box, or twice its median over the points if that
+///     is more: outliers lie as far apart as places in the empty space lie from them, and 8 of points that lie at random
+///     are within half of the usual distance with a probability of 1e-5; power of 12. The median over the points alone
+///     would not do: density falls by orders of magnitude with the distance from a scanner.
 std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress);
+
+/// `support`, and for splats with at least `least` whose radius is cut at `radius_limit` what they lost by it, the
+/// ratio of the areas: a surface whose points are far apart then weighs as much where it is covered as any other.
+std::vector<float> splat_worth(const PreparedCloud& prepared, const std::vector<float>& support, float least,
+                               float radius_limit);
 
 }  // namespace sfumato::denoise

@@ -3,17 +3,15 @@
 #include "color.glsl"
 
 layout(binding = UNIT_INPUT + 1) uniform sampler2D choice;
+uniform int sum_stride;
 #ifdef FAST
-layout(binding = UNIT_INPUT + 2) uniform sampler2D color_sum;
-layout(binding = UNIT_INPUT + 3) uniform sampler2D normal_sum;
-layout(binding = UNIT_INPUT + 4) uniform sampler2D shadow_sum;
+layout(binding = UNIT_INPUT + 2) uniform samplerBuffer sums;
+float sum_at(int at) { return texelFetch(sums, at).x; }
 #else
 layout(binding = UNIT_INPUT + 2) uniform usamplerBuffer sums;
-uniform int sum_stride;
 float sum_at(int at) { return float(int(texelFetch(sums, at).x)); }
 #endif
 uniform bool show_weight;
-uniform float least_support;  // mean over the splats of a bin, for the bins that are a second choice
 
 bool filter_pixel(ivec2 pixel) {
   vec4 chosen = texelFetch(choice, pixel, 0);
@@ -21,21 +19,10 @@ bool filter_pixel(ivec2 pixel) {
   out_1 = vec4(infinity);
   out_2 = vec4(0.0, 0.0, 0.0, 1.0);
   if (chosen.x < 0.0) return true;
-#ifdef FAST
-  vec4 color = texelFetch(color_sum, pixel, 0), normal = texelFetch(normal_sum, pixel, 0);
-#else
   int at = (pixel.y * image_width + pixel.x) * sum_stride;
   vec4 color = vec4(sum_at(at + 1), sum_at(at + 2), sum_at(at + 3), sum_at(at));
   vec4 normal = vec4(sum_at(at + 4), sum_at(at + 5), sum_at(at + 6), sum_at(at + 7));
-#endif
   if (!(color.a > 0.0)) return true;
-#ifdef FAST
-  float support = chosen.y / color.a;
-#else
-  float support = 16777216.0 / color.a;  // sums are in units of the weight in the table
-#endif
-  // Below 16 units of the table the ratio is a rounding.
-  if (chosen.w > 0.0 && least_support > 0.0 && (support < least_support || chosen.y < 16.0 / weight_unit)) return true;
   vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(vec2(pixel) + 0.5, 1.0);
   normal /= color.a;
   vec3 n = transpose(mat3(frame.eye_from_cloud)) * normal.xyz;
@@ -47,11 +34,7 @@ bool filter_pixel(ivec2 pixel) {
   out_1 = vec4(t / length(slope));  // ray distance to eye depth
   out_2 = vec4(size > 1e-3 ? n / size : vec3(0.0), 1.0);
 #ifdef SPLAT_SHADOW
-#ifdef FAST
-  out_2.w = texelFetch(shadow_sum, pixel, 0).x / color.a;
-#else
   out_2.w = sum_at(at + 8) / color.a;
-#endif
 #endif
   return true;
 }

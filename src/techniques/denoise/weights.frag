@@ -3,6 +3,7 @@
 #endif
 // First visit: one fragment of one splat.
 #include "splat_fragment.glsl"
+#include "techniques/denoise/evidence.glsl"
 #include "techniques/denoise/weights.glsl"
 
 layout(location = 0) out vec4 sink;  // never written
@@ -12,7 +13,7 @@ void main() {
   if (!hit_splat(fragment_splat(), gl_FragCoord.xy, hit)) discard;
   float weight = splat_weight(hit.rho);
 #ifdef SPLAT_FIELD
-  weight *= splat_field;
+  if (covers > 0.0) weight *= splat_field * evidence(fragment_splat());
 #endif
   add_weight(ivec2(gl_FragCoord.xy), hit.t, weight);
   discard;

@@ -32,7 +32,7 @@ int claim_slot(ivec2 pixel, uint b) {
 #endif
 }
 
-void add_to_bin(ivec2 pixel, uint b, float origin, float weight) {
+void add_to_bin(ivec2 pixel, uint b, float weight) {
   // Bins behind the one that is already found cannot become the nearest.
   uint first = imageLoad(first_bin, pixel).x;
   if (first != no_bin && b > first + reach) return;
@@ -42,7 +42,7 @@ void add_to_bin(ivec2 pixel, uint b, float origin, float weight) {
     return;
   }
 #ifdef FAST
-  bool above = imageAtomicAdd(bin_weights, at, weight) + weight > threshold_of(b, origin);
+  bool above = imageAtomicAdd(bin_weights, at, weight) + weight > weight_threshold;
 #else
   uint add = max(uint(weight * weight_unit + 0.5), 1u);
   uint before = imageAtomicAdd(bin_weights, at, add);
@@ -50,7 +50,7 @@ void add_to_bin(ivec2 pixel, uint b, float origin, float weight) {
     imageAtomicAdd(bin_weights, at, 0u - add);
     imageAtomicAdd(counters, 1, 1u);
   }
-  bool above = before + add > uint(threshold_of(b, origin) * weight_unit);
+  bool above = before + add > uint(weight_threshold * weight_unit);
 #endif
   if (above && b < first) imageAtomicMin(first_bin, pixel, b);
 }
@@ -58,8 +58,8 @@ void add_to_bin(ivec2 pixel, uint b, float origin, float weight) {
 void add_weight(ivec2 pixel, float t, float weight) {
   float origin = bin_origin(pixel);
   uint b = bin_of(bin_distance(t, origin));
-  add_to_bin(pixel, b, origin, weight);
+  add_to_bin(pixel, b, weight);
 #ifdef OVERLAPPING
-  if (b > 0u) add_to_bin(pixel, b - 1u, origin, weight);
+  if (b > 0u) add_to_bin(pixel, b - 1u, weight);
 #endif
 }
