@@ -7,7 +7,7 @@ using namespace sfumato::bench;
 
 namespace {
 
-/// A million points on spheres beside each other: a ray meets two surfaces, at most four.
+/// A million points on spheres beside each other: a ray meets mostly two surfaces.
 PointCloud spheres() {
   synth::SampleOptions options;
   options.points = 1'000'000;
