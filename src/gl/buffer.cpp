@@ -10,9 +10,12 @@ Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : 
   while (glGetError() != GL_NO_ERROR) {
   }
   glCreateBuffers(1, &id_);
-  // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato.
-  glNamedBufferStorage(id_, GLsizeiptr(std::max<std::size_t>(bytes, 16)), bytes ? data : nullptr,
+  // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato. GL reads as much as it stores, so
+  // less than the least size comes afterwards.
+  constexpr std::size_t least = 16;
+  glNamedBufferStorage(id_, GLsizeiptr(std::max(bytes, least)), bytes < least ? nullptr : data,
                        GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT);
+  if (bytes < least && data) upload(data, bytes);
   check_memory(label);
   glObjectLabel(GL_BUFFER, id_, GLsizei(label.size()), label.data());
 }
