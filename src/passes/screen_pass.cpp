@@ -51,13 +51,13 @@ std::string compute_main(std::size_t outputs) {
     otherwise += " out_" + n + " = elsewhere_" + n + ";";
     stores += "  imageStore(image_" + n + ", pixel, out_" + n + ");\n";
   }
-  return "layout(binding = " + std::to_string(binding::tiles) + ") uniform sampler2D tiles;\n" +
-         "uniform int tile_size;\nuniform ivec2 tile_offset;\n" + elsewhere +
+  return "layout(binding = " + std::to_string(binding::tiles) + ") uniform sampler2D screen_tiles;\n" +
+         "uniform int screen_tile_size;\nuniform ivec2 screen_tile_offset;\n" + elsewhere +
          "layout(local_size_x = 16, local_size_y = 8) in;\nvoid main() {\n"
          "  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
          "  if (any(greaterThanEqual(pixel, imageSize(image_0)))) return;\n"
-         "  bool runs = tile_size == 0;\n"
-         "  if (!runs) runs = texelFetch(tiles, (pixel + tile_offset) / tile_size, 0).x > 0.0;\n"
+         "  bool runs = screen_tile_size == 0;\n"
+         "  if (!runs) runs = texelFetch(screen_tiles, (pixel + screen_tile_offset) / screen_tile_size, 0).x > 0.0;\n"
          "  if (!runs) {" + otherwise + " }\n  else if (!filter_pixel(pixel)) return;\n" + stores + "}\n";
 }
 
@@ -100,10 +100,10 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
   int unit = binding::input;
   for (const gl::Texture* input : inputs) input->bind(unit++);
   if (tiles) tiles->on.bind(binding::tiles);
-  program_.set("tile_size", tiles ? tiles->size : 0);
+  program_.set("screen_tile_size", tiles ? tiles->size : 0);
 
   if (compute_) {
-    program_.set("tile_offset", tiles ? tiles->offset : ivec2(0));
+    program_.set("screen_tile_offset", tiles ? tiles->offset : ivec2(0));
     for (std::size_t k = 0; k < outputs.size(); ++k)
       program_.set("elsewhere_" + std::to_string(k), tiles ? elsewhere.begin()[k] : vec4(0));
     int image = 0;
