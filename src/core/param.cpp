@@ -195,40 +195,30 @@ void bind_auto(Auto<T>& value, Print& print, PrintResolved& print_resolved, Pars
 
 }  // namespace
 
-Param& ParamList::add(std::string name, Auto<float>& value) {
+template <class T>
+Param& ParamList::add_auto(std::string name, ParamKind kind, Auto<T>& value) {
   Param p;
   p.name = std::move(name);
-  p.kind = ParamKind::real;
+  p.kind = kind;
   p.can_be_auto = true;
   bind_auto(value, p.print_, p.print_resolved_, p.parse_, p.numbers_);
   return insert(std::move(p));
+}
+
+Param& ParamList::add(std::string name, Auto<float>& value) {
+  return add_auto(std::move(name), ParamKind::real, value);
 }
 
 Param& ParamList::add(std::string name, Auto<int>& value) {
-  Param p;
-  p.name = std::move(name);
-  p.kind = ParamKind::integer;
-  p.can_be_auto = true;
-  bind_auto(value, p.print_, p.print_resolved_, p.parse_, p.numbers_);
-  return insert(std::move(p));
+  return add_auto(std::move(name), ParamKind::integer, value);
 }
 
 Param& ParamList::add(std::string name, Auto<bool>& value) {
-  Param p;
-  p.name = std::move(name);
-  p.kind = ParamKind::boolean;
-  p.can_be_auto = true;
-  bind_auto(value, p.print_, p.print_resolved_, p.parse_, p.numbers_);
-  return insert(std::move(p));
+  return add_auto(std::move(name), ParamKind::boolean, value);
 }
 
 Param& ParamList::add(std::string name, Auto<std::vector<float>>& value) {
-  Param p;
-  p.name = std::move(name);
-  p.kind = ParamKind::real_list;
-  p.can_be_auto = true;
-  bind_auto(value, p.print_, p.print_resolved_, p.parse_, p.numbers_);
-  return insert(std::move(p));
+  return add_auto(std::move(name), ParamKind::real_list, value);
 }
 
 Param& ParamList::add_choice(std::string name, std::vector<std::string> names, std::function<int()> get,

@@ -94,6 +94,8 @@ class ParamList {
  private:
   Param& add_choice(std::string name, std::vector<std::string> names, std::function<int()> get,
                     std::function<void(int)> set);
+  template <class T>
+  Param& add_auto(std::string name, ParamKind kind, Auto<T>& value);
   Param& insert(Param param);
   std::vector<Param> params_;
 };

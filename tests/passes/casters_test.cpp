@@ -37,12 +37,7 @@ class CastersTest : public GlTest {
 
   /// Brightness of the floor, seen from between it and the sheets, with shadows; without is 1.
   std::vector<double> floor_brightness(Technique& technique) {
-    Camera camera;
-    camera.position = {0, 0, 0.4};
-    camera.up = {0, 1, 0};
-    camera.projection = Projection::orthographic;
-    camera.height_world = 1.4;
-    camera.width = camera.height = 48;
+    const Camera camera = camera_above(0.4, 1.4, 48);
     RenderSettings settings;
     settings.transparent = true;
     settings.light_text = "dir:0,0,1";

@@ -154,13 +154,7 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
   // 5000 points cast some 4.5 of them, front and back, into a texel: 1 % of 570 texels stay empty.
   prepared_ = analysis::prepare(sphere_cloud(5000, 0.5f, vec3(0, 0, 1)), {}, {});
   GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
-  Camera camera;
-  camera.position = {0, 0, 4};
-  camera.up = {0, 1, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 2;
-  camera.width = camera.height = 100;
-  const View view(camera, prepared_.cloud.origin);
+  const View view(camera_above(4, 2, 100), prepared_.cloud.origin);
   const RenderSettings settings = hard("dir:0,0,1");
   gl::Timers timers(false);
   ShadowMaps maps;
@@ -231,13 +225,7 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
   prepared_ = analysis::prepare(cloud, {}, {});
   GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
   set_casters(gpu, std::vector<float>(cloud.size(), 0.3f), "test");
-  Camera camera;
-  camera.position = {0, 0, 4};
-  camera.up = {0, 1, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 4;
-  camera.width = camera.height = 100;
-  const View view(camera, prepared_.cloud.origin);
+  const View view(camera_above(4, 4, 100), prepared_.cloud.origin);
   RenderSettings settings = hard("dir:0,0,1");
   gl::Timers timers(false);
   ShadowMaps maps;

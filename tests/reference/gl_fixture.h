@@ -65,6 +65,17 @@ inline Camera camera_at(dvec3 position, int width, int height, double fov_deg = 
   return camera;
 }
 
+/// An orthographic camera `height` above the origin that looks down on a square of `side` units and `pixels` pixels.
+inline Camera camera_above(double height, double side, int pixels) {
+  Camera camera;
+  camera.position = {0, 0, height};
+  camera.up = {0, 1, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = side;
+  camera.width = camera.height = pixels;
+  return camera;
+}
+
 inline std::vector<Rgba8> colors_of(const PointCloud& cloud, Rgba8 fallback = {180, 180, 180, 255}) {
   return cloud.colors.empty() ? std::vector<Rgba8>(cloud.size(), fallback) : cloud.colors;
 }
