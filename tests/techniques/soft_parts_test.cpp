@@ -188,6 +188,18 @@ TEST_F(SoftParts, ModulationIsContinuous) {
   }
 }
 
+// The dense cones near the threshold are three times as opaque as `opacity` says, so that they fade with it.
+TEST_F(SoftParts, ModulationFadesWithOpacity) {
+  const Camera camera = camera_at({0, -3, 0}, 49, 49);
+  set("field_threshold", "0.5");
+  set("modulation_threshold", "0.8");
+  for (auto [opacity, expected] : {std::pair{0.01, 0.03}, {0.3, 0.9}, {0.6, 1.0}}) {
+    set_opacity(opacity);
+    const RenderOutput out = render({Ball{{0, 0, 0}, 0.7f, {200, 100, 50, 255}, 0.50001f}}, camera);
+    EXPECT_NEAR(out.color_linear.at(24, 24).a, expected, 1e-3);  // through the centre
+  }
+}
+
 /// Discs on a grid in the plane y = `at`.
 void add_sheet(std::vector<Ball>& balls, float at, Rgba8 color, float field) {
   for (int i = -8; i <= 8; ++i)

@@ -34,8 +34,7 @@ struct Parameters {
   Model model = Model::express;
   Auto<float> opacity;
   FieldSettings field;
-  Auto<float> field_threshold, modulation_threshold;
-  float modulation_opacity = 1;
+  Auto<float> field_threshold, modulation_threshold, modulation_opacity;
   DrawOrder order = DrawOrder::exact;
   Auto<int> concentric_count;
   float concentric_spacing_px = 4;
@@ -67,7 +66,7 @@ struct Parameters {
         .paper("Seemann 2018, l_m");
     p.add("modulation_opacity", modulation_opacity).range(0, 1)
         .help("of a soft point at the field threshold, through its centre: denser than those beyond, so that solid and soft "
-              "parts meet without an edge")
+              "parts meet without an edge (auto: three times opacity, 1 at most)")
         .paper("Seemann 2018, lambda of Eq. 22, Fig. 5");
     p.add("order", order, {"exact", "axis"})
         .help("express: sorted for each view, or along the nearest axis with a cross-fade (for motion)");
@@ -94,6 +93,9 @@ struct Parameters {
 
   /// Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like holes.
   float resolve_opacity() { return opacity.resolve(field.field == "uncertainty" ? 0.3f : 0.15f); }
+
+  /// The lambda of Eq. 22. `opacity` itself would leave the edge of Figure 5 (docs/adr/0005).
+  float resolve_modulation_opacity() { return modulation_opacity.resolve(std::min(1.0f, 3 * resolve_opacity())); }
 };
 
 class Soft final : public Technique {
@@ -192,7 +194,7 @@ class Soft final : public Technique {
     look.opacity = p.opacity.value();
     look.field_threshold = p.field_threshold.value();
     look.modulation_threshold = p.modulation_threshold.value();
-    look.modulation_opacity = p.modulation_opacity;
+    look.modulation_opacity = parameters_.resolve_modulation_opacity();
     look.antialias = p.antialias;
     look.concentric_count = p.concentric_count.user.value_or(0);
     look.concentric_spacing_px = p.concentric_spacing_px;
