@@ -1,5 +1,7 @@
 // The rows of Table 1 of Dobrev, Rosenthal, Linsen 2010, and what peers and bounds are compared with.
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 
 #include "analysis/prepare.h"
 #include "io/io.h"
@@ -34,8 +36,9 @@ PointCloud make_cloud(const std::string& name) {
 }
 
 /// A frame per iteration: the camera turns, and with shadows the light too, so that they are found anew.
+/// With `passes`, the milliseconds of each shadow pass are counters beside it.
 void frames(benchmark::State& state, const std::string& scene, int layers, const Options& options,
-            const char* opacity, int light_samples) try {
+            const char* opacity, int light_samples, bool passes) try {
   auto technique = find_technique("layers").create();
   set(*technique, "layers", std::to_string(layers));
   set(*technique, "opacity", opacity);
@@ -48,27 +51,37 @@ void frames(benchmark::State& state, const std::string& scene, int layers, const
   RenderSettings settings;
   settings.shadows = light_samples > 0 ? Shadows::soft : Shadows::off;
   settings.light_samples = std::max(light_samples, 1);
+  RenderWants wants;
+  wants.timings = passes;
+  std::map<std::string, std::vector<double>> ms;
   auto render = [&](int k) {
     if (light_samples > 0) settings.light_text = "dir:1," + std::to_string(-1 - 0.01 * k) + ",2";
     const Camera camera = is_tori ? tori_camera(k) : sfumato::frame(box, prepared.cloud.up, 1024, 1024,
                                                                     glm::radians(-45.0 + k), glm::radians(30.0));
-    return renderer.render(*technique, camera, settings).total_ms;
+    const RenderOutput out = renderer.render(*technique, camera, settings, wants);
+    for (const PassTiming& pass : out.timings)
+      if (k > 0 && (pass.name.starts_with("light ") || pass.name == "lit test")) ms[pass.name].push_back(pass.ms);
+    return out.total_ms;
   };
   render(0);
   int k = 0;
   for (auto _ : state) state.SetIterationTime(1e-3 * render(++k));
+  for (auto& [name, times] : ms) {
+    std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
+    state.counters[name] = times[times.size() / 2];
+  }
 } catch (const std::exception& e) {
   state.SkipWithError(e.what());
 }
 
 void row(const std::string& name, const std::string& scene, int layers, const Options& options,
-         const char* opacity = "0.3", int light_samples = 0) {
+         const char* opacity = "0.3", int light_samples = 0, bool passes = false) {
   benchmark::RegisterBenchmark(("layers/" + name + "/" + scene).c_str(),
                                [=](benchmark::State& state) {
-                                 frames(state, scene, layers, options, opacity, light_samples);
+                                 frames(state, scene, layers, options, opacity, light_samples, passes);
                                })
       ->UseManualTime()
-      ->Iterations(3)
+      ->Iterations(passes ? 5 : 3)
       ->Unit(benchmark::kMillisecond);
 }
 
@@ -93,6 +106,8 @@ const bool registered = [] {
     row("shadows1", scene, 1, paper, "1", 1);
     row("shadows5", scene, 1, paper, "1", 5);
     row("shadows10", scene, 1, paper, "1", 10);
+    for (int samples : {1, 5, 10})
+      row("shadow_passes" + std::to_string(samples), scene, 1, paper, "1", samples, true);
   }
   return true;
 }();
