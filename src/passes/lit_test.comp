@@ -1,22 +1,36 @@
 // The lit test of every point (Dobrev 2010, Sec. 4): lit = depth_L < map(x,y) + d_min / max(|<v,n>|, c_min).
 // The absolute value and the bound are ours: the printed <v,n> = -n_z is negative towards the light and
 // unbounded at grazing angles.
-//   LAYER    the map is one layer of see-through casters: what they let pass is multiplied into `passed`
-//   PASSED   a lit point gets what see-through casters in front of it let pass
-#include "frame.glsl"
+// One visit of the points tests MAPS light maps, so that position, normal and factor are read once for all of them.
+//   ORTHOGRAPHIC the light is directional
+//   LAYER        the maps are layers of see-through casters: what they let pass is multiplied into `passed`
+//   PASSED       a lit point gets what see-through casters in front of it let pass
 #include "cloud.glsl"
 
 layout(local_size_x = 128) in;
 #ifndef LAYER
 layout(r32f, binding = 0) uniform imageBuffer shadow_factor;
-uniform float share;   // of this light sample in the average
+uniform float share;   // of a light sample in the average
 #else
-layout(binding = UNIT_INPUT + 1) uniform sampler2D opacity_map;
+layout(binding = UNIT_INPUT + MAPS) uniform sampler2D opacity_maps[MAPS];
 #endif
 #if defined(LAYER) || defined(PASSED)
 layout(r32f, binding = 1) uniform imageBuffer passed;
 #endif
-layout(binding = UNIT_INPUT) uniform sampler2D light_map;
+layout(binding = UNIT_INPUT) uniform sampler2D light_maps[MAPS];
+
+struct LightView {  // as in frame.glsl
+  mat4 eye_from_cloud;
+  vec4 intrinsics;
+  float near_plane;
+};
+#ifdef LAYER
+uniform LightView views[1];
+#define VIEW views[0]
+#else
+uniform LightView views[MAPS];
+#define VIEW views[k]
+#endif
 
 uniform uint point_count;
 uniform float d_min;   // scene units
@@ -28,22 +42,48 @@ void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   if (index >= point_count) return;
   int i = int(index);
-  vec3 eye = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
-  float depth = -eye.z;
-  if (depth < frame.near_plane) return;  // another face of a light inside the cloud sees it
-  vec2 pixel = pixel_from_eye(eye);
-  if (any(lessThan(pixel, vec2(0.0))) || any(greaterThanEqual(pixel, frame.image_size))) return;
+  vec4 position = vec4(point_position(i), 1.0);
+  vec3 normal = has_normals ? point_normal(i) : vec3(0.0);
+  bool has_normal = dot(normal, normal) > 0.25;
 
-  vec3 normal = has_normals ? mat3(frame.eye_from_cloud) * point_normal(i) : vec3(0.0);
-  // Without a normal, as for a surface tilted by 60 degrees to the light.
-  float cosine = dot(normal, normal) > 0.25 ? abs(dot(to_camera(eye), normal)) : 0.5;
-  float offset = d_min / max(cosine, c_min);
-  bool is_lit = depth < texelFetch(light_map, ivec2(pixel), 0).x + offset;
 #ifdef LAYER
-  if (!is_lit) imageStore(passed, i, imageLoad(passed, i) * (1.0 - texelFetch(opacity_map, ivec2(pixel), 0).x));
-#elif defined(PASSED)
-  if (is_lit) imageStore(shadow_factor, i, imageLoad(shadow_factor, i) + share * imageLoad(passed, i));
+  float factor = imageLoad(passed, i).x;
 #else
-  if (is_lit) imageStore(shadow_factor, i, vec4(imageLoad(shadow_factor, i).x + share));
+  float factor = imageLoad(shadow_factor, i).x;
+#ifdef PASSED
+  float lit_share = share * imageLoad(passed, i).x;
+#else
+  float lit_share = share;
+#endif
+#endif
+  for (int k = 0; k < MAPS; ++k) {
+    vec3 eye = (VIEW.eye_from_cloud * position).xyz;
+    float depth = -eye.z;
+    vec3 normal_eye = mat3(VIEW.eye_from_cloud) * normal;
+    vec2 pixel = vec2(VIEW.intrinsics.x * eye.x, -VIEW.intrinsics.y * eye.y);
+#ifdef ORTHOGRAPHIC
+    float cosine = abs(normal_eye.z);
+#else
+    pixel /= depth;
+    float cosine = abs(dot(normalize(-eye), normal_eye));
+#endif
+    pixel += VIEW.intrinsics.zw;
+    // Without a normal, as for a surface tilted by 60 degrees to the light.
+    float offset = d_min / max(has_normal ? cosine : 0.5, c_min);
+    // Another face of a light inside the cloud sees what is not in this map.
+    ivec2 size = textureSize(light_maps[k], 0);
+    if (depth >= VIEW.near_plane && all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)))) {
+      bool is_lit = depth < texelFetch(light_maps[k], ivec2(pixel), 0).x + offset;
+#ifdef LAYER
+      if (!is_lit) factor *= 1.0 - texelFetch(opacity_maps[k], ivec2(pixel), 0).x;
+#else
+      if (is_lit) factor += lit_share;
+#endif
+    }
+  }
+#ifdef LAYER
+  imageStore(passed, i, vec4(factor));
+#else
+  imageStore(shadow_factor, i, vec4(factor));
 #endif
 }

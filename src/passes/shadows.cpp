@@ -25,6 +25,17 @@ int map_side(double texels) {
   return std::clamp(int(std::ceil(texels)), 16, largest);
 }
 
+/// How many of `total` light maps one visit of the points tests: as many as may be kept, in visits of about one size.
+std::size_t maps_at_a_time(std::size_t bytes_each, std::size_t total) {
+  const std::size_t most = std::clamp<std::size_t>(ShadowMaps::most_map_bytes / bytes_each, 1, ShadowMaps::most_maps);
+  const std::size_t visits = (total + most - 1) / most;
+  return (total + visits - 1) / visits;
+}
+
+std::size_t bytes_of_map(const Camera& camera) {
+  return std::size_t(camera.width) * std::size_t(camera.height) * sizeof(float);
+}
+
 }  // namespace
 
 std::vector<Camera> ShadowMaps::light_cameras(const Light& light, const Bounds& box, double texel) {
@@ -117,13 +128,16 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
   std::optional<Catcher> catcher;
   if (ground_view && ground_factor) {
     ground_factor->clear(vec4(0));
-    catcher.emplace(Catcher{*ground_view, ground, *ground_factor});
+    catcher.emplace(Catcher{*ground_view, ground, cloud.prepared().cloud.origin, *ground_factor});
   }
   const Catcher* caught = catcher ? &*catcher : nullptr;
   const double texel = texel_ * std::max(double(cloud.median_spacing()), 1e-12);
   // See-through casters are sparser than the cloud: their map is as much coarser, and so is d_min.
   const float coarser = cloud.see_through_spacing() / std::max(cloud.median_spacing(), 1e-12f);
   const std::vector<Light> samples = light_samples(light, box, size, count);
+  const float share = 1.0f / float(samples.size());
+  const LitTest kind = coarser > 0 ? LitTest::behind_see_through : LitTest::solid;
+  std::vector<View> views;  // of the light maps that wait for their test
   for (std::size_t i = 0; i < samples.size(); ++i) {
     progress.update(double(i) / double(samples.size()), "shadows");
     progress.check();
@@ -132,7 +146,19 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
     if (coarser > 0) coarse = light_cameras(samples[i], box, texel * coarser);
     for (std::size_t face = 0; face < cameras.size(); ++face) {
       if (coarser > 0) peel(cloud, coarse[face], d_min * coarser, timers, caught);
-      accumulate(cloud, cameras[face], d_min, 1.0f / float(samples.size()), timers, caught);
+      // What see-through casters let pass is kept for one map only.
+      const std::size_t most =
+          coarser > 0 ? 1 : maps_at_a_time(bytes_of_map(cameras[face]), samples.size() * cameras.size());
+      maps_.resize(std::max(maps_.size(), most));
+      gl::Texture& map = maps_[views.size()];
+      const View& view = views.emplace_back(cameras[face], cloud.prepared().cloud.origin);
+      draw_map(cloud, view, d_min, caught != nullptr, map, timers);
+      auto timing = timers.scope("lit test");
+      if (caught) test_ground(*caught, coarser > 0, view, map, d_min, share);
+      const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
+      if (views.size() < most && !is_last) continue;
+      test_points(cloud, kind, views, std::span(maps_).first(views.size()), d_min, share);
+      views.clear();
     }
   }
 }
@@ -143,7 +169,11 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   const View view(light_camera, origin);
   const int w = view.width(), h = view.height();
   const CasterRange see_through{least_opacity, solid_opacity};
-  for (gl::Texture* t : {&layer_depth_, &other_depth_, &opacity_}) gl::ensure(*t, "light layer", GL_R32F, w, h);
+  // Of each layer its depth and its opacity are kept until the points are tested.
+  const std::size_t most = maps_at_a_time(2 * bytes_of_map(light_camera), most_layers_a_visit);
+  layer_depth_.resize(std::max(layer_depth_.size(), most));
+  opacity_.resize(layer_depth_.size());
+  gl::ensure(other_depth_, "light layer", GL_R32F, w, h);
   for (gl::Texture* t : {&state_, &other_state_}) gl::ensure(*t, "light layer limit", GL_RG32F, w, h);
   gl::ensure(other_index_, "light layer index", GL_R32UI, w, h);
   state_.clear(vec4(0, 1, 0, 0));
@@ -158,9 +188,8 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     ground_passed_.clear(vec4(1));
   }
   if (!layer_pass_) layer_pass_ = ScreenPass("passes/light_layer.glsl", {GL_RG32F, GL_R32F});
-  if (!lit_layer_) lit_layer_ = gl::Program::compute("passes/lit_test.comp", {"LAYER"});
-  if (!ground_layer_) ground_layer_ = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, {"LAYER"});
 
+  std::size_t kept = 0;
   for (int layer = 0; layer < most_layers; ++layer) {
     {
       auto timing = timers.scope("light map");
@@ -168,11 +197,13 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
       gl::Timers untimed(false);  // its own scopes are those of the picture
       to_pixels_.draw(cloud, view, {SizeMode::pixels, 1}, layer_, untimed, limit, 0, &see_through);
     }
+    gl::Texture &depth = layer_depth_[kept], &opacity = opacity_[kept];
     bool is_open = false;
     {
       auto timing = timers.scope("light map fill");
+      for (gl::Texture* t : {&depth, &opacity}) gl::ensure(*t, "light layer", GL_R32F, w, h);
       fill_.run_index(FillKind::background, d_min, layer_.depth_bits, other_depth_, layer_.index, other_index_);
-      fill_.run_index(FillKind::occluded, d_min, other_depth_, layer_depth_, other_index_, layer_.index);
+      fill_.run_index(FillKind::occluded, d_min, other_depth_, depth, other_index_, layer_.index);
       view.bind();
       cloud.bind_places();
       open_.arm();
@@ -182,93 +213,110 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
         cloud.bind_casters(chunk);
         layer_pass_.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
         layer_pass_.set("has_normals", cloud.has_normals()).set("d_min", d_min);
-        layer_pass_.run({&layer_depth_, &layer_.index, &state_}, {&other_state_, &opacity_});
+        layer_pass_.run({&depth, &layer_.index, &state_}, {&other_state_, &opacity});
         first = false;
       }
       std::swap(state_, other_state_);
       is_open = open_.is_set();
     }
     auto timing = timers.scope("lit test");
-    layer_depth_.bind(binding::input);
-    opacity_.bind(binding::input + 1);
-    test_points(cloud, lit_layer_, view, d_min);
-    if (catcher)
-      test_ground(*catcher, ground_layer_, view, light_camera, origin, d_min, {&layer_depth_, &opacity_, &ground_passed_},
-                  ground_passed_);
-    if (!is_open) break;
+    if (catcher) test_ground_layer(*catcher, view, depth, opacity, d_min);
+    const bool is_last = !is_open || layer + 1 == most_layers;
+    if (++kept == most || is_last) {
+      for (std::size_t k = 0; k < kept; ++k) opacity_[k].bind(binding::input + int(kept + k));
+      test_points(cloud, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept), d_min);
+      kept = 0;
+    }
+    if (is_last) break;
   }
 }
 
-void ShadowMaps::accumulate(GpuCloud& cloud, const Camera& light_camera, float d_min, float share,
-                            gl::Timers& timers, const Catcher* catcher) {
-  const dvec3 origin = cloud.prepared().cloud.origin;
-  const View view(light_camera, origin);
+void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, bool with_ground, gl::Texture& map,
+                          gl::Timers& timers) {
   const CasterRange solid{solid_opacity};
   {
     auto timing = timers.scope("light map");
     to_pixels_.draw_depth(cloud, view, {SizeMode::pixels, 1}, bits_, nullptr, 0, cloud.has_casters() ? &solid : nullptr);
   }
-  {
-    auto timing = timers.scope("light map fill");
-    gl::ensure(map_, "light map", GL_R32F, view.width(), view.height());
-    gl::ensure(closed_, "closed light map", GL_R32F, view.width(), view.height());
-    const gl::Texture* last = &bits_;
-    auto fill = [&](FillKind kind) {
-      fill_.run(kind, d_min, *last, closed_);
-      std::swap(map_, closed_);
-      last = &map_;
-    };
-    // The ground shows empty texels inside a shadow; points never look into one.
-    if (catcher) fill(FillKind::background);
-    for (int i = 0; i < fills_; ++i) fill(FillKind::occluded);
-    if (last == &bits_) {
-      if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
-      decode_.run({&bits_}, {&map_});
-    }
+  auto timing = timers.scope("light map fill");
+  for (gl::Texture* t : {&map, &closed_}) gl::ensure(*t, "light map", GL_R32F, view.width(), view.height());
+  const gl::Texture* last = &bits_;
+  auto fill = [&](FillKind kind) {
+    fill_.run(kind, d_min, *last, closed_);
+    std::swap(map, closed_);
+    last = &map;
+  };
+  // The ground shows empty texels inside a shadow; points never look into one.
+  if (with_ground) fill(FillKind::background);
+  for (int i = 0; i < fills_; ++i) fill(FillKind::occluded);
+  if (last == &bits_) {
+    if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
+    decode_.run({&bits_}, {&map});
   }
-  auto timing = timers.scope("lit test");
-  const bool has_passed = cloud.see_through_spacing() > 0;
-  gl::Defines defines;
-  if (has_passed) defines.push_back("PASSED");
-  gl::Program& lit_test = lit_test_[has_passed];
-  if (!lit_test) lit_test = gl::Program::compute("passes/lit_test.comp", defines);
-  lit_test.set("share", share);
-  map_.bind(binding::input);
-  test_points(cloud, lit_test, view, d_min);
-  if (!catcher) return;
-  ScreenPass& ground_pass = ground_pass_[has_passed];
-  if (!ground_pass) ground_pass = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, defines);
-  ground_pass.set("share", share);
-  if (has_passed) ground_passed_.bind(binding::input + 2);
-  test_ground(*catcher, ground_pass, view, light_camera, origin, d_min, {&map_, &catcher->factor}, catcher->factor);
 }
 
-void ShadowMaps::test_points(GpuCloud& cloud, gl::Program& program, const View& light_view, float d_min) {
-  program.set("d_min", d_min).set("has_normals", cloud.has_normals());
-  light_view.bind();
+void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
+                             std::span<const gl::Texture> maps, float d_min, float share) {
+  const bool parallel = views.front().camera().orthographic();
+  gl::Program& program = lit_tests_[{kind, parallel, maps.size()}];
+  if (!program) {
+    gl::Defines defines{"MAPS " + std::to_string(maps.size())};
+    if (parallel) defines.push_back("ORTHOGRAPHIC");
+    if (kind == LitTest::see_through) defines.push_back("LAYER");
+    if (kind == LitTest::behind_see_through) defines.push_back("PASSED");
+    program = gl::Program::compute("passes/lit_test.comp", defines);
+  }
+  for (std::size_t k = 0; k < maps.size(); ++k) maps[k].bind(binding::input + int(k));
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const std::string name = "views[" + std::to_string(k) + "].";
+    const Intrinsics lens = views[k].camera().intrinsics();
+    program.set(name + "eye_from_cloud", mat4(views[k].eye_from_cloud()))
+        .set(name + "intrinsics", vec4(lens.fx, lens.fy, lens.cx, lens.cy))
+        .set(name + "near_plane", float(views[k].camera().near_plane));
+  }
+  program.set("d_min", d_min).set("share", share).set("has_normals", cloud.has_normals());
   for (std::size_t c = 0; c < cloud.chunks().size(); ++c) {
     GpuCloud::Chunk& chunk = cloud.chunks()[c];
     cloud.bind_geometry(chunk);
     cloud.bind_normals(chunk);
     glBindImageTexture(0, chunk.shadow.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    if (c < passed_.size()) glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    const unsigned groups = (chunk.count + 127) / 128;
-    program.set("point_count", chunk.count).dispatch(std::min(groups, 32768u), (groups + 32767) / 32768);
+    if (kind != LitTest::solid) glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+    // Rows of one length: llvmpipe computes an empty work group as well.
+    const unsigned groups = (chunk.count + 127) / 128, rows = (groups + 32767) / 32768;
+    program.set("point_count", chunk.count).dispatch((groups + rows - 1) / rows, rows);
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
-void ShadowMaps::test_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view,
-                             const Camera& light_camera, const dvec3& origin, float d_min,
-                             std::initializer_list<const gl::Texture*> inputs, gl::Texture& target) {
+void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
+                             float d_min, float share) {
+  ScreenPass& pass = ground_pass_[has_passed];
+  if (!pass) {
+    gl::Defines defines;
+    if (has_passed) defines.push_back("PASSED");
+    pass = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, defines);
+  }
+  pass.set("share", share);
+  if (has_passed) ground_passed_.bind(binding::input + 2);
+  run_ground(catcher, pass, light_view, d_min, {&map, &catcher.factor}, catcher.factor);
+}
+
+void ShadowMaps::test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
+                                   const gl::Texture& opacity, float d_min) {
+  if (!ground_layer_) ground_layer_ = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, {"LAYER"});
+  run_ground(catcher, ground_layer_, light_view, d_min, {&depth, &opacity, &ground_passed_}, ground_passed_);
+}
+
+void ShadowMaps::run_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view, float d_min,
+                            std::initializer_list<const gl::Texture*> inputs, gl::Texture& target) {
   const dmat4 eye_from_cloud = catcher.view.eye_from_cloud();
-  const dvec3 point(eye_from_cloud * glm::dvec4(catcher.ground.point - origin, 1));
+  const dvec3 point(eye_from_cloud * glm::dvec4(catcher.ground.point - catcher.cloud_origin, 1));
   const dvec3 normal(eye_from_cloud * glm::dvec4(catcher.ground.normal, 0));
-  const Intrinsics k = light_camera.intrinsics();
+  const Intrinsics k = light_view.camera().intrinsics();
   pass.set("plane_eye", vec4(vec3(normal), float(-glm::dot(normal, point))))
       .set("light_from_eye", mat4(light_view.eye_from_cloud() * glm::inverse(eye_from_cloud)))
       .set("light_intrinsics", vec4(k.fx, k.fy, k.cx, k.cy))
-      .set("light_orthographic", light_camera.orthographic())
+      .set("light_orthographic", light_view.camera().orthographic())
       .set("d_min", d_min);
   gl::Texture next("ground shadow", GL_R32F, catcher.view.width(), catcher.view.height());
   catcher.view.bind();

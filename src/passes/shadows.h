@@ -4,7 +4,10 @@
 // layers in front of the light, as the camera peels them.
 #pragma once
 
+#include <map>
+#include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/camera.h"
@@ -44,29 +47,42 @@ class ShadowMaps {
   static constexpr float solid_opacity = 0.999f, least_opacity = 0.001f;
   /// Layers of see-through casters that count, seen from the light.
   static constexpr int most_layers = 16;
+  /// Light maps that one visit of the points tests, and the bytes that they may take. A single map may take more.
+  static constexpr std::size_t most_maps = 5, most_layers_a_visit = 4, most_map_bytes = std::size_t(192) << 20;
 
  private:
   struct Catcher {  ///< the ground that a view sees
     const View& view;
     Ground ground;
+    dvec3 cloud_origin;
     gl::Texture& factor;
   };
+  enum class LitTest { solid, see_through, behind_see_through };
+  /// What see-through casters let pass of one light sample, for every point (`passed_`) and the ground.
   void peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers, const Catcher* catcher);
-  void accumulate(GpuCloud& cloud, const Camera& light_camera, float d_min, float share, gl::Timers& timers,
-                  const Catcher* catcher);
-  void test_points(GpuCloud& cloud, gl::Program& program, const View& light_view, float d_min);
-  void test_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view, const Camera& light_camera,
-                   const dvec3& origin, float d_min, std::initializer_list<const gl::Texture*> inputs,
-                   gl::Texture& target);
+  /// The closed light map of the solid points.
+  void draw_map(GpuCloud& cloud, const View& view, float d_min, bool with_ground, gl::Texture& map,
+                gl::Timers& timers);
+  /// Tests every point against all of `maps`: one view each, or layers of one view with their opacities bound behind.
+  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views, std::span<const gl::Texture> maps,
+                   float d_min, float share = 0);
+  void test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
+                   float d_min, float share);
+  void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
+                         const gl::Texture& opacity, float d_min);
+  void run_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view, float d_min,
+                  std::initializer_list<const gl::Texture*> inputs, gl::Texture& target);
   double texel_ = texel_spacings;
   int fills_ = 1;
   PointsToPixels to_pixels_;
   Fill fill_;
   ScreenPass decode_, layer_pass_, ground_pass_[2], ground_layer_;
-  gl::Program lit_test_[2], lit_layer_;
-  gl::Texture bits_, map_, closed_;
+  std::map<std::tuple<LitTest, bool, std::size_t>, gl::Program> lit_tests_;  ///< parallel light, maps at a time
+  gl::Texture bits_, closed_;
+  std::vector<gl::Texture> maps_;  ///< of the light samples that one visit tests
   PixelLayer layer_;
-  gl::Texture layer_depth_, other_depth_, other_index_, state_, other_state_, opacity_, ground_passed_;
+  std::vector<gl::Texture> layer_depth_, opacity_;  ///< of the layers that one visit tests
+  gl::Texture other_depth_, other_index_, state_, other_state_, ground_passed_;
   std::vector<gl::TextureBuffer> passed_;  ///< of each chunk: share of a light sample that reaches its points
   Flag open_;
   std::string key_;  ///< what the cloud's factors were computed for

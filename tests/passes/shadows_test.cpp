@@ -1,5 +1,7 @@
 #include "passes/shadows.h"
 
+#include <cstdio>
+
 #include "reference/gl_fixture.h"
 #include "techniques/casters.h"
 
@@ -130,6 +132,41 @@ TEST_F(ShadowTest, PenumbraIsTheVisibleShareOfTheLight) {
   }
 }
 
+// Several light maps are tested in one visit of the points, whatever the light and the casters: each of them counts
+// as it does alone.
+TEST_F(ShadowTest, SoftShadowsAreTheMeanOfTheirSamples) {
+  PointCloud cloud = sheet(120, 2, 0);
+  append(cloud, sphere_cloud(8000, 0.5f, vec3(0, 0, 1)));
+  append(cloud, sheet(60, 1, 1.8f));
+  std::vector<float> see_through(cloud.size(), 1.0f);
+  std::fill(see_through.end() - 60 * 60, see_through.end(), 0.4f);
+  const Bounds box = bounds(cloud);
+  const int count = 7;  // more than one visit tests, and no multiple of it
+  for (const char* text : {"dir:0.3,0.2,1", "1,2,6", "0.1,0.2,1.7"})  // the last one: six faces
+    for (const std::vector<float>& opacity : {std::vector<float>(), see_through}) {
+      RenderSettings settings = hard(text);
+      settings.shadows = Shadows::soft;
+      settings.light_samples = count;
+      settings.light_size.user = 0.5f;
+      const std::vector<float> soft = factors(cloud, settings, opacity);
+      std::vector<double> mean(cloud.size(), 0);
+      for (const Light& sample : ShadowMaps::light_samples(Light::parse(text), box, 0.5, count)) {
+        char one[128];
+        std::snprintf(one, sizeof one, "%s%.17g,%.17g,%.17g", text[0] == 'd' ? "dir:" : "", sample.vector.x,
+                      sample.vector.y, sample.vector.z);
+        const std::vector<float> m = factors(cloud, hard(one), opacity);
+        for (std::size_t i = 0; i < m.size(); ++i) mean[i] += m[i] / double(count);
+      }
+      std::size_t different = 0, partly = 0;
+      for (std::size_t i = 0; i < soft.size(); ++i) {
+        different += std::abs(soft[i] - mean[i]) > 1e-5;
+        partly += soft[i] > 0.01f && soft[i] < 0.99f;
+      }
+      EXPECT_LE(different, soft.size() / 1000) << text << (opacity.empty() ? "" : " see-through");
+      EXPECT_GT(partly, 300u) << text;
+    }
+}
+
 TEST_F(ShadowTest, ALightInsideTheCloudUsesSixFaces) {
   const Bounds box{{-2, -2, -2}, {2, 2, 2}};
   EXPECT_EQ(ShadowMaps::light_cameras(Light::parse("0,0,0.5"), box, 0.1).size(), 6u);
@@ -179,6 +216,7 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenByTheirOpacity) {
       {{{1, 0.2f}, {1.4f, 0.2f}}, 0.64},
       {{{1, 0.5f}, {1.4f, 0.5f}, {1.8f, 0.5f}}, 0.125},
       {{{1, 0.3f}, {1.4f, 0.6f}}, 0.7 * 0.4},
+      {{{0.6f, 0.2f}, {0.9f, 0.2f}, {1.2f, 0.2f}, {1.5f, 0.2f}, {1.8f, 0.2f}}, 0.32768},  // more than one visit tests
       {{{1, 0}}, 1},             // removed
       {{{1, 0.2f}, {1.4f, 0}}, 0.8},
       {{{1, 0.2f}, {1.4f, 1}}, 0},   // solid behind and in front
