@@ -61,12 +61,13 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
 
   const bool has_shadows = settings.shadows != Shadows::off && !s.cloud->prepared().cloud.empty();
   Light light = Light::parse(settings.light_text);
-  const Ground ground = ground_below(s.prepared.cloud);
+  Ground ground;
   if (has_shadows) {
     // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
     if (light.kind == Light::Kind::headlight) light = key_light(camera, s.prepared.cloud.up);
     technique.cast(*s.cloud, progress);
     const bool on_ground = settings.ground;
+    if (on_ground) ground = ground_below(s.prepared.cloud);
     if (on_ground) gl::ensure(s.ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
     s.shadows.update(*s.cloud, settings, light, timers, progress, on_ground ? &view : nullptr, ground,
                      on_ground ? &s.ground_factor : nullptr);
