@@ -180,7 +180,6 @@ void GpuCloud::begin_shadow() {
   for (Chunk& chunk : chunks_) {
     if (!chunk.shadow || chunk.shadow.buffer().bytes() < chunk.count * sizeof(float))
       chunk.shadow = gl::TextureBuffer("shadow factors", GL_R32F, chunk.count * sizeof(float));
-    chunk.shadow.buffer().clear(0);
   }
 }
 

@@ -81,7 +81,7 @@ class GpuCloud {
   void bind_casters(const Chunk& chunk) const;
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
-  /// Makes shadow factors of 0 that a pass adds to (image unit access to `Chunk::shadow`).
+  /// Makes room for shadow factors, which a pass then gives every point (image unit access to `Chunk::shadow`).
   void begin_shadow();
   bool has_shadow() const { return has_shadow_; }
   /// Forgets uploaded normals and radii after the prepared cloud was completed or changed.

@@ -35,6 +35,7 @@ uniform LightView views[MAPS];
 uniform uint point_count;
 uniform float d_min;   // scene units
 uniform bool has_normals;
+uniform bool is_first; // what the points were given before does not count
 
 const float c_min = 0.1;
 
@@ -47,9 +48,9 @@ void main() {
   bool has_normal = dot(normal, normal) > 0.25;
 
 #ifdef LAYER
-  float factor = imageLoad(passed, i).x;
+  float factor = is_first ? 1.0 : imageLoad(passed, i).x;
 #else
-  float factor = imageLoad(shadow_factor, i).x;
+  float factor = is_first ? 0.0 : imageLoad(shadow_factor, i).x;
 #ifdef PASSED
   float lit_share = share * imageLoad(passed, i).x;
 #else

@@ -1,7 +1,6 @@
 #include "passes/shadows.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -122,7 +121,7 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
   key += "/" + std::to_string(cloud.casters_stamp());
   // The ground depends on the camera as well, so it is always drawn anew.
   if (key == key_ && cloud.has_shadow() && !ground_view) return;
-  key_ = key;
+  key_.clear();  // who cancels leaves the factors half done
 
   cloud.begin_shadow();
   std::optional<Catcher> catcher;
@@ -138,6 +137,7 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
   const float share = 1.0f / float(samples.size());
   const LitTest kind = coarser > 0 ? LitTest::behind_see_through : LitTest::solid;
   std::vector<View> views;  // of the light maps that wait for their test
+  bool is_first = true;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     progress.update(double(i) / double(samples.size()), "shadows");
     progress.check();
@@ -157,10 +157,12 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
       if (caught) test_ground(*caught, coarser > 0, view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
       if (views.size() < most && !is_last) continue;
-      test_points(cloud, kind, views, std::span(maps_).first(views.size()), d_min, share);
+      test_points(cloud, kind, views, std::span(maps_).first(views.size()), d_min, is_first, share);
       views.clear();
+      is_first = false;
     }
   }
+  key_ = std::move(key);
 }
 
 void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers,
@@ -181,7 +183,6 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   for (std::size_t c = 0; c < passed_.size(); ++c) {
     const std::size_t bytes = cloud.chunks()[c].count * sizeof(float);
     if (!passed_[c] || passed_[c].buffer().bytes() < bytes) passed_[c] = gl::TextureBuffer("light passed", GL_R32F, bytes);
-    passed_[c].buffer().clear(std::bit_cast<std::uint32_t>(1.0f));
   }
   if (catcher) {
     gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(), catcher->view.height());
@@ -190,6 +191,7 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   if (!layer_pass_) layer_pass_ = ScreenPass("passes/light_layer.glsl", {GL_RG32F, GL_R32F});
 
   std::size_t kept = 0;
+  bool is_first = true;
   for (int layer = 0; layer < most_layers; ++layer) {
     {
       auto timing = timers.scope("light map");
@@ -224,8 +226,10 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     const bool is_last = !is_open || layer + 1 == most_layers;
     if (++kept == most || is_last) {
       for (std::size_t k = 0; k < kept; ++k) opacity_[k].bind(binding::input + int(kept + k));
-      test_points(cloud, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept), d_min);
+      test_points(cloud, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept), d_min,
+                  is_first);
       kept = 0;
+      is_first = false;
     }
     if (is_last) break;
   }
@@ -256,7 +260,7 @@ void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, bool w
 }
 
 void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
-                             std::span<const gl::Texture> maps, float d_min, float share) {
+                             std::span<const gl::Texture> maps, float d_min, bool is_first, float share) {
   const bool parallel = views.front().camera().orthographic();
   gl::Program& program = lit_tests_[{kind, parallel, maps.size()}];
   if (!program) {
@@ -274,7 +278,8 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
         .set(name + "intrinsics", vec4(lens.fx, lens.fy, lens.cx, lens.cy))
         .set(name + "near_plane", float(views[k].camera().near_plane));
   }
-  program.set("d_min", d_min).set("share", share).set("has_normals", cloud.has_normals());
+  program.set("d_min", d_min).set("share", share);
+  program.set("has_normals", cloud.has_normals()).set("is_first", is_first);
   for (std::size_t c = 0; c < cloud.chunks().size(); ++c) {
     GpuCloud::Chunk& chunk = cloud.chunks()[c];
     cloud.bind_geometry(chunk);

@@ -64,8 +64,9 @@ class ShadowMaps {
   void draw_map(GpuCloud& cloud, const View& view, float d_min, bool with_ground, gl::Texture& map,
                 gl::Timers& timers);
   /// Tests every point against all of `maps`: one view each, or layers of one view with their opacities bound behind.
+  /// `is_first`: the points know nothing yet.
   void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views, std::span<const gl::Texture> maps,
-                   float d_min, float share = 0);
+                   float d_min, bool is_first, float share = 0);
   void test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
                    float d_min, float share);
   void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
