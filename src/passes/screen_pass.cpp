@@ -35,7 +35,7 @@ std::string output_declarations(const std::vector<GLenum>& formats, bool compute
     const std::string n = std::to_string(i), type = f.integer ? "uvec4" : "vec4";
     if (compute)
       text += type + " out_" + n + " = " + type + "(0);\nlayout(" + f.glsl + ", binding = " + n + ") writeonly uniform " +
-              (f.integer ? "uimage2D" : "image2D") + " image_" + n + ";\n";
+              (f.integer ? "uimage2D" : "image2D") + " screen_image_" + n + ";\n";
     else
       text += "layout(location = " + n + ") out " + type + " out_" + n + ";\n";
   }
@@ -47,15 +47,15 @@ std::string compute_main(std::size_t outputs) {
   std::string elsewhere, otherwise, stores;
   for (std::size_t i = 0; i < outputs; ++i) {
     const std::string n = std::to_string(i);
-    elsewhere += "uniform vec4 elsewhere_" + n + ";\n";
-    otherwise += " out_" + n + " = elsewhere_" + n + ";";
-    stores += "  imageStore(image_" + n + ", pixel, out_" + n + ");\n";
+    elsewhere += "uniform vec4 screen_elsewhere_" + n + ";\n";
+    otherwise += " out_" + n + " = screen_elsewhere_" + n + ";";
+    stores += "  imageStore(screen_image_" + n + ", pixel, out_" + n + ");\n";
   }
   return "layout(binding = " + std::to_string(binding::tiles) + ") uniform sampler2D screen_tiles;\n" +
          "uniform int screen_tile_size;\nuniform ivec2 screen_tile_offset;\n" + elsewhere +
          "layout(local_size_x = 16, local_size_y = 8) in;\nvoid main() {\n"
          "  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
-         "  if (any(greaterThanEqual(pixel, imageSize(image_0)))) return;\n"
+         "  if (any(greaterThanEqual(pixel, imageSize(screen_image_0)))) return;\n"
          "  bool runs = screen_tile_size == 0;\n"
          "  if (!runs) runs = texelFetch(screen_tiles, (pixel + screen_tile_offset) / screen_tile_size, 0).x > 0.0;\n"
          "  if (!runs) {" + otherwise + " }\n  else if (!filter_pixel(pixel)) return;\n" + stores + "}\n";
@@ -105,7 +105,7 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
   if (compute_) {
     program_.set("screen_tile_offset", tiles ? tiles->offset : ivec2(0));
     for (std::size_t k = 0; k < outputs.size(); ++k)
-      program_.set("elsewhere_" + std::to_string(k), tiles ? elsewhere.begin()[k] : vec4(0));
+      program_.set("screen_elsewhere_" + std::to_string(k), tiles ? elsewhere.begin()[k] : vec4(0));
     int image = 0;
     for (const gl::Texture* output : outputs) output->bind_image(image++, GL_WRITE_ONLY);
     const gl::Texture& first = **outputs.begin();
