@@ -43,12 +43,14 @@ std::string output_declarations(const std::vector<GLenum>& formats, bool compute
 }
 
 /// `main` of the compute wrapper, and what it needs.
-std::string compute_main(std::size_t outputs) {
+std::string compute_main(const std::vector<GLenum>& formats) {
   std::string elsewhere, otherwise, stores;
-  for (std::size_t i = 0; i < outputs; ++i) {
+  for (std::size_t i = 0; i < formats.size(); ++i) {
     const std::string n = std::to_string(i);
-    elsewhere += "uniform vec4 screen_elsewhere_" + n + ";\n";
-    otherwise += " out_" + n + " = screen_elsewhere_" + n + ";";
+    if (!describe(formats[i]).integer) {  // tiles are for float formats only
+      elsewhere += "uniform vec4 screen_elsewhere_" + n + ";\n";
+      otherwise += " out_" + n + " = screen_elsewhere_" + n + ";";
+    }
     stores += "  imageStore(screen_image_" + n + ", pixel, out_" + n + ");\n";
   }
   return "layout(binding = " + std::to_string(binding::tiles) + ") uniform sampler2D screen_tiles;\n" +
@@ -78,7 +80,7 @@ ScreenPass::ScreenPass(const std::string& file, std::vector<GLenum> formats, con
   compute_ = kind == ScreenPassKind::compute;
   const std::string head = output_declarations(formats, compute_) + "bool filter_pixel(ivec2 pixel);\n";
   if (compute_) {
-    program_ = gl::Program::compute(file, defines, head + compute_main(formats.size()));
+    program_ = gl::Program::compute(file, defines, head + compute_main(formats));
   } else {
     const std::string main_text = "void main() { if (!filter_pixel(ivec2(gl_FragCoord.xy))) discard; }\n";
     program_ = gl::Program::raster("passes/screen_pass.vert", file, defines, head + main_text);

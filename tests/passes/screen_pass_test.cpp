@@ -42,6 +42,37 @@ TEST_F(Passes, FragmentAndComputeWrappersAgree) {
   EXPECT_NEAR(results[0].at(5, 7).r, 255 * srgb, 0.6);
 }
 
+// A filter that writes floats beside integers, as those of depth and index do.
+TEST_F(Passes, BothWrappersWriteFloatsAndIntegers) {
+  Image<float> depths(37, 23);
+  Image<std::uint32_t> indices(37, 23);
+  std::mt19937 random(5);
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    depths.data()[i] = random() % 4 ? 1 + float(random() % 1000) / 1000 : INFINITY;
+    indices.data()[i] = std::uint32_t(i);
+  }
+  gl::Texture depth("depth", GL_R32F, 37, 23), index("index", GL_R32UI, 37, 23);
+  depth.upload(depths);
+  index.upload(indices);
+  Image<float> filled[2];
+  Image<std::uint32_t> sources[2];
+  int k = 0;
+  for (ScreenPassKind kind : {ScreenPassKind::fragment, ScreenPassKind::compute}) {
+    gl::Texture depth_out("filled depth", GL_R32F, 37, 23), index_out("filled index", GL_R32UI, 37, 23);
+    ScreenPass pass("passes/fill.glsl", {GL_R32F, GL_R32UI}, {"EXTRAS 0", "INDEX"}, kind);
+    pass.run({&depth, &index}, {&depth_out, &index_out});
+    filled[k] = depth_out.download<float>();
+    sources[k++] = index_out.download<std::uint32_t>();
+  }
+  std::size_t taken_over = 0;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    ASSERT_EQ(filled[0].data()[i], filled[1].data()[i]);
+    ASSERT_EQ(sources[0].data()[i], sources[1].data()[i]);
+    taken_over += sources[0].data()[i] != i;
+  }
+  EXPECT_GT(taken_over, 20u);
+}
+
 // Tiles that are on get what the whole pass writes, everything else the value for elsewhere; the tiled area may reach
 // beyond the image on all sides.
 TEST_F(Passes, APassOnTilesLeavesTheRestAlone) {
