@@ -17,8 +17,9 @@ namespace {
 using Options = std::vector<std::pair<const char*, const char*>>;
 
 const Options paper{{"background_iterations", "1"}, {"occluded_iterations", "1"}, {"point_size", "0.01"}};
-const Options bare{{"background_iterations", "0"}, {"occluded_iterations", "0"}, {"smoothing_iterations", "0"},
-                   {"antialias", "false"},         {"scale_by_angle", "false"},  {"point_size", "0.01"}};
+const Options bare{{"background_iterations", "0"}, {"occluded_iterations", "0"},
+                   {"smoothing_iterations", "0"},  {"antialias", "false"},
+                   {"scale_by_angle", "false"},    {"point_size", "0.01"}};
 
 std::filesystem::path data_folder() {
   const char* folder = std::getenv("SFUMATO_TEST_DATA");
@@ -30,7 +31,8 @@ PointCloud make_cloud(const std::string& name) {
     synth::SampleOptions options;
     options.points = 437'000;
     options.normals.user = true;
-    return synth::sample(synth::make_mesh_scene(io::read_mesh(data_folder() / "dragon_vrip_res2.ply")), options);
+    return synth::sample(synth::make_mesh_scene(io::read_mesh(data_folder() / "dragon_vrip_res2.ply")),
+                         options);
   }
   return isosurfaces(data_folder() / "volumes", name);
 }
@@ -45,7 +47,8 @@ void frames(benchmark::State& state, const std::string& scene, int layers, const
   for (const auto& [name, value] : options) set(*technique, name, value);
   const bool is_tori = scene.starts_with("tori");
   const std::size_t count = is_tori ? std::size_t(std::stoul(scene.substr(4))) : 0;
-  Renderer& renderer = is_tori ? tori_renderer(count) : cloud_renderer(scene, [&] { return make_cloud(scene); });
+  Renderer& renderer =
+      is_tori ? tori_renderer(count) : cloud_renderer(scene, [&] { return make_cloud(scene); });
   const PreparedCloud& prepared = renderer.prepared();
   const Bounds box = bounds(prepared.cloud);
   RenderSettings settings;
@@ -56,11 +59,13 @@ void frames(benchmark::State& state, const std::string& scene, int layers, const
   std::map<std::string, std::vector<double>> ms;
   auto render = [&](int k) {
     if (light_samples > 0) settings.light_text = "dir:1," + std::to_string(-1 - 0.01 * k) + ",2";
-    const Camera camera = is_tori ? tori_camera(k) : sfumato::frame(box, prepared.cloud.up, 1024, 1024,
-                                                                    glm::radians(-45.0 + k), glm::radians(30.0));
+    const Camera camera = is_tori ? tori_camera(k)
+                                  : sfumato::frame(box, prepared.cloud.up, 1024, 1024,
+                                                   glm::radians(-45.0 + k), glm::radians(30.0));
     const RenderOutput out = renderer.render(*technique, camera, settings, wants);
     for (const PassTiming& pass : out.timings)
-      if (k > 0 && (pass.name.starts_with("light ") || pass.name == "lit test")) ms[pass.name].push_back(pass.ms);
+      if (k > 0 && (pass.name.starts_with("light ") || pass.name == "lit test"))
+        ms[pass.name].push_back(pass.ms);
     return out.total_ms;
   };
   render(0);

@@ -1,9 +1,11 @@
-// The eight masks of Rosenthal and Linsen 2008, Fig. 4, in one rule: a candidate is left alone when at least five
-// consecutive pixels of its ring of eight are white; any of the masks matches exactly then (all 256 rings tested).
+// The eight masks of Rosenthal and Linsen 2008, Fig. 4, in one rule: a candidate is left alone when at least
+// five consecutive pixels of its ring of eight are white; any of the masks matches exactly then (all 256
+// rings tested).
 //   background: candidate = no sample,                    white = no sample
 //   BITS:       the depths are what atomicMin left: float bits, 0xffffffff where nothing
 //   OCCLUDED:   candidate = sample at depth d,            white = deeper than d - d_min
-// The minus sign is that of Rosenthal and Linsen; the plus printed in Dobrev 2010, Sec. 3 eats whole surfaces.
+// The minus sign is that of Rosenthal and Linsen; the plus printed in Dobrev 2010, Sec. 3 eats whole
+// surfaces.
 #include "bindings.glsl"
 
 #ifdef BITS

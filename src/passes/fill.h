@@ -1,5 +1,5 @@
-// Hole filling on the screen (Rosenthal and Linsen 2008, as used by Dobrev, Rosenthal, Linsen 2010): a pixel takes
-// over its nearest neighbour unless it looks like a place beyond an outline.
+// Hole filling on the screen (Rosenthal and Linsen 2008, as used by Dobrev, Rosenthal, Linsen 2010): a pixel
+// takes over its nearest neighbour unless it looks like a place beyond an outline.
 #pragma once
 
 #include <initializer_list>
@@ -16,8 +16,9 @@ enum class FillKind {
 
 class Fill {
  public:
-  /// Reads `depth_in` (R32F, +inf where nothing, or the R32UI that PointsToPixels leaves), writes `depth_out` (R32F); `extra_in[k]` (RGBA32F) follow the same
-  /// choice into `extra_out[k]`, at most two. Outside the image counts as background.
+  /// Reads `depth_in` (R32F, +inf where nothing, or the R32UI that PointsToPixels leaves), writes `depth_out`
+  /// (R32F); `extra_in[k]` (RGBA32F) follow the same choice into `extra_out[k]`, at most two. Outside the
+  /// image counts as background.
   void run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
            std::initializer_list<const gl::Texture*> extra_in = {},
            std::initializer_list<const gl::Texture*> extra_out = {});

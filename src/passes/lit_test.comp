@@ -1,7 +1,8 @@
 // The lit test of every point (Dobrev 2010, Sec. 4): lit = depth_L < map(x,y) + d_min / max(|<v,n>|, c_min).
 // The absolute value and the bound are ours: the printed <v,n> = -n_z is negative towards the light and
 // unbounded at grazing angles.
-// One visit of the points tests MAPS light maps, so that position, normal and factor are read once for all of them.
+// One visit of the points tests MAPS light maps, so that position, normal and factor are read once for all of
+// them.
 //   ORTHOGRAPHIC the light is directional
 //   LAYER        the maps are layers of see-through casters: what they let pass is multiplied into `passed`
 //   PASSED       a lit point gets what see-through casters in front of it let pass
@@ -73,7 +74,8 @@ void main() {
     float offset = d_min / max(has_normal ? cosine : 0.5, c_min);
     // Another face of a light inside the cloud sees what is not in this map.
     ivec2 size = textureSize(light_maps[k], 0);
-    if (depth >= VIEW.near_plane && all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)))) {
+    bool is_inside = all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)));
+    if (is_inside && depth >= VIEW.near_plane) {
       bool is_lit = depth < texelFetch(light_maps[k], ivec2(pixel), 0).x + offset;
 #ifdef LAYER
       if (!is_lit) factor *= 1.0 - texelFetch(opacity_maps[k], ivec2(pixel), 0).x;

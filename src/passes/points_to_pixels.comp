@@ -1,7 +1,9 @@
-// One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit (WRITE_INDEX)
-// the lowest source index among the points of that depth. Both compute the same depth bit for bit (`precise`).
+// One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit
+// (WRITE_INDEX) the lowest source index among the points of that depth. Both compute the same depth bit for
+// bit (`precise`).
 //   CASTERS       only points that stop a share of the light within `caster_range`
-//   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked downwards
+//   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked
+//                 downwards
 #include "frame.glsl"
 #include "cloud.glsl"
 
@@ -49,8 +51,8 @@ void cover(ivec2 pixel, float depth, int i) {
   }
 #else
   if (bits >= imageLoad(depth_image, pixel + (LIST_LENGTH - 1) * next).x) return;
-  // Every entry keeps the least that it is given and hands on the rest, unless both are of one bin: whatever the
-  // order of the points, the nearest bins remain, each with its least depth.
+  // Every entry keeps the least that it is given and hands on the rest, unless both are of one bin: whatever
+  // the order of the points, the nearest bins remain, each with its least depth.
   for (int k = 0; k < LIST_LENGTH; ++k, pixel += next) {
     uint entry = imageAtomicMin(depth_image, pixel, bits);
     if (entry == 0xffffffffu || same_bin(entry, bits)) return;
@@ -86,8 +88,8 @@ void main() {
   if (size_mode == 2) diameter *= pixels_at(depth);
   if (diameter > 1.0) {
     float radius = 0.5 * min(diameter, max_footprint_px);
-    // A disc is a paraboloid as deep as its radius, so that neighbours meet halfway instead of one covering the
-    // other (Schuetz 2016, Potree): no edges inside a surface for eye-dome lighting to find.
+    // A disc is a paraboloid as deep as its radius, so that neighbours meet halfway instead of one covering
+    // the other (Schuetz 2016, Potree): no edges inside a surface for eye-dome lighting to find.
     precise float bulge = 1.0 / (radius * pixels_at(depth));
     ivec2 lo = max(ivec2(ceil(center - radius - 0.5)), ivec2(0));
     ivec2 hi = min(ivec2(floor(center + radius - 0.5)), size - 1);

@@ -6,12 +6,12 @@
 
 namespace sfumato {
 
-void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-                           gl::Texture* index, const gl::Texture* reference, float min_gap,
-                           const CasterRange* casters, bool lists) {
+void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                           gl::Texture& depth_bits, gl::Texture* index, const gl::Texture* reference,
+                           float min_gap, const CasterRange* casters, bool lists) {
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
-  gl::Program& program =
-      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0) + (casters ? 16 : 0)];
+  gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) +
+                                   (lists ? 8 : 0) + (casters ? 16 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
@@ -47,9 +47,9 @@ std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, cons
   return points;
 }
 
-std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Footprint& footprint, PixelLayer& layer,
-                                   gl::Timers& timers, const gl::Texture* reference, float min_gap,
-                                   const CasterRange* casters) {
+std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                                   PixelLayer& layer, gl::Timers& timers, const gl::Texture* reference,
+                                   float min_gap, const CasterRange* casters) {
   std::uint64_t points = 0;
   {
     auto timing = timers.scope("depth");
@@ -78,8 +78,8 @@ void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footpri
 void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,
                              bool with_normals) {
   auto timing = timers.scope("resolve");
-  ScreenPass& pass =
-      resolve_[with_normals * 1 + (with_normals && cloud.has_normals()) * 2 + (with_normals && cloud.has_shadow()) * 4];
+  ScreenPass& pass = resolve_[with_normals * 1 + (with_normals && cloud.has_normals()) * 2 +
+                              (with_normals && cloud.has_shadow()) * 4];
   if (!pass) {
     gl::Defines defines;
     std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
@@ -99,13 +99,14 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
     layer.depth.clear(vec4(INFINITY));
     if (with_normals) layer.normal.clear(vec4(0, 0, 0, 1));
   }
-  if (with_normals) for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth, &layer.normal}, true);
+  if (with_normals)
+    for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth, &layer.normal}, true);
   else for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth});
 }
 
 void PointsToPixels::resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,
-                                      const vec3& background_srgb, bool is_transparent, const gl::Texture& rgba8,
-                                      gl::Timers& timers) {
+                                      const vec3& background_srgb, bool is_transparent,
+                                      const gl::Texture& rgba8, gl::Timers& timers) {
   auto timing = timers.scope("resolve");
   ScreenPass& pass = resolve_finished_;
   if (!pass) pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA8}, {"FINISHED"});
@@ -131,8 +132,9 @@ void PointsToPixels::resolve_eye(GpuCloud& cloud, const View& view, PixelLayer& 
   for_each_chunk(cloud, view, layer, pass, {&layer.shadowed, &eye});
 }
 
-void PointsToPixels::for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,
-                                    std::initializer_list<const gl::Texture*> targets, bool with_normals) {
+void PointsToPixels::for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer,
+                                    ScreenPass& pass, std::initializer_list<const gl::Texture*> targets,
+                                    bool with_normals) {
   view.bind();
   cloud.bind_places();
   bool first = true;

@@ -1,6 +1,6 @@
-// Points to pixels in compute: one depth visit (atomicMin), one index visit, and a resolve that reads attributes
-// only for the points that survived. 4-6x faster than GL_POINTS on llvmpipe, and the only way that uses a
-// data-centre GPU. Ties go to the lowest source index: the image does not depend on the order of the points.
+// Points to pixels in compute: one depth visit (atomicMin), one index visit, and a resolve that reads
+// attributes only for the points that survived. 4-6x faster than GL_POINTS on llvmpipe, and the only way that
+// uses a data-centre GPU. Ties go to the lowest source index: the order of the points does not matter.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ enum class SizeMode { adaptive, pixels, world };
 struct Footprint {
   SizeMode mode = SizeMode::pixels;
   float size = 1;  ///< adaptive: factor on the batch's spacing; pixels: px; world: scene units
-  /// Adaptive: sparse ends of a scan are not drawn as if they were balls of this many median spacings and more.
+  /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more.
   float largest_medians = 4;
 };
 
@@ -41,31 +41,36 @@ struct PixelLayer {
 class PointsToPixels {
  public:
   /// Depth and index of the nearest point of every pixel; returns the number of points in visible batches.
-  /// With `reference` (R32F, view-sized), only points at least `min_gap` behind it count (Dobrev 2010, Sec. 3).
+  /// With `reference` (R32F, view-sized), only points at least `min_gap` behind it count
+  /// (Dobrev 2010, Sec. 3).
   std::uint64_t draw(GpuCloud& cloud, const View& view, const Footprint& footprint, PixelLayer& layer,
                      gl::Timers& timers, const gl::Texture* reference = nullptr, float min_gap = 0,
                      const CasterRange* casters = nullptr);
   /// Only the depth visit, into `layer.depth_bits`: enough for light maps and culling.
-  std::uint64_t draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-                           const gl::Texture* reference = nullptr, float min_gap = 0,
+  std::uint64_t draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                           gl::Texture& depth_bits, const gl::Texture* reference = nullptr, float min_gap = 0,
                            const CasterRange* casters = nullptr);
   /// Entries of a list below.
   static constexpr int list_length = 4;
-  /// The nearest depths in each of the `list_length` nearest bins that a pixel has points in, and the lowest source
-  /// index of each, in one visit by a cascade of minima. `bin` is a power of two, scene units. Adds to R32UI textures of the view's width and `list_length` times its height (entry k of
-  /// pixel (x, y) at (x, y + k height)), which the caller cleared to 0xffffffff.
+  /// The nearest depths in each of the `list_length` nearest bins that a pixel has points in, and the lowest
+  /// source index of each, in one visit by a cascade of minima. `bin` is a power of two, scene units. Adds to
+  /// R32UI textures of the view's width and `list_length` times its height (entry k of pixel (x, y) at
+  /// (x, y + k height)), which the caller cleared to 0xffffffff.
   void draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint, float bin,
-                  gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers, const gl::Texture* reference = nullptr);
-  /// The colours of the survivors over the background, as they are (sRGB), into `rgba8`: the finished picture of
-  /// points that nothing lights or blends.
-  void resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer, const vec3& background_srgb,
-                        bool is_transparent, const gl::Texture& rgba8, gl::Timers& timers);
+                  gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers,
+                  const gl::Texture* reference = nullptr);
+  /// The colours of the survivors over the background, as they are (sRGB), into `rgba8`: the finished picture
+  /// of points that nothing lights or blends.
+  void resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,
+                        const vec3& background_srgb, bool is_transparent, const gl::Texture& rgba8,
+                        gl::Timers& timers);
   /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
   /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
-  void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers, bool with_normals = true);
-  /// The survivors as screen operators want them: eye position and point spacing into `eye` (RGBA32F; z = -3e38,
-  /// behind everything, and spacing 0 where nothing is), the rest into `layer.shadowed`. The spacing is that of the
-  /// point's batch unless `same_spacing` > 0 holds everywhere.
+  void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,
+               bool with_normals = true);
+  /// The survivors as screen operators want them: eye position and point spacing into `eye` (RGBA32F;
+  /// z = -3e38, behind everything, and spacing 0 where nothing is), the rest into `layer.shadowed`. The
+  /// spacing is that of the point's batch unless `same_spacing` > 0 holds everywhere.
   void resolve_eye(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Texture& eye, float same_spacing,
                    gl::Timers& timers);
 

@@ -24,9 +24,10 @@ int map_side(double texels) {
   return std::clamp(int(std::ceil(texels)), 16, largest);
 }
 
-/// How many of `total` light maps one visit of the points tests: as many as may be kept, in visits of about one size.
+/// How many of `total` light maps one visit of the points tests: what may be kept, in visits of one size.
 std::size_t maps_at_a_time(std::size_t bytes_each, std::size_t total) {
-  const std::size_t most = std::clamp<std::size_t>(ShadowMaps::most_map_bytes / bytes_each, 1, ShadowMaps::most_maps);
+  const std::size_t most =
+      std::clamp<std::size_t>(ShadowMaps::most_map_bytes / bytes_each, 1, ShadowMaps::most_maps);
   const std::size_t visits = (total + most - 1) / most;
   return (total + visits - 1) / visits;
 }
@@ -80,7 +81,7 @@ std::vector<Camera> ShadowMaps::light_cameras(const Light& light, const Bounds& 
 
 std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& box, double size, int count) {
   std::vector<Light> samples{light};
-  // A directional light stands at one diagonal from the cloud: its disc turns the direction by size / diagonal.
+  // A directional light stands at one diagonal from the cloud: its disc turns it by size / diagonal.
   const dvec3 towards = light.kind == Light::Kind::directional ? light.vector
                                                                 : glm::normalize(light.vector - box.center());
   const auto [u, v] = perpendicular(towards);
@@ -89,7 +90,8 @@ std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& b
   // Stratified along the radius and turned by the golden angle: even cover of the disc for any count.
   const double turn = uniform(random) * 6.283185307179586;
   for (int i = 1; i < count; ++i) {
-    const double r = 0.5 * size * std::sqrt((i + uniform(random) - 0.5) / count), angle = turn + 2.399963229728653 * i;
+    const double r = 0.5 * size * std::sqrt((i + uniform(random) - 0.5) / count);
+    const double angle = turn + 2.399963229728653 * i;
     const dvec3 offset = u * (r * std::cos(angle)) + v * (r * std::sin(angle));
     Light sample = light;
     if (light.kind == Light::Kind::directional)
@@ -106,16 +108,17 @@ void ShadowMaps::clear(GpuCloud& cloud) {
   key_.clear();
 }
 
-void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const Light& light, gl::Timers& timers,
-                        Progress& progress, const View* ground_view, const Ground& ground,
+void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const Light& light,
+                        gl::Timers& timers, Progress& progress, const View* ground_view, const Ground& ground,
                         gl::Texture* ground_factor) {
   const Bounds box = cloud.bounds();
   const int count = settings.shadows == Shadows::soft ? settings.light_samples : 1;
   const double size = settings.light_size.is_auto() ? 0.1 * box.diagonal() : settings.light_size.value();
   const float d_min =
       settings.shadow_distance.is_auto() ? 3 * cloud.median_spacing() : settings.shadow_distance.value();
-  std::string key = std::to_string(int(light.kind)) + "/" + std::to_string(count) + "/" + std::to_string(size) + "/" +
-                    std::to_string(d_min) + "/" + std::to_string(reinterpret_cast<std::uintptr_t>(&cloud)) + "/" +
+  std::string key = std::to_string(int(light.kind)) + "/" + std::to_string(count) + "/" +
+                    std::to_string(size) + "/" + std::to_string(d_min) + "/" +
+                    std::to_string(reinterpret_cast<std::uintptr_t>(&cloud)) + "/" +
                     std::to_string(cloud.has_normals());
   for (int axis = 0; axis < 3; ++axis) key += "/" + std::to_string(light.vector[axis]);
   key += "/" + std::to_string(cloud.casters_stamp());
@@ -182,10 +185,12 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   passed_.resize(cloud.chunks().size());
   for (std::size_t c = 0; c < passed_.size(); ++c) {
     const std::size_t bytes = cloud.chunks()[c].count * sizeof(float);
-    if (!passed_[c] || passed_[c].buffer().bytes() < bytes) passed_[c] = gl::TextureBuffer("light passed", GL_R32F, bytes);
+    if (!passed_[c] || passed_[c].buffer().bytes() < bytes)
+      passed_[c] = gl::TextureBuffer("light passed", GL_R32F, bytes);
   }
   if (catcher) {
-    gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(), catcher->view.height());
+    gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(),
+               catcher->view.height());
     ground_passed_.clear(vec4(1));
   }
   if (!layer_pass_) layer_pass_ = ScreenPass("passes/light_layer.glsl", {GL_RG32F, GL_R32F});
@@ -204,7 +209,8 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     {
       auto timing = timers.scope("light map fill");
       for (gl::Texture* t : {&depth, &opacity}) gl::ensure(*t, "light layer", GL_R32F, w, h);
-      fill_.run_index(FillKind::background, d_min, layer_.depth_bits, other_depth_, layer_.index, other_index_);
+      fill_.run_index(FillKind::background, d_min, layer_.depth_bits, other_depth_, layer_.index,
+                      other_index_);
       fill_.run_index(FillKind::occluded, d_min, other_depth_, depth, other_index_, layer_.index);
       view.bind();
       cloud.bind_places();
@@ -213,7 +219,9 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
       for (GpuCloud::Chunk& chunk : cloud.chunks()) {
         cloud.bind_normals(chunk);
         cloud.bind_casters(chunk);
-        layer_pass_.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
+        layer_pass_.set("chunk_first", chunk.first)
+            .set("chunk_count", chunk.count)
+            .set("write_background", first);
         layer_pass_.set("has_normals", cloud.has_normals()).set("d_min", d_min);
         layer_pass_.run({&depth, &layer_.index, &state_}, {&other_state_, &opacity});
         first = false;
@@ -226,8 +234,8 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     const bool is_last = !is_open || layer + 1 == most_layers;
     if (++kept == most || is_last) {
       for (std::size_t k = 0; k < kept; ++k) opacity_[k].bind(binding::input + int(kept + k));
-      test_points(cloud, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept), d_min,
-                  is_first);
+      test_points(cloud, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept),
+                  d_min, is_first);
       kept = 0;
       is_first = false;
     }
@@ -240,7 +248,8 @@ void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, bool w
   const CasterRange solid{solid_opacity};
   {
     auto timing = timers.scope("light map");
-    to_pixels_.draw_depth(cloud, view, {SizeMode::pixels, 1}, bits_, nullptr, 0, cloud.has_casters() ? &solid : nullptr);
+    to_pixels_.draw_depth(cloud, view, {SizeMode::pixels, 1}, bits_, nullptr, 0,
+                          cloud.has_casters() ? &solid : nullptr);
   }
   auto timing = timers.scope("light map fill");
   for (gl::Texture* t : {&map, &closed_}) gl::ensure(*t, "light map", GL_R32F, view.width(), view.height());
@@ -285,7 +294,8 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
     cloud.bind_geometry(chunk);
     cloud.bind_normals(chunk);
     glBindImageTexture(0, chunk.shadow.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    if (kind != LitTest::solid) glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+    if (kind != LitTest::solid)
+      glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
     // Rows of one length: llvmpipe computes an empty work group as well.
     const unsigned groups = (chunk.count + 127) / 128, rows = (groups + 32767) / 32768;
     program.set("point_count", chunk.count).dispatch((groups + rows - 1) / rows, rows);
@@ -293,8 +303,8 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
-void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
-                             float d_min, float share) {
+void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, const View& light_view,
+                             const gl::Texture& map, float d_min, float share) {
   ScreenPass& pass = ground_pass_[has_passed];
   if (!pass) {
     gl::Defines defines;

@@ -1,7 +1,7 @@
-// Point cloud shadow textures (Dobrev, Rosenthal, Linsen 2010, Sec. 4): a light map of the points, closed by the
-// occluded-pixel filter, and a lit test for every point; averaged over samples of the light's disc. One value per
-// point, so that every technique darkens through the shared shading pass. Casters that let light pass are peeled into
-// layers in front of the light, as the camera peels them.
+// Point cloud shadow textures (Dobrev, Rosenthal, Linsen 2010, Sec. 4): a light map of the points, closed by
+// the occluded-pixel filter, and a lit test for every point; averaged over samples of the light's disc. One
+// value per point, so that every technique darkens through the shared shading pass. Casters that let light
+// pass are peeled into layers in front of the light, as the camera peels them.
 #pragma once
 
 #include <map>
@@ -27,8 +27,8 @@ struct Ground {
 
 class ShadowMaps {
  public:
-  /// Gives the cloud its shadow factors; keeps them while cloud, light and settings stay. With `ground`, also fills
-  /// `ground_factor` (R32F, the view's size): the shadow factor of the ground seen by each pixel.
+  /// Gives the cloud its shadow factors; keeps them while cloud, light and settings stay. With `ground`, also
+  /// fills `ground_factor` (R32F, the view's size): the shadow factor of the ground seen by each pixel.
   void update(GpuCloud& cloud, const RenderSettings& settings, const Light& light, gl::Timers& timers,
               Progress& progress, const View* ground_view = nullptr, const Ground& ground = {},
               gl::Texture* ground_factor = nullptr);
@@ -41,14 +41,16 @@ class ShadowMaps {
   /// Side of a texel of the light map: with 1.5 spacings a texel holds 2.25 points on average and is empty in
   /// exp(-2.25) = 11 % of the cases, which one pass of the filter closes.
   static constexpr double texel_spacings = 1.5;
-  /// Another resolution, to measure what it does: side of a texel in spacings, passes of the occluded-pixel filter.
+  /// Another resolution, to measure what it does: side of a texel in spacings, passes of the filter.
   void set_resolution(double texel, int fills) { texel_ = texel, fills_ = fills; }
-  /// Points that stop more than this of the light are solid, those that stop less than the other cast nothing.
+  /// Points that stop more than this of the light are solid; less than the other, and they cast nothing.
   static constexpr float solid_opacity = 0.999f, least_opacity = 0.001f;
   /// Layers of see-through casters that count, seen from the light.
   static constexpr int most_layers = 16;
-  /// Light maps that one visit of the points tests, and the bytes that they may take. A single map may take more.
-  static constexpr std::size_t most_maps = 5, most_layers_a_visit = 4, most_map_bytes = std::size_t(192) << 20;
+  /// Light maps and layers that one visit of the points tests, and the bytes that they may take; a single
+  /// map may take more.
+  static constexpr std::size_t most_maps = 5, most_layers_a_visit = 4;
+  static constexpr std::size_t most_map_bytes = std::size_t(192) << 20;
 
  private:
   struct Catcher {  ///< the ground that a view sees
@@ -59,14 +61,15 @@ class ShadowMaps {
   };
   enum class LitTest { solid, see_through, behind_see_through };
   /// What see-through casters let pass of one light sample, for every point (`passed_`) and the ground.
-  void peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers, const Catcher* catcher);
+  void peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers,
+            const Catcher* catcher);
   /// The closed light map of the solid points.
   void draw_map(GpuCloud& cloud, const View& view, float d_min, bool with_ground, gl::Texture& map,
                 gl::Timers& timers);
-  /// Tests every point against all of `maps`: one view each, or layers of one view with their opacities bound behind.
-  /// `is_first`: the points know nothing yet.
-  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views, std::span<const gl::Texture> maps,
-                   float d_min, bool is_first, float share = 0);
+  /// Tests every point against all of `maps`: one view each, or layers of one view with their opacities bound
+  /// behind. `is_first`: the points know nothing yet.
+  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
+                   std::span<const gl::Texture> maps, float d_min, bool is_first, float share = 0);
   void test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
                    float d_min, float share);
   void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
@@ -78,7 +81,8 @@ class ShadowMaps {
   PointsToPixels to_pixels_;
   Fill fill_;
   ScreenPass decode_, layer_pass_, ground_pass_[2], ground_layer_;
-  std::map<std::tuple<LitTest, bool, std::size_t>, gl::Program> lit_tests_;  ///< parallel light, maps at a time
+  /// By kind, parallel light, maps at a time.
+  std::map<std::tuple<LitTest, bool, std::size_t>, gl::Program> lit_tests_;
   gl::Texture bits_, closed_;
   std::vector<gl::Texture> maps_;  ///< of the light samples that one visit tests
   PixelLayer layer_;

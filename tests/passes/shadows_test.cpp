@@ -94,7 +94,8 @@ TEST_F(ShadowTest, ATiltedPlaneIsFullyLit) {
     const std::vector<float> m = factors(cloud, hard(text));
     EXPECT_EQ(std::count_if(m.begin(), m.end(), [](float v) { return v < 1; }), 0) << text;
   }
-  // A texel spans up to texel / tan(elevation) in depth: without the scaling, with d_min of one spacing, there is acne.
+  // A texel spans up to texel / tan(elevation) in depth: without the scaling, with d_min of one spacing,
+  // there is acne.
   RenderSettings tight = hard("dir:0.5,1,0.25");
   tight.shadow_distance.user = 0.2f * prepared_.median_spacing;
   const std::vector<float> m = factors(cloud, tight);
@@ -126,14 +127,15 @@ TEST_F(ShadowTest, PenumbraIsTheVisibleShareOfTheLight) {
     ++count[bin];
   }
   for (int bin = 0; bin < 8; ++bin) {
-    const double mean = sum[std::size_t(bin)] / count[std::size_t(bin)], p = expected[std::size_t(bin)] / count[std::size_t(bin)];
+    const double mean = sum[std::size_t(bin)] / count[std::size_t(bin)],
+                 p = expected[std::size_t(bin)] / count[std::size_t(bin)];
     // Three sigma of 64 independent samples, and the edge itself is uncertain by one texel of the map (0.05).
     EXPECT_NEAR(mean, p, 3 * std::sqrt(std::max(p * (1 - p), 0.01) / 64) + 0.05) << bin;
   }
 }
 
-// Several light maps are tested in one visit of the points, whatever the light and the casters: each of them counts
-// as it does alone.
+// Several light maps are tested in one visit of the points, whatever the light and the casters: each of them
+// counts as it does alone.
 TEST_F(ShadowTest, SoftShadowsAreTheMeanOfTheirSamples) {
   PointCloud cloud = sheet(120, 2, 0);
   append(cloud, sphere_cloud(8000, 0.5f, vec3(0, 0, 1)));
@@ -196,7 +198,8 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
   gl::Timers timers(false);
   ShadowMaps maps;
   gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{}, &factor);
+  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
+              &factor);
   const Image<float> lit = factor.download<float>();
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -216,10 +219,11 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenByTheirOpacity) {
       {{{1, 0.2f}, {1.4f, 0.2f}}, 0.64},
       {{{1, 0.5f}, {1.4f, 0.5f}, {1.8f, 0.5f}}, 0.125},
       {{{1, 0.3f}, {1.4f, 0.6f}}, 0.7 * 0.4},
-      {{{0.6f, 0.2f}, {0.9f, 0.2f}, {1.2f, 0.2f}, {1.5f, 0.2f}, {1.8f, 0.2f}}, 0.32768},  // more than one visit tests
-      {{{1, 0}}, 1},             // removed
+      {{{0.6f, 0.2f}, {0.9f, 0.2f}, {1.2f, 0.2f}, {1.5f, 0.2f}, {1.8f, 0.2f}},
+       0.32768},      // more than one visit tests
+      {{{1, 0}}, 1},  // removed
       {{{1, 0.2f}, {1.4f, 0}}, 0.8},
-      {{{1, 0.2f}, {1.4f, 1}}, 0},   // solid behind and in front
+      {{{1, 0.2f}, {1.4f, 1}}, 0},  // solid behind and in front
       {{{1, 1}, {1.4f, 0.2f}}, 0},
       {{{1, 0.2f}, {-1, 0.5f}}, 0.8},  // the last one lies behind the plane
   };
@@ -240,7 +244,8 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenByTheirOpacity) {
         right += std::abs(m[i] - expected) < 1e-5;  // some roundings of 1e-7
       }
       // Empty texels that the filters leave: below 1 % (the outline test above).
-      EXPECT_GE(right, plane * 0.99) << text << " " << expected << " got " << sum << ", casters " << casters.size();
+      EXPECT_GE(right, plane * 0.99) << text << " " << expected << " got " << sum << ", casters "
+                                     << casters.size();
       EXPECT_NEAR(sum, expected, 0.01) << text;
       // A sheet does not darken itself, nor what is in front of it.
       std::size_t own = 0, own_right = 0;
@@ -268,7 +273,8 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
   gl::Timers timers(false);
   ShadowMaps maps;
   gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{}, &factor);
+  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
+              &factor);
   const Image<float> lit = factor.download<float>();
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {

@@ -1,5 +1,5 @@
-// The end of a layer: BLEND it under the layers in front, its edges antialiased, and say from which depth on the
-// next layer may begin.
+// The end of a layer: BLEND it under the layers in front, its edges antialiased, and say from which depth on
+// the next layer may begin.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;   // filled
@@ -28,7 +28,8 @@ bool filter_pixel(ivec2 pixel) {
   gap /= max(texelFetch(cosine_image, pixel, 0).x, c_min);
 #endif
   // Never back towards the eye: filling may have taken a depth from in front of this pixel's last layer.
-  // Rounded up to a bin, so that a cascade that keeps one point of a bin finds the same layers as passes; exact.
+  // Rounded up to a bin, so that a cascade that keeps one point of a bin finds the same layers as passes;
+  // exact.
   float limit = max(texelFetch(limit_image, pixel, 0).x, ceil((depth + gap) / bin) * bin);
 #ifdef BLEND
   // C += T a c, T *= 1 - a, front to back (Dobrev 2010, Sec. 3); T is 1 - alpha of the front.

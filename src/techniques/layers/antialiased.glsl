@@ -1,11 +1,12 @@
-// The colour of a layer's pixel with its edges antialiased. Include after `depth_image`, `color_image` and `d_min`.
+// The colour of a layer's pixel with its edges antialiased. Include after `depth_image`, `color_image` and
+// `d_min`.
 #include "techniques/layers/edge.glsl"
 #include "techniques/layers/gaussian.glsl"
 
 uniform bool antialias;
 
-// A pixel on an edge is replaced by the Gaussian of its 3 x 3 pixels, background included. Premultiplied; `covered`: the
-// share of the pixel that the layer covers (COVERED).
+// A pixel on an edge is replaced by the Gaussian of its 3 x 3 pixels, background included. Premultiplied;
+// `covered`: the share of the pixel that the layer covers (COVERED).
 vec4 antialiased(ivec2 pixel, float depth, out float covered) {
   covered = 1.0;
   vec4 sum = vec4(0.0);

@@ -1,5 +1,6 @@
-// Blends a layer under those in front of it, opaque where no other layer follows: there is nothing to see through to.
-// Edges within the picture go over from one to the other, and the outline of the first layer is that of the picture.
+// Blends a layer under those in front of it, opaque where no other layer follows: there is nothing to see
+// through to. Edges within the picture go over from one to the other, and the outline of the first layer is
+// that of the picture.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;  // filled

@@ -1,6 +1,7 @@
 // Which pixels of a layer lie on an edge. Include after `depth_image` and `d_min`.
 
-// Beyond the border the border goes on: it is empty, or farther out than the picture's operators look (ScreenExtent).
+// Beyond the border the border goes on: it is empty, or farther out than the picture's operators look
+// (ScreenExtent).
 ivec2 clamped(ivec2 at) { return clamp(at, ivec2(0), textureSize(depth_image, 0) - 1); }
 float depth_at(ivec2 at) { return texelFetch(depth_image, clamped(at), 0).x; }
 

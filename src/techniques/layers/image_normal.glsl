@@ -1,5 +1,5 @@
-// Normals of a layer from its depth image, for clouds without: a plane through the 5 x 5 pixels that belong to the
-// same layer, by least squares. Include after `depth_image` and `d_min`.
+// Normals of a layer from its depth image, for clouds without: a plane through the 5 x 5 pixels that belong
+// to the same layer, by least squares. Include after `depth_image` and `d_min`.
 
 // World normal towards the camera, or 0 where too few pixels belong together.
 vec3 image_normal(ivec2 pixel, float depth) {

@@ -1,13 +1,13 @@
 // See-through surfaces in the right order, from points, in image space.
 //
-// P. Dobrev, P. Rosenthal, L. Linsen 2010, "Interactive Image-space Point Cloud Rendering with Transparency and
-// Shadows", WSCG; filters of P. Rosenthal, L. Linsen 2008, "Image-space Point Cloud Rendering", CGI. Layer by layer:
-// the points nearest behind the previous layer become pixels, filters on the image make a surface of them, and the
-// surfaces are blended front to back.
+// P. Dobrev, P. Rosenthal, L. Linsen 2010, "Interactive Image-space Point Cloud Rendering with Transparency
+// and Shadows", WSCG; filters of P. Rosenthal, L. Linsen 2008, "Image-space Point Cloud Rendering", CGI.
+// Layer by layer: the points nearest behind the previous layer become pixels, filters on the image make a
+// surface of them, and the surfaces are blended front to back.
 //
 // Ours differs where pictures or numbers asked for it (docs/techniques/layers.md): a point is as large as the
-// spacing on the screen asks for; the occluded-pixel filter has its minus sign; layers that the filters pulled
-// forward do not bring back what was peeled; several layers come out of one visit of the points.
+// spacing on the screen asks for; the occluded-pixel filter has its minus sign; layers that the filters
+// pulled forward do not bring back what was peeled; several layers come out of one visit of the points.
 
 #include <algorithm>
 #include <cmath>
@@ -50,9 +50,13 @@ struct Parameters {
         .help("of a layer: one number, or a list in the order of the files or of opacity_by (auto: 0.5)")
         .paper("alpha");
     p.add("opaque_last", opaque_last)
-        .help("the last surface of a pixel is opaque, as there is nothing to see behind it (auto: unless opacity is given)");
+        .help(
+            "the last surface of a pixel is opaque, as there is nothing to see behind it (auto: unless "
+            "opacity is given)");
     p.add("opacity_by", opacity_by)
-        .help("scalar whose values, ascending, choose from a list of opacities (auto: file, layer, classification)");
+        .help(
+            "scalar whose values, ascending, choose from a list of opacities (auto: file, layer, "
+            "classification)");
     p.add("min_layer_distance", min_layer_distance)
         .at_least(0)
         .unit("scene units")
@@ -61,21 +65,32 @@ struct Parameters {
     p.add("scale_by_angle", scale_by_angle)
         .help("min_layer_distance / |n.v|: a layer seen edge-on is thicker along the view");
     p.add("peeling", peeling, {"auto", "cascade", "passes"})
-        .help("cascade: several layers out of one visit of the points; passes: one visit a layer; the same picture");
-    p.add("show_layer", show_layer).range(0, 32).help("only this layer, opaque, counted from 1 at the front; 0: all");
+        .help(
+            "cascade: several layers out of one visit of the points; passes: one visit a layer; the same "
+            "picture");
+    p.add("show_layer", show_layer)
+        .range(0, 32)
+        .help("only this layer, opaque, counted from 1 at the front; 0: all");
     p.add("point_size", point_size)
         .range(0.01, 1e6)
         .unit("point spacings")
         .help("diameter of a point, at least 1 px; 0.01 is the paper's one pixel a point");
     p.add("background_iterations", background_iterations)
         .range(0, 16)
-        .help("times that pixels without a point are filled (auto: one more than the point spacing in px, 1 to 3)")
+        .help(
+            "times that pixels without a point are filled (auto: one more than the point spacing in px, 1 to "
+            "3)")
         .paper("n_b");
     p.add("occluded_iterations", occluded_iterations)
         .range(0, 16)
-        .help("times that pixels showing something behind the layer are filled (auto: as background_iterations)")
+        .help(
+            "times that pixels showing something behind the layer are filled (auto: as "
+            "background_iterations)")
         .paper("n_o");
-    p.add("smoothing_iterations", smoothing_iterations).range(0, 16).help("times that a layer is smoothed").paper("n_s");
+    p.add("smoothing_iterations", smoothing_iterations)
+        .range(0, 16)
+        .help("times that a layer is smoothed")
+        .paper("n_s");
     p.add("antialias", antialias).help("smooth the edges of layers");
   }
 };
@@ -91,7 +106,8 @@ class Layers final : public Technique {
     std::string key = "layers/" + parameters_.opacity_by;
     for (float value : list) key += "," + std::to_string(value);
     if (cloud.casters_key() == key) return;
-    set_casters(cloud, list.size() > 1 ? opacities_of_list(cloud) : std::vector<float>(cloud.size(), list[0]), key);
+    set_casters(cloud, list.size() > 1 ? opacities_of_list(cloud) : std::vector<float>(cloud.size(), list[0]),
+                key);
   }
 
   bool render(Frame& frame) override {
@@ -138,9 +154,9 @@ class Layers final : public Technique {
   }
 
   std::vector<std::string> notes() const override {
-    return {std::to_string(peeled_) + (peeled_ == 1 ? " layer, " : " layers, ") + std::to_string(peel_.visits()) +
-            (peel_.visits() == 1 ? " visit" : " visits") + " of the points (" +
-            (cascade_ ? "cascade" : "passes") + ")"};
+    return {std::to_string(peeled_) + (peeled_ == 1 ? " layer, " : " layers, ") +
+            std::to_string(peel_.visits()) + (peel_.visits() == 1 ? " visit" : " visits") +
+            " of the points (" + (cascade_ ? "cascade" : "passes") + ")"};
   }
 
  private:
@@ -148,10 +164,13 @@ class Layers final : public Technique {
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera);
-    // A pixel and the two that filling looks at see more of a slanted surface than points of a dense cloud are apart.
-    d_min_ = parameters_.min_layer_distance.resolve(std::max(3 * frame.cloud.median_spacing(), 3 * spacing.pixel));
+    // A pixel and the two that filling looks at see more of a slanted surface than points of a dense cloud
+    // are apart.
+    d_min_ =
+        parameters_.min_layer_distance.resolve(std::max(3 * frame.cloud.median_spacing(), 3 * spacing.pixel));
     bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
-    // Points scattered at random leave gaps of about a spacing between discs of two; an iteration closes one pixel.
+    // Points scattered at random leave gaps of about a spacing between discs of two; an iteration closes one
+    // pixel.
     const int iterations = std::clamp(1 + int(std::lround(std::min(spacing.median_px, 100.0f))), 1, 3);
     n_background_ = parameters_.background_iterations.resolve(iterations);
     n_occluded_ = parameters_.occluded_iterations.resolve(n_background_);
@@ -162,7 +181,8 @@ class Layers final : public Technique {
 
     // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
     const int last = std::max(parameters_.show_layer, parameters_.layers);
-    const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3, 64);
+    const int reach =
+        std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3, 64);
     return {prepared, frame.camera, parameters_.point_size, reach};
   }
 
@@ -174,13 +194,15 @@ class Layers final : public Technique {
 
   std::vector<float> opacities_of_list(const GpuCloud& cloud) const {
     const PointCloud& points = cloud.prepared().cloud;
-    return layers::opacities(layers::opacity_scalar(points, parameters_.opacity_by), parameters_.opacity.value());
+    return layers::opacities(layers::opacity_scalar(points, parameters_.opacity_by),
+                             parameters_.opacity.value());
   }
 
   void choose_opacities(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const std::vector<float> list = opacity_list();
-    knows_last_ = parameters_.opaque_last.resolve(parameters_.opacity.is_auto()) && parameters_.show_layer == 0;
+    knows_last_ =
+        parameters_.opaque_last.resolve(parameters_.opacity.is_auto()) && parameters_.show_layer == 0;
     has_list_ = list.size() > 1 && parameters_.show_layer == 0 && !prepared.cloud.empty();
     if (!has_list_) return;
     const ScalarField& scalar = layers::opacity_scalar(prepared.cloud, parameters_.opacity_by);
@@ -191,15 +213,16 @@ class Layers final : public Technique {
 
   void make_textures(const View& view) {
     const int w = view.width(), h = view.height();
-    for (gl::Texture* t : {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &cosine_, &coverage_, &next_coverage_})
+    for (gl::Texture* t : {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &cosine_, &coverage_,
+                           &next_coverage_})
       gl::ensure(*t, "layer depth", GL_R32F, w, h);
     for (gl::Texture* t : {&index_, &other_index_}) gl::ensure(*t, "layer source index", GL_R32UI, w, h);
     for (gl::Texture* t : {&normal_, &color_, &held_color_, &front_, &other_front_, &scratch_})
       gl::ensure(*t, "layer colour", GL_RGBA32F, w, h);
   }
 
-  /// Rosenthal and Linsen 2008, Sec. 4: background first, then what shines through. Source indices follow; their
-  /// attributes are read afterwards.
+  /// Rosenthal and Linsen 2008, Sec. 4: background first, then what shines through. Source indices follow;
+  /// their attributes are read afterwards.
   void fill(Frame& frame, const gl::Texture& peeled) {
     auto timing = frame.timers.scope("fill");
     for (int i = 0; i < n_background_ + n_occluded_; ++i) {
@@ -215,8 +238,8 @@ class Layers final : public Technique {
     auto timing = frame.timers.scope("light");
     GpuCloud& cloud = frame.cloud;
     const int shading = int(frame.settings.shading);
-    ScreenPass& pass =
-        light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 + write_normals * 8 + shading * 16];
+    ScreenPass& pass = light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 +
+                              write_normals * 8 + shading * 16];
     if (!pass) {
       gl::Defines defines{"SHADING " + std::to_string(shading)};
       std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
@@ -229,7 +252,8 @@ class Layers final : public Technique {
       }
       pass = ScreenPass("techniques/layers/light.glsl", formats, defines);
     }
-    if (!has_list_) pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
+    if (!has_list_)
+      pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
     if (!cloud.has_normals()) pass.set("d_min", d_min_);
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
@@ -263,7 +287,8 @@ class Layers final : public Technique {
     }
   }
 
-  /// Blends the layer when it is shown and moves the limit behind it; false when no pixel can hold another layer.
+  /// Blends the layer when it is shown and moves the limit behind it; false when no pixel can hold another
+  /// layer.
   bool advance(Frame& frame, const View& view, bool is_shown) {
     auto timing = frame.timers.scope("blend");
     ScreenPass& pass = advance_[is_shown * 1 + parameters_.scale_by_angle * 2];

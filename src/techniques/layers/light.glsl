@@ -1,5 +1,5 @@
 // The lit surface of a layer: colour, opacity and normal of the point that each pixel took.
-//   HAS_NORMALS, HAS_SHADOW, HAS_OPACITY   what the cloud has for each point; else one value, or from the image
+//   HAS_NORMALS, HAS_SHADOW, HAS_OPACITY   what the cloud has for each point; else one value, or the image
 //   WRITE_NORMAL                           somebody reads the normals
 #include "shading.glsl"
 #include "cloud.glsl"
@@ -46,7 +46,8 @@ bool filter_pixel(ivec2 pixel) {
 #ifdef HAS_SHADOW
   shadow = point_shadow(i);
 #endif
-  out_0 = shaded_color(vec4(point_color(i) * opacity, opacity), vec2(pixel) + 0.5, depth, vec4(normal, shadow));
+  vec4 color = vec4(point_color(i) * opacity, opacity);
+  out_0 = shaded_color(color, vec2(pixel) + 0.5, depth, vec4(normal, shadow));
   out_1 = vec4(dot(normal, normal) > 0.25 ? abs(cosine) : 1.0);
 #ifdef WRITE_NORMAL
   out_2 = vec4(normal, shadow);

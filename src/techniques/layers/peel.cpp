@@ -48,7 +48,8 @@ const gl::Texture& Peel::next(GpuCloud& cloud, const View& view, const gl::Textu
   return depth;
 }
 
-void Peel::select(const View& view, const gl::Texture& limit, const gl::Texture& depth, const gl::Texture& index) {
+void Peel::select(const View& view, const gl::Texture& limit, const gl::Texture& depth,
+                  const gl::Texture& index) {
   if (!select_)
     select_ = ScreenPass("techniques/layers/select.glsl", {GL_R32F, GL_R32UI, GL_R32F},
                          {"LIST_LENGTH " + std::to_string(PointsToPixels::list_length)});

@@ -9,12 +9,14 @@ namespace sfumato::layers {
 
 class Peel {
  public:
-  /// With `cascade`, a visit keeps lists of the nearest depths, and only lists that end too early cost another one;
-  /// without, every layer is a visit. The layers are the same, bit by bit, for limits that are multiples of `bin`.
+  /// With `cascade`, a visit keeps lists of the nearest depths, and only lists that end too early cost
+  /// another one; without, every layer is a visit. The layers are the same, bit by bit, for limits that are
+  /// multiples of `bin`.
   void begin(const View& view, const Footprint& footprint, bool cascade, float bin);
-  /// Depth (R32F, +inf where nothing) and source index (R32UI) of the points at or behind `limit` (R32F, eye depth;
-  /// +inf: nothing more). Call with limits that never decrease; the first one is 0 everywhere. Returns where the depth
-  /// is: in `depth`, or, with `may_be_bits`, in an R32UI of PointsToPixels that lives until the next call.
+  /// Depth (R32F, +inf where nothing) and source index (R32UI) of the points at or behind `limit` (R32F, eye
+  /// depth; +inf: nothing more). Call with limits that never decrease; the first one is 0 everywhere. Returns
+  /// where the depth is: in `depth`, or, with `may_be_bits`, in an R32UI of PointsToPixels that lives until
+  /// the next call.
   const gl::Texture& next(GpuCloud& cloud, const View& view, const gl::Texture& limit, gl::Texture& depth,
                           gl::Texture& index, bool may_be_bits, gl::Timers& timers);
   /// Times that the depths of all points in view were computed since `begin`.

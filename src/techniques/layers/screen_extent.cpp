@@ -34,7 +34,8 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
   double lo_x = 1e9, lo_y = 1e9, hi_x = -1e9, hi_y = -1e9;
   for (const Batch& batch : prepared.batches)
     for (int corner = 0; corner < 8; ++corner) {
-      const dvec3 p(corner & 1 ? batch.box_max.x : batch.box_min.x, corner & 2 ? batch.box_max.y : batch.box_min.y,
+      const dvec3 p(corner & 1 ? batch.box_max.x : batch.box_min.x,
+                    corner & 2 ? batch.box_max.y : batch.box_min.y,
                     corner & 4 ? batch.box_max.z : batch.box_min.z);
       const dvec3 eye(eye_from_cloud * glm::dvec4(p, 1));
       if (!picture.orthographic() && -eye.z < picture.near_plane) {  // anywhere on the screen
@@ -43,7 +44,8 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
       }
       const double w = picture.orthographic() ? 1 : -eye.z;
       const double x_px = k.fx * eye.x / w + k.cx, y_px = -k.fy * eye.y / w + k.cy;
-      const double radius = std::min(0.5 * point_size * batch.spacing * picture.pixels_per_unit() / w, 32.0) + 1;
+      const double radius =
+          std::min(0.5 * point_size * batch.spacing * picture.pixels_per_unit() / w, 32.0) + 1;
       lo_x = std::min(lo_x, x_px - radius), hi_x = std::max(hi_x, x_px + radius);
       lo_y = std::min(lo_y, y_px - radius), hi_y = std::max(hi_y, y_px + radius);
     }
@@ -62,10 +64,11 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
 
 void ScreenExtent::copy(const gl::Texture& part, const gl::Texture& picture) const {
   const int x0 = std::max(x, 0), y0 = std::max(y, 0);
-  const int x1 = std::min(x + part.width(), picture.width()), y1 = std::min(y + part.height(), picture.height());
+  const int x1 = std::min(x + part.width(), picture.width()),
+            y1 = std::min(y + part.height(), picture.height());
   if (x1 <= x0 || y1 <= y0) return;
-  glCopyImageSubData(part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y, 0, picture.id(), GL_TEXTURE_2D, 0, x0, y0, 0, x1 - x0,
-                     y1 - y0, 1);
+  glCopyImageSubData(part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y, 0, picture.id(), GL_TEXTURE_2D, 0, x0, y0,
+                     0, x1 - x0, y1 - y0, 1);
 }
 
 }  // namespace sfumato::layers

@@ -1,5 +1,5 @@
-// The next layer out of the lists: the nearest entry at or behind the limit. A list that was filled to its end and
-// holds no such entry ended too early: its pixel asks for another visit of the points.
+// The next layer out of the lists: the nearest entry at or behind the limit. A list that was filled to its
+// end and holds no such entry ended too early: its pixel asks for another visit of the points.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform usampler2D depth_lists;

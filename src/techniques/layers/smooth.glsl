@@ -1,5 +1,5 @@
-// 3 x 3 Gaussian over the pixels of the same layer (Dobrev 2010, Sec. 3): neighbours without a sample or farther
-// than d_min in depth do not count.
+// 3 x 3 Gaussian over the pixels of the same layer (Dobrev 2010, Sec. 3): neighbours without a sample or
+// farther than d_min in depth do not count.
 #include "bindings.glsl"
 #include "techniques/layers/gaussian.glsl"
 
