@@ -62,8 +62,6 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
   keep_viewpoints(prepared.cloud);
-  const Attributes given = attributes_of(prepared.cloud);
-  complete_from_grids(prepared.cloud, needs, progress);
   std::vector<std::uint32_t> order = morton_order(prepared.cloud, progress);
   prepared.views = view_places(prepared.cloud, order);
   reorder(prepared.cloud, std::move(order));
@@ -72,7 +70,6 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
   complete(prepared, needs, options, &tree, progress);
-  prepared.computed = prepared.available.without(given);
   return prepared;
 }
 

@@ -1,7 +1,6 @@
 #include "analysis/range_image.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -176,24 +175,33 @@ ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>
 }
 
 void complete_from_views(PointCloud& cloud, const ViewPlaces& views, Attributes needs, Progress& progress) {
-  if (views.grids.empty() || views.grid.size() != cloud.size()) return;
-  // The views side by side again, in the order of the file where a pixel has two points.
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t i = 0; i < cloud.size(); ++i)
-    if (views.grid[i] < views.grids.size()) order.push_back(i);
+  if (views.grids.empty() || views.grid.size() != cloud.size() || cloud.source_index.size() != cloud.size()) return;
+  // The views side by side again, each in the order of the file, where a later point of a pixel replaces an earlier one.
   const std::vector<std::uint32_t>& source = cloud.source_index;
-  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (views.grid[a] != views.grid[b]) return views.grid[a] < views.grid[b];
-    return source.empty() || source[a] == source[b] ? a < b : source[a] < source[b];
-  });
+  constexpr std::uint32_t nobody = ~0u;
+  std::vector<std::uint32_t> by_source(std::size_t(*std::max_element(source.begin(), source.end())) + 1, nobody);
+  for (std::uint32_t i = 0; i < cloud.size(); ++i)
+    if (views.grid[i] < views.grids.size()) by_source[source[i]] = i;
   PointCloud organised;
   organised.origin = cloud.origin;
   organised.grids = views.grids;
-  for (std::uint32_t i : order) {
-    Grid& grid = organised.grids[views.grid[i]];
-    if (grid.count++ == 0) grid.first = organised.size();
-    organised.positions.push_back(cloud.positions[i]);
-    organised.grid_index.push_back(views.cell[i]);
+  for (std::uint32_t i : by_source)
+    if (i != nobody) ++organised.grids[views.grid[i]].count;
+  std::vector<std::size_t> next;
+  std::size_t count = 0;
+  for (Grid& grid : organised.grids) {
+    grid.first = count;
+    next.push_back(count);
+    count += grid.count;
+  }
+  organised.positions.resize(count), organised.grid_index.resize(count);
+  std::vector<std::uint32_t> order(count);
+  for (std::uint32_t i : by_source) {
+    if (i == nobody) continue;
+    const std::size_t k = next[views.grid[i]]++;
+    order[k] = i;
+    organised.positions[k] = cloud.positions[i];
+    organised.grid_index[k] = views.cell[i];
   }
   Attributes lacking;
   if (needs.has(Attribute::normal) && cloud.normals.empty()) lacking = lacking | Attribute::normal;

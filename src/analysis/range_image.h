@@ -13,13 +13,13 @@ namespace sfumato::analysis {
 /// Normals: cross products on a copy of the range image that a bilateral filter has smoothed, towards the viewpoint;
 /// positions stay raw. Radius: the pixel's side at that range times sqrt(4/pi), so that the splats of one view cover
 /// a surface four times, like those of Eq. 20 (Seemann 2018) do.
-/// To be called before the cloud is sorted: grids do not survive that.
+/// For a cloud that has its grids still, i.e. is not sorted.
 void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress = no_progress());
 
-/// The places of all points of `cloud`, which is to be sorted into `order`; empty when there are no views or the cloud
-/// has normals and radii.
+/// The places of all points of `cloud`, which is to be sorted into `order`: what sorting would lose. Empty when there are
+/// no views or the cloud has normals and radii.
 ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
-/// As `complete_from_grids`, for a sorted cloud.
+/// As `complete_from_grids`, for a sorted cloud: puts the views side by side again.
 void complete_from_views(PointCloud& cloud, const ViewPlaces& views, Attributes needs, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis
