@@ -7,18 +7,18 @@
 #endif
 #if defined(PAINT_NEAREST)
 layout(binding = UNIT_INPUT + 1) uniform usampler2D nearest;
-uvec4 nearest_fragment(ivec2 pixel) { return texelFetch(nearest, pixel, 0); }
+uvec4 nearest_fragment(ivec2 pixel) { return uvec4(0u, texelFetch(nearest, pixel, 0).xy, no_fragment); }
 #elif defined(PAINT_LISTED)
-layout(binding = UNIT_INPUT + 1) uniform usampler2D offsets;
-layout(binding = UNIT_INPUT + 2) uniform usampler2D cursors;
-layout(binding = UNIT_INPUT + 3) uniform usamplerBuffer fragments;
+layout(binding = UNIT_INPUT + 1) uniform usampler2D heads;
+layout(binding = UNIT_INPUT + 2) uniform usamplerBuffer fragments;
 uvec4 nearest_fragment(ivec2 pixel) {
-  uvec4 nearest = uvec4(0xffffffffu);
-  int first = int(texelFetch(offsets, pixel, 0).x), end = first + int(texelFetch(cursors, pixel, 0).x);
-  for (int k = first; k < end; ++k) {
-    uvec4 fragment = texelFetch(fragments, k);
-    // Positive floats sort like their bits; as opaque as the pass that draws nothing else asks for (stroke.frag).
-    if (fragment.x < nearest.x && unpackUnorm2x16(fragment.w).x >= 0.5) nearest = fragment;
+  uvec4 nearest = uvec4(no_fragment);
+  for (uint k = texelFetch(heads, pixel, 0).x; k != no_fragment;) {
+    uvec4 fragment = texelFetch(fragments, int(k));
+    k = fragment.w;
+    // As opaque as the pass that draws nothing else asks for (stroke.frag), and of equals the stroke that it draws first.
+    bool nearer = fragment.x < nearest.x || (fragment.x == nearest.x && fragment.y < nearest.y);
+    if (nearer && fragment_alpha(fragment) >= 0.5) nearest = fragment;
   }
   return nearest;
 }
@@ -33,7 +33,7 @@ bool filter_pixel(ivec2 pixel) {
   uvec4 fragment = nearest_fragment(pixel);
   vec4 color = vec4(0.0, 0.0, 0.0, 1.0), normal = vec4(0.0);
   float t = 0.0;
-  if (fragment.x != 0xffffffffu) {
+  if (fragment.y != no_fragment) {
     Paint p = paint_of(fragment, pixel);
     color = vec4(p.color, 0.0);
     normal = vec4(p.normal, p.shadow);

@@ -1,5 +1,7 @@
-// A stored fragment back to paint: colour, relief, shadow.
+// A fragment back to paint: colour, relief, shadow. In a list it is its place in the order (float bits), its stroke, its
+// paint (pack_paint of stroke.frag) and the next of the list; in a picture of the nearest only stroke and paint.
 #include "frame.glsl"
+#include "techniques/strokes/stroke_plane.glsl"
 
 layout(binding = UNIT_INPUT) uniform usamplerBuffer strokes;
 uniform float relief;
@@ -12,6 +14,18 @@ struct Paint {
   float t;
 };
 
+const uint no_fragment = 0xffffffffu;
+
+float fragment_alpha(uvec4 fragment) { return unpackUnorm2x16(fragment.z).x; }
+
+// The same whatever the order of a list and of the points: by place in the order, by place in the file (strokes of
+// coincident points), by layer.
+bool comes_before(uvec4 a, uvec4 b) {
+  if (a.x != b.x) return a.x < b.x;  // positive floats sort like their bits
+  uint sa = texelFetch(strokes, 6 * int(a.y) + 5).x, sb = texelFetch(strokes, 6 * int(b.y) + 5).x;
+  return sa != sb ? sa < sb : a.y < b.y;
+}
+
 Paint paint_of(uvec4 fragment, ivec2 pixel) {
   int at = 6 * int(fragment.y);
   vec4 normal = uintBitsToFloat(texelFetch(strokes, at + 3));
@@ -19,12 +33,12 @@ Paint paint_of(uvec4 fragment, ivec2 pixel) {
   Paint p;
   p.color = color.rgb;
   p.shadow = color.a;
-  p.alpha = unpackUnorm2x16(fragment.w).x;
-  p.t = uintBitsToFloat(fragment.z);
+  p.alpha = fragment_alpha(fragment);
+  p.t = plane_distance(vec2(pixel) + 0.5, uintBitsToFloat(texelFetch(strokes, at).xyz), normal.xyz);
   vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(vec2(pixel) + 0.5, 1.0);
   p.normal = dot(normal.xyz, slope) > 0.0 ? -normal.xyz : normal.xyz;
   if (relief > 0.0) {
-    vec2 rise = unpackSnorm4x8(fragment.w).zw * relief * 5.0;
+    vec2 rise = unpackSnorm4x8(fragment.z).zw * relief * 5.0;
     vec3 along = normalize(uintBitsToFloat(texelFetch(strokes, at + 1).xyz));
     vec3 across = normalize(uintBitsToFloat(texelFetch(strokes, at + 2).xyz));
     p.normal = normalize(p.normal - rise.x * along - rise.y * across);

@@ -2,7 +2,7 @@
 //   STROKE_OPAQUE   the nearest opaque fragment of every pixel, by the depth test
 //   STROKE_COUNT    how many fragments lie before it, by additive blending
 //   STROKE_STORE    those fragments into the lists of their pixels
-//   STROKE_NEAREST  the nearest fragment, by the depth test
+//   STROKE_NEAREST  the nearest fragment, by the depth test: stroke and paint
 //   FRAGMENT_ORDER  fragments by their own distance, not whole strokes by theirs: depths are those of fragments
 #include "frame.glsl"
 #if defined(STROKE_STORE) && !defined(FRAGMENT_ORDER)
@@ -10,25 +10,28 @@ layout(early_fragment_tests) in;  // what is hidden is not stored
 #endif
 
 flat in int stroke;
-flat in vec4 stroke_center_key;
-flat in vec4 stroke_u;
-flat in vec4 stroke_v;
-flat in vec4 stroke_normal;
+flat in vec4 stroke_look;
 flat in vec2 stroke_tile;
+in vec3 stroke_at;
 
 layout(binding = UNIT_INPUT + 1) uniform sampler2D brush;
 
-#if defined(FRAGMENT_ORDER) && (defined(STROKE_COUNT) || defined(STROKE_STORE))
+#ifdef FRAGMENT_ORDER
+#include "techniques/strokes/stroke_plane.glsl"
+flat in vec3 stroke_center;
+flat in vec4 stroke_normal;
+#if defined(STROKE_COUNT) || defined(STROKE_STORE)
 layout(binding = UNIT_INPUT + 2) uniform sampler2D opaque_depth;
 #endif
+#endif
 #ifdef STROKE_STORE
-layout(binding = UNIT_INPUT + 3) uniform usampler2D offsets;
-layout(r32ui, binding = 0) uniform uimage2D cursors;
+layout(std430, binding = 0) buffer Stored { uint stored; };
+layout(r32ui, binding = 0) uniform uimage2D heads;
 layout(rgba32ui, binding = 1) writeonly uniform uimageBuffer fragments;
 uniform ivec2 rows;  // [first, last) of this band
 uniform uint fragment_room;
 #elif defined(STROKE_NEAREST)
-layout(location = 0) out uvec4 out_fragment;
+layout(location = 0) out uvec2 out_fragment;
 #elif defined(STROKE_COUNT)
 layout(location = 0) out vec4 out_value;
 #endif
@@ -38,26 +41,13 @@ uint pack_paint(float alpha, vec2 slope) {
 }
 
 void main() {
-#ifdef STROKE_STORE
-  int row = int(gl_FragCoord.y);
-  if (row < rows.x || row >= rows.y) discard;
-#endif
   vec2 pixel = gl_FragCoord.xy;
-  vec3 center = stroke_center_key.xyz;
-  vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(pixel, 1.0);
-  vec3 sideways = vec3(eye_from_pixel(pixel, -center.z).xy - center.xy, 0.0);
-  float behind = -dot(stroke_normal.xyz, sideways) / dot(stroke_normal.xyz, slope);
-  vec3 offset = sideways + behind * slope;
-  float depth = behind - center.z;
-  vec2 uv = vec2(dot(offset, stroke_u.xyz), dot(offset, stroke_v.xyz));
-  if (!(max(abs(uv.x), abs(uv.y)) < 1.0) || depth < 1e-4 * frame.far_plane) discard;
-  float t = depth * length(slope);
-#ifdef FRAGMENT_ORDER
-  float z = max(t - stroke_normal.w, 0.0);
-#else
-  float z = stroke_center_key.w;
+#ifdef STROKE_STORE
+  if (int(pixel.y) < rows.x || int(pixel.y) >= rows.y) discard;
 #endif
+  if (stroke_at.z < 1e-4 * frame.far_plane) discard;
 #ifdef FRAGMENT_ORDER
+  float z = max(plane_distance(pixel, stroke_center, stroke_normal.xyz) - stroke_normal.w, 0.0);
 #if defined(STROKE_COUNT) || defined(STROKE_STORE)
   // As in stroke.vert, a trace nearer.
   float trace = z * (1.0 - 1e-5);
@@ -65,24 +55,28 @@ void main() {
 #else
   gl_FragDepth = z / (z + frame.far_plane);
 #endif
+#else
+  float z = stroke_look.x;
 #endif
-  // A tile's border stays half a texel of the level away from its neighbours.
-  float inset = 0.5 * exp2(ceil(stroke_u.w)) / 64.0;
-  vec2 at = (stroke_tile + clamp(0.5 + 0.5 * uv, inset, 1.0 - inset)) / 8.0;
-  vec4 paint = textureLod(brush, at, stroke_u.w);
-  float alpha = paint.x * stroke_v.w;
+  vec2 at = (stroke_tile + clamp(0.5 + 0.5 * stroke_at.xy, stroke_look.w, 1.0 - stroke_look.w)) / 8.0;
+  vec4 paint = textureLod(brush, at, stroke_look.z);
+  float alpha = paint.x * stroke_look.y;
 
 #if defined(STROKE_OPAQUE)
-  if (alpha < 0.995) discard;
+  // A trace more than ends the mixing (sort_blend.glsl), for what the quads of two programs differ by.
+  if (alpha < 0.9951) discard;
 #elif defined(STROKE_COUNT)
   if (alpha < 0.004) discard;
   out_value = vec4(1.0);
 #elif defined(STROKE_STORE)
   if (alpha < 0.004) discard;
-  uint place = texelFetch(offsets, ivec2(pixel), 0).x + imageAtomicAdd(cursors, ivec2(pixel), 1u);
-  if (place < fragment_room) imageStore(fragments, int(place), uvec4(floatBitsToUint(z), uint(stroke), floatBitsToUint(t), pack_paint(alpha, paint.zw)));
+  uint place = atomicAdd(stored, 1u);
+  if (place < fragment_room) {
+    uint next = imageAtomicExchange(heads, ivec2(pixel), place);
+    imageStore(fragments, int(place), uvec4(floatBitsToUint(z), uint(stroke), pack_paint(alpha, paint.zw), next));
+  }
 #else
   if (alpha < 0.5) discard;
-  out_fragment = uvec4(floatBitsToUint(z), uint(stroke), floatBitsToUint(t), pack_paint(alpha, paint.zw));
+  out_fragment = uvec2(stroke, pack_paint(alpha, paint.zw));
 #endif
 }

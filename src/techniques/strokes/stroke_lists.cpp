@@ -11,7 +11,9 @@ namespace sfumato::strokes {
 namespace {
 
 constexpr std::uint64_t fragment_bytes = 16;
+constexpr std::uint32_t no_fragment = 0xffffffffu;
 constexpr int all_steps = 1 << 20;
+constexpr float opaque_alpha = 0.9951f, seen_alpha = 0.004f;  // as in stroke.frag
 
 gl::Program& made(gl::Program& program, const char* pass, StrokeOrder order) {
   if (!program) {
@@ -24,39 +26,68 @@ gl::Program& made(gl::Program& program, const char* pass, StrokeOrder order) {
 
 }  // namespace
 
-void StrokeLists::count(const View& view, StrokeSet& strokes, const gl::Texture& brush, StrokeOrder order,
+void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture& brush, StrokeOrder order,
                         std::uint64_t most_bytes) {
   order_ = order;
-  const int width = view.width(), height = view.height();
-  gl::ensure(opaque_depth_, "nearest opaque stroke", GL_DEPTH_COMPONENT32F, width, height);
-  gl::ensure(counts_, "fragments of pixels", GL_R32F, width, height);
-  gl::ensure(offsets_, "places of fragments", GL_R32UI, width, height);
-  gl::ensure(cursors_, "stored fragments", GL_R32UI, width, height);
-  counts_.clear(vec4(0));
-  view.bind();
-  {
-    gl::Framebuffer framebuffer({}, &opaque_depth_);
-    framebuffer.bind();
-    gl::State{.depth = gl::State::Depth::test_and_write}.apply();
-    const float farthest = 1;
-    glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &farthest);
-    strokes.draw(made(opaque_[int(order)], "STROKE_OPAQUE", order), brush);
-  }
-  if (order == StrokeOrder::stroke) strokes.hide(view, opaque_depth_);
-  {
-    gl::Framebuffer framebuffer({&counts_}, before_opaque());
-    framebuffer.bind();
-    before_opaque_state(gl::State::Blend::add).apply();
-    opaque_depth_.bind(binding::input + 2);
-    draw(strokes, made(count_[int(order)], "STROKE_COUNT", order), brush);
-  }
-  cut_bands(width, height, most_bytes);
   current_ = steps_done_ = 0;
+  const int width = view.width(), height = view.height();
+  gl::ensure(heads_, "first fragments of pixels", GL_R32UI, width, height);
   for (Sums& sums : sums_) {
     gl::ensure(sums.color, "sum of paint", GL_RGBA32F, width, height);
     gl::ensure(sums.normal, "sum of normals", GL_RGBA32F, width, height);
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
+  find_opaque(view, strokes, brush);
+
+  const std::uint64_t largest = std::uint64_t(gl::limits().max_texture_buffer_size);
+  const std::uint64_t limit = std::clamp<std::uint64_t>(most_bytes / fragment_bytes, 1, largest);
+  if (fragment_count_ <= limit) {
+    // One pass into a buffer that is probably large enough, as the picture before had no more fragments than that.
+    if (room() > limit || room() == 0) make_room(std::min(limit, 3 * std::uint64_t(width) * std::uint64_t(height)));
+    bands_.assign(1, {0, height});
+    store(view, strokes, brush, bands_.front());
+    std::uint32_t stored = 0;
+    stored_.download(&stored, 4);
+    fragment_count_ = stored;
+    if (stored > room() && stored <= limit) {
+      make_room(std::min<std::uint64_t>(limit, std::uint64_t(stored) + stored / 3));
+      store(view, strokes, brush, bands_.front());
+    }
+    if (stored <= limit) return;
+  }
+  count(view, strokes, brush);
+  cut_bands(width, height, limit);
+  if (bands_.size() == 1) store(view, strokes, brush, bands_.front());
+}
+
+void StrokeLists::make_room(std::uint64_t fragments) {
+  fragments_ = {};  // before the new one, so that both never exist at once
+  fragments_ = gl::TextureBuffer("fragments", GL_RGBA32UI, fragments * fragment_bytes);
+}
+std::uint64_t StrokeLists::room() const { return fragments_.buffer().bytes() / fragment_bytes; }
+
+void StrokeLists::find_opaque(const View& view, StrokeSet& strokes, const BrushPicture& brush) {
+  gl::ensure(opaque_depth_, "nearest opaque stroke", GL_DEPTH_COMPONENT32F, view.width(), view.height());
+  view.bind();
+  gl::Framebuffer framebuffer({}, &opaque_depth_);
+  framebuffer.bind();
+  gl::State{.depth = gl::State::Depth::test_and_write}.apply();
+  const float farthest = 1;
+  glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &farthest);
+  strokes.draw(made(opaque_[int(order_)], "STROKE_OPAQUE", order_), brush, opaque_alpha);
+  if (order_ == StrokeOrder::stroke) strokes.hide(view, opaque_depth_);
+}
+
+/// For where one pass was too much: what the rows need, exactly.
+void StrokeLists::count(const View& view, const StrokeSet& strokes, const BrushPicture& brush) {
+  gl::ensure(counts_, "fragments of pixels", GL_R32F, view.width(), view.height());
+  counts_.clear(vec4(0));
+  view.bind();
+  gl::Framebuffer framebuffer({&counts_}, before_opaque());
+  framebuffer.bind();
+  before_opaque_state(gl::State::Blend::add).apply();
+  opaque_depth_.bind(binding::input + 2);
+  draw(strokes, made(count_[int(order_)], "STROKE_COUNT", order_), brush);
 }
 
 /// The depth test sorts out what lies behind opaque strokes; where fragments are ordered, their shader does.
@@ -64,75 +95,66 @@ const gl::Texture* StrokeLists::before_opaque() const {
   return order_ == StrokeOrder::stroke ? &opaque_depth_ : nullptr;
 }
 gl::State StrokeLists::before_opaque_state(gl::State::Blend blend) const {
-  return {.depth = before_opaque() ? gl::State::Depth::test : gl::State::Depth::off, .depth_func = GL_LEQUAL, .blend = blend};
+  return {.depth = before_opaque() ? gl::State::Depth::test : gl::State::Depth::off,
+          .depth_func = GL_LEQUAL,
+          .blend = blend};
 }
 
-void StrokeLists::draw(const StrokeSet& strokes, gl::Program& program, const gl::Texture& brush) const {
-  if (order_ == StrokeOrder::stroke) strokes.draw_visible(program, brush);
-  else strokes.draw(program, brush);
+void StrokeLists::draw(const StrokeSet& strokes, gl::Program& program, const BrushPicture& brush) const {
+  if (order_ == StrokeOrder::stroke) strokes.draw_visible(program, brush, seen_alpha);
+  else strokes.draw(program, brush, seen_alpha);
 }
 
-void StrokeLists::cut_bands(int width, int height, std::uint64_t most_bytes) {
-  if (!sum_rows_) {
-    sum_rows_ = gl::Program::compute("techniques/strokes/scan_rows.comp", {"STAGE 0"});
-    place_rows_ = gl::Program::compute("techniques/strokes/scan_rows.comp", {"STAGE 1"});
-  }
+void StrokeLists::cut_bands(int width, int height, std::uint64_t limit) {
+  if (!count_rows_) count_rows_ = gl::Program::compute("techniques/strokes/count_rows.comp");
   const std::size_t row_bytes = std::size_t(height) * 4;
-  if (row_places_.bytes() != row_bytes) row_places_ = gl::Buffer("fragments of rows", row_bytes);
+  if (row_counts_.bytes() != row_bytes) row_counts_ = gl::Buffer("fragments of rows", row_bytes);
   counts_.bind(binding::input);
-  row_places_.bind_storage(0);
-  sum_rows_.set("size", ivec2(width, height)).dispatch(unsigned(height + 15) / 16);
+  row_counts_.bind_storage(0);
+  count_rows_.set("size", ivec2(width, height)).dispatch(unsigned(height + 15) / 16);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   std::vector<std::uint32_t> rows(static_cast<std::size_t>(height));
-  row_places_.download(rows.data(), row_bytes);
+  row_counts_.download(rows.data(), row_bytes);
 
-  const std::uint64_t limit = std::min(most_bytes / fragment_bytes, std::uint64_t(gl::limits().max_texture_buffer_size));
-  bands_.clear();
+  bands_.assign(1, {0, height});
   fragment_count_ = 0;
-  Band band{0, 0, 0};
+  std::uint64_t here = 0, most = 1;
   for (int y = 0; y < height; ++y) {
-    const std::uint64_t here = rows[std::size_t(y)];
-    if (band.fragments > 0 && band.fragments + here > limit) {
-      bands_.push_back(band);
-      band = {y, y, 0};
+    const std::uint64_t row = rows[std::size_t(y)];
+    fragment_count_ += row;
+    if (here > 0 && here + row > limit) {
+      bands_.back().last_row = y;
+      bands_.push_back({y, height});
+      here = 0;
     }
-    rows[std::size_t(y)] = std::uint32_t(band.fragments);
-    band.last_row = y + 1;
-    band.fragments += here;
-    fragment_count_ += here;
+    here += row;
+    most = std::max(most, here);
   }
-  bands_.push_back(band);
-  std::uint64_t most = 1;
-  for (const Band& each : bands_) most = std::max(most, each.fragments);
   if (most > std::uint64_t(gl::limits().max_texture_buffer_size))
     throw Error(ErrorCode::out_of_memory, "strokes: one row of this picture has " + std::to_string(most) +
                                               " fragments, more than a buffer of this driver holds; lower --coverage");
-  if (fragments_.buffer().bytes() < most * fragment_bytes) {
-    fragments_ = {};  // before the new one, so that both never exist at once
-    fragments_ = gl::TextureBuffer("fragments", GL_RGBA32UI, most * fragment_bytes);
-  }
-  row_places_.upload(rows.data(), row_bytes);
-  row_places_.bind_storage(0);
-  counts_.bind(binding::input);
-  glBindImageTexture(0, offsets_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
-  place_rows_.set("size", ivec2(width, height)).dispatch(unsigned(height + 15) / 16);
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+  if (room() < most) make_room(most);
 }
 
-void StrokeLists::store(const View& view, const StrokeSet& strokes, const gl::Texture& brush, const Band& band) {
-  cursors_.clear_uint(0);
+void StrokeLists::store(const View& view, const StrokeSet& strokes, const BrushPicture& brush, const Band& band) {
+  if (!stored_) stored_ = gl::Buffer("number of fragments", 4);
+  stored_.clear(0);
+  stored_.bind_storage(0);
+  heads_.clear_uint(no_fragment);
   view.bind();
-  gl::Framebuffer framebuffer({&counts_}, before_opaque());  // no colour is written
+  // Nothing is drawn; a framebuffer needs an attachment.
+  const gl::Texture* depth = before_opaque();
+  if (!depth) gl::ensure(counts_, "fragments of pixels", GL_R32F, view.width(), view.height());
+  const gl::Framebuffer framebuffer = depth ? gl::Framebuffer({}, depth) : gl::Framebuffer({&counts_});
   framebuffer.bind();
   before_opaque_state(gl::State::Blend::off).apply();
   opaque_depth_.bind(binding::input + 2);
-  offsets_.bind(binding::input + 3);
-  glBindImageTexture(0, cursors_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  heads_.bind_image(0, GL_READ_WRITE);
   glBindImageTexture(1, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   gl::Program& program = made(store_[int(order_)], "STROKE_STORE", order_);
-  program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(band.fragments));
+  program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(room()));
   draw(strokes, program, brush);
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step,
@@ -142,14 +164,13 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   unfinished_.clear(0);
   view.bind();
   unfinished_.bind_storage(0);
-  glBindImageTexture(6, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+  heads_.bind_image(0, GL_READ_WRITE);
+  glBindImageTexture(1, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
   strokes.records().bind(binding::input);
   const Sums& before = sums_[current_];
   Sums& after = sums_[1 - current_];
-  offsets_.bind(binding::input + 1);
-  cursors_.bind(binding::input + 2);
   sort_.set("first_step", first_step).set("steps", steps).set("relief", relief);
-  sort_.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(band.fragments));
+  sort_.set("rows", ivec2(band.first_row, band.last_row));
   before.color.bind(binding::input + 3);
   before.normal.bind(binding::input + 4);
   before.rest.bind(binding::input + 5);
@@ -160,22 +181,17 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   return unfinished == 0;
 }
 
-void StrokeLists::sort_all(const View& view, const StrokeSet& strokes, const gl::Texture& brush, float relief) {
+void StrokeLists::sort_all(const View& view, const StrokeSet& strokes, const BrushPicture& brush, float relief) {
   for (const Band& band : bands_) {
-    store(view, strokes, brush, band);
+    if (bands_.size() > 1) store(view, strokes, brush, band);
     sort(view, strokes, relief, band, 0, all_steps);
   }
   current_ = 1 - current_;
 }
 
-void StrokeLists::store_only_band(const View& view, const StrokeSet& strokes, const gl::Texture& brush) {
-  store(view, strokes, brush, bands_.front());
-}
-
 void StrokeLists::bind_lists() const {
-  offsets_.bind(binding::input + 1);
-  cursors_.bind(binding::input + 2);
-  fragments_.bind(binding::input + 3);
+  heads_.bind(binding::input + 1);
+  fragments_.bind(binding::input + 2);
 }
 
 bool StrokeLists::sort_some(const View& view, const StrokeSet& strokes, float relief, int steps) {

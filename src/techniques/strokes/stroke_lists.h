@@ -17,18 +17,16 @@ class StrokeLists {
     gl::Texture color, normal, rest;
   };
 
-  /// Finds, counts and stores the fragments of `strokes`. What needs more than `most_bytes` is cut into bands of
-  /// rows, each stored by itself: none is lost.
-  void count(const View& view, StrokeSet& strokes, const gl::Texture& brush, StrokeOrder order,
+  /// Finds the fragments of `strokes` and links them into lists, in one pass if there is room. What needs more than
+  /// `most_bytes` is counted and cut into bands of rows, each stored by itself: none is lost.
+  void build(const View& view, StrokeSet& strokes, const BrushPicture& brush, StrokeOrder order,
              std::uint64_t most_bytes);
   /// All bands, completely.
-  void sort_all(const View& view, const StrokeSet& strokes, const gl::Texture& brush, float relief);
-  /// `steps` more of each pixel's fragments; only for a picture of one band, after `store_only_band`. True when
-  /// nothing is left to do.
-  void store_only_band(const View& view, const StrokeSet& strokes, const gl::Texture& brush);
+  void sort_all(const View& view, const StrokeSet& strokes, const BrushPicture& brush, float relief);
+  /// `steps` more of each pixel's fragments; only for a picture of one band. True when nothing is left to do.
   bool sort_some(const View& view, const StrokeSet& strokes, float relief, int steps);
 
-  /// The stored lists, for a screen pass: offsets, cursors and fragments at UNIT_INPUT + 1 to 3.
+  /// The lists before any sorting, for a screen pass: first fragments and fragments at UNIT_INPUT + 1 and 2.
   void bind_lists() const;
 
   std::size_t bands() const { return bands_.size(); }
@@ -38,23 +36,26 @@ class StrokeLists {
  private:
   struct Band {
     int first_row, last_row;
-    std::uint64_t fragments;
   };
+  void find_opaque(const View& view, StrokeSet& strokes, const BrushPicture& brush);
   const gl::Texture* before_opaque() const;
   gl::State before_opaque_state(gl::State::Blend blend) const;
-  void draw(const StrokeSet& strokes, gl::Program& program, const gl::Texture& brush) const;
-  void cut_bands(int width, int height, std::uint64_t most_bytes);
-  void store(const View& view, const StrokeSet& strokes, const gl::Texture& brush, const Band& band);
+  void draw(const StrokeSet& strokes, gl::Program& program, const BrushPicture& brush) const;
+  void make_room(std::uint64_t fragments);
+  std::uint64_t room() const;
+  void count(const View& view, const StrokeSet& strokes, const BrushPicture& brush);
+  void cut_bands(int width, int height, std::uint64_t limit);
+  void store(const View& view, const StrokeSet& strokes, const BrushPicture& brush, const Band& band);
   bool sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step, int steps);
 
   StrokeOrder order_ = StrokeOrder::stroke;
-  gl::Program opaque_[2], count_[2], store_[2], sum_rows_, place_rows_;
+  gl::Program opaque_[2], count_[2], store_[2], count_rows_;
   ScreenPass sort_;
-  gl::Texture opaque_depth_, counts_, offsets_, cursors_;
-  gl::Buffer row_places_, unfinished_;
+  gl::Texture opaque_depth_, counts_, heads_;
+  gl::Buffer row_counts_, stored_, unfinished_;
   gl::TextureBuffer fragments_;
   std::vector<Band> bands_;
-  std::uint64_t fragment_count_ = 0;
+  std::uint64_t fragment_count_ = 0;  ///< of the picture, also of one that needs bands
   Sums sums_[2];
   int current_ = 0, steps_done_ = 0;
 };

@@ -53,7 +53,7 @@ void BrushPicture::update(const Brush& brush) {
   constexpr int size = tiles * tile_size;
   if (!picture_) {
     plain_ = gl::Texture("plain brush", GL_RGBA32F, size, size);
-    picture_ = gl::Texture("brush", GL_RGBA32F, size, size, 4);
+    picture_ = gl::Texture("brush", GL_RGBA32F, size, size, levels);
     picture_.set_trilinear_filter();
     paint_ = ScreenPass("techniques/strokes/brush.glsl", {GL_RGBA32F}, {"STEP 0"});
     slopes_ = ScreenPass("techniques/strokes/brush.glsl", {GL_RGBA32F}, {"STEP 1"});
@@ -65,8 +65,41 @@ void BrushPicture::update(const Brush& brush) {
   paint_.run({}, {&plain_});
   slopes_.run({&plain_}, {&picture_});
   glGenerateTextureMipmap(picture_.id());
+  measure();
   share_ = covered_share(brush);
   made_ = brush;
+}
+
+void BrushPicture::measure() {
+  for (int level = 0; level < levels; ++level) {
+    const Image<vec4> image = gl::Texture::view(picture_, level).download<vec4>();
+    const int n = tile_size >> level;
+    for (auto& profile : profiles_[level]) profile.assign(std::size_t(n / 2), 0);
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x) {
+        const int at[2] = {x % n, y % n};
+        for (int axis = 0; axis < 2; ++axis) {
+          float& most = profiles_[level][axis][std::size_t(at[axis] < n / 2 ? n / 2 - 1 - at[axis] : at[axis] - n / 2)];
+          most = std::max(most, image.at(x, y).x);
+        }
+      }
+  }
+}
+
+BrushPicture::Reach BrushPicture::reach(float alpha) const {
+  Reach out;
+  for (int level = 0; level < levels; ++level)
+    for (int axis = 0; axis < 2; ++axis) {
+      const std::vector<float>& most = profiles_[level][axis];
+      std::size_t k = most.size();  // texels that reach it
+      while (k > 0 && most[k - 1] < alpha) --k;
+      float texels = float(most.size());
+      // Linear between the middles of texels; a trace more for rounding.
+      if (k == 0) texels = 0;
+      else if (k < most.size()) texels = float(k) - 0.45f + (most[k - 1] - alpha) / (most[k - 1] - most[k]);
+      (axis == 0 ? out.along : out.across)[level] = texels / float(most.size());
+    }
+  return out;
 }
 
 void StrokeSet::set_sizes(gl::Program& program) const {
@@ -184,10 +217,13 @@ void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
   glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
 }
 
-void StrokeSet::draw(gl::Program& program, const gl::Texture& brush, const gl::Buffer& elements) const {
-  if (count_ == 0) return;
+void StrokeSet::draw(gl::Program& program, const BrushPicture& brush, float least_alpha,
+                     const gl::Buffer& elements) const {
+  const BrushPicture::Reach reach = brush.reach(least_alpha / look_.opacity);
+  if (count_ == 0 || reach.along == vec4(0)) return;
   records_.bind(binding::input);
-  brush.bind(binding::input + 1);
+  brush.texture().bind(binding::input + 1);
+  program.set("reach_along", reach.along).set("reach_across", reach.across);
   program.use();
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements.id());
   glDrawElements(GL_TRIANGLES, GLsizei(6 * count_), GL_UNSIGNED_INT, nullptr);

@@ -1,6 +1,8 @@
 // The strokes of a view: chosen among the points, ready to be drawn, and the picture of their brush.
 #pragma once
 
+#include <vector>
+
 #include "gl/program.h"
 #include "gl/texture.h"
 #include "passes/depth_sort.h"
@@ -18,10 +20,19 @@ class BrushPicture {
   void update(const Brush& brush);
   const gl::Texture& texture() const { return picture_; }
   float share() const { return share_; }  ///< of the quad that is painted
+  /// Half axes, of the quad's, of the box outside of which no variant reaches `alpha`; one for each level.
+  struct Reach {
+    vec4 along, across;
+  };
+  Reach reach(float alpha) const;
 
  private:
+  static constexpr int levels = 4;
+  void measure();
   Brush made_;
   float share_ = 1;
+  /// The most alpha of any variant by the distance from the middle of the quad, in texels of the level.
+  std::vector<float> profiles_[levels][2];
   gl::Texture plain_, picture_;
   ScreenPass paint_, slopes_;
 };
@@ -34,16 +45,21 @@ class StrokeSet {
   std::uint32_t count() const { return count_; }
   const gl::TextureBuffer& records() const { return records_; }
   /// Draws every stroke's quad, near ones first; `program` is of stroke.vert.
-  void draw(gl::Program& program, const gl::Texture& brush) const { draw(program, brush, elements_); }
+  /// Parts where no brush reaches `least_alpha` may be missing.
+  void draw(gl::Program& program, const BrushPicture& brush, float least_alpha) const {
+    draw(program, brush, least_alpha, elements_);
+  }
   /// Finds the strokes that the opaque strokes hide. `opaque_depth`: window depths of whole strokes (stroke.vert).
   void hide(const View& view, const gl::Texture& opaque_depth);
   /// Draws those that `hide` left.
-  void draw_visible(gl::Program& program, const gl::Texture& brush) const { draw(program, brush, visible_elements_); }
+  void draw_visible(gl::Program& program, const BrushPicture& brush, float least_alpha) const {
+    draw(program, brush, least_alpha, visible_elements_);
+  }
 
  private:
   std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
   void set_sizes(gl::Program& program) const;
-  void draw(gl::Program& program, const gl::Texture& brush, const gl::Buffer& elements) const;
+  void draw(gl::Program& program, const BrushPicture& brush, float least_alpha, const gl::Buffer& elements) const;
   gl::Program select_, compact_[4], setup_;
   gl::TextureBuffer flags_, list_, records_;
   gl::Buffer offsets_, sums_, command_, keys_, elements_, visible_elements_;

@@ -47,18 +47,14 @@ class Strokes final : public Technique {
       draw_nearest(frame, view, parameters_.blend == BlendMode::blur);
       return true;
     }
-    count(frame, view);
+    build(frame, view);
     if (parameters_.refine == Refine::at_once || lists_.bands() > 1) {
       auto timing = frame.timers.scope("sort and mix");
-      lists_.sort_all(view, strokes_, brush_.texture(), look_.relief);
+      lists_.sort_all(view, strokes_, brush_, look_.relief);
       finish(frame, view);
       return true;
     }
     // The frame that builds the lists shows the blurred picture; sorting starts with the next.
-    {
-      auto timing = frame.timers.scope("store fragments");
-      lists_.store_only_band(view, strokes_, brush_.texture());
-    }
     remember(frame);
     show_listed(frame, view);
     return false;
@@ -67,10 +63,9 @@ class Strokes final : public Technique {
   std::vector<std::string> notes() const override { return notes_; }
 
  private:
-  void count(Frame& frame, const View& view) {
-    auto timing = frame.timers.scope("count fragments");
-    lists_.count(view, strokes_, brush_.texture(), parameters_.stroke_order,
-                 std::uint64_t(parameters_.fragment_memory) << 20);
+  void build(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("list fragments");
+    lists_.build(view, strokes_, brush_, parameters_.stroke_order, std::uint64_t(parameters_.fragment_memory) << 20);
     if (lists_.bands() > 1)
       notes_.push_back(std::to_string(lists_.fragments()) + " fragments exceed fragment_memory: sorted in " +
                        std::to_string(lists_.bands()) + " bands, none left out");
@@ -106,7 +101,7 @@ class Strokes final : public Technique {
     const int width = view.width(), height = view.height();
     {
       auto timing = frame.timers.scope("nearest strokes");
-      gl::ensure(nearest_, "nearest fragment", GL_RGBA32UI, width, height);
+      gl::ensure(nearest_, "nearest fragment", GL_RG32UI, width, height);
       gl::ensure(nearest_depth_, "nearest depth", GL_DEPTH_COMPONENT32F, width, height);
       nearest_.clear_uint(0xffffffffu);
       gl::Program& program = nearest_program_[int(parameters_.stroke_order)];
@@ -121,10 +116,11 @@ class Strokes final : public Technique {
       framebuffer.bind();
       gl::State{.depth = gl::State::Depth::test_and_write}.apply();
       glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &one);
-      strokes_.draw(program, brush_.texture());
+      strokes_.draw(program, brush_, 0.5f);
     }
     if (!finish_nearest_)
-      finish_nearest_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, {"PAINT_NEAREST"});
+      finish_nearest_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F},
+                                   {"PAINT_NEAREST"});
     nearest_.bind(binding::input + 1);
     show_nearest(frame, view, finish_nearest_, blur);
   }
@@ -132,7 +128,8 @@ class Strokes final : public Technique {
   /// The same blurred picture from the lists, which spares drawing the strokes once more.
   void show_listed(Frame& frame, const View& view) {
     if (!finish_listed_)
-      finish_listed_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, {"PAINT_LISTED"});
+      finish_listed_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F},
+                                  {"PAINT_LISTED"});
     lists_.bind_lists();
     show_nearest(frame, view, finish_listed_, true);
   }
