@@ -13,8 +13,10 @@ Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : 
   // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato. GL reads as much as it stores, so
   // less than the least size comes afterwards.
   constexpr std::size_t least = 16;
+  // On software GL the processor may fill a buffer where it lies.
+  const GLbitfield map = GL_MAP_READ_BIT | (limits().software ? GL_MAP_WRITE_BIT : 0u);
   glNamedBufferStorage(id_, GLsizeiptr(std::max(bytes, least)), bytes < least ? nullptr : data,
-                       GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT);
+                       GL_DYNAMIC_STORAGE_BIT | map);
   if (bytes < least && data) upload(data, bytes);
   check_memory(label);
   glObjectLabel(GL_BUFFER, id_, GLsizei(label.size()), label.data());

@@ -1,13 +1,12 @@
-// Strokes: frames, brushes, the sorted lists against a fold in double, and that strokes stay where they are.
-#include "techniques/strokes/stroke_lists.h"
+// Strokes: frames, brushes, the sorted strokes against a fold in double, and that strokes stay where they are.
+#include "techniques/strokes/stroke_set.h"
 
 #include <algorithm>
 #include <bit>
 #include <map>
 #include <numbers>
 
-#include "reference/gl_fixture.h"
-#include "reference/splat_oracle.h"
+#include "reference/stroke_scenes.h"
 #include "techniques/strokes/tangent.h"
 
 using namespace sfumato;
@@ -174,111 +173,6 @@ TEST_F(StrokesTest, AnAmplitudeAboveOneIsAPlateau) {
   for (int y = 0; y < tile; ++y)
     for (int x = 0; x < tile; ++x) sum += image.at(x, y).x / (tile * tile);
   EXPECT_NEAR(picture.share(), sum, 0.01);
-}
-
-/// A technique and a cloud, rendered step by step.
-struct Studio {
-  std::unique_ptr<Technique> technique = find_technique("strokes").create();
-  PreparedCloud prepared;
-  std::unique_ptr<GpuCloud> gpu;
-  RenderSettings settings;
-  Camera camera = front_camera(112, 80);
-  Target target{112, 80};
-  gl::Timers timers{false};
-
-  explicit Studio(PointCloud cloud) : prepared(analysis::prepare(std::move(cloud), technique->needs(), {})) {
-    gpu = std::make_unique<GpuCloud>(prepared, colors_of(prepared.cloud));
-    camera.fit_depth_range(gpu->bounds());
-    settings.shading = Shading::albedo;
-  }
-  void set(const std::string& name, const std::string& value) { set_parameter(*technique, name, value); }
-  bool step() {
-    Frame frame{*gpu, camera, settings, Light{}, target, true, timers, no_progress()};
-    return technique->render(frame);
-  }
-  Image<vec4> picture() const { return target.color.download<vec4>(); }
-};
-
-PointCloud two_spheres() {
-  PointCloud cloud = sphere_cloud(5000, 0.8f, vec3(-0.2f, 0, 0));
-  append(cloud, sphere_cloud(3000, 0.5f, vec3(0.5f, -0.8f, 0.2f)));
-  return cloud;
-}
-
-TEST_F(StrokesTest, RefiningStepByStepEndsInTheSameBits) {
-  for (const char* order : {"stroke", "fragment"})
-    for (auto [style, sort_steps] : {std::pair{"oil", "1"}, {"watercolor", "1"}, {"watercolor", "3"}}) {
-      Studio at_once(two_spheres()), by_step(two_spheres());
-      for (Studio* s : {&at_once, &by_step}) s->set("stroke_order", order), s->set("style", style);
-      by_step.set("refine", "per_frame");
-      by_step.set("sort_steps", sort_steps);
-      by_step.set("min_sorted", "0");
-      ASSERT_TRUE(at_once.step());
-      int frames = 1;
-      Image<vec4> before(112, 80);
-      bool done = by_step.step();
-      EXPECT_FALSE(done);  // the frame that builds the lists shows the blurred picture
-      for (; !done && frames < 200; ++frames) {
-        done = by_step.step();
-        const Image<vec4> now = by_step.picture();
-        // Transmittance falls: every step covers as much as the one before, or more.
-        for (std::size_t i = 0; frames > 1 && i < now.size(); ++i) ASSERT_GE(now.data()[i].a, before.data()[i].a - 1e-6f);
-        before = now;
-      }
-      EXPECT_GT(frames, 3);
-      const Image<vec4> a = at_once.picture(), b = by_step.picture();
-      for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << order << style << i;
-    }
-}
-
-// What stands in until fragments are sorted is taken from the lists; the moving picture from a depth buffer.
-TEST_F(StrokesTest, TheFirstFrameOfARefinementIsTheBlurredPicture) {
-  for (const char* order : {"stroke", "fragment"}) {
-    Studio moving(two_spheres()), stopped(two_spheres());
-    for (Studio* s : {&moving, &stopped}) s->set("stroke_order", order);
-    moving.set("blend", "blur");
-    stopped.set("refine", "per_frame");
-    ASSERT_TRUE(moving.step());
-    ASSERT_FALSE(stopped.step());
-    const Image<vec4> a = moving.picture(), b = stopped.picture();
-    std::size_t covered = 0, apart = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      covered += a.data()[i].a > 0.5f;
-      apart += glm::distance(a.data()[i], b.data()[i]) > 1e-5f;
-    }
-    EXPECT_GT(covered, a.size() / 10);
-    // Strokes as near as each other to the last bits of a depth buffer: their pixels, and those the blur mixes with them.
-    EXPECT_LE(apart, a.size() / 500) << order;
-  }
-}
-
-TEST_F(StrokesTest, AChangeStartsOver) {
-  Studio studio(two_spheres());
-  studio.set("refine", "per_frame");
-  studio.set("min_sorted", "0");
-  for (int k = 0; k < 3; ++k) EXPECT_FALSE(studio.step());
-  studio.camera.position.x += 0.5;
-  for (int k = 0; k < 200 && !studio.step(); ++k) {
-  }
-  const Image<vec4> moved = studio.picture();
-  Studio fresh(two_spheres());
-  fresh.camera.position.x += 0.5;
-  EXPECT_TRUE(fresh.step());
-  const Image<vec4> expected = fresh.picture();
-  for (std::size_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved.data()[i], expected.data()[i]) << i;
-}
-
-TEST_F(StrokesTest, LittleMemoryMeansBandsAndNoLoss) {
-  Studio roomy(two_spheres()), narrow(two_spheres());
-  for (Studio* s : {&roomy, &narrow}) s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12");
-  narrow.set("fragment_memory", "1");
-  ASSERT_TRUE(roomy.step());
-  ASSERT_TRUE(narrow.step());
-  const Image<vec4> a = roomy.picture(), b = narrow.picture();
-  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << i;
-  ASSERT_EQ(narrow.technique->notes().size(), 2u);
-  EXPECT_NE(narrow.technique->notes()[1].find("bands, none left out"), std::string::npos);
-  EXPECT_EQ(roomy.technique->notes().size(), 1u);
 }
 
 /// The strokes of a view as stored for drawing (stroke_record.glsl).

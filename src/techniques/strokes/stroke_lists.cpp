@@ -37,27 +37,33 @@ void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture
     gl::ensure(sums.normal, "sum of normals", GL_RGBA32F, width, height);
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
-  find_opaque(view, strokes, brush);
+  on_cpu_ = order == StrokeOrder::stroke && default_list_place() == ListPlace::cpu;
+  if (on_cpu_) cpu_.begin(view, strokes, brush);
+  else find_opaque(view, strokes, brush);
 
-  const std::uint64_t largest = std::uint64_t(gl::limits().max_texture_buffer_size);
+  const std::uint64_t largest = std::uint64_t(gl::limits().max_texture_buffer_size) - page_slack(height);
   const std::uint64_t limit = std::clamp<std::uint64_t>(most_bytes / fragment_bytes, 1, largest);
-  if (fragment_count_ <= limit) {
+  if (fragment_count_ <= limit || on_cpu_) {
     // One pass into a buffer that is probably large enough, as the picture before had no more fragments than that.
-    if (room() > limit || room() == 0) make_room(std::min(limit, 3 * std::uint64_t(width) * std::uint64_t(height)));
+    const std::uint64_t most = limit + page_slack(height);
+    if (room() > most || room() == 0)
+      make_room(std::min(most, 3 * std::uint64_t(width) * std::uint64_t(height) + page_slack(height)));
     bands_.assign(1, {0, height});
-    store(view, strokes, brush, bands_.front());
-    std::uint32_t stored = 0;
-    stored_.download(&stored, 4);
-    fragment_count_ = stored;
-    if (stored > room() && stored <= limit) {
-      make_room(std::min<std::uint64_t>(limit, std::uint64_t(stored) + stored / 3));
+    fragment_count_ = store(view, strokes, brush, bands_.front());
+    const std::uint64_t needed = fragment_count_ + page_slack(height);
+    if (fragment_count_ <= limit && needed > room()) {
+      make_room(std::min(most, needed + needed / 3));
       store(view, strokes, brush, bands_.front());
     }
-    if (stored <= limit) return;
+    if (fragment_count_ <= limit) return;
   }
-  count(view, strokes, brush);
-  cut_bands(width, height, limit);
+  cut_bands(on_cpu_ ? cpu_.row_counts() : count(view, strokes, brush), limit);
   if (bands_.size() == 1) store(view, strokes, brush, bands_.front());
+}
+
+/// What unfilled pages may take.
+std::uint64_t StrokeLists::page_slack(int height) const {
+  return on_cpu_ ? FragmentsCpu::page * std::uint64_t((height + FragmentsCpu::strip_rows - 1) / FragmentsCpu::strip_rows) : 0;
 }
 
 void StrokeLists::make_room(std::uint64_t fragments) {
@@ -79,7 +85,7 @@ void StrokeLists::find_opaque(const View& view, StrokeSet& strokes, const BrushP
 }
 
 /// For where one pass was too much: what the rows need, exactly.
-void StrokeLists::count(const View& view, const StrokeSet& strokes, const BrushPicture& brush) {
+std::vector<std::uint32_t> StrokeLists::count(const View& view, const StrokeSet& strokes, const BrushPicture& brush) {
   gl::ensure(counts_, "fragments of pixels", GL_R32F, view.width(), view.height());
   counts_.clear(vec4(0));
   view.bind();
@@ -88,6 +94,18 @@ void StrokeLists::count(const View& view, const StrokeSet& strokes, const BrushP
   before_opaque_state(gl::State::Blend::add).apply();
   opaque_depth_.bind(binding::input + 2);
   draw(strokes, made(count_[int(order_)], "STROKE_COUNT", order_), brush);
+
+  const int width = view.width(), height = view.height();
+  if (!count_rows_) count_rows_ = gl::Program::compute("techniques/strokes/count_rows.comp");
+  const std::size_t row_bytes = std::size_t(height) * 4;
+  if (row_counts_.bytes() != row_bytes) row_counts_ = gl::Buffer("fragments of rows", row_bytes);
+  counts_.bind(binding::input);
+  row_counts_.bind_storage(0);
+  count_rows_.set("size", ivec2(width, height)).dispatch(unsigned(height + 15) / 16);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::vector<std::uint32_t> rows(static_cast<std::size_t>(height));
+  row_counts_.download(rows.data(), row_bytes);
+  return rows;
 }
 
 /// The depth test sorts out what lies behind opaque strokes; where fragments are ordered, their shader does.
@@ -105,17 +123,8 @@ void StrokeLists::draw(const StrokeSet& strokes, gl::Program& program, const Bru
   else strokes.draw(program, brush, seen_alpha);
 }
 
-void StrokeLists::cut_bands(int width, int height, std::uint64_t limit) {
-  if (!count_rows_) count_rows_ = gl::Program::compute("techniques/strokes/count_rows.comp");
-  const std::size_t row_bytes = std::size_t(height) * 4;
-  if (row_counts_.bytes() != row_bytes) row_counts_ = gl::Buffer("fragments of rows", row_bytes);
-  counts_.bind(binding::input);
-  row_counts_.bind_storage(0);
-  count_rows_.set("size", ivec2(width, height)).dispatch(unsigned(height + 15) / 16);
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  std::vector<std::uint32_t> rows(static_cast<std::size_t>(height));
-  row_counts_.download(rows.data(), row_bytes);
-
+void StrokeLists::cut_bands(const std::vector<std::uint32_t>& rows, std::uint64_t limit) {
+  const int height = int(rows.size());
   bands_.assign(1, {0, height});
   fragment_count_ = 0;
   std::uint64_t here = 0, most = 1;
@@ -130,13 +139,25 @@ void StrokeLists::cut_bands(int width, int height, std::uint64_t limit) {
     here += row;
     most = std::max(most, here);
   }
+  most += page_slack(height);
   if (most > std::uint64_t(gl::limits().max_texture_buffer_size))
     throw Error(ErrorCode::out_of_memory, "strokes: one row of this picture has " + std::to_string(most) +
                                               " fragments, more than a buffer of this driver holds; lower --coverage");
   if (room() < most) make_room(most);
 }
 
-void StrokeLists::store(const View& view, const StrokeSet& strokes, const BrushPicture& brush, const Band& band) {
+std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, const BrushPicture& brush,
+                                 const Band& band) {
+  if (on_cpu_) {
+    const GLuint buffer = fragments_.buffer().id();
+    void* const fragments = glMapNamedBufferRange(buffer, 0, GLsizeiptr(fragments_.buffer().bytes()),
+                                                  GL_MAP_WRITE_BIT | GL_MAP_READ_BIT);
+    gl::require(fragments != nullptr, "strokes: listing fragments", "a buffer that can be mapped");
+    const std::uint64_t found = cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments), room());
+    glUnmapNamedBuffer(buffer);
+    heads_.upload(cpu_.heads());
+    return found;
+  }
   if (!stored_) stored_ = gl::Buffer("number of fragments", 4);
   stored_.clear(0);
   stored_.bind_storage(0);
@@ -155,6 +176,9 @@ void StrokeLists::store(const View& view, const StrokeSet& strokes, const BrushP
   program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(room()));
   draw(strokes, program, brush);
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::uint32_t stored = 0;
+  stored_.download(&stored, 4);
+  return stored;
 }
 
 bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gl/state.h"
+#include "techniques/strokes/fragments_cpu.h"
 #include "techniques/strokes/stroke_set.h"
 
 namespace sfumato::strokes {
@@ -43,9 +44,10 @@ class StrokeLists {
   void draw(const StrokeSet& strokes, gl::Program& program, const BrushPicture& brush) const;
   void make_room(std::uint64_t fragments);
   std::uint64_t room() const;
-  void count(const View& view, const StrokeSet& strokes, const BrushPicture& brush);
-  void cut_bands(int width, int height, std::uint64_t limit);
-  void store(const View& view, const StrokeSet& strokes, const BrushPicture& brush, const Band& band);
+  std::uint64_t page_slack(int height) const;
+  std::vector<std::uint32_t> count(const View& view, const StrokeSet& strokes, const BrushPicture& brush);
+  void cut_bands(const std::vector<std::uint32_t>& rows, std::uint64_t limit);
+  std::uint64_t store(const View& view, const StrokeSet& strokes, const BrushPicture& brush, const Band& band);
   bool sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step, int steps);
 
   StrokeOrder order_ = StrokeOrder::stroke;
@@ -54,6 +56,8 @@ class StrokeLists {
   gl::Texture opaque_depth_, counts_, heads_;
   gl::Buffer row_counts_, stored_, unfinished_;
   gl::TextureBuffer fragments_;
+  FragmentsCpu cpu_;
+  bool on_cpu_ = false;
   std::vector<Band> bands_;
   std::uint64_t fragment_count_ = 0;  ///< of the picture, also of one that needs bands
   Sums sums_[2];

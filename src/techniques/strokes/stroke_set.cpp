@@ -72,7 +72,8 @@ void BrushPicture::update(const Brush& brush) {
 
 void BrushPicture::measure() {
   for (int level = 0; level < levels; ++level) {
-    const Image<vec4> image = gl::Texture::view(picture_, level).download<vec4>();
+    images_[level] = gl::Texture::view(picture_, level).download<vec4>();
+    const Image<vec4>& image = images_[level];
     const int n = tile_size >> level;
     for (auto& profile : profiles_[level]) profile.assign(std::size_t(n / 2), 0);
     for (int y = 0; y < image.height(); ++y)

@@ -16,7 +16,7 @@ namespace sfumato::strokes {
 /// 8 x 8 variants of a brush, 64 px each, with levels. RGBA32F: alpha, height, slopes of the height along and across.
 class BrushPicture {
  public:
-  static constexpr int tiles = 8, tile_size = 64;
+  static constexpr int tiles = 8, tile_size = 64, levels = 4;
   void update(const Brush& brush);
   const gl::Texture& texture() const { return picture_; }
   float share() const { return share_; }  ///< of the quad that is painted
@@ -25,14 +25,16 @@ class BrushPicture {
     vec4 along, across;
   };
   Reach reach(float alpha) const;
+  /// The picture on this side.
+  const Image<vec4>& level(int n) const { return images_[n]; }
 
  private:
-  static constexpr int levels = 4;
   void measure();
   Brush made_;
   float share_ = 1;
   /// The most alpha of any variant by the distance from the middle of the quad, in texels of the level.
   std::vector<float> profiles_[levels][2];
+  Image<vec4> images_[levels];
   gl::Texture plain_, picture_;
   ScreenPass paint_, slopes_;
 };
@@ -44,6 +46,8 @@ class StrokeSet {
               float noise_deg, bool two_layers, bool lit);
   std::uint32_t count() const { return count_; }
   const gl::TextureBuffer& records() const { return records_; }
+  /// R32UI: strokes from near to far.
+  const gl::TextureBuffer& order() const { return depth_sort_.order(); }
   /// Draws every stroke's quad, near ones first; `program` is of stroke.vert.
   /// Parts where no brush reaches `least_alpha` may be missing.
   void draw(gl::Program& program, const BrushPicture& brush, float least_alpha) const {

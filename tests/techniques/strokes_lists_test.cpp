@@ -1,0 +1,154 @@
+// The A-buffer of strokes: at once and step by step, in one piece and in bands, on the processor and on the GPU.
+#include <cstdlib>
+
+#include "reference/stroke_scenes.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+/// Where fragments are listed: the processor on software GL, the GPU elsewhere.
+struct ListedOn {
+  explicit ListedOn(const char* place) { setenv("SFUMATO_STROKE_LISTS", place, 1); }
+  ~ListedOn() { unsetenv("SFUMATO_STROKE_LISTS"); }
+};
+
+using ListsTest = GlTest;
+
+class StrokeListsTest : public GlTest, public ::testing::WithParamInterface<const char*> {
+  const ListedOn listed_on_{GetParam()};
+};
+INSTANTIATE_TEST_SUITE_P(Places, StrokeListsTest, ::testing::Values("cpu", "gpu"),
+                         [](const auto& place) { return std::string(place.param); });
+
+TEST_P(StrokeListsTest, RefiningStepByStepEndsInTheSameBits) {
+  for (const char* order : {"stroke", "fragment"})
+    for (auto [style, sort_steps] : {std::pair{"oil", "1"}, {"watercolor", "1"}, {"watercolor", "3"}}) {
+      Studio at_once(two_spheres()), by_step(two_spheres());
+      for (Studio* s : {&at_once, &by_step}) s->set("stroke_order", order), s->set("style", style);
+      by_step.set("refine", "per_frame");
+      by_step.set("sort_steps", sort_steps);
+      by_step.set("min_sorted", "0");
+      ASSERT_TRUE(at_once.step());
+      int frames = 1;
+      Image<vec4> before(112, 80);
+      bool done = by_step.step();
+      EXPECT_FALSE(done);  // the frame that builds the lists shows the blurred picture
+      for (; !done && frames < 200; ++frames) {
+        done = by_step.step();
+        const Image<vec4> now = by_step.picture();
+        // Transmittance falls: every step covers as much as the one before, or more.
+        for (std::size_t i = 0; frames > 1 && i < now.size(); ++i) ASSERT_GE(now.data()[i].a, before.data()[i].a - 1e-6f);
+        before = now;
+      }
+      EXPECT_GT(frames, 3);
+      const Image<vec4> a = at_once.picture(), b = by_step.picture();
+      for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << order << style << i;
+    }
+}
+
+// What stands in until fragments are sorted is taken from the lists; the moving picture from a depth buffer.
+TEST_P(StrokeListsTest, TheFirstFrameOfARefinementIsTheBlurredPicture) {
+  for (const char* order : {"stroke", "fragment"}) {
+    Studio moving(two_spheres()), stopped(two_spheres());
+    for (Studio* s : {&moving, &stopped}) s->set("stroke_order", order);
+    moving.set("blend", "blur");
+    stopped.set("refine", "per_frame");
+    ASSERT_TRUE(moving.step());
+    ASSERT_FALSE(stopped.step());
+    const Image<vec4> a = moving.picture(), b = stopped.picture();
+    std::size_t covered = 0, apart = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      covered += a.data()[i].a > 0.5f;
+      apart += glm::distance(a.data()[i], b.data()[i]) > 1e-5f;
+    }
+    EXPECT_GT(covered, a.size() / 10);
+    // Strokes as near as each other to the last bits of a depth buffer: their pixels, and those the blur mixes with them.
+    EXPECT_LE(apart, a.size() / 500) << order;
+  }
+}
+
+TEST_F(ListsTest, AChangeStartsOver) {
+  Studio studio(two_spheres());
+  studio.set("refine", "per_frame");
+  studio.set("min_sorted", "0");
+  for (int k = 0; k < 3; ++k) EXPECT_FALSE(studio.step());
+  studio.camera.position.x += 0.5;
+  for (int k = 0; k < 200 && !studio.step(); ++k) {
+  }
+  const Image<vec4> moved = studio.picture();
+  Studio fresh(two_spheres());
+  fresh.camera.position.x += 0.5;
+  EXPECT_TRUE(fresh.step());
+  const Image<vec4> expected = fresh.picture();
+  for (std::size_t i = 0; i < moved.size(); ++i) ASSERT_EQ(moved.data()[i], expected.data()[i]) << i;
+}
+
+TEST_P(StrokeListsTest, LittleMemoryMeansBandsAndNoLoss) {
+  Studio roomy(two_spheres()), narrow(two_spheres());
+  for (Studio* s : {&roomy, &narrow}) s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12");
+  narrow.set("fragment_memory", "1");
+  ASSERT_TRUE(roomy.step());
+  ASSERT_TRUE(narrow.step());
+  const Image<vec4> a = roomy.picture(), b = narrow.picture();
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << i;
+  ASSERT_EQ(narrow.technique->notes().size(), 2u);
+  EXPECT_NE(narrow.technique->notes()[1].find("bands, none left out"), std::string::npos);
+  EXPECT_EQ(roomy.technique->notes().size(), 1u);
+}
+
+// A view needs more fragments than the one before, and the buffer grows; then fewer.
+TEST_P(StrokeListsTest, ListsGrowWithTheView) {
+  Studio used(two_spheres());
+  for (const char* coverage : {"1", "32", "2"}) {
+    Studio fresh(two_spheres());
+    for (Studio* s : {&used, &fresh}) s->set("opacity", "0.2"), s->set("coverage", coverage);
+    ASSERT_TRUE(used.step());
+    ASSERT_TRUE(fresh.step());
+    const Image<vec4> a = used.picture(), b = fresh.picture();
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << coverage << " " << i;
+  }
+}
+
+// One pass on the processor against the depth test and the lists of the GPU: coincident points of other colours, strokes
+// through the eye, both projections, paint that covers and paint that does not.
+TEST_F(ListsTest, ListsOfTheProcessorAreThoseOfTheGpu) {
+  PointCloud cloud = two_spheres();
+  for (std::size_t i = 0; i < 500; ++i) cloud.positions[i] = cloud.positions[i + 500];
+  for (const char* style : {"oil", "watercolor"})
+    for (const char* view : {"perspective", "orthographic", "inside"}) {
+      Studio cpu(cloud), gpu(cloud);
+      for (Studio* s : {&cpu, &gpu}) {
+        s->set("style", style);
+        if (view == std::string("orthographic")) {
+          s->camera.projection = Projection::orthographic;
+          s->camera.height_world = 3;
+        }
+        if (view == std::string("inside")) s->camera.position = {-0.2, -0.3, 0.1};
+        s->camera.fit_depth_range(s->gpu->bounds());
+      }
+      {
+        const ListedOn listed_on("cpu");
+        ASSERT_TRUE(cpu.step());
+      }
+      {
+        const ListedOn listed_on("gpu");
+        ASSERT_TRUE(gpu.step());
+      }
+      const Image<vec4> a = cpu.picture(), b = gpu.picture();
+      std::size_t covered = 0, apart = 0;
+      double mean = 0;
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        covered += a.data()[i].a > 0.5f;
+        apart += glm::distance(a.data()[i], b.data()[i]) > 1e-3f;
+        mean += glm::distance(a.data()[i], b.data()[i]) / double(a.size());
+      }
+      EXPECT_GT(covered, a.size() / 10);
+      // Fragments within a rounding of what is seen, of what is opaque, or of the border of a quad: a pixel in a hundred.
+      EXPECT_LE(apart, a.size() / 100) << style << " " << view;
+      EXPECT_LT(mean, 1e-4) << style << " " << view;
+    }
+}
+
+}  // namespace
