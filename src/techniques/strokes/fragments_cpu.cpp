@@ -31,7 +31,8 @@ void in_parallel(std::uint32_t count, const F& work_on) {
   work();
 }
 
-/// Bilinear in a tile of a level of the brush; `at` is 0 to 1 in the tile and stays half a texel off its border.
+/// Bilinear in a tile of a level of the brush; `at` is 0 to 1 in the tile and stays half a texel off its
+/// border.
 Four sample(const Image<vec4>& level, int tile_x, int tile_y, vec2 at) {
   const int n = level.width() / BrushPicture::tiles;
   const float x = at.x * float(n) - 0.5f, y = at.y * float(n) - 0.5f;
@@ -152,16 +153,19 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
     if (high.z < near) return;
     if (quad.too_near && !orthographic) low = dvec3(0), high = dvec3(width, height, 0);
     const glm::dvec2 size(width, height);
-    quad.x0 = int(std::clamp(std::floor(low.x), 0.0, size.x)), quad.y0 = int(std::clamp(std::floor(low.y), 0.0, size.y));
+    quad.x0 = int(std::clamp(std::floor(low.x), 0.0, size.x)),
+    quad.y0 = int(std::clamp(std::floor(low.y), 0.0, size.y));
     quad.x1 = int(std::clamp(std::ceil(high.x), 0.0, size.x)) - 1;
     quad.y1 = int(std::clamp(std::ceil(high.y), 0.0, size.y)) - 1;
     if (quad.y1 < quad.y0) quad.x1 = quad.x0 - 1;
     if (quad.x1 < quad.x0) return;
 
     // The ray of a pixel is origin + depth * slope, both linear in the pixel; it meets the plane where
-    // depth = n . (center - origin) / n . slope, at u = (origin + depth * slope - center) . along / |along|^2.
+    // depth = n . (center - origin) / n . slope, at u = (origin + depth * slope - center) . along /
+    // |along|^2.
     const dvec3 n = glm::cross(along, across);
-    const dvec3 columns[3] = {{1 / k.fx, 0, 0}, {0, -1 / k.fy, 0},
+    const dvec3 columns[3] = {{1 / k.fx, 0, 0},
+                              {0, -1 / k.fy, 0},
                               {(quad.x0 + 0.5 - k.cx) / k.fx, (k.cy - quad.y0 - 0.5) / k.fy, 0}};
     const double plane = glm::dot(n, center), sign = orthographic ? (n.z > 0 ? -1 : 1) : (plane < 0 ? -1 : 1);
     for (int c = 0; c < 3; ++c) {
@@ -170,8 +174,9 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
       const dvec3 slope = orthographic ? dvec3(0, 0, -one) : columns[c] + dvec3(0, 0, -one);
       // Times n . slope, which is a constant without perspective.
       const double w = orthographic ? -n.z * one : glm::dot(n, slope);
-      const dvec3 offset = orthographic ? -n.z * (origin - one * center) - glm::dot(n, origin - one * center) * dvec3(0, 0, -1)
-                                        : plane * slope - w * center;
+      const dvec3 offset =
+          orthographic ? -n.z * (origin - one * center) - glm::dot(n, origin - one * center) * dvec3(0, 0, -1)
+                       : plane * slope - w * center;
       quad.u[c] = float(sign * glm::dot(offset, along) / glm::dot(along, along));
       quad.v[c] = float(sign * glm::dot(offset, across) / glm::dot(across, across));
       quad.w[c] = float(sign * w);
@@ -211,9 +216,12 @@ void FragmentsCpu::list_strip(std::uint32_t strip, int first_row, int last_row, 
       // |u| <= reach w and |v| <= reach w: four half lines.
       float from = 0, to = float(quad.x1 - quad.x0);
       auto keep_below = [&](float slope, float at_zero) {
-        if (slope > 0) to = std::min(to, -at_zero / slope);
-        else if (slope < 0) from = std::max(from, -at_zero / slope);
-        else if (at_zero > 0) to = -1;
+        if (slope > 0)
+          to = std::min(to, -at_zero / slope);
+        else if (slope < 0)
+          from = std::max(from, -at_zero / slope);
+        else if (at_zero > 0)
+          to = -1;
       };
       keep_below(quad.u.x - quad.reach.x * quad.w.x, row_u - quad.reach.x * row_w);
       keep_below(-quad.u.x - quad.reach.x * quad.w.x, -row_u - quad.reach.x * row_w);
@@ -235,7 +243,8 @@ void FragmentsCpu::list_strip(std::uint32_t strip, int first_row, int last_row, 
           const vec2 inside = glm::clamp(0.5f + 0.5f * at, quad.inset, 1 - quad.inset);
           Four paint = sample(brush_->level(quad.level), quad.tile_x, quad.tile_y, inside);
           if (quad.between_levels > 0)
-            paint += quad.between_levels * (sample(brush_->level(quad.level + 1), quad.tile_x, quad.tile_y, inside) - paint);
+            paint += quad.between_levels *
+                     (sample(brush_->level(quad.level + 1), quad.tile_x, quad.tile_y, inside) - paint);
           const float alpha = paint[0] * quad.opacity;
           if (!(alpha >= seen_alpha)) continue;
           ++row_counts_[std::size_t(y)];
@@ -245,7 +254,8 @@ void FragmentsCpu::list_strip(std::uint32_t strip, int first_row, int last_row, 
             if (taken >= pages.count) continue;  // counted all the same
             place = taken * page, page_end = place + page;
           }
-          pages.fragments[place] = {quad.key, quad.stroke, pack_paint(alpha, paint[2], paint[3]), no_fragment};
+          pages.fragments[place] = {quad.key, quad.stroke, pack_paint(alpha, paint[2], paint[3]),
+                                    no_fragment};
           std::uint32_t& last = lasts[row * std::size_t(width) + std::size_t(x)];
           (last == no_fragment ? heads_.at(x, y) : pages.fragments[last].w) = std::uint32_t(place);
           last = std::uint32_t(place++);

@@ -1,6 +1,6 @@
-// The fragments of whole strokes on software GL. Strokes come near to far, so that one pass on the processor finds the
-// opaque fragment of a pixel, what lies before it, and nothing else; GL draws the strokes once for either
-// (stroke_lists.h), and the rasteriser spends most of that on what turns out to be hidden.
+// The fragments of whole strokes on software GL. Strokes come near to far, so that one pass on the processor
+// finds the opaque fragment of a pixel, what lies before it, and nothing else; GL draws the strokes once for
+// either (stroke_lists.h), and the rasteriser spends most of that on what turns out to be hidden.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace sfumato::strokes {
 
-/// Where fragments are listed; the pictures agree but for rounding. SFUMATO_STROKE_LISTS=gpu|cpu overrides automatic:
-/// the CPU on software GL.
+/// Where fragments are listed; the pictures agree but for rounding. SFUMATO_STROKE_LISTS=gpu|cpu overrides
+/// automatic: the CPU on software GL.
 enum class ListPlace { automatic, gpu, cpu };
 ListPlace default_list_place();
 
@@ -25,8 +25,9 @@ class FragmentsCpu {
 
   /// Takes over the strokes of a view.
   void begin(const View& view, const StrokeSet& strokes, const BrushPicture& brush);
-  /// Links the fragments of rows [first, last) into lists from near to far, as far as `room` fragments suffice, and
-  /// counts all of them. The lists do not depend on the number of threads, their places in `fragments` do.
+  /// Links the fragments of rows [first, last) into lists from near to far, as far as `room` fragments
+  /// suffice, and counts all of them. The lists do not depend on the number of threads, their places in
+  /// `fragments` do.
   std::uint64_t list(int first_row, int last_row, glm::uvec4* fragments, std::uint64_t room);
   /// First fragment of every pixel.
   const Image<std::uint32_t>& heads() const { return heads_; }
@@ -34,16 +35,17 @@ class FragmentsCpu {
   const std::vector<std::uint32_t>& row_counts() const { return row_counts_; }
 
  private:
-  /// A stroke on the screen. Places on it are (u . p, v . p) / (w . p) of p = (x - x0, y - y0, 1), x and y whole pixels.
+  /// A stroke on the screen. Places on it are (u . p, v . p) / (w . p) of p = (x - x0, y - y0, 1), x and y
+  /// whole pixels.
   struct Quad {
     vec3 u, v, w;
-    vec2 reach;                      // of the paint, -1 to 1
-    int x0, y0, x1 = -1, y1 = -1;    // first and last pixel; nothing of it is seen where x1 < x0
-    std::uint32_t key, stroke;       // bits of a positive float sort like it
+    vec2 reach;                    // of the paint, -1 to 1
+    int x0, y0, x1 = -1, y1 = -1;  // first and last pixel; nothing of it is seen where x1 < x0
+    std::uint32_t key, stroke;     // bits of a positive float sort like it
     int tile_x, tile_y, level;
     float between_levels, inset, opacity;
-    bool too_near;                   // parts of it
-    vec3 depth;                      // of the centre, and how it grows along and across
+    bool too_near;  // parts of it
+    vec3 depth;     // of the centre, and how it grows along and across
   };
   struct Pages;
   void order_strokes(const StrokeSet& strokes);

@@ -19,7 +19,8 @@ gl::Program& made(gl::Program& program, const char* pass, StrokeOrder order) {
   if (!program) {
     gl::Defines defines{pass};
     if (order == StrokeOrder::fragment) defines.push_back("FRAGMENT_ORDER");
-    program = gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
+    program =
+        gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
   }
   return program;
 }
@@ -38,13 +39,16 @@ void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
   on_cpu_ = order == StrokeOrder::stroke && default_list_place() == ListPlace::cpu;
-  if (on_cpu_) cpu_.begin(view, strokes, brush);
-  else find_opaque(view, strokes, brush);
+  if (on_cpu_)
+    cpu_.begin(view, strokes, brush);
+  else
+    find_opaque(view, strokes, brush);
 
   const std::uint64_t largest = std::uint64_t(gl::limits().max_texture_buffer_size) - page_slack(height);
   const std::uint64_t limit = std::clamp<std::uint64_t>(most_bytes / fragment_bytes, 1, largest);
   if (fragment_count_ <= limit || on_cpu_) {
-    // One pass into a buffer that is probably large enough, as the picture before had no more fragments than that.
+    // One pass into a buffer that is probably large enough, as the picture before had no more fragments than
+    // that.
     const std::uint64_t most = limit + page_slack(height);
     if (room() > most || room() == 0)
       make_room(std::min(most, 3 * std::uint64_t(width) * std::uint64_t(height) + page_slack(height)));
@@ -63,14 +67,18 @@ void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture
 
 /// What unfilled pages may take.
 std::uint64_t StrokeLists::page_slack(int height) const {
-  return on_cpu_ ? FragmentsCpu::page * std::uint64_t((height + FragmentsCpu::strip_rows - 1) / FragmentsCpu::strip_rows) : 0;
+  return on_cpu_ ? FragmentsCpu::page *
+                       std::uint64_t((height + FragmentsCpu::strip_rows - 1) / FragmentsCpu::strip_rows)
+                 : 0;
 }
 
 void StrokeLists::make_room(std::uint64_t fragments) {
   fragments_ = {};  // before the new one, so that both never exist at once
   fragments_ = gl::TextureBuffer("fragments", GL_RGBA32UI, fragments * fragment_bytes);
 }
-std::uint64_t StrokeLists::room() const { return fragments_.buffer().bytes() / fragment_bytes; }
+std::uint64_t StrokeLists::room() const {
+  return fragments_.buffer().bytes() / fragment_bytes;
+}
 
 void StrokeLists::find_opaque(const View& view, StrokeSet& strokes, const BrushPicture& brush) {
   gl::ensure(opaque_depth_, "nearest opaque stroke", GL_DEPTH_COMPONENT32F, view.width(), view.height());
@@ -85,7 +93,8 @@ void StrokeLists::find_opaque(const View& view, StrokeSet& strokes, const BrushP
 }
 
 /// For where one pass was too much: what the rows need, exactly.
-std::vector<std::uint32_t> StrokeLists::count(const View& view, const StrokeSet& strokes, const BrushPicture& brush) {
+std::vector<std::uint32_t> StrokeLists::count(const View& view, const StrokeSet& strokes,
+                                              const BrushPicture& brush) {
   gl::ensure(counts_, "fragments of pixels", GL_R32F, view.width(), view.height());
   counts_.clear(vec4(0));
   view.bind();
@@ -119,8 +128,10 @@ gl::State StrokeLists::before_opaque_state(gl::State::Blend blend) const {
 }
 
 void StrokeLists::draw(const StrokeSet& strokes, gl::Program& program, const BrushPicture& brush) const {
-  if (order_ == StrokeOrder::stroke) strokes.draw_visible(program, brush, seen_alpha);
-  else strokes.draw(program, brush, seen_alpha);
+  if (order_ == StrokeOrder::stroke)
+    strokes.draw_visible(program, brush, seen_alpha);
+  else
+    strokes.draw(program, brush, seen_alpha);
 }
 
 void StrokeLists::cut_bands(const std::vector<std::uint32_t>& rows, std::uint64_t limit) {
@@ -141,8 +152,9 @@ void StrokeLists::cut_bands(const std::vector<std::uint32_t>& rows, std::uint64_
   }
   most += page_slack(height);
   if (most > std::uint64_t(gl::limits().max_texture_buffer_size))
-    throw Error(ErrorCode::out_of_memory, "strokes: one row of this picture has " + std::to_string(most) +
-                                              " fragments, more than a buffer of this driver holds; lower --coverage");
+    throw Error(ErrorCode::out_of_memory,
+                "strokes: one row of this picture has " + std::to_string(most) +
+                    " fragments, more than a buffer of this driver holds; lower --coverage");
   if (room() < most) make_room(most);
 }
 
@@ -153,7 +165,8 @@ std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, con
     void* const fragments = glMapNamedBufferRange(buffer, 0, GLsizeiptr(fragments_.buffer().bytes()),
                                                   GL_MAP_WRITE_BIT | GL_MAP_READ_BIT);
     gl::require(fragments != nullptr, "strokes: listing fragments", "a buffer that can be mapped");
-    const std::uint64_t found = cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments), room());
+    const std::uint64_t found =
+        cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments), room());
     glUnmapNamedBuffer(buffer);
     heads_.upload(cpu_.heads());
     return found;
@@ -175,14 +188,15 @@ std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, con
   gl::Program& program = made(store_[int(order_)], "STROKE_STORE", order_);
   program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(room()));
   draw(strokes, program, brush);
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                  GL_BUFFER_UPDATE_BARRIER_BIT);
   std::uint32_t stored = 0;
   stored_.download(&stored, 4);
   return stored;
 }
 
-bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step,
-                       int steps) {
+bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief, const Band& band,
+                       int first_step, int steps) {
   if (!sort_) sort_ = ScreenPass("techniques/strokes/sort_blend.glsl", {GL_RGBA32F, GL_RGBA32F, GL_R32F});
   if (!unfinished_) unfinished_ = gl::Buffer("unfinished pixels", 4);
   unfinished_.clear(0);
@@ -199,13 +213,15 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   before.normal.bind(binding::input + 4);
   before.rest.bind(binding::input + 5);
   sort_.run({}, {&after.color, &after.normal, &after.rest});
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                  GL_TEXTURE_FETCH_BARRIER_BIT);
   std::uint32_t unfinished = 0;
   unfinished_.download(&unfinished, 4);
   return unfinished == 0;
 }
 
-void StrokeLists::sort_all(const View& view, const StrokeSet& strokes, const BrushPicture& brush, float relief) {
+void StrokeLists::sort_all(const View& view, const StrokeSet& strokes, const BrushPicture& brush,
+                           float relief) {
   for (const Band& band : bands_) {
     if (bands_.size() > 1) store(view, strokes, brush, band);
     sort(view, strokes, relief, band, 0, all_steps);

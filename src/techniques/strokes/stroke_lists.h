@@ -1,5 +1,5 @@
-// The A-buffer: the fragments of every pixel that lie before the first opaque one, sorted front to back and mixed,
-// all at once or one step a frame (dos Anjos 2017, Sec. 3.3 and Alg. 2).
+// The A-buffer: the fragments of every pixel that lie before the first opaque one, sorted front to back and
+// mixed, all at once or one step a frame (dos Anjos 2017, Sec. 3.3 and Alg. 2).
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ class StrokeLists {
     gl::Texture color, normal, rest;
   };
 
-  /// Finds the fragments of `strokes` and links them into lists, in one pass if there is room. What needs more than
-  /// `most_bytes` is counted and cut into bands of rows, each stored by itself: none is lost.
+  /// Finds the fragments of `strokes` and links them into lists, in one pass if there is room. What needs
+  /// more than `most_bytes` is counted and cut into bands of rows, each stored by itself: none is lost.
   void build(const View& view, StrokeSet& strokes, const BrushPicture& brush, StrokeOrder order,
              std::uint64_t most_bytes);
   /// All bands, completely.
@@ -47,8 +47,10 @@ class StrokeLists {
   std::uint64_t page_slack(int height) const;
   std::vector<std::uint32_t> count(const View& view, const StrokeSet& strokes, const BrushPicture& brush);
   void cut_bands(const std::vector<std::uint32_t>& rows, std::uint64_t limit);
-  std::uint64_t store(const View& view, const StrokeSet& strokes, const BrushPicture& brush, const Band& band);
-  bool sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step, int steps);
+  std::uint64_t store(const View& view, const StrokeSet& strokes, const BrushPicture& brush,
+                      const Band& band);
+  bool sort(const View& view, const StrokeSet& strokes, float relief, const Band& band, int first_step,
+            int steps);
 
   StrokeOrder order_ = StrokeOrder::stroke;
   gl::Program opaque_[2], count_[2], store_[2], count_rows_;
