@@ -16,7 +16,7 @@
 #define UNIT_TILES 21         // one texel a tile of the image, above 0 where a pass has to run
 
 // Images 0..3 are the outputs of screen passes.
-#define IMAGE_FRAGMENT_CURSOR 4   // R32UI, fragments stored in each pixel
-#define IMAGE_FRAGMENTS 5         // RG32UI
+#define IMAGE_FRAGMENT_CURSOR 4   // R32UI, fragments stored in each pixel, or the first of its list
+#define IMAGE_FRAGMENTS 5         // RG32UI; RGBA32UI where they are linked
 
 #define BLOCK_FRAME 0

@@ -1,13 +1,13 @@
 #include "techniques/soft/express_cpu.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <string_view>
-#include <thread>
 
 #include <glm/gtc/packing.hpp>
 
@@ -134,16 +134,9 @@ void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& 
 
   list_bands(order, std::uint32_t(view.height()));
   const std::uint32_t bands = std::uint32_t(starts_.size()) - 1;
-  std::atomic<std::uint32_t> next = 0;
-  auto work = [&] {
-    for (std::uint32_t band = next++; band < bands; band = next++)
-      if (starts_[band + 1] > starts_[band]) blend_band(band, view, solid, picture);
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned t = 1; t < std::max(1u, std::thread::hardware_concurrency()); ++t) threads.emplace_back(work);
-    work();
-  }
+  tbb::parallel_for(std::uint32_t(0), bands, [&](std::uint32_t band) {
+    if (starts_[band + 1] > starts_[band]) blend_band(band, view, solid, picture);
+  });
   color.upload(picture);
 }
 

@@ -1,5 +1,8 @@
 #include "techniques/strokes/fragments_cpu.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -7,7 +10,6 @@
 #include <cstdlib>
 #include <limits>
 #include <string_view>
-#include <thread>
 
 #include "core/error.h"
 #include "gl/context.h"
@@ -19,17 +21,6 @@ constexpr std::size_t record_texels = 6;                      // stroke_record.g
 constexpr float seen_alpha = 0.004f, opaque_alpha = 0.9951f;  // stroke.frag
 
 using Four = float __attribute__((vector_size(16)));
-
-template <class F>
-void in_parallel(std::uint32_t count, const F& work_on) {
-  std::atomic<std::uint32_t> next = 0;
-  auto work = [&] {
-    for (std::uint32_t k = next++; k < count; k = next++) work_on(k);
-  };
-  std::vector<std::jthread> others(std::max(std::thread::hardware_concurrency(), 1u) - 1);
-  for (std::jthread& thread : others) thread = std::jthread(work);
-  work();
-}
 
 /// Bilinear in a tile of a level of the brush; `at` is 0 to 1 in the tile and stays half a texel off its
 /// border.
@@ -182,10 +173,8 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
       quad.w[c] = float(sign * w);
     }
   };
-  constexpr std::uint32_t block = 2048;
-  in_parallel(std::uint32_t((order_.size() + block - 1) / block), [&](std::uint32_t b) {
-    for (std::size_t i = std::size_t(b) * block; i < std::min(order_.size(), std::size_t(b + 1) * block); ++i)
-      set_up_one(quads_[i], order_[i]);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order_.size(), 2048), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) set_up_one(quads_[i], order_[i]);
   });
 }
 
@@ -193,8 +182,8 @@ std::uint64_t FragmentsCpu::list(int first_row, int last_row, glm::uvec4* fragme
   std::fill(heads_.begin(), heads_.end(), no_fragment);
   row_counts_.assign(std::size_t(heads_.height()), 0);
   Pages pages{fragments, room / page};
-  in_parallel(std::uint32_t(starts_.size()) - 1,
-              [&](std::uint32_t strip) { list_strip(strip, first_row, last_row, pages); });
+  tbb::parallel_for(std::uint32_t(0), std::uint32_t(starts_.size()) - 1,
+                    [&](std::uint32_t strip) { list_strip(strip, first_row, last_row, pages); });
   return pages.found;
 }
 

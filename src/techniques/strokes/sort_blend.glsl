@@ -6,8 +6,8 @@
 layout(binding = UNIT_INPUT + 3) uniform sampler2D before_0;
 layout(binding = UNIT_INPUT + 4) uniform sampler2D before_1;
 layout(binding = UNIT_INPUT + 5) uniform sampler2D before_2;
-layout(r32ui, binding = 0) uniform uimage2D heads;
-layout(rgba32ui, binding = 1) uniform uimageBuffer fragments;
+layout(r32ui, binding = IMAGE_FRAGMENT_CURSOR) uniform uimage2D heads;
+layout(rgba32ui, binding = IMAGE_FRAGMENTS) uniform uimageBuffer fragments;
 layout(std430, binding = 0) buffer Unfinished { uint unfinished; };
 
 uniform int first_step;

@@ -26,8 +26,8 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D opaque_depth;
 #endif
 #ifdef STROKE_STORE
 layout(std430, binding = 0) buffer Stored { uint stored; };
-layout(r32ui, binding = 0) uniform uimage2D heads;
-layout(rgba32ui, binding = 1) writeonly uniform uimageBuffer fragments;
+layout(r32ui, binding = IMAGE_FRAGMENT_CURSOR) uniform uimage2D heads;
+layout(rgba32ui, binding = IMAGE_FRAGMENTS) writeonly uniform uimageBuffer fragments;
 uniform ivec2 rows;  // [first, last) of this band
 uniform uint fragment_room;
 #elif defined(STROKE_NEAREST)

@@ -183,8 +183,8 @@ std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, con
   framebuffer.bind();
   before_opaque_state(gl::State::Blend::off).apply();
   opaque_depth_.bind(binding::input + 2);
-  heads_.bind_image(0, GL_READ_WRITE);
-  glBindImageTexture(1, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  heads_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
+  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   gl::Program& program = made(store_[int(order_)], "STROKE_STORE", order_);
   program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(room()));
   draw(strokes, program, brush);
@@ -202,8 +202,8 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   unfinished_.clear(0);
   view.bind();
   unfinished_.bind_storage(0);
-  heads_.bind_image(0, GL_READ_WRITE);
-  glBindImageTexture(1, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+  heads_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
+  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
   strokes.records().bind(binding::input);
   const Sums& before = sums_[current_];
   Sums& after = sums_[1 - current_];
