@@ -50,4 +50,12 @@ TextureBuffer::~TextureBuffer() {
   if (texture_) glDeleteTextures(1, &texture_);
 }
 
+void grow(Buffer& buffer, const std::string& label, std::size_t bytes) {
+  if (!buffer || buffer.bytes() < bytes) buffer = Buffer(label, bytes);
+}
+
+void grow(TextureBuffer& buffer, const std::string& label, GLenum format, std::size_t bytes) {
+  if (!buffer || buffer.buffer().bytes() < bytes) buffer = TextureBuffer(label, format, bytes);
+}
+
 }  // namespace sfumato::gl

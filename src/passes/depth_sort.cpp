@@ -60,7 +60,7 @@ void DepthSort::run(const gl::Buffer& keys, std::uint32_t count, std::span<const
                     bool initial_changed, DepthSortPlace place) {
   if (place == DepthSortPlace::automatic) place = default_place();
   const std::size_t bytes = count * sizeof(std::uint32_t);
-  if (!order_ || order_.buffer().bytes() < bytes) order_ = gl::TextureBuffer("drawing order", GL_R32UI, bytes);
+  gl::grow(order_, "drawing order", GL_R32UI, bytes);
   if (place == DepthSortPlace::gpu) {
     if (initial_changed || initial_.bytes() != bytes) {
       std::vector<std::uint32_t> identity;
@@ -90,8 +90,8 @@ void DepthSort::run_on_gpu(const gl::Buffer& keys, std::uint32_t count) {
     scatter_ = gl::Program::compute("passes/radix_sort.comp");
   }
   const std::uint32_t blocks = (count + places_a_block - 1) / places_a_block;
-  if (counts_.bytes() < blocks * 64) counts_ = gl::Buffer("digits of blocks", blocks * 64);
-  if (scratch_order_.bytes() < count * 4) scratch_order_ = gl::Buffer("other order", count * 4);
+  gl::grow(counts_, "digits of blocks", blocks * 64);
+  gl::grow(scratch_order_, "other order", count * 4);
   const gl::Buffer* from = &initial_;
   for (int shift = 0; shift < 32; shift += 4) {
     const gl::Buffer* to = shift % 8 == 0 ? &scratch_order_ : &order_.buffer();

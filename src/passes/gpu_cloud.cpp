@@ -177,10 +177,7 @@ const std::vector<float>& GpuCloud::largest_radii() {
 
 void GpuCloud::begin_shadow() {
   has_shadow_ = true;
-  for (Chunk& chunk : chunks_) {
-    if (!chunk.shadow || chunk.shadow.buffer().bytes() < chunk.count * sizeof(float))
-      chunk.shadow = gl::TextureBuffer("shadow factors", GL_R32F, chunk.count * sizeof(float));
-  }
+  for (Chunk& chunk : chunks_) gl::grow(chunk.shadow, "shadow factors", GL_R32F, chunk.count * sizeof(float));
 }
 
 std::uint64_t GpuCloud::next_serial() {

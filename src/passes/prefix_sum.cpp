@@ -12,7 +12,7 @@ void PrefixSum::run(const gl::Buffer& buffer, std::uint32_t count) {
     scan_blocks_ = gl::Program::compute("passes/prefix_sum.comp");
   }
   blocks_ = (count + words_a_block - 1) / words_a_block;
-  if (sums_.bytes() < (blocks_ + 1) * 4) sums_ = gl::Buffer("sums of blocks", (blocks_ + 1) * 4);
+  gl::grow(sums_, "sums of blocks", (blocks_ + 1) * std::size_t(4));
   buffer.bind_storage(0);
   sums_.bind_storage(1);
   const unsigned x = std::min(blocks_, 32768u), y = (blocks_ + 32767) / 32768;

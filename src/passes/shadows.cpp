@@ -183,11 +183,8 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   gl::ensure(other_index_, "light layer index", GL_R32UI, w, h);
   state_.clear(vec4(0, 1, 0, 0));
   passed_.resize(cloud.chunks().size());
-  for (std::size_t c = 0; c < passed_.size(); ++c) {
-    const std::size_t bytes = cloud.chunks()[c].count * sizeof(float);
-    if (!passed_[c] || passed_[c].buffer().bytes() < bytes)
-      passed_[c] = gl::TextureBuffer("light passed", GL_R32F, bytes);
-  }
+  for (std::size_t c = 0; c < passed_.size(); ++c)
+    gl::grow(passed_[c], "light passed", GL_R32F, cloud.chunks()[c].count * sizeof(float));
   if (catcher) {
     gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(),
                catcher->view.height());

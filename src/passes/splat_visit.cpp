@@ -7,7 +7,7 @@
 namespace sfumato {
 namespace {
 
-constexpr unsigned group_size = 128;
+constexpr unsigned group_size = Compaction::group_size;
 
 /// Uploads the batches of small splats as the chunk's visible ones; returns the work groups that the largest needs.
 unsigned show_small(GpuCloud::Chunk& chunk, const SplatBatches::Ranges& small) {
@@ -19,13 +19,6 @@ unsigned show_small(GpuCloud::Chunk& chunk, const SplatBatches::Ranges& small) {
   }
   chunk.batches.buffer().upload(rows.data(), rows.size() * sizeof(glm::uvec4));
   return (unsigned(largest) + group_size - 1) / group_size;
-}
-
-void grow(gl::Buffer& buffer, const char* label, std::size_t bytes) {
-  if (buffer.bytes() < bytes) buffer = gl::Buffer(label, bytes);
-}
-void grow(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t bytes) {
-  if (buffer.buffer().bytes() < bytes) buffer = gl::TextureBuffer(label, format, bytes);
 }
 
 }  // namespace
@@ -75,38 +68,16 @@ bool SplatVisit::list_survivors(GpuCloud& cloud, std::size_t c, const View& view
   if (small.first.empty()) return false;
   GpuCloud::Chunk& chunk = cloud.chunks()[c];
   const unsigned groups_per_batch = show_small(chunk, small), batch_count = unsigned(small.first.size());
-  const unsigned group_count = groups_per_batch * batch_count, block_count = (group_count + 127) / 128;
-  const std::size_t slots = std::size_t(group_count) * group_size;
-  grow(flags_, "visible splat flags", GL_R8UI, slots);
-  grow(list_, "visible splats", GL_R32UI, std::size_t(chunk.count) * 4);
-  grow(offsets_, "offsets of groups", group_count * 4);
-  grow(sums_, "offsets of blocks", block_count * 4);
-  grow(command_, "draw command", 16);
 
   view.bind();
   bind_splats(cloud, chunk);
   farthest_t_.bind(binding::input);
   nearest_t.bind(binding::input + 1);
-  glBindImageTexture(0, flags_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  survivors_.bind_flags(groups_per_batch, batch_count, chunk.count);
   gl::Program& mark = program(true, shape);
   mark.set("epsilon", epsilon).set("slots_per_batch", groups_per_batch * group_size);
   mark.dispatch(groups_per_batch, batch_count);
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-
-  flags_.bind(binding::input);
-  offsets_.bind_storage(0);
-  sums_.bind_storage(1);
-  list_.buffer().bind_storage(2);
-  command_.bind_storage(3);
-  const unsigned threads[4] = {group_count, block_count, 1, group_count};
-  for (int stage = 0; stage < 4; ++stage) {
-    if (!compact_[stage])
-      compact_[stage] = gl::Program::compute("passes/compact.comp", {"STAGE " + std::to_string(stage)});
-    compact_[stage].set("group_count", group_count).set("groups_per_batch", groups_per_batch);
-    compact_[stage].dispatch((threads[stage] + 31) / 32);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  }
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  survivors_.run();
   return true;
 }
 

@@ -6,6 +6,7 @@
 
 #include "gl/program.h"
 #include "gl/texture.h"
+#include "passes/compaction.h"
 #include "passes/screen_pass.h"
 #include "passes/splat_raster.h"
 
@@ -29,16 +30,15 @@ class SplatVisit {
   /// To be called once before `list_survivors`, when `nearest_t` is complete.
   void measure_farthest(const View& view, const gl::Texture& nearest_t);
 
-  const gl::TextureBuffer& list() const { return list_; }
-  const gl::Buffer& command() const { return command_; }  ///< an indirect draw of the list
+  const gl::TextureBuffer& list() const { return survivors_.list(); }
+  const gl::Buffer& command() const { return survivors_.command(); }  ///< an indirect draw of the list
 
  private:
   gl::Program& program(bool mark, const SplatShape& shape);
-  gl::Program programs_[8], compact_[4];
+  gl::Program programs_[8];
   ScreenPass farthest_;
   gl::Texture farthest_t_;
-  gl::TextureBuffer flags_, list_;
-  gl::Buffer offsets_, sums_, command_;
+  Compaction survivors_;
 };
 
 }  // namespace sfumato

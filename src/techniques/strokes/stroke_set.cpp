@@ -11,15 +11,8 @@
 namespace sfumato::strokes {
 namespace {
 
-constexpr unsigned group_size = 128;
+constexpr unsigned group_size = Compaction::group_size;
 constexpr std::size_t record_texels = 6;  // stroke_record.glsl
-
-void grow(gl::Buffer& buffer, const char* label, std::size_t bytes) {
-  if (buffer.bytes() < bytes) buffer = gl::Buffer(label, bytes);
-}
-void grow(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t bytes) {
-  if (buffer.buffer().bytes() < bytes) buffer = gl::TextureBuffer(label, format, bytes);
-}
 
 /// Makes the batches whose strokes the view may see the chunk's visible ones; returns the groups of the largest.
 unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view, float least_length) {
@@ -112,12 +105,6 @@ std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData
   GpuCloud::Chunk& chunk = cloud.chunks()[c];
   const unsigned groups_per_batch = show_batches(cloud, chunk, view, least_half_length(look_, share_));
   if (chunk.visible_batches == 0) return 0;
-  const unsigned group_count = groups_per_batch * chunk.visible_batches, block_count = (group_count + 127) / 128;
-  grow(flags_, "stroke flags", GL_R8UI, std::size_t(group_count) * group_size);
-  grow(list_, "points with strokes", GL_R32UI, std::size_t(chunk.count) * 8);
-  grow(offsets_, "offsets of groups", group_count * 4);
-  grow(sums_, "offsets of blocks", block_count * 4);
-  grow(command_, "number of strokes", 16);
 
   view.bind();
   cloud.bind_geometry(chunk);
@@ -125,26 +112,11 @@ std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData
   if (!select_) select_ = gl::Program::compute("techniques/strokes/stroke_select.comp");
   set_sizes(select_);
   select_.set("slots_per_batch", groups_per_batch * group_size);
-  glBindImageTexture(0, flags_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  chosen_.bind_flags(groups_per_batch, chunk.visible_batches, std::size_t(chunk.count) * 2);  // two layers
   select_.dispatch(groups_per_batch, chunk.visible_batches);
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-
-  flags_.bind(binding::input);
-  offsets_.bind_storage(0);
-  sums_.bind_storage(1);
-  list_.buffer().bind_storage(2);
-  command_.bind_storage(3);
-  const unsigned threads[4] = {group_count, block_count, 1, group_count};
-  for (int stage = 0; stage < 4; ++stage) {
-    if (!compact_[stage])
-      compact_[stage] = gl::Program::compute("passes/compact.comp", {"STAGE " + std::to_string(stage)});
-    compact_[stage].set("group_count", group_count).set("groups_per_batch", groups_per_batch);
-    compact_[stage].dispatch((threads[stage] + 31) / 32);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  }
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  chosen_.run();
   std::uint32_t count = 0;
-  command_.download(&count, 4);
+  chosen_.command().download(&count, 4);
   return count;
 }
 
@@ -178,7 +150,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     cloud.bind_colors(chunk);
     if (cloud.has_shadow()) cloud.bind_shadow(chunk);
     data.bind(c);
-    list_.bind(binding::list);
+    chosen_.list().bind(binding::list);
     records_.buffer().bind_storage(0);
     keys_.bind_storage(1);
     set_sizes(setup_);
@@ -191,7 +163,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     count_ += count;
   }
   if (count_ == 0) return;
-  grow(elements_, "corners of strokes", std::size_t(count_) * 24);
+  gl::grow(elements_, "corners of strokes", std::size_t(count_) * 24);
   depth_sort_.run(keys_, count_, {}, false);
   if (!arrange_) arrange_ = gl::Program::compute("techniques/strokes/stroke_elements.comp");
   depth_sort_.order().bind(binding::list);
@@ -207,7 +179,7 @@ void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
     farthest_ = ScreenPass("techniques/strokes/farthest_opaque.glsl", {GL_R32F});
   }
   gl::ensure(farthest_depth_, "farthest opaque stroke", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
-  grow(visible_elements_, "corners of visible strokes", std::size_t(count_) * 24);
+  gl::grow(visible_elements_, "corners of visible strokes", std::size_t(count_) * 24);
   view.bind();
   farthest_.run({&opaque_depth}, {&farthest_depth_});
   records_.bind(binding::input);

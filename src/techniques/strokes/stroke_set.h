@@ -5,6 +5,7 @@
 
 #include "gl/program.h"
 #include "gl/texture.h"
+#include "passes/compaction.h"
 #include "passes/depth_sort.h"
 #include "passes/gpu_cloud.h"
 #include "passes/screen_pass.h"
@@ -64,9 +65,10 @@ class StrokeSet {
   std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
   void set_sizes(gl::Program& program) const;
   void draw(gl::Program& program, const BrushPicture& brush, float least_alpha, const gl::Buffer& elements) const;
-  gl::Program select_, compact_[4], setup_;
-  gl::TextureBuffer flags_, list_, records_;
-  gl::Buffer offsets_, sums_, command_, keys_, elements_, visible_elements_;
+  gl::Program select_, setup_;
+  Compaction chosen_;  ///< of a chunk
+  gl::TextureBuffer records_;
+  gl::Buffer keys_, elements_, visible_elements_;
   DepthSort depth_sort_;
   gl::Program arrange_, hide_;
   ScreenPass farthest_;
