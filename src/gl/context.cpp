@@ -4,7 +4,9 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include <cstdlib>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "core/error.h"
@@ -156,6 +158,14 @@ std::vector<std::string> Context::take_messages() {
 }
 
 const Limits& limits() { return current_limits; }
+
+Place place_of_work(const char* variable) {
+  const char* text = std::getenv(variable);
+  if (!text) return current_limits.software ? Place::cpu : Place::gpu;
+  if (text == std::string_view("gpu")) return Place::gpu;
+  if (text == std::string_view("cpu")) return Place::cpu;
+  throw Error(ErrorCode::usage, std::string(variable) + " is '" + text + "', not gpu or cpu");
+}
 
 void require(bool condition, const std::string& who, const std::string& needs) {
   if (condition) return;

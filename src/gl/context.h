@@ -43,6 +43,10 @@ class Context {
 
 /// Limits of the current context (set by the last create_headless).
 const Limits& limits();
+/// Where work is done that the processor does faster itself than through software GL.
+enum class Place { automatic, gpu, cpu };
+/// What the environment variable says (gpu or cpu; anything else throws Error(usage)), else the CPU on software GL.
+Place place_of_work(const char* variable);
 /// Throws Error(no_gl): who needs what, what the driver has, what to do.
 void require(bool condition, const std::string& who, const std::string& needs);
 /// Throws Error(out_of_memory) when the last allocation failed; `what` says what was allocated.

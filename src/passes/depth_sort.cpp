@@ -2,26 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <numeric>
-#include <string_view>
-
-#include "core/error.h"
-#include "gl/context.h"
 
 namespace sfumato {
-namespace {
-
-DepthSortPlace default_place() {
-  if (const char* text = std::getenv("SFUMATO_DEPTH_SORT")) {
-    if (text == std::string_view("gpu")) return DepthSortPlace::gpu;
-    if (text == std::string_view("cpu")) return DepthSortPlace::cpu;
-    throw Error(ErrorCode::usage, "SFUMATO_DEPTH_SORT is '" + std::string(text) + "', not gpu or cpu");
-  }
-  return gl::limits().software ? DepthSortPlace::cpu : DepthSortPlace::gpu;
-}
-
-}  // namespace
 
 std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys, std::span<const std::uint32_t> initial) {
   struct Entry {
@@ -57,11 +40,11 @@ std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys, std:
 }
 
 void DepthSort::run(const gl::Buffer& keys, std::uint32_t count, std::span<const std::uint32_t> initial,
-                    bool initial_changed, DepthSortPlace place) {
-  if (place == DepthSortPlace::automatic) place = default_place();
+                    bool initial_changed, gl::Place place) {
+  if (place == gl::Place::automatic) place = gl::place_of_work("SFUMATO_DEPTH_SORT");
   const std::size_t bytes = count * sizeof(std::uint32_t);
   gl::grow(order_, "drawing order", GL_R32UI, bytes);
-  if (place == DepthSortPlace::gpu) {
+  if (place == gl::Place::gpu) {
     if (initial_changed || initial_.bytes() != bytes) {
       std::vector<std::uint32_t> identity;
       if (initial.empty()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gl/buffer.h"
+#include "gl/context.h"
 #include "gl/program.h"
 #include "passes/prefix_sum.h"
 
@@ -19,14 +20,12 @@ constexpr std::uint32_t no_depth_key = 0xffffffffu;
 /// 0, 1, 2 ...). Places whose key is no_depth_key are left out.
 std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys, std::span<const std::uint32_t> initial);
 
-/// Where to sort. SFUMATO_DEPTH_SORT=gpu|cpu overrides automatic: the CPU on software GL.
-enum class DepthSortPlace { automatic, gpu, cpu };
-
 class DepthSort {
  public:
   /// Sorts `count` keys of a buffer as radix_order does. `initial` is only read when `initial_changed`.
+  /// Automatic place: as SFUMATO_DEPTH_SORT=gpu|cpu says, else the CPU on software GL.
   void run(const gl::Buffer& keys, std::uint32_t count, std::span<const std::uint32_t> initial, bool initial_changed,
-           DepthSortPlace place = DepthSortPlace::automatic);
+           gl::Place place = gl::Place::automatic);
   /// R32UI: places in order.
   const gl::TextureBuffer& order() const { return order_; }
   /// How many of them to draw; the GPU keeps those without a key, at the end.

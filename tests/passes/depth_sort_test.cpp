@@ -59,7 +59,7 @@ TEST_F(DepthSorting, OrderIsThatOfAStableSort) {
       std::vector<std::uint32_t> expected = initial;
       std::stable_sort(expected.begin(), expected.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
       const gl::Buffer buffer("keys", count * 4, keys.data());
-      for (DepthSortPlace place : {DepthSortPlace::cpu, DepthSortPlace::gpu}) {
+      for (gl::Place place : {gl::Place::cpu, gl::Place::gpu}) {
         DepthSort sort;
         sort.run(buffer, count, initial, true, place);
         std::vector<std::uint32_t> order(count);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/context.h"
 #include "passes/bindings.h"
 
 namespace sfumato::soft {
@@ -20,7 +21,8 @@ vec3 axis_shares(const dvec3& direction) {
 
 void Express::blend(SoftPoints& points, const Order& order, const View& view, const gl::Texture& solid_t,
                     gl::Texture& color, bool as_quads) {
-  if (default_blend_place() == BlendPlace::cpu) return cpu_.draw(points, order, view, solid_t, color);
+  // The pictures agree but for rounding.
+  if (gl::place_of_work("SFUMATO_SOFT_BLEND") == gl::Place::cpu) return cpu_.draw(points, order, view, solid_t, color);
   gl::Program& program = programs_[as_quads];
   if (!program) {
     gl::Defines defines{"SPLAT_SPHERE", "SOFT_ORDERED"};

@@ -5,14 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
-#include <string_view>
 
 #include <glm/gtc/packing.hpp>
-
-#include "core/error.h"
-#include "gl/context.h"
 
 namespace sfumato::soft {
 namespace {
@@ -32,15 +27,6 @@ float cosine_falloff(float delta2) {
 }
 
 }  // namespace
-
-BlendPlace default_blend_place() {
-  if (const char* text = std::getenv("SFUMATO_SOFT_BLEND")) {
-    if (text == std::string_view("gpu")) return BlendPlace::gpu;
-    if (text == std::string_view("cpu")) return BlendPlace::cpu;
-    throw Error(ErrorCode::usage, "SFUMATO_SOFT_BLEND is '" + std::string(text) + "', not gpu or cpu");
-  }
-  return gl::limits().software ? BlendPlace::cpu : BlendPlace::gpu;
-}
 
 void ExpressCpu::list_bands(const Order& order, std::uint32_t rows) {
   const std::uint32_t bands = (rows + band_rows - 1) / band_rows;

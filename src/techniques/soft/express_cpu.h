@@ -10,11 +10,6 @@
 
 namespace sfumato::soft {
 
-/// Where the spheres are blended; the pictures agree but for rounding. SFUMATO_SOFT_BLEND=gpu|cpu overrides automatic:
-/// the CPU on software GL.
-enum class BlendPlace { automatic, gpu, cpu };
-BlendPlace default_blend_place();
-
 class ExpressCpu {
  public:
   /// Blends the points over `color` (RGBA32F, premultiplied) in their order, clipped by `solid_t` (R32F, ray distances).

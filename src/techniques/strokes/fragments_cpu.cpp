@@ -7,12 +7,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <string_view>
-
-#include "core/error.h"
-#include "gl/context.h"
 
 namespace sfumato::strokes {
 namespace {
@@ -45,15 +40,6 @@ std::uint32_t pack_paint(float alpha, float slope_along, float slope_across) {
 }
 
 }  // namespace
-
-ListPlace default_list_place() {
-  if (const char* text = std::getenv("SFUMATO_STROKE_LISTS")) {
-    if (text == std::string_view("gpu")) return ListPlace::gpu;
-    if (text == std::string_view("cpu")) return ListPlace::cpu;
-    throw Error(ErrorCode::usage, "SFUMATO_STROKE_LISTS is '" + std::string(text) + "', not gpu or cpu");
-  }
-  return gl::limits().software ? ListPlace::cpu : ListPlace::gpu;
-}
 
 /// Hands out pages of the buffer until there is none left.
 struct FragmentsCpu::Pages {

@@ -11,11 +11,6 @@
 
 namespace sfumato::strokes {
 
-/// Where fragments are listed; the pictures agree but for rounding. SFUMATO_STROKE_LISTS=gpu|cpu overrides
-/// automatic: the CPU on software GL.
-enum class ListPlace { automatic, gpu, cpu };
-ListPlace default_list_place();
-
 class FragmentsCpu {
  public:
   /// Lists take whole pages; a strip of rows leaves at most one of them unfilled.

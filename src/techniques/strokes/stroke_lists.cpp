@@ -38,7 +38,8 @@ void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture
     gl::ensure(sums.normal, "sum of normals", GL_RGBA32F, width, height);
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
-  on_cpu_ = order == StrokeOrder::stroke && default_list_place() == ListPlace::cpu;
+  // The pictures agree but for rounding.
+  on_cpu_ = order == StrokeOrder::stroke && gl::place_of_work("SFUMATO_STROKE_LISTS") == gl::Place::cpu;
   if (on_cpu_)
     cpu_.begin(view, strokes, brush);
   else
