@@ -1,5 +1,7 @@
 #include "gl/program.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "gl/context.h"
 
@@ -139,6 +141,12 @@ void Program::use() const {
 void Program::dispatch(unsigned x, unsigned y, unsigned z) const {
   use();
   if (x && y && z) glDispatchCompute(x, y, z);
+}
+
+void Program::dispatch_rows(unsigned groups) const {
+  constexpr unsigned longest = 32768;  // GL has 65535 at least
+  const unsigned rows = std::max((groups + longest - 1) / longest, 1u);
+  dispatch((groups + rows - 1) / rows, rows);
 }
 
 }  // namespace sfumato::gl

@@ -1,7 +1,5 @@
 #include "passes/prefix_sum.h"
 
-#include <algorithm>
-
 namespace sfumato {
 
 void PrefixSum::run(const gl::Buffer& buffer, std::uint32_t count) {
@@ -15,12 +13,11 @@ void PrefixSum::run(const gl::Buffer& buffer, std::uint32_t count) {
   gl::grow(sums_, "sums of blocks", (blocks_ + 1) * std::size_t(4));
   buffer.bind_storage(0);
   sums_.bind_storage(1);
-  const unsigned x = std::min(blocks_, 32768u), y = (blocks_ + 32767) / 32768;
-  sum_blocks_.set("word_count", count).set("block_count", blocks_).dispatch(x, y);
+  sum_blocks_.set("word_count", count).set("block_count", blocks_).dispatch_rows(blocks_);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   scan_sums_.set("block_count", blocks_).dispatch(1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  scan_blocks_.set("word_count", count).set("block_count", blocks_).dispatch(x, y);
+  scan_blocks_.set("word_count", count).set("block_count", blocks_).dispatch_rows(blocks_);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 

@@ -293,9 +293,7 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
     glBindImageTexture(0, chunk.shadow.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
     if (kind != LitTest::solid)
       glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    // Rows of one length: llvmpipe computes an empty work group as well.
-    const unsigned groups = (chunk.count + 127) / 128, rows = (groups + 32767) / 32768;
-    program.set("point_count", chunk.count).dispatch((groups + rows - 1) / rows, rows);
+    program.set("point_count", chunk.count).dispatch_rows((chunk.count + 127) / 128);
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }

@@ -67,8 +67,10 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
     if (light.kind == Light::Kind::headlight) light = key_light(camera, s.prepared.cloud.up);
     technique.cast(*s.cloud, progress);
     const bool on_ground = settings.ground;
-    if (on_ground) ground = ground_below(s.prepared.cloud);
-    if (on_ground) gl::ensure(s.ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
+    if (on_ground) {
+      ground = ground_below(s.prepared.cloud);
+      gl::ensure(s.ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
+    }
     s.shadows.update(*s.cloud, settings, light, timers, progress, on_ground ? &view : nullptr, ground,
                      on_ground ? &s.ground_factor : nullptr);
   } else {

@@ -96,9 +96,8 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
     cloud.bind_shadow(chunk);
     cloud.bind_field(chunk);
     lists_[c].bind(binding::list);
-    const unsigned groups = (points + 127) / 128;
     fill_.set("point_count", points).set("first_slot", slot);
-    fill_.dispatch(std::min(groups, 32768u), (groups + 32767) / 32768);
+    fill_.dispatch_rows((points + 127) / 128);
     slot += points;
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);

@@ -12,9 +12,6 @@
 namespace sfumato::strokes {
 namespace {
 
-constexpr std::size_t record_texels = 6;                      // stroke_record.glsl
-constexpr float seen_alpha = 0.004f, opaque_alpha = 0.9951f;  // stroke.frag
-
 using Four = float __attribute__((vector_size(16)));
 
 /// Bilinear in a tile of a level of the brush; `at` is 0 to 1 in the tile and stays half a texel off its

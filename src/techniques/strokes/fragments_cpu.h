@@ -16,7 +16,6 @@ class FragmentsCpu {
   /// Lists take whole pages; a strip of rows leaves at most one of them unfilled.
   static constexpr std::uint64_t page = 1024;
   static constexpr int strip_rows = 16;
-  static constexpr std::uint32_t no_fragment = 0xffffffffu;
 
   /// Takes over the strokes of a view.
   void begin(const View& view, const StrokeSet& strokes, const BrushPicture& brush);

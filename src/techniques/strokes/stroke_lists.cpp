@@ -11,9 +11,7 @@ namespace sfumato::strokes {
 namespace {
 
 constexpr std::uint64_t fragment_bytes = 16;
-constexpr std::uint32_t no_fragment = 0xffffffffu;
 constexpr int all_steps = 1 << 20;
-constexpr float opaque_alpha = 0.9951f, seen_alpha = 0.004f;  // as in stroke.frag
 
 gl::Program& made(gl::Program& program, const char* pass, StrokeOrder order) {
   if (!program) {

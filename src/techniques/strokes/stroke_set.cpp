@@ -12,7 +12,6 @@ namespace sfumato::strokes {
 namespace {
 
 constexpr unsigned group_size = Compaction::group_size;
-constexpr std::size_t record_texels = 6;  // stroke_record.glsl
 
 /// Makes the batches whose strokes the view may see the chunk's visible ones; returns the groups of the largest.
 unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view, float least_length) {

@@ -14,6 +14,11 @@
 
 namespace sfumato::strokes {
 
+// As in the shaders of strokes: stroke_record.glsl, stroke.frag, paint.glsl.
+constexpr std::size_t record_texels = 6;
+constexpr float seen_alpha = 0.004f, opaque_alpha = 0.9951f;
+constexpr std::uint32_t no_fragment = 0xffffffffu;  ///< ends a list
+
 /// 8 x 8 variants of a brush, 64 px each, with levels. RGBA32F: alpha, height, slopes of the height along and across.
 class BrushPicture {
  public:

@@ -103,7 +103,7 @@ class Strokes final : public Technique {
       auto timing = frame.timers.scope("nearest strokes");
       gl::ensure(nearest_, "nearest fragment", GL_RG32UI, width, height);
       gl::ensure(nearest_depth_, "nearest depth", GL_DEPTH_COMPONENT32F, width, height);
-      nearest_.clear_uint(0xffffffffu);
+      nearest_.clear_uint(no_fragment);
       gl::Program& program = nearest_program_[int(parameters_.stroke_order)];
       if (!program) {
         gl::Defines defines{"STROKE_NEAREST"};
