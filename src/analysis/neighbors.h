@@ -104,10 +104,10 @@ void NeighborTree::search(const vec3& p, Nearest& nearest) const {
         const std::uint32_t c = std::uint32_t(near[i]);
         bool one_place = true;
         for (int k = 0; k < 3; ++k) one_place = one_place && octet.low[k][c] == octet.high[k][c];
-        if (one_place)
-          nearest.add(leaf_first_[(std::size_t(node.index) * 8 + c) << 3 * node.level], d2[c]);
-        else
+        if (!one_place)
           near[kept++] = near[i];
+        else if (d2[c] < nearest.limit())  // which shrinks as places are added
+          nearest.add(leaf_first_[(std::size_t(node.index) * 8 + c) << 3 * node.level], d2[c]);
       }
       count = kept;
     }

@@ -75,6 +75,35 @@ TEST(Neighbors, MoreNeighborsThanPoints) { expect_brute_force(sorted(uniform_cub
 TEST(Neighbors, AllPointsCoincide) { expect_brute_force(std::vector<vec3>(3000, vec3(1, 2, 3)), 24, 100); }
 TEST(Neighbors, AnyOrderOfThePoints) { expect_brute_force(uniform_cube(2000), 16); }
 
+/// Holds the search to its contract: nothing at or beyond the limit is ever offered, however it shrank meanwhile.
+struct EightPlaces {
+  static constexpr bool merges_coincident = true;
+  std::vector<float> kept;
+  int beyond = 0;
+  float limit() const { return kept.size() < 8 ? std::numeric_limits<float>::infinity() : kept.back(); }
+  void add(std::uint32_t, float distance2) {
+    if (!(distance2 < limit())) ++beyond;
+    kept.insert(std::upper_bound(kept.begin(), kept.end(), distance2), distance2);
+    if (kept.size() > 8) kept.pop_back();
+  }
+};
+
+TEST(Neighbors, CoincidentPointsAreNeverOfferedBeyondTheLimit) {
+  // Leaves of one place each, as scans with double points and integer lattices have them.
+  for (const std::size_t copies : {2, 5, 20, 64}) {
+    std::vector<vec3> positions;
+    for (const vec3& p : uniform_cube(4000, 7))
+      for (std::size_t i = 0; i < copies; ++i) positions.push_back(glm::round(p * 40.0f));
+    positions = sorted(positions);
+    const NeighborTree tree(positions);
+    for (std::size_t i = 0; i < positions.size(); i += 97) {
+      EightPlaces nearest;
+      tree.search(positions[i] + vec3(0.3f, 0.1f, 0.2f), nearest);
+      ASSERT_EQ(nearest.beyond, 0) << copies << " copies, point " << i;
+    }
+  }
+}
+
 TEST(Neighbors, NoPointAndOnePoint) {
   EXPECT_TRUE(find({}, 24).ids.empty());
   EXPECT_TRUE(find({vec3(1)}, 24).ids[0].empty());

@@ -51,6 +51,15 @@ TEST(Spacing, CoincidentPointsCountOnce) {
   EXPECT_FLOAT_EQ(prepared(tripled).median_spacing, prepared(grid).median_spacing);
 }
 
+TEST(Spacing, CloudsOfManyDoublePointsAreMeasured) {
+  for (const int copies : {2, 20, 64}) {
+    std::vector<vec3> positions;
+    for (const vec3& p : square_grid(120, 1))
+      for (int i = 0; i < copies; ++i) positions.push_back(p);
+    EXPECT_NEAR(prepared(positions).median_spacing, 0.886227f, 1e-4f) << copies;  // as without the copies
+  }
+}
+
 TEST(Spacing, ManyCoincidentPointsAreQuick) {
   // Without merging boxes, each of 10,000 queries would walk through 200,000 points: minutes.
   std::vector<vec3> positions = uniform_cube(20'000);
