@@ -24,14 +24,15 @@ dvec3 parse_vector(const std::string& name, const std::string& text) {
   return value;
 }
 
-const ScalarField& scalar_of(const PointCloud& cloud, const std::string& name) {
+// By view: g++ 13 and later take a reference to a temporary name for one that the result refers to.
+const ScalarField& scalar_of(const PointCloud& cloud, std::string_view name) {
   if (const ScalarField* scalar = cloud.scalar(name)) return *scalar;
   std::vector<std::string> names{"uncertainty", "class", "distance"};
   for (const ScalarField& scalar : cloud.scalars) names.push_back(scalar.name);
   std::string list;
   for (const std::string& one : names) list += (list.empty() ? "" : ", ") + one;
   const std::string nearest = nearest_word(name, names);
-  throw Error(ErrorCode::usage, "the cloud has no scalar '" + name + "' to be the field" +
+  throw Error(ErrorCode::usage, "the cloud has no scalar '" + std::string(name) + "' to be the field" +
                                     (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list + ")");
 }
 
