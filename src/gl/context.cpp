@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
+#include <sys/mman.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -20,7 +21,21 @@ Limits current_limits;
 const char* const advice =
     "; install an OpenGL 4.5 driver (on Debian: libegl1 libgl1-mesa-dri libopengl0, or the GPU vendor's)";
 
-[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::no_gl, what + advice); }
+// Without memory a driver fails like a missing one. As much is asked for, not touched, as Mesa's libraries map.
+bool memory_is_short() {
+  constexpr std::size_t least = 256 << 20;
+  void* probe = ::mmap(nullptr, least, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (probe == MAP_FAILED) return true;
+  ::munmap(probe, least);
+  return false;
+}
+
+[[noreturn]] void fail(const std::string& what) {
+  if (memory_is_short())
+    throw Error(ErrorCode::out_of_memory, "out of memory while starting OpenGL (" + what +
+                                              "); raise the limit of memory, or use fewer points (--max-points)");
+  throw Error(ErrorCode::no_gl, what + advice);
+}
 
 bool has_extension(const char* list, const char* name) {
   for (const char* at = list; at && (at = std::strstr(at, name)); at += std::strlen(name)) {

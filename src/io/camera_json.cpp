@@ -1,10 +1,10 @@
 #include "io/camera_json.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "io/file.h"
+#include "io/atomic_writer.h"
+#include "io/bounded_json.h"
 
 namespace sfumato::io {
 namespace {
@@ -15,9 +15,14 @@ using Json = nlohmann::ordered_json;
   throw Error(ErrorCode::bad_input, where + ": " + what);
 }
 
+// As far as points may be from the origin; beyond, the squares of distances leave the range of a float.
+constexpr double farthest = 1e15;
+
 double number(const Json& value, const std::string& key, const std::string& where) {
   if (!value.is_number() || !std::isfinite(value.get<double>()))
     refuse(where, "camera key '" + key + "' is not a number");
+  if (std::abs(value.get<double>()) > farthest)
+    refuse(where, "camera key '" + key + "' is beyond 1e15; no point can be seen from there");
   return value.get<double>();
 }
 
@@ -36,12 +41,6 @@ int pixels(const Json& value, const std::string& key, const std::string& where) 
   const double v = positive(value, key, where);
   if (v != std::floor(v) || v > 65536) refuse(where, "camera key '" + key + "' is not a size in pixels");
   return int(v);
-}
-
-Json parse(std::string_view text, const std::string& where) {
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuse(where, "not valid JSON");
-  return json;
 }
 
 Camera read(const Json& json, const std::string& where) {
@@ -93,12 +92,6 @@ Camera read(const Json& json, const std::string& where) {
   return camera;
 }
 
-std::string load(const std::filesystem::path& file) {
-  const File input(file);
-  if (input.size() > (std::uint64_t(64) << 20)) refuse(file.string(), "too large for a camera file");
-  return input.read_text(0, std::size_t(input.size()));
-}
-
 }  // namespace
 
 std::string camera_to_json(const Camera& camera) {
@@ -120,11 +113,11 @@ std::string camera_to_json(const Camera& camera) {
 }
 
 Camera camera_from_json(std::string_view text, const std::string& where) {
-  return read(parse(text, where), where);
+  return read(parse_json(text, where), where);
 }
 
 Camera read_camera(const std::filesystem::path& file) {
-  return camera_from_json(load(file), file.string());
+  return read(load_json(file), file.string());
 }
 
 void write_camera(const std::filesystem::path& file, const Camera& camera) {
@@ -134,7 +127,7 @@ void write_camera(const std::filesystem::path& file, const Camera& camera) {
 }
 
 std::vector<Camera> read_camera_path(const std::filesystem::path& file) {
-  const Json json = parse(load(file), file.string());
+  const Json json = load_json(file);
   const Json* list = json.is_object() && json.contains("cameras") ? &json["cameras"] : &json;
   if (!list->is_array() || list->empty())
     refuse(file.string(), "a camera path is {\"cameras\": [camera, ...]}");

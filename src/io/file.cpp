@@ -1,30 +1,58 @@
 #include "io/file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <system_error>
-#include <utility>
+#include <vector>
 
 #include "core/error.h"
 
 namespace sfumato::io {
 namespace {
 
-constexpr std::size_t buffer_size = 1 << 20;
-
 std::string cause(int error) {
   return std::generic_category().message(error);
 }
 
+/// All of standard input in memory; -1 with errno when it cannot be had. A redirected file is taken as it is.
+int take_standard_input() {
+  struct stat info {};
+  if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode)) return ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+  const int memory = ::memfd_create("standard input", MFD_CLOEXEC);
+  std::vector<char> block(1 << 20);
+  while (memory >= 0) {
+    ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got == 0) return memory;
+    for (const char* at = block.data(); got > 0;) {
+      const ssize_t done = ::write(memory, at, std::size_t(got));
+      if (done < 0 && errno != EINTR) break;
+      at += std::max<ssize_t>(done, 0), got -= std::max<ssize_t>(done, 0);
+    }
+    if (got != 0) break;
+  }
+  return -1;
+}
+
+int open_standard_input() {
+  static const int kept = take_standard_input();
+  return kept < 0 ? -1 : ::fcntl(kept, F_DUPFD_CLOEXEC, 3);
+}
+
 }  // namespace
 
+bool is_standard_input(const std::filesystem::path& path) {
+  return path == "-" || path == "/dev/stdin" || path == "/dev/fd/0" || path == "/proc/self/fd/0";
+}
+
 File::File(const std::filesystem::path& path) : path_(path) {
-  handle_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  handle_ = is_standard_input(path) ? open_standard_input()
+                                    : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (handle_ < 0)
     throw Error(ErrorCode::io,
                 path.string() + ": cannot open (" + cause(errno) + "); check the name and permissions");
@@ -61,61 +89,6 @@ std::string File::read_text(std::uint64_t offset, std::size_t count) const {
   std::string text(std::size_t(std::min<std::uint64_t>(count, size_ - std::min(offset, size_))), '\0');
   read(offset, std::as_writable_bytes(std::span(text)));
   return text;
-}
-
-AtomicWriter::AtomicWriter(const std::filesystem::path& path) : path_(path) {
-  static std::atomic<unsigned> serial{0};
-  const std::string name = "." + path.filename().string() + "." + std::to_string(::getpid()) + "." +
-                           std::to_string(serial++) + ".tmp";
-  const std::filesystem::path temporary = path.parent_path() / name;
-  handle_ = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (handle_ < 0) fail("cannot create a file beside it");
-  temporary_ = temporary;
-  buffer_.reserve(buffer_size);
-}
-
-AtomicWriter::~AtomicWriter() {
-  if (handle_ >= 0) ::close(handle_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
-}
-
-void AtomicWriter::write(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const std::size_t part = std::min(bytes.size(), buffer_size - buffer_.size());
-    buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + std::ptrdiff_t(part));
-    bytes = bytes.subspan(part);
-    if (buffer_.size() == buffer_size) flush();
-  }
-}
-
-void AtomicWriter::flush() {
-  for (std::span<const std::byte> left(buffer_); !left.empty();) {
-    const ssize_t done = ::write(handle_, left.data(), left.size());
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) fail("write failed");
-    left = left.subspan(std::size_t(done));
-  }
-  buffer_.clear();
-}
-
-void AtomicWriter::commit() {
-  flush();
-  if (::fsync(handle_) != 0) fail("write failed");
-  if (::close(std::exchange(handle_, -1)) != 0) fail("write failed");
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot give the finished file its name");
-  temporary_.clear();
-  // The name itself reaches the disk with its folder; a file system that cannot sync folders is no error.
-  const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
-  if (const int directory = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); directory >= 0) {
-    ::fsync(directory);
-    ::close(directory);
-  }
-}
-
-void AtomicWriter::fail(std::string_view what) const {
-  const int error = errno;
-  throw Error(ErrorCode::io, path_.string() + ": " + std::string(what) + " (" + cause(error) +
-                                 "); check the folder, permissions and free space");
 }
 
 }  // namespace sfumato::io

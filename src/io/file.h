@@ -1,4 +1,4 @@
-// Files: bounded positional reads, and writes that appear under their name only when they are complete.
+// Files open for reading, by bounded positional reads.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,15 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace sfumato::io {
 
+/// `-` and /dev/stdin: what is piped into the program.
+bool is_standard_input(const std::filesystem::path& path);
+
 /// A regular file open for reading. Reads are positional (pread), so several threads may share one File, and
-/// a file cut short under us is an error instead of the SIGBUS a mapping would give.
+/// a file cut short under us is an error instead of the SIGBUS a mapping would give. Standard input is read to
+/// its end once and kept in memory, so that it can be opened again.
 class File {
  public:
   /// Throws Error(io) when the file is missing, not regular or not readable.
@@ -32,31 +35,6 @@ class File {
   std::filesystem::path path_;
   int handle_ = -1;
   std::uint64_t size_ = 0;
-};
-
-/// Writes to a temporary name in the same folder; `commit` gives the file its name. Without it (an error,
-/// Ctrl-C) the temporary is deleted and an older file of that name stays as it was.
-class AtomicWriter {
- public:
-  explicit AtomicWriter(const std::filesystem::path& path);
-  ~AtomicWriter();
-  AtomicWriter(const AtomicWriter&) = delete;
-  AtomicWriter& operator=(const AtomicWriter&) = delete;
-
-  /// The name to hand to a library that opens files itself; use either that or `write`.
-  const std::filesystem::path& temporary() const { return temporary_; }
-  void write(std::span<const std::byte> bytes);
-  void write(std::string_view text) { write(std::as_bytes(std::span(text.data(), text.size()))); }
-  /// Flushes to the disk and renames. Error(io) names the path and the cause.
-  void commit();
-
- private:
-  void flush();
-  [[noreturn]] void fail(std::string_view what) const;
-
-  std::filesystem::path path_, temporary_;
-  int handle_ = -1;
-  std::vector<std::byte> buffer_;
 };
 
 }  // namespace sfumato::io

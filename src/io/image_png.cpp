@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "io/file.h"
+#include "io/atomic_writer.h"
 
 namespace sfumato::io {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "io/atomic_writer.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/las.h"
@@ -90,7 +91,7 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
 }
 
 void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
-  const std::string name = lower_name(file);
+  const std::string name = is_standard_output(file) ? "-.ply" : lower_name(file);
   for (const Format& format : table())
     if (format.write && has_extension(format, name)) return format.write(file, cloud, progress);
   throw Error(ErrorCode::usage,

@@ -1,11 +1,11 @@
 // Writing LAS and LAZ (LAS 1.4): choose a point format, the scaling and the extra bytes, then pack record by record.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
+#include <ostream>
 #include <span>
 
-#include "io/file.h"
+#include "io/atomic_writer.h"
 #include "io/las.h"
 #include "io/las_points.h"
 #include "io/las_layout.h"
@@ -146,8 +146,7 @@ void write_records(const PointCloud& cloud, const WriteLayout& layout, Progress&
 
 class LazWriter {
  public:
-  LazWriter(const std::filesystem::path& path, const std::filesystem::path& temporary) : path_(path) {
-    stream_.open(temporary, std::ios::binary | std::ios::trunc);
+  LazWriter(const std::filesystem::path& path, AtomicWriter& writer) : path_(path), buffer_(writer), stream_(&buffer_) {
     if (laszip_create(&laszip_) != 0) throw Error(ErrorCode::out_of_memory, "LASzip cannot be started: no memory");
   }
   ~LazWriter() { laszip_destroy(laszip_); }
@@ -175,22 +174,23 @@ class LazWriter {
 
   void close() {
     check(laszip_close_writer(laszip_));
-    stream_.flush();
-    check(stream_ ? 0 : 1);
+    buffer_.finish();
   }
 
  private:
   void check(laszip_I32 result) {
+    buffer_.rethrow();
     if (result == 0 && stream_) return;
     laszip_CHAR* message = nullptr;
     laszip_get_error(laszip_, &message);
-    std::string text = message ? message : "the disk is full or the folder cannot be written";
+    std::string text = message && *message ? message : "LASzip does not say why";
     std::replace(text.begin(), text.end(), '\n', ' ');
     throw Error(ErrorCode::io, path_.string() + ": writing failed (" + text + ")");
   }
 
   std::filesystem::path path_;
-  std::ofstream stream_;
+  WriterBuffer buffer_;
+  std::ostream stream_;
   laszip_POINTER laszip_ = nullptr;
   laszip_point_struct* point_ = nullptr;
   int format_ = 0;
@@ -222,7 +222,7 @@ void write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progr
   const las::Summary summary = las::summarize(cloud, layout, progress);
   AtomicWriter writer(file);
   {
-    las::LazWriter laz(file, writer.temporary());
+    las::LazWriter laz(file, writer);
     laz.open(las::header_of(cloud, layout, summary, is_wkt), vlrs);
     las::write_records(cloud, layout, progress, [&](std::span<const std::uint8_t> records) { laz.write(records); });
     laz.close();

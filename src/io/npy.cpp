@@ -3,7 +3,7 @@
 #include <bit>
 #include <string>
 
-#include "io/file.h"
+#include "io/atomic_writer.h"
 
 namespace sfumato::io {
 namespace {

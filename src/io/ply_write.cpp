@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "io/file.h"
+#include "io/atomic_writer.h"
 #include "io/format.h"
 
 namespace sfumato::io {

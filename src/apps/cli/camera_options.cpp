@@ -86,6 +86,9 @@ void CameraOptions::declare(CommandLine& line) {
 std::optional<dvec3> CameraOptions::vector(const char* option, const std::optional<std::string>& text) const {
   if (!text) return std::nullopt;
   const std::vector<double> v = parse_numbers(option, *text, 3);
+  for (double number : v)
+    if (std::abs(number) > 1e15)
+      throw Error(ErrorCode::usage, std::string(option) + ": '" + *text + "' is beyond 1e15, where no point can be seen");
   return dvec3(v[0], v[1], v[2]);
 }
 

@@ -1,6 +1,7 @@
 // sfumato convert: between the formats that can be written.
 #include "commands.h"
 #include "console.h"
+#include "io/file_names.h"
 #include "io/io.h"
 
 namespace sfumato::cli {
@@ -25,6 +26,9 @@ int convert_command(const Words& words) {
   if (max_points) options.max_points = std::uint64_t(parse_whole("--max-points", *max_points, 1));
   const auto axis = up ? parse_up_axis(*up) : std::nullopt;
   if (up && !axis) throw Error(ErrorCode::usage, "--up: '" + *up + "' is not one of +X -X +Y -Y +Z -Z");
+  io::FileNames names;
+  names.input("the input", input);
+  names.output("-o", output);
   io::ReadResult result = io::read(input, options, console);
   for (const std::string& note : result.report.notes) console.say("sfumato: " + input + ": " + note);
   if (axis) result.cloud.up = *axis;

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
+#include <system_error>
 
 #include "commands.h"
 #include "console.h"
@@ -45,8 +47,13 @@ int main(int argc, char** argv) {
     return fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::out_of_memory, "out of memory; rendering takes less with --max-points N, else split the file");
+  } catch (const std::length_error&) {
+    return fail(ErrorCode::out_of_memory, "a size is beyond what memory can hold; use fewer points or pixels");
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorCode::io, error.what());
+  } catch (const std::system_error& error) {
+    // A thread that cannot be started lacks memory or is beyond a limit.
+    return fail(ErrorCode::out_of_memory, error.what());
   } catch (const std::exception& error) {
     return fail(ErrorCode::usage, error.what());
   }

@@ -6,7 +6,8 @@
 #include "core/error.h"
 #include "core/version.h"
 #include "io/camera_json.h"
-#include "io/file.h"
+#include "io/atomic_writer.h"
+#include "io/bounded_json.h"
 
 namespace sfumato::cli {
 namespace {
@@ -22,23 +23,34 @@ std::string spell(const Json& value) {
   return text;
 }
 
+/// Whether a preset may set the option: what names files, or decides what is reported, is the command line's alone.
+bool is_look(const std::string& option) {
+  static const std::set<std::string> others = {"technique", "preset",  "camera", "path",   "frames", "degrees", "sequence",
+                                               "timings",   "json",    "quiet",  "version", "help",  "strict",  "memory",
+                                               "config"};
+  const std::string name = with_dashes(option);
+  const bool is_word = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
+  return is_word && !others.contains(name) && !name.starts_with("output") && !name.starts_with("save");
+}
+
 }  // namespace
 
 Preset load_preset(const std::filesystem::path& file) {
-  const io::File input(file);
   auto refuse = [&](const std::string& what) {
     throw Error(ErrorCode::bad_input, file.string() + ": " + what);
   };
-  if (input.size() > (1u << 20)) refuse("too large for a preset");
-  const Json json = Json::parse(input.read_text(0, std::size_t(input.size())), nullptr, false);
-  if (json.is_discarded() || !json.is_object()) refuse("not a JSON object");
+  const Json json = io::load_json(file);
+  if (!json.is_object()) refuse("not a JSON object");
   Preset preset;
   for (const auto& [key, value] : json.items()) {
     if (key == "technique" && value.is_string()) {
       preset.technique = value.get<std::string>();
     } else if ((key == "parameters" || key == "options") && value.is_object()) {
-      for (const auto& [name, setting] : value.items())
+      for (const auto& [name, setting] : value.items()) {
+        if (!is_look(name)) refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
+                                   with_dashes(name) + " to the command");
         preset.words.push_back("--" + with_dashes(name) + "=" + spell(setting));
+      }
     } else if (key == "camera" && value.is_object()) {
       preset.camera = io::camera_from_json(value.dump(), file.string());
     } else if (key != "sfumato") {
@@ -51,9 +63,6 @@ Preset load_preset(const std::filesystem::path& file) {
 void save_preset(const std::filesystem::path& file, const Choice& choice,
                  const std::vector<std::pair<std::string, std::string>>& given,
                  const std::optional<Camera>& camera) {
-  static const std::set<std::string> not_looks = {
-      "technique", "output",  "output-depth", "output-normal", "output-camera", "preset", "save-preset",
-      "camera",    "timings", "json",         "quiet",         "path",          "frames", "degrees"};
   Json json;
   json["sfumato"] = version();
   std::string names;
@@ -69,7 +78,7 @@ void save_preset(const std::filesystem::path& file, const Choice& choice,
   for (const auto& [name, value] : given) {
     std::string parameter = name;
     std::replace(parameter.begin(), parameter.end(), '-', '_');
-    if (not_looks.contains(name) || json["parameters"].contains(parameter) ||
+    if (!is_look(name) || json["parameters"].contains(parameter) ||
         name.find('.') != std::string::npos)
       continue;
     bool is_parameter = false;  // a plain name, saved above under its qualified ones

@@ -1,6 +1,7 @@
 // sfumato FILE... -o OUT: files to pictures.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "camera_options.h"
@@ -9,6 +10,7 @@
 #include "contact_sheet.h"
 #include "core/version.h"
 #include "io/camera_json.h"
+#include "io/file_names.h"
 #include "io/image_exr.h"
 #include "io/image_png.h"
 #include "io/npy.h"
@@ -197,6 +199,26 @@ class Studio {
   Coloring coloring_;
 };
 
+/// Refuses outputs that would replace an input or each other, before anything is read.
+void check_names(const RenderOptions& options, const Choice& choice, int frames) {
+  io::FileNames names;
+  for (const std::string& file : options.files) names.input("the input", file);
+  if (options.camera.file) names.input("--camera", *options.camera.file);
+  if (!options.preset.empty()) names.input("--preset", options.preset);
+  if (!options.path.empty() && options.path != "orbit") names.input("--path", options.path);
+  if (!options.save_preset.empty()) names.output("--save-preset", options.save_preset);
+  const bool fixed = options.path.empty() && !options.sequence;
+  for (int n = 0; n < frames; ++n) {
+    for (const auto& [option, pattern] :
+         {std::pair("-o", options.output), std::pair("--output-depth", options.output_depth),
+          std::pair("--output-normal", options.output_normal), std::pair("--output-camera", options.output_camera)})
+      if (!pattern.empty()) names.output(option, fixed ? pattern : frame_name(pattern, n));
+    if (!options.output_panels.empty())
+      for (const auto& chosen : choice.techniques)
+        names.output("--output-panels", frame_name(options.output_panels, n, chosen->name));
+  }
+}
+
 std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis up) {
   if (options.path.empty()) return {first};
   if (options.path == "orbit") return orbit(first, up_vector(up), options.frame_count, options.orbit_degrees);
@@ -228,6 +250,9 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
     console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})",
                             report.points_hidden, options.hide_classes));
   if (options.timings) console.say(timings_text(report, choice));
+  if (std::all_of(report.techniques.begin(), report.techniques.end(),
+                  [](const TechniqueReport& one) { return one.points_drawn == 0; }))
+    console.say("the picture is empty: no point lies in view; --camera-focal-point or no camera options show the points");
   const std::string& first = report.outputs.front();
   console.say(report.frames > 1
                   ? fmt::format("wrote {} ... {} ({} frames)", first, report.outputs.back(), report.frames)
@@ -262,6 +287,10 @@ int render_command(const Words& words) {
   for (const auto& chosen : choice.techniques) Light::parse(chosen->settings.light_text);
   // A wrong camera file should not cost the time of reading a large scan.
   options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
+
+  check_names(options, choice, options.sequence       ? int(options.files.size())
+                               : options.path.empty() ? 1
+                                                      : options.frame_count);
 
   Console console(options.quiet);
   RenderReport report;

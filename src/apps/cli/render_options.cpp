@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include "core/colormap.h"
 #include "core/error.h"
+#include "io/atomic_writer.h"
 
 namespace sfumato::cli {
 namespace {
@@ -90,6 +92,7 @@ void RenderOptions::check(std::size_t technique_count) {
     if (!file.empty() && extension_of(file) != ".npy")
       refuse(std::string(option) + " " + file + ": the array is written as .npy");
   if (legend && (extension == ".exr" || extension == ".npy")) refuse("--legend goes with .png only");
+  if (json && io::is_standard_output(output)) refuse("--json and -o " + output + " both write to standard output");
   camera.check();
   if (sequence && !path.empty()) refuse("--sequence shows its files from one camera: leave out --path");
   if (path.empty()) {
@@ -126,6 +129,7 @@ void RenderOptions::check(std::size_t technique_count) {
 }
 
 std::string extension_of(const std::string& file) {
+  if (io::is_standard_output(file)) return ".png";
   std::string extension = std::filesystem::path(file).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return char(std::tolower(c)); });
@@ -133,6 +137,12 @@ std::string extension_of(const std::string& file) {
 }
 
 std::string frame_name(const std::string& pattern, int n, const std::string& technique) {
+  // Three digits in braces would be a width of a hundred and more; no frame's number has so many.
+  for (std::size_t i = 0, digits = 0, open = 0; i < pattern.size(); ++i) {
+    open = pattern[i] == '{' ? 1 : pattern[i] == '}' ? 0 : open;
+    digits = open && std::isdigit(static_cast<unsigned char>(pattern[i])) ? digits + 1 : 0;
+    if (digits == 3) refuse("'" + pattern + "' is no file name template: {n:04} gives the frame's number four digits");
+  }
   try {
     return fmt::format(fmt::runtime(pattern), fmt::arg("n", n), fmt::arg("technique", technique));
   } catch (const fmt::format_error& error) {

@@ -7,6 +7,7 @@
 #include "console.h"
 #include "core/param.h"
 #include "io/camera_json.h"
+#include "io/file_names.h"
 #include "io/io.h"
 #include "io/npy.h"
 #include "parameters.h"
@@ -64,6 +65,13 @@ int synth_command(const Words& words) {
     throw Error(ErrorCode::usage, "--input FILE.ply|obj goes with the scene mesh, and mesh needs it");
   if (truth_folder && !camera_file) throw Error(ErrorCode::usage, "--truth needs --camera C.json");
 
+  io::FileNames names;
+  if (input) names.input("--input", *input);
+  if (camera_file) names.input("--camera", *camera_file);
+  if (!output.empty()) names.output("-o", output);
+  if (truth_folder)
+    for (const char* name : {"depth.npy", "normal.npy", "color.npy", "class.npy", "camera.json"})
+      names.output("--truth", std::filesystem::path(*truth_folder) / name);
   Console console(quiet);
   const std::optional<Camera> camera =
       camera_file ? std::optional(io::read_camera(*camera_file)) : std::nullopt;

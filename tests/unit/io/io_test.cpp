@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "io/atomic_writer.h"
 #include "io/file.h"
 #include "unit/io/files.h"
 #include "unit/io/truth.h"

@@ -1,0 +1,116 @@
+// What the command writes, and what it refuses to write over; presets and cameras that mean harm.
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli/command.h"
+
+using namespace sfumato::testing;
+using ::testing::HasSubstr;
+
+namespace {
+
+constexpr bool is_sanitized() {
+#ifdef __SANITIZE_ADDRESS__
+  return true;
+#else
+  return false;
+#endif
+}
+
+TEST_F(CommandTest, InputsAreNoOutputsAndNoFileIsWrittenTwice) {
+  write_cube("cube.ply", 4);
+  write("c.json", R"({"position": [0, -5, 2], "target": [0, 0, 0]})");
+  write("p.json", R"({"technique": "points"})");
+  symlink("cube.ply", path("link.ply").c_str());
+  const std::string before = text("cube.ply");
+  struct Case {
+    std::vector<std::string> words;
+    std::string says;
+  };
+  for (const Case& c : std::vector<Case>{
+           {{"cube.ply", "-o", "a.png", "--output-camera", "cube.ply"}, "--output-camera cube.ply: would replace the input"},
+           {{"cube.ply", "-o", "a.png", "--output-camera", "link.ply"}, "would replace the input"},
+           {{"cube.ply", "-o", "a.png", "--save-preset", "./cube.ply"}, "would replace the input"},
+           {{"cube.ply", "-o", "a.png", "--camera", "c.json", "--output-camera", "c.json"}, "would replace --camera"},
+           {{"cube.ply", "-o", "a.png", "--preset", "p.json", "--save-preset", "p.json"}, "would replace --preset"},
+           {{"cube.ply", "-o", "a.npy", "--output-depth", "a.npy"}, "is also written by -o"},
+           {{"cube.ply", "--output-normal", "n.npy", "--output-depth", "n.npy"}, "is also written by"},
+           {{"cube.ply", "-o", "/dev/null"}, "/dev/null"},
+           {{"cube.ply", "-o", "a.png", "--output-camera", "/dev/null"}, "is a device"},
+           {{"convert", "cube.ply", "-o", "cube.ply"}, "would replace the input"},
+           {{"convert", "cube.ply", "-o", "link.ply"}, "would replace the input"},
+           {{"cube.ply", "-o", "f_{n:2000000000}.png", "--path", "orbit"}, "template"},
+           {{"cube.ply", "-o", "a.png", "--camera-position", "1e308,0,0"}, "beyond 1e15"},
+           {{"cube.ply", "-o", "-", "--json"}, "both write to standard output"},
+       }) {
+    const Outcome outcome = run(c.words);
+    EXPECT_EQ(outcome.code, 1) << c.says << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(c.says));
+  }
+  EXPECT_EQ(text("cube.ply"), before);
+  EXPECT_EQ(files(), (std::vector<std::string>{"c.json", "cube.ply", "link.ply", "p.json"}));
+}
+
+TEST_F(CommandTest, StandardInputAndOutputAreFiles) {
+  write_cube("cube.ply", 10);
+  const Outcome picture = run({"cube.ply", "-t", "points", "-o", "-", "--resolution", "40x30", "--quiet"});
+  ASSERT_EQ(picture.code, 0) << picture.err;
+  EXPECT_TRUE(picture.out.starts_with("\x89PNG")) << "a picture on standard output";
+  const Outcome cloud = run({"convert", "cube.ply", "-o", "/dev/stdout", "--quiet"});
+  ASSERT_EQ(cloud.code, 0) << cloud.err;
+  EXPECT_TRUE(cloud.out.starts_with("ply\n"));
+  write("copy.ply", cloud.out);
+  EXPECT_EQ(run_json({"info", "copy.ply", "--json"})["points"], 600);
+}
+
+TEST_F(CommandTest, PresetsSetLooksNeverFiles) {
+  write_cube("cube.ply", 4);
+  for (const char* preset :
+       {R"({"options": {"output-camera": "owned"}})", R"({"options": {"save-preset": "owned"}})",
+        R"({"options": {"output_depth": "owned.npy"}})", R"({"options": {"output": "owned.png"}})",
+        R"({"options": {"output-camera=owned --x": "1"}})", R"({"parameters": {"output-camera": "owned"}})",
+        R"({"options": {"camera": "/etc/passwd"}})", R"({"options": {"path": "orbit"}})",
+        R"({"options": {"json": true}})"}) {
+    write("p.json", preset);
+    const Outcome outcome = run({"cube.ply", "-t", "points", "-o", "a.png", "--preset", "p.json"});
+    EXPECT_EQ(outcome.code, 2) << preset << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("is no look"));
+  }
+  write("p.json", std::string(400000, '[') + std::string(400000, ']'));
+  EXPECT_THAT(run({"cube.ply", "-o", "a.png", "--preset", "p.json"}).err, HasSubstr("deep"));
+  EXPECT_THAT(run({"cube.ply", "-o", "a.png", "--camera", "p.json"}).err, HasSubstr("deep"));
+  std::string keys = "{\"options\": {\"k\": 1";
+  for (int i = 0; i < 200000; ++i) keys += ",\"k" + std::to_string(i) + "\": 1";
+  write("p.json", keys + "}}");
+  EXPECT_THAT(run({"cube.ply", "-o", "a.png", "--preset", "p.json"}).err, HasSubstr("more than 1000 keys"));
+  EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "p.json"}));
+}
+
+TEST_F(CommandTest, ACameraThatSeesNothingSaysSo) {
+  write_cube("cube.ply", 4);
+  const Outcome outcome = run({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "40x30", "--camera-position",
+                               "0,0,9", "--camera-direction", "0,0,1"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("the picture is empty"));
+}
+
+TEST_F(CommandTest, LittleMemoryIsExitCode5) {
+  if (is_sanitized()) GTEST_SKIP() << "sanitizers need address space";
+  write_cube("cube.ply", 20);
+  struct rlimit old {};
+  getrlimit(RLIMIT_AS, &old);
+  for (rlim_t megabytes : {150, 200, 250, 300}) {
+    struct rlimit tight = old;
+    tight.rlim_cur = megabytes << 20;
+    setrlimit(RLIMIT_AS, &tight);
+    const Outcome outcome = run({"cube.ply", "-t", "points", "-o", "a.png"});
+    setrlimit(RLIMIT_AS, &old);
+    EXPECT_EQ(outcome.code, 5) << megabytes << " MB: " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("memory"));
+  }
+  EXPECT_FALSE(exists("a.png"));
+}
+
+}  // namespace
