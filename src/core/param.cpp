@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -20,6 +21,14 @@ bool parse_number(std::string_view text, T& out) {
   if constexpr (std::is_floating_point_v<T>)
     if (!std::isfinite(value)) return false;
   out = value;
+  return true;
+}
+
+/// Whole parameters are also written as counts: 250k, 1e6.
+bool parse_number(std::string_view text, int& out) {
+  const std::optional<double> value = parse_count(text);
+  if (!value || std::abs(*value) > double(std::numeric_limits<int>::max())) return false;
+  out = int(*value);
   return true;
 }
 
@@ -54,6 +63,12 @@ std::string print_list(const float* values, std::size_t count) {
   return text;
 }
 
+/// A bound as people write it: 1000000, not 1e+06.
+std::string print_bound(double value) {
+  char buffer[400];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, float(value), std::chars_format::fixed).ptr};
+}
+
 std::string join(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " | ") + word;
@@ -61,6 +76,14 @@ std::string join(const std::vector<std::string>& words) {
 }
 
 std::string did_you_mean(std::string_view text, const std::vector<std::string>& choices) {
+  bool on = false;
+  if (parse_bool(text, on) && on && !text.empty() &&
+      std::find(choices.begin(), choices.end(), "off") != choices.end()) {
+    std::string kinds;  // "on" does not say which kind
+    for (const std::string& choice : choices)
+      if (choice != "off") kinds += (kinds.empty() ? "" : " or ") + choice;
+    return "; say which: " + kinds;
+  }
   const std::string near = nearest_word(text, choices);
   return near.empty() ? "" : "; did you mean " + near + "?";
 }
@@ -81,9 +104,9 @@ void Param::set(std::string_view text) {
     // Bounds are compared as floats, as the values are: 0.01 is in [0.01, 1].
     if ((!min || float(value) >= float(*min)) && (!max || float(value) <= float(*max))) continue;
     parse_(before);
-    refuse("in range [" + (min ? print_number(float(*min)) : std::string("-inf")) + ", " +
-           (max ? print_number(float(*max)) : std::string("inf")) + "]; the nearest is " +
-           print_number(float(min && value < *min ? *min : *max)));
+    refuse("in range [" + (min ? print_bound(*min) : std::string("-inf")) + ", " +
+           (max ? print_bound(*max) : std::string("inf")) + "]; the nearest is " +
+           print_bound(min && value < *min ? *min : *max));
   }
 }
 
@@ -245,9 +268,29 @@ Param* ParamList::find(std::string_view name) {
   return nullptr;
 }
 
+std::optional<double> parse_count(std::string_view text) {
+  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
+  double unit = 1;
+  if (!text.empty()) switch (text.back()) {
+      case 'k': case 'K': unit = 1e3; break;
+      case 'm': case 'M': unit = 1e6; break;
+      case 'g': case 'G': unit = 1e9; break;
+      default: break;
+    }
+  if (unit != 1) text.remove_suffix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  value *= unit;
+  // 2.3M is whole although 2.3 times a million in doubles need not be.
+  if (!std::isfinite(value) || std::abs(value - std::round(value)) > 1e-9 * std::abs(value)) return std::nullopt;
+  return std::round(value);
+}
+
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  // A third of the letters may differ: two letters of a word of three make another word.
+  std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
     std::vector<std::size_t> row(candidate.size() + 1);  // Levenshtein, one row at a time
     std::iota(row.begin(), row.end(), 0u);

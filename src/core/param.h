@@ -100,6 +100,9 @@ class ParamList {
   std::vector<Param> params_;
 };
 
+/// A whole number as people write counts: 12, 1e6, 250k, 2M, 1.5M. Nothing when it is none.
+std::optional<double> parse_count(std::string_view text);
+
 /// The candidate nearest to `word` by edit distance, for "did you mean"; empty when nothing is near.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
 

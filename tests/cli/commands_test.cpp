@@ -36,7 +36,7 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
            {{"cube.ply", "-t", "points", "-o", "a.png", "--camera-view-angle", "0"}, "0 degrees is outside [0.001, 179]"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--pont-size", "3"}, "did you mean --point-size?"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--point-size", "-3"},
-            "'-3' is not in range [0.01, 1e+06]; the nearest is 0.01"},
+            "'-3' is not in range [0.01, 1000000]; the nearest is 0.01"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--size-mode", "pixel"}, "did you mean pixels?"},
            {{"cube.ply", "-o", "a.png", "-t", "pointz"}, "points"},
            {{"cube.ply", "-o", "a.png", "--color-by", "rows"}, "did you mean 'row'?"},

@@ -1,47 +1,152 @@
 #include "command_line.h"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "console.h"
 #include "core/error.h"
 #include "core/param.h"
+#include "help_text.h"
+#include "suggestions.h"
 
 namespace sfumato::cli {
 
+std::function<void(const CommandHelp&)> CommandLine::listener;
+
+namespace {
+
+bool is_boolean_word(const std::string& word) {
+  static const std::set<std::string> words = {"true", "false", "on", "off", "yes", "no", "1", "0", "auto"};
+  return words.contains(word);
+}
+
+/// "-3", "-1,2,3" and "-.5" are values, not options.
+bool looks_like_option(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && !(word[1] >= '0' && word[1] <= '9') && word[1] != '.';
+}
+
+}  // namespace
+
 struct CommandLine::State {
-  CLI::App app;
+  struct Entry {
+    OptionInfo info;
+    std::function<void(const std::string&)> apply;
+    std::function<void()> clear;  // of options that collect values: a later line starts anew
+    Words values;                 // of the last line that gave any
+    bool fresh = false;           // given on the line being parsed
+  };
+
+  CommandHelp help;
   std::string group = "Options";
-  std::vector<std::pair<CLI::Option*, std::function<void(const std::string&)>>> handlers;
-  std::vector<CLI::Option*> options;
+  std::vector<Entry> entries;
+  std::vector<std::pair<std::string, std::string*>> single;  // positionals of one word
+  Words* many = nullptr;
   std::function<void(const std::string&)> explain;
+  std::function<std::string(const CommandHelp&)> make_short_help;
 
-  State(const std::string& name, const std::string& description) : app(description, name) {}
+  Entry& add(const std::string& names, OptionInfo::Kind kind, const std::string& metavar,
+             const std::string& text) {
+    Entry entry;
+    for (const std::string& name : split(names, ',')) {
+      if (name.starts_with("--"))
+        entry.info.long_name = name.substr(2);
+      else
+        entry.info.short_name = name[1];
+    }
+    entry.info.kind = kind;
+    entry.info.metavar = metavar;
+    entry.info.help = text;
+    entry.info.group = group;
+    return entries.emplace_back(std::move(entry));
+  }
 
-  CLI::Option* keep(CLI::Option* option, const std::string& metavar) {
-    option->group(group)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    if (!metavar.empty()) option->type_name(metavar);
-    options.push_back(option);
-    return option;
+  Entry* find_long(const std::string& name) {
+    for (Entry& entry : entries)
+      if (entry.info.long_name == name) return &entry;
+    return nullptr;
+  }
+
+  /// "--no-legend" is legend, and "--background" the opposite of "--no-background".
+  Entry* find_opposite(const std::string& name) {
+    Entry* entry = nullptr;
+    if (name.starts_with("no-"))
+      entry = find_long(name.substr(3));
+    else
+      entry = find_long("no-" + name);
+    // "--no-points.edl" and "--points.no-edl" are both tried by people.
+    if (const std::size_t dot = name.find(".no-"); !entry && dot != std::string::npos)
+      entry = find_long(name.substr(0, dot + 1) + name.substr(dot + 4));
+    return entry && entry->info.kind != OptionInfo::Kind::value ? entry : nullptr;
   }
 
   [[noreturn]] void refuse_unknown(const std::string& word) const {
     if (explain) explain(word);
-    std::vector<std::string> names;
-    for (const CLI::Option* option : options)
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    const std::string near = nearest_word(word, names);
-    throw Error(ErrorCode::usage, "unknown option " + word +
-                                      (near.empty() ? "" : "; did you mean " + near + "?") + " (" +
-                                      app.get_name() + " --help lists all)");
+    Words names;
+    for (const Entry& entry : entries)
+      if (!entry.info.hidden) names.push_back("--" + entry.info.long_name);
+    throw Error(ErrorCode::usage, "unknown option " + word + suggest_option(word, names) + " (" + help.name +
+                                      " --help all lists all)");
+  }
+
+  void describe() {
+    help.options.clear();
+    for (const Entry& entry : entries) help.options.push_back(entry.info);
+  }
+
+  /// Takes words[i], an option, and its value; returns the place of the next word.
+  std::size_t take_option(const Words& words, std::size_t i) {
+    const std::string& word = words[i];
+    Entry* entry = nullptr;
+    std::optional<std::string> value;
+    bool negated = false;
+    std::string shown = word;
+    if (word.starts_with("--")) {
+      const std::size_t equals = word.find('=');
+      const std::string name = word.substr(2, equals == std::string::npos ? equals : equals - 2);
+      if (equals != std::string::npos) value = word.substr(equals + 1);
+      shown = "--" + name;
+      entry = find_long(name);
+      if (!entry && (entry = find_opposite(name))) negated = true;
+    } else {
+      for (Entry& one : entries)
+        if (one.info.short_name == word[1]) entry = &one;
+      shown = word.substr(0, 2);
+      if (word.size() > 2) value = word.substr(2);
+    }
+    if (!entry) refuse_unknown(word.starts_with("--") ? shown : word);
+    if (entry->info.kind == OptionInfo::Kind::value) {
+      if (!value) {
+        if (i + 1 == words.size() || (looks_like_option(words[i + 1]) && words[i + 1] != "-"))
+          throw Error(ErrorCode::usage,
+                      shown + " needs a value: " + shown + " " + value_names(entry->info.metavar));
+        value = words[++i];
+      }
+    } else {
+      if (!value && entry->info.kind == OptionInfo::Kind::boolean && !negated && i + 1 < words.size() &&
+          is_boolean_word(words[i + 1]))
+        value = words[++i];
+      if (!value) value = "true";
+      if (entry->info.kind == OptionInfo::Kind::flag || negated) {
+        if (!is_boolean_word(*value) || *value == "auto")
+          throw Error(ErrorCode::usage, shown + ": '" + *value + "' is not true or false");
+        const bool on = *value == "true" || *value == "on" || *value == "yes" || *value == "1";
+        value = on != negated ? "true" : "false";
+      }
+    }
+    if (!entry->fresh) entry->values.clear();
+    entry->fresh = true;
+    entry->values.push_back(*value);
+    return i + 1;
   }
 };
 
 CommandLine::CommandLine(const std::string& name, const std::string& description)
-    : state_(std::make_unique<State>(name, description)) {
-  state_->app.allow_extras();
-  state_->app.get_formatter()->column_width(38);
+    : state_(std::make_unique<State>()) {
+  state_->help.name = name;
+  state_->help.description = description;
+  state_->help.usage = name;
 }
 
 CommandLine::~CommandLine() = default;
@@ -51,12 +156,14 @@ void CommandLine::group(const std::string& title) {
 }
 
 void CommandLine::flag(const std::string& names, bool& value, const std::string& help) {
-  state_->keep(state_->app.add_flag(names, value, help), "");
+  state_->add(names, OptionInfo::Kind::flag, "", help).apply = [&value](const std::string& text) {
+    value = text == "true";
+  };
 }
 
 void CommandLine::text(const std::string& names, std::string& value, const std::string& metavar,
                        const std::string& help) {
-  state_->keep(state_->app.add_option(names, value, help), metavar);
+  handler(names, metavar, help, false, [&value](const std::string& text) { value = text; });
 }
 
 void CommandLine::text(const std::string& names, std::optional<std::string>& value,
@@ -64,75 +171,135 @@ void CommandLine::text(const std::string& names, std::optional<std::string>& val
   handler(names, metavar, help, false, [&value](const std::string& text) { value = text; });
 }
 
-void CommandLine::positional(const std::string& metavar, std::string& value, const std::string& help) {
-  state_->app.add_option(metavar, value, help)->type_name("");
+void CommandLine::texts(const std::string& names, Words& values, const std::string& metavar,
+                        const std::string& help) {
+  State::Entry& entry = state_->add(names, OptionInfo::Kind::value, metavar, help);
+  entry.apply = [&values](const std::string& text) { values.push_back(text); };
+  entry.clear = [&values] { values.clear(); };
 }
 
-void CommandLine::positionals(const std::string& metavar, Words& values, const std::string& help) {
-  state_->app.add_option(metavar, values, help)->type_name("");
+void CommandLine::positional(const std::string& metavar, std::string& value, const std::string& help) {
+  state_->single.emplace_back(metavar, &value);
+  state_->help.usage += " " + metavar;
+  if (!help.empty() && state_->help.description.empty()) state_->help.description = help;
+}
+
+void CommandLine::positionals(const std::string& metavar, Words& values, const std::string&) {
+  state_->many = &values;
+  state_->help.usage += " " + metavar + "...";
 }
 
 void CommandLine::handler(const std::string& names, const std::string& metavar, const std::string& help,
                           bool hidden, std::function<void(const std::string&)> apply) {
-  CLI::Option* option = state_->keep(state_->app.add_option(names, help), metavar);
-  option->expected(1);
-  if (hidden) option->group("");
-  state_->handlers.emplace_back(option, std::move(apply));
+  State::Entry& entry = state_->add(names, OptionInfo::Kind::value, metavar, help);
+  entry.info.hidden = hidden;
+  entry.apply = std::move(apply);
+}
+
+void CommandLine::boolean(const std::string& names, const std::string& metavar, const std::string& help,
+                          bool hidden, std::function<void(const std::string&)> apply) {
+  handler(names, metavar, help, hidden, std::move(apply));
+  state_->entries.back().info.kind = OptionInfo::Kind::boolean;
 }
 
 void CommandLine::explain_unknown(std::function<void(const std::string&)> explain) {
   state_->explain = std::move(explain);
 }
 
+void CommandLine::usage(const std::string& text) {
+  state_->help.usage = text;
+}
+
 void CommandLine::footer(const std::string& text) {
-  state_->app.footer(text);
+  state_->help.footer = text;
+}
+
+void CommandLine::short_help(std::function<std::string(const CommandHelp&)> make) {
+  state_->make_short_help = std::move(make);
 }
 
 bool CommandLine::parse(const Words& words) {
-  Words reversed(words.rbegin(), words.rend());  // CLI11 takes words from the back
-  try {
-    state_->app.parse(reversed);
-  } catch (const CLI::CallForHelp&) {
-    print(state_->app.help());
+  State& s = *state_;
+  s.describe();
+  if (listener) {
+    listener(s.help);
     return false;
-  } catch (const CLI::ParseError& error) {
-    throw Error(ErrorCode::usage,
-                std::string(error.what()) + " (" + state_->app.get_name() + " --help lists all)");
   }
-  for (const std::string& word : state_->app.remaining()) {
-    if (word == "--") continue;  // ends the options
-    if (word.size() > 1 && word[0] == '-') state_->refuse_unknown(word.substr(0, word.find('=')));
-    throw Error(ErrorCode::usage,
-                "unexpected argument '" + word + "' (" + state_->app.get_name() + " --help)");
+  for (State::Entry& entry : s.entries) entry.fresh = false;
+  const Words loose_before = s.many ? *s.many : Words{};
+  Words loose;
+  bool options_ended = false;
+  for (std::size_t i = 0; i < words.size();) {
+    const std::string& word = words[i];
+    if (options_ended || !looks_like_option(word)) {
+      loose.push_back(word);
+      ++i;
+    } else if (word == "--") {
+      options_ended = true;
+      ++i;
+    } else if (word == "--help" || word == "-h") {
+      const bool all = i + 1 < words.size() && words[i + 1] == "all";
+      print(s.make_short_help && !all ? s.make_short_help(s.help) : full_help(s.help, terminal_width()));
+      return false;
+    } else {
+      i = s.take_option(words, i);
+    }
   }
-  for (const auto& [option, apply] : state_->handlers)
-    if (option->count() > 0) apply(option->results().back());
+  std::size_t taken = 0;
+  for (auto& [metavar, value] : s.single)
+    if (taken < loose.size()) *value = loose[taken++];
+  if (s.many) {
+    s.many->insert(s.many->end(), loose.begin() + std::ptrdiff_t(taken), loose.end());
+  } else if (taken < loose.size()) {
+    throw Error(ErrorCode::usage,
+                "unexpected argument '" + loose[taken] + "' (" + s.help.name + " --help)");
+  }
+  for (State::Entry& entry : s.entries) {
+    if (!entry.fresh) continue;
+    if (entry.clear) {
+      entry.clear();
+      for (const std::string& value : entry.values) entry.apply(value);
+    } else {
+      entry.apply(entry.values.back());
+    }
+  }
   return true;
 }
 
 std::vector<std::pair<std::string, std::string>> CommandLine::given() const {
   std::vector<std::pair<std::string, std::string>> all;
-  for (const CLI::Option* option : state_->options)
-    if (option->count() > 0) all.emplace_back(option->get_lnames().front(), option->results().back());
+  for (const State::Entry& entry : state_->entries)
+    for (const std::string& value : entry.values) {
+      if (entry.clear || &value == &entry.values.back()) all.emplace_back(entry.info.long_name, value);
+    }
   return all;
+}
+
+const CommandHelp& CommandLine::described() const {
+  state_->describe();
+  return state_->help;
 }
 
 double parse_number(const std::string& option, std::string_view text) {
   double value = 0;
+  const std::string shown(text);
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw Error(ErrorCode::usage, option + ": '" + std::string(text) + "' is not a number");
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    const bool comma = shown.find(',') != std::string::npos;
+    throw Error(ErrorCode::usage, option + ": '" + shown + "' is not a number" +
+                                      (comma ? "; write decimals with a point: 1.5" : ""));
+  }
   return value;
 }
 
 long parse_whole(const std::string& option, std::string_view text, long least) {
-  long value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < least)
+  const std::optional<double> value = parse_count(text);
+  if (!value || *value < double(least) || *value > 9e15)
     throw Error(ErrorCode::usage, option + ": '" + std::string(text) +
-                                      "' is not a whole number of at least " + std::to_string(least));
-  return value;
+                                      "' is not a whole number of at least " + std::to_string(least) +
+                                      " (1000, 250k, 2M, 1e6)");
+  return long(*value);
 }
 
 std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count) {
@@ -140,18 +307,22 @@ std::vector<double> parse_numbers(const std::string& option, std::string_view te
   for (const std::string& word : split(text, ',')) values.push_back(parse_number(option, word));
   if (values.size() != count)
     throw Error(ErrorCode::usage, option + ": '" + std::string(text) + "' is not " + std::to_string(count) +
-                                      " numbers separated by commas");
+                                      " numbers separated by commas" +
+                                      (values.size() == 2 * count ? "; write decimals with a point: 1.5" : ""));
   return values;
 }
 
 std::pair<int, int> parse_resolution(const std::string& option, std::string_view text) {
   const std::size_t cut = text.find_first_of("xX,");
-  const std::string shape = option + ": '" + std::string(text) + "' is not WIDTHxHEIGHT";
+  const std::string shape = option + ": '" + std::string(text) + "' is not WIDTHxHEIGHT, such as 1920x1080";
   if (cut == std::string_view::npos) throw Error(ErrorCode::usage, shape);
-  const long width = parse_whole(option, text.substr(0, cut), 1);
-  const long height = parse_whole(option, text.substr(cut + 1), 1);
-  if (width > 65536 || height > 65536) throw Error(ErrorCode::usage, shape + " of at most 65536 each");
-  return {int(width), int(height)};
+  const auto side = [&](std::string_view part) {
+    const std::optional<double> value = parse_count(part);
+    if (!value || *value < 1 || *value > 65536)
+      throw Error(ErrorCode::usage, shape + ", of 1 to 65536 pixels a side");
+    return int(*value);
+  };
+  return {side(text.substr(0, cut)), side(text.substr(cut + 1))};
 }
 
 Words split(std::string_view text, char separator) {

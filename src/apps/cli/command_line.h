@@ -1,5 +1,5 @@
-// One command's options: declared with the place of their value, parsed, listed by --help. A thin face over
-// CLI11, so that its headers are compiled once.
+// One command's options: declared with the place of their value, parsed, and listed for --help, the manual page and
+// the completion of shells. Every one of those reads the same list.
 #pragma once
 
 #include <functional>
@@ -14,6 +14,22 @@ namespace sfumato::cli {
 
 using Words = std::vector<std::string>;
 
+/// What is known of one option; `--no-NAME` exists for every kind but `value`.
+struct OptionInfo {
+  enum class Kind { flag, boolean, value };
+  char short_name = 0;
+  std::string long_name, metavar, help, group;
+  Kind kind = Kind::value;
+  bool hidden = false;
+};
+
+/// One command as help, manual page and completions show it.
+struct CommandHelp {
+  std::string name, description, usage;
+  std::vector<OptionInfo> options;
+  std::string footer;
+};
+
 class CommandLine {
  public:
   CommandLine(const std::string& name, const std::string& description);
@@ -21,7 +37,7 @@ class CommandLine {
 
   /// Heading in --help of the options that follow.
   void group(const std::string& title);
-  /// `names` in CLI11's spelling: "-o,--output". `metavar` also shows range and default.
+  /// `names`: "-o,--output" or "--output". `metavar` also shows range and default.
   void flag(const std::string& names, bool& value, const std::string& help);
   void text(const std::string& names, std::string& value, const std::string& metavar,
             const std::string& help);
@@ -29,20 +45,33 @@ class CommandLine {
             const std::string& help);
   void positional(const std::string& metavar, std::string& value, const std::string& help);
   void positionals(const std::string& metavar, Words& values, const std::string& help);
+  /// Every value given, in the order of the line.
+  void texts(const std::string& names, Words& values, const std::string& metavar, const std::string& help);
   /// `apply` gets the value once the whole line has parsed, in the order of declaration. `hidden`: not in
   /// --help.
   void handler(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
                std::function<void(const std::string&)> apply);
+  /// The same for true, false or (where the parameter has it) auto; alone it means true.
+  void boolean(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
+               std::function<void(const std::string&)> apply);
   /// Called with the first word that is no option here; may throw a better error than "unknown option".
   void explain_unknown(std::function<void(const std::string&)> explain);
+  /// Stands after "usage:".
+  void usage(const std::string& text);
   void footer(const std::string& text);
+  /// Printed by a bare --help instead of the whole list, which --help all then shows.
+  void short_help(std::function<std::string(const CommandHelp&)> make);
 
   /// False when --help was asked for; it is then on stdout. A later value of an option wins over an earlier
-  /// one. Throws Error(usage): unknown options name the nearest.
+  /// one, and a later call over an earlier call. Throws Error(usage): unknown options name the nearest.
   bool parse(const Words& words);
   /// Long name and value of every option given, in the order of declaration; a flag's value is "true" or
   /// "false".
   std::vector<std::pair<std::string, std::string>> given() const;
+  const CommandHelp& described() const;
+
+  /// While set, `parse` hands the declared options over and returns false: how help lists a command.
+  static std::function<void(const CommandHelp&)> listener;
 
  private:
   struct State;
@@ -51,6 +80,7 @@ class CommandLine {
 
 // Values, all throwing Error(usage) that names the option.
 double parse_number(const std::string& option, std::string_view text);
+/// Also as 1e6, 250k or 2M.
 long parse_whole(const std::string& option, std::string_view text, long least);
 std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count);
 /// "1280x720" or "1280,720".

@@ -19,11 +19,6 @@ std::string help_of(const Param& param) {
   return param.help_text + (param.unit_text.empty() ? "" : " (" + param.unit_text + ")");
 }
 
-bool is_boolean_word(const std::string& word) {
-  static const std::set<std::string> words = {"true", "false", "on", "off", "yes", "no", "1", "0", "auto"};
-  return words.contains(word);
-}
-
 /// A parameter that only techniques outside the choice have deserves to be told so.
 void explain_foreign(const std::string& word, const std::string& chosen) {
   const std::string name = word.substr(word.find_first_not_of('-'));
@@ -67,10 +62,10 @@ void Choice::declare(CommandLine& line) {
   std::set<std::string> seen;
   auto declare_one = [&](const Param& param) {
     if (!seen.insert(param.name).second) return;
-    line.handler("--" + with_dashes(param.name), describe_values(param), help_of(param), false,
-                 [found = find(param.name)](const std::string& text) {
-                   for (Param* each : found) each->set(text);
-                 });
+    declare_parameter(line, param, "--" + with_dashes(param.name), false,
+                      [found = find(param.name)](const std::string& text) {
+                        for (Param* each : found) each->set(text);
+                      });
   };
   for (const auto& chosen : techniques) {
     line.group("Parameters of " + chosen->name);
@@ -88,29 +83,24 @@ void Choice::declare(CommandLine& line) {
     chosen_names += (chosen_names.empty() ? "" : ", ") + chosen->name;
     if (!seen.insert(chosen->name).second) continue;
     for (Param& param : chosen->parameters.all())
-      line.handler("--" + chosen->name + "." + with_dashes(param.name), "", "", true,
-                   [&param](const std::string& text) { param.set(text); });
+      declare_parameter(line, param, "--" + chosen->name + "." + with_dashes(param.name), true,
+                        [&param](const std::string& text) { param.set(text); });
   }
   line.explain_unknown([chosen_names](const std::string& word) { explain_foreign(word, chosen_names); });
-}
-
-Words Choice::complete_booleans(const Words& words) {
-  Words out = words;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (!out[i].starts_with("--") || out[i].find('=') != std::string::npos) continue;
-    const std::string name = out[i].substr(2);
-    const std::vector<Param*> found =
-        find(name.substr(name.find('.') == std::string::npos ? 0 : name.find('.') + 1));
-    if (found.empty() || found.front()->kind != ParamKind::boolean) continue;
-    if (i + 1 == out.size() || !is_boolean_word(out[i + 1])) out[i] += "=true";
-  }
-  return out;
 }
 
 std::string default_technique() {
   for (const TechniqueInfo& info : all_techniques())
     if (info.name == "surface") return info.name;
   return "points";
+}
+
+void declare_parameter(CommandLine& line, const Param& param, const std::string& name, bool hidden,
+                       std::function<void(const std::string&)> apply) {
+  if (param.kind == ParamKind::boolean)
+    line.boolean(name, describe_values(param), help_of(param), hidden, std::move(apply));
+  else
+    line.handler(name, describe_values(param), help_of(param), hidden, std::move(apply));
 }
 
 std::string describe_values(const Param& param) {

@@ -33,8 +33,6 @@ struct Choice {
   explicit Choice(const std::string& names);
   /// --parameter and --technique.parameter for every parameter.
   void declare(CommandLine& line);
-  /// Booleans may stand alone: "--edl" becomes "--edl=true" unless a value follows.
-  Words complete_booleans(const Words& words);
 
  private:
   std::vector<Param*> find(const std::string& name);
@@ -42,6 +40,9 @@ struct Choice {
 
 /// `surface` where it exists, else `points`.
 std::string default_technique();
+/// A parameter as an option; one that is true or false may stand alone.
+void declare_parameter(CommandLine& line, const Param& param, const std::string& name, bool hidden,
+                       std::function<void(const std::string&)> apply);
 /// "FLOAT [0.1, 64] = 1": kind, range or choices, default.
 std::string describe_values(const Param& param);
 /// bool, int, float, choice, string, float_list, vec3.

@@ -275,9 +275,8 @@ int render_command(const Words& words) {
                    "(sfumato COMMAND --help).");
   options.declare(line);
   choice.declare(line);
-  Words all = preset.words;
-  all.insert(all.end(), words.begin(), words.end());
-  if (!line.parse(choice.complete_booleans(all))) return 0;
+  if (!preset.words.empty() && !line.parse(preset.words)) return 0;
+  if (!line.parse(words)) return 0;
   if (options.version) {
     print("sfumato " + std::string(version()) + "\n");
     return 0;

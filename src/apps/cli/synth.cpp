@@ -55,9 +55,8 @@ int synth_command(const Words& words) {
   line.flag("--quiet", quiet, "no progress");
   line.group("Sampling");
   for (Param& param : parameters.all())
-    line.handler("--" + with_dashes(param.name), describe_values(param),
-                 param.help_text + (param.unit_text.empty() ? "" : " (" + param.unit_text + ")"), false,
-                 [&param](const std::string& text) { param.set(text); });
+    declare_parameter(line, param, "--" + with_dashes(param.name), false,
+                      [&param](const std::string& text) { param.set(text); });
   if (!line.parse(words)) return 0;
   if (scene_name.empty() || (output.empty() && !truth_folder))
     throw Error(ErrorCode::usage, "usage: sfumato synth SCENE -o FILE; scenes: " + scene_list());

@@ -58,7 +58,29 @@ TEST(Param, RefusesAndKeepsTheOldValue) {
     EXPECT_STREQ(error.what(), "parameter 'mode': 'pixel' is not one of: adaptive | pixels; did you mean pixels?");
   }
   EXPECT_EQ(nearest_word("point_siz", {"point_size", "size_mode"}), "point_size");
+  EXPECT_EQ(nearest_word("gpu", {"up"}), "") << "two of three letters differ";
+  EXPECT_EQ(nearest_word("on", {"off", "hard"}), "");
   EXPECT_EQ(nearest_word("zebra", {"point_size", "size_mode"}), "");
+}
+
+TEST(Param, CountsAreWrittenAsPeopleWriteThem) {
+  const std::pair<const char*, double> counts[] = {{"12", 12},    {"1e6", 1e6},     {"250k", 250e3}, {"2M", 2e6},
+                                                   {"1.5M", 15e5}, {"2.3M", 2300000}, {"1G", 1e9},     {"+7", 7}};
+  for (const auto& [text, value] : counts) EXPECT_EQ(parse_count(text), value) << text;
+  for (const char* text : {"", "M", "1.5", "2MM", "ten", "1e400", "nan", "1,000"})
+    EXPECT_FALSE(parse_count(text)) << text;
+}
+
+TEST(Param, ASwitchWithKindsIsToldToSayWhich) {
+  enum class Kind { off, hard, soft } kind = Kind::off;
+  ParamList list;
+  Param& param = list.add("shadows", kind, {"off", "hard", "soft"});
+  try {
+    param.set("on");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("say which: hard or soft"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace
