@@ -59,6 +59,7 @@ dvec3 any_normal_to(dvec3 axis);
 /// What a tree looks like.
 struct TreeShape {
   double height = 6, crown_radius = 2.2, trunk_radius = 0.16, leaf_radius = 0.06;
+  double cluster_radius = 0.36;  ///< of the leaves around the end of a twig
   int leaves = 20000;
   std::uint64_t seed = 1;
 };

@@ -21,6 +21,8 @@ ColumnWriter::ColumnWriter(PointCloud& cloud, const Columns& columns)
   add(scanner, columns.scanner, "scanner", StoredType::uint8);
   add(amplitude, columns.amplitude, "amplitude", StoredType::float32);
   add(outlier, columns.outlier, "outlier", StoredType::uint8);
+  add(return_number, columns.returns, "return_number", StoredType::uint8);
+  add(number_of_returns, columns.returns, "number_of_returns", StoredType::uint8);
 }
 
 void ColumnWriter::resize(std::size_t count) {
@@ -39,7 +41,9 @@ void ColumnWriter::write(std::size_t i, const Sample& s) {
                                       float(s.surface),
                                       float(s.scanner),
                                       float(s.amplitude),
-                                      float(s.outlier)};
+                                      float(s.outlier),
+                                      float(s.return_number),
+                                      float(s.number_of_returns)};
   for (std::size_t c = 0; c < column_count; ++c)
     if (place_[c] >= 0) cloud_.scalars[std::size_t(place_[c])].values[i] = values[c];
 }

@@ -6,7 +6,8 @@
 namespace sfumato::synth {
 
 struct Columns {
-  bool normals = true, intensity = true, classes = true, scanner = false, amplitude = false, outlier = false;
+  bool normals = true, intensity = true, classes = true, scanner = false, amplitude = false, outlier = false,
+       returns = false;
   std::string piece;  ///< scalar with the primitive's number; empty: none
 };
 
@@ -18,6 +19,7 @@ struct Sample {
   double reflectance = 0;  ///< 0..1, share of the light that comes back
   double amplitude = 0;
   std::uint32_t surface = 0;
+  std::uint8_t return_number = 1, number_of_returns = 1;
 };
 
 class ColumnWriter {
@@ -28,7 +30,17 @@ class ColumnWriter {
   void write(std::size_t i, const Sample& sample);
 
  private:
-  enum Column { intensity, class_id, piece, scanner, amplitude, outlier, column_count };
+  enum Column {
+    intensity,
+    class_id,
+    piece,
+    scanner,
+    amplitude,
+    outlier,
+    return_number,
+    number_of_returns,
+    column_count
+  };
   PointCloud& cloud_;
   bool normals_;
   std::array<int, column_count> place_;  ///< in cloud_.scalars, -1: not asked for

@@ -30,6 +30,7 @@ class CameraRays {
 };
 
 PointCloud sample_area(const Scene& scene, const SampleOptions& options, Progress& progress);
+PointCloud sample_airborne(const Scene& scene, const SampleOptions& options, Progress& progress);
 PointCloud sample_devices(const Scene& scene, const SampleOptions& options, Progress& progress);
 
 }  // namespace sfumato::synth

@@ -8,7 +8,7 @@
 namespace sfumato::synth {
 
 /// Independent uses of one seed.
-enum class Stream : std::uint64_t { area = 1, outlier, range, beam, camera, layout, layout_leaf };
+enum class Stream : std::uint64_t { area = 1, outlier, range, beam, camera, layout, layout_leaf, pulse };
 
 inline std::uint64_t mix_bits(std::uint64_t z) {  // finaliser of splitmix64 (Steele, Lea, Flood 2014)
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;

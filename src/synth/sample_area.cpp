@@ -33,7 +33,7 @@ PointCloud sample_area(const Scene& scene, const SampleOptions& options, Progres
   for (std::size_t i = 0; i < up_to.size(); ++i) up_to[i] = total += scene.surface_area(i);
 
   const std::size_t outliers = std::size_t(options.outliers), count = std::size_t(options.points) + outliers;
-  const bool has_devices = !scene.scanners.empty() || !scene.cameras.empty();
+  const bool has_devices = !scene.scanners.empty() || !scene.cameras.empty() || !scene.flight_lines.empty();
   Columns columns;
   columns.normals = options.normals.value();
   columns.intensity = has_devices;

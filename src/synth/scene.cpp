@@ -109,7 +109,7 @@ std::uint8_t Scene::surface_alpha(std::uint32_t surface) const {
 }
 
 std::uint8_t Scene::surface_class(std::uint32_t surface) const {
-  return surface < primitives.size() ? primitives[surface].class_id : std::uint8_t(class_unassigned);
+  return surface < primitives.size() ? primitives[surface].class_id : mesh_class;
 }
 
 SurfacePoint Scene::describe_surface(std::uint32_t surface, dvec3 position) const {

@@ -37,6 +37,12 @@ enum class Sampling {
   area,       ///< uniform by area, in random order
   scanners,   ///< terrestrial scanners: equal angular steps, one organised grid each
   cameras,    ///< RGB-D cameras: one organised picture each
+  airborne,   ///< pulses from flight lines, several returns each, not organised
+};
+
+/// The way of an airborne scanner, which looks down across it.
+struct FlightLine {
+  dvec3 from{0}, to{0};
 };
 
 struct Scene {
@@ -44,9 +50,11 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Primitive> primitives;
   Mesh mesh;
-  std::vector<vec3> mesh_normals;     ///< unit, per vertex, weighted by the angle of each corner
-  std::vector<dvec3> scanners;        ///< terrestrial scanners, world
-  std::vector<Camera> cameras;        ///< RGB-D cameras
+  std::uint8_t mesh_class = class_unassigned;
+  std::vector<vec3> mesh_normals;  ///< unit, per vertex, weighted by the angle of each corner
+  std::vector<dvec3> scanners;     ///< terrestrial scanners, world
+  std::vector<Camera> cameras;     ///< RGB-D cameras
+  std::vector<FlightLine> flight_lines;
   std::optional<Camera> held_out;     ///< a camera that takes no part in the scan, to judge pictures by
   Sampling natural = Sampling::area;  ///< how `automatic` samples it
   bool equal_counts = false;          ///< every primitive gets as many points, whatever its area
@@ -88,5 +96,6 @@ Scene make_mesh_scene(Mesh mesh);
 
 Scene make_courtyard();
 Scene make_room();
+Scene make_forest();
 
 }  // namespace sfumato::synth

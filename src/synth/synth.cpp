@@ -10,12 +10,13 @@ void SampleOptions::describe(ParamList& p) {
       .range(1, 1'000'000'000)
       .help("by area: exactly as many; from devices: about as many, through their resolution");
   p.add("seed", seed).help("random numbers; equal seeds give equal files");
-  p.add("sampling", sampling, {"auto", "area", "scanners", "cameras"})
-      .help("how points are taken: uniform by area, by terrestrial scanners or by RGB-D cameras");
+  p.add("sampling", sampling, {"auto", "area", "scanners", "cameras", "airborne"})
+      .help(
+          "how points are taken: uniform by area, by terrestrial scanners, by RGB-D cameras or from the air");
   p.add("sigma", sigma)
       .at_least(0)
       .unit("scene units")
-      .help("Gaussian noise along the normal (area) or the ray (devices)");
+      .help("Gaussian noise along the normal (area) or the ray (devices, pulses)");
   p.add("noise", noise, {"none", "poisson", "tof", "structured_light"})
       .help("error of a device's depth z: grows with z^2, with falling amplitude, or by quantised disparity");
   p.add("noise_level", noise_level)
@@ -53,6 +54,7 @@ PointCloud sample(const Scene& scene, const SampleOptions& asked, Progress& prog
     cloud.up = scene.up;
     return cloud;
   };
+  if (options.sampling == Sampling::airborne) return finished(sample_airborne(scene, options, progress));
   if (options.sampling != Sampling::area) return finished(sample_devices(scene, options, progress));
   if (options.noise != NoiseModel::none || options.flying_pixels > 0 || options.missing > 0)
     throw Error(ErrorCode::usage, "synth " + scene.name +

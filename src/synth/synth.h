@@ -14,7 +14,8 @@ namespace sfumato::synth {
 
 enum class NoiseModel { none, poisson, tof, structured_light };
 
-/// What the command line offers for `synth`. Lengths in scene units (metres in `courtyard` and `room`).
+/// What the command line offers for `synth`. Lengths in scene units (metres in `courtyard`, `room` and
+/// `forest`).
 struct SampleOptions {
   int points = 1'000'000;
   int seed = 1;
@@ -34,10 +35,10 @@ struct SampleOptions {
 };
 
 /// A scan of the scene: normals, sRGB colours, scalars `intensity`, `classification` (analytic scenes),
-/// `scanner` (devices), `amplitude` (cameras), `outlier` (when asked for), the scene's piece scalar. By area
-/// exactly `points` points plus outliers; from devices about as many, each device an organised Grid. Equal
-/// options give equal bytes on any number of threads. Throws Error(usage) for options that do not go
-/// together.
+/// `scanner` (devices), `amplitude` (cameras), `return_number` and `number_of_returns` (airborne), `outlier`
+/// (when asked for), the scene's piece scalar. By area exactly `points` points plus outliers; from devices
+/// about as many, each device an organised Grid, and from the air in the order of the pulses. Equal options
+/// give equal bytes on any number of threads. Throws Error(usage) for options that do not go together.
 PointCloud sample(const Scene& scene, const SampleOptions& options, Progress& progress = no_progress());
 
 /// About one point per `block_px` x `block_px` pixels of each camera: a ray through a random place of every

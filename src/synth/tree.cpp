@@ -63,7 +63,7 @@ void add_tree(Builder& b, const TreeShape& shape, Finish bark, Finish leaf) {
     dvec3 p(0);
     for (int attempt = 0; attempt < 8; ++attempt) {
       const dvec3 tip = growth.tips[std::size_t(random.uniform() * double(growth.tips.size()))];
-      p = tip + 0.36 * std::cbrt(random.uniform()) * random_direction(random);
+      p = tip + shape.cluster_radius * std::cbrt(random.uniform()) * random_direction(random);
       const dvec3 q = (p - crown) / half;
       if (glm::dot(q, q) < 1) break;
     }

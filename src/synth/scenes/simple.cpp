@@ -83,6 +83,7 @@ struct Entry {
 };
 constexpr Entry scenes[] = {{"courtyard", make_courtyard},
                             {"room", make_room},
+                            {"forest", make_forest},
                             {"tori", make_tori},
                             {"spheres", make_spheres},
                             {"plane", make_plane}};

@@ -51,13 +51,14 @@ bool equal(const PointCloud& a, const PointCloud& b) {
 }
 
 TEST(Sample, EqualSeedsGiveEqualBytesOnAnyNumberOfThreads) {
-  for (const char* name : {"tori", "courtyard", "room"})
+  for (const char* name : {"tori", "courtyard", "room", "forest"})
     for (Sampling sampling : {Sampling::area, Sampling::automatic}) {
       const Scene scene = make_scene(name);
       SampleOptions options = options_for(sampling, 40000);
       options.sigma = 0.01f;
       options.outliers = 100;
-      if (sampling == Sampling::automatic && scene.natural != Sampling::area) options.flying_pixels = 0.5f;
+      const bool from_ground = scene.natural == Sampling::scanners || scene.natural == Sampling::cameras;
+      if (sampling == Sampling::automatic && from_ground) options.flying_pixels = 0.5f;
       const PointCloud many = sample(scene, options);
       const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
       EXPECT_TRUE(equal(many, sample(scene, options))) << name;
@@ -358,6 +359,67 @@ TEST(Sample, UnknownSceneNamesTheKnownOnes) {
     EXPECT_EQ(error.code(), ErrorCode::usage);
     EXPECT_NE(std::string(error.what()).find("courtyard"), std::string::npos);
   }
+}
+
+TEST(Airborne, PulsesComeBackSeveralTimesAndEndAtTheGround) {
+  const Scene scene = make_scene("forest");
+  const PointCloud cloud = sample(scene, options_for(Sampling::automatic, 40000));
+  // Five deviations: returns of a pulse vary by less than two, over 20,000 of each of two looks.
+  EXPECT_NEAR(double(cloud.size()), 40000, 40000 * 5 * 2 * std::sqrt(2 / 20000.0));
+  EXPECT_EQ(cloud.up, UpAxis::pos_z);
+  const ScalarField *number = cloud.scalar("return_number"), *total = cloud.scalar("number_of_returns");
+  const ScalarField* classes = cloud.scalar("classification");
+  ASSERT_TRUE(number && total && classes);
+  std::size_t ground = 0, behind_leaves = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double n = number->value(i), of = total->value(i);
+    ASSERT_GE(n, 1);
+    ASSERT_LE(n, of);
+    ASSERT_LE(of, 5);
+    if (n > 1) {  // the next return of a pulse is farther down
+      ASSERT_EQ(number->value(i - 1), n - 1);
+      ASSERT_EQ(total->value(i - 1), of);
+      EXPECT_LE(cloud.positions[i].z, cloud.positions[i - 1].z);
+    }
+    // Normals face one of the two strips, each in the plane across its line.
+    const dvec3 p = cloud.world(i), normal(cloud.normals[i]);
+    double facing = -1;
+    for (double y : {-40.0, 40.0})
+      facing = std::max(facing, glm::dot(normal, glm::normalize(dvec3(p.x, y, 150) - p)));
+    if (std::abs(p.x) < 24) EXPECT_GT(facing, -1e-6);
+    if (classes->value(i) != int(class_ground)) continue;
+    ++ground;
+    behind_leaves += n > 1;
+    EXPECT_EQ(n, of);  // nothing comes back from below the ground
+  }
+  EXPECT_GT(ground, cloud.size() / 20);
+  EXPECT_GT(behind_leaves, ground / 10);
+}
+
+TEST(Airborne, NoiseIsAlongThePulse) {
+  const Scene scene = make_scene("forest");
+  SampleOptions options = options_for(Sampling::automatic, 20000);
+  const PointCloud exact = sample(scene, options);
+  options.missing = 0.4f;
+  const double kept = double(sample(scene, options).size());
+  EXPECT_NEAR(kept, 20000, 2000);  // `points` are what comes back, whatever was lost
+  options.missing = 0;
+  options.flying_pixels = 0.5f;
+  EXPECT_THROW(sample(scene, options), Error);
+  options.flying_pixels = 0;
+  options.sigma = 0.02f;
+  const PointCloud noisy = sample(scene, options);
+  ASSERT_EQ(noisy.size(), exact.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < noisy.size(); ++i) {
+    const dvec3 moved = noisy.world(i) - exact.world(i);
+    // Down a pulse that leans by 24 degrees at most, (40 + 24 + 4) m aside on 150 m.
+    EXPECT_GE(std::abs(moved.z), std::cos(glm::radians(25.0)) * glm::length(moved) - 1e-5);
+    squares += glm::dot(moved, moved);
+  }
+  const double n = double(noisy.size());
+  EXPECT_NEAR(std::sqrt(squares / n), 0.02, 5 * 0.02 / std::sqrt(2 * n));
+  EXPECT_THROW(sample(make_scene("room"), options_for(Sampling::airborne, 100)), Error);
 }
 
 }  // namespace

@@ -145,6 +145,35 @@ TEST(Truth, AlbedoVariesWithinItsRange) {
   }
 }
 
+TEST(Scene, ForestHasTreesOverGroundOfKnownHeight) {
+  Scene scene = make_scene("forest");
+  // Straight down: one crossing of the terrain whatever stands on it, below everything else.
+  Random random(3, Stream::area, 0);
+  std::vector<std::optional<double>> ground;
+  int under_trees = 0;
+  const auto ray = [&] { return Ray{{random.uniform(-20, 20), random.uniform(-20, 20), 60}, {0, 0, -1}}; };
+  std::vector<Ray> rays;
+  for (int i = 0; i < 400; ++i) rays.push_back(ray());
+  for (const Ray& down : rays) {
+    const std::vector<Hit> hits = scene.intersect_all(down);
+    int crossings = 0;
+    for (const Hit& hit : hits) {
+      if (scene.surface_class(hit.surface) != class_ground) continue;
+      ++crossings;
+      EXPECT_GT(hit.normal.z, 0.5);
+      ground.push_back(hit.t);
+    }
+    EXPECT_EQ(crossings, 1);
+    under_trees += scene.surface_class(hits.front().surface) == class_high_vegetation;
+  }
+  EXPECT_GT(under_trees, 200);  // a wood: most of the plot is under crowns ...
+  EXPECT_LT(under_trees, 380);  // ... with a clearing
+  // The terrain alone, for whoever needs the truth below the trees, is where it was.
+  scene.primitives.clear();
+  scene.build();
+  for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(scene.intersect(rays[i])->t, ground[i]);
+}
+
 Mesh octahedron() {
   Mesh mesh;
   mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
