@@ -16,6 +16,17 @@ void EyeDomeLighting::run(const View& view, const RenderSettings& settings, cons
   pass_.run({&color, &depth}, {&out});
 }
 
+void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out) {
+  if (!smooth_) {
+    find_edges_ = ScreenPass("passes/depth_edges.glsl", {GL_R32UI});
+    smooth_ = ScreenPass("passes/smooth_outlines.glsl", {GL_RGBA32F});
+  }
+  gl::ensure(edges_, "edges in depth", GL_R32UI, color.width(), color.height());
+  view.bind();
+  find_edges_.run({&depth}, {&edges_});
+  smooth_.run({&color, &edges_}, {&out});
+}
+
 void Finish::set(ScreenPass& pass, const RenderSettings& settings) {
   pass.set("background_srgb", settings.background).set("is_transparent", settings.transparent);
 }

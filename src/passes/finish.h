@@ -1,4 +1,4 @@
-// The last steps of every picture: eye-dome lighting, background, linear to sRGB.
+// The last steps of every picture: eye-dome lighting, smooth outlines, background, linear to sRGB.
 #pragma once
 
 #include "gl/texture.h"
@@ -17,6 +17,17 @@ class EyeDomeLighting {
 
  private:
   ScreenPass pass_;
+};
+
+/// Takes the stairs from outlines and from edges in depth (Reshetov 2009, "Morphological Antialiasing"); coverage in alpha
+/// follows. Reads all of `color` and `depth`, writes `out`.
+class SmoothOutlines {
+ public:
+  void run(const View& view, const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out);
+
+ private:
+  ScreenPass find_edges_, smooth_;
+  gl::Texture edges_;
 };
 
 /// Background and encoding. `color` is linear and premultiplied.

@@ -66,6 +66,11 @@ void RenderSettings::describe(ParamList& p) {
   p.add("edl", edl).help("eye-dome lighting as a finish (auto: where the technique wants it)");
   p.add("edl_radius", edl_radius).range(0.5, 16).unit("px").help("reach of eye-dome lighting");
   p.add("edl_strength", edl_strength).range(0, 10).help("darkness of eye-dome lighting");
+  p.add("samples", samples).range(1, 64)
+      .help("places in every pixel whose pictures are averaged: the smoothest outlines, at as many times the work");
+  p.add("smooth_outlines", smooth_outlines)
+      .help("blend the stairs of outlines and of edges in depth (auto: with one sample, unless the technique has soft "
+            "edges of its own)");
   p.add("fast", fast).help("allow float atomics: faster where the driver has them, not bit-reproducible");
 }
 

@@ -49,10 +49,13 @@ struct RenderSettings {
   float edl_strength = 0.4f;
   vec3 background{1};        ///< sRGB 0..1
   bool transparent = false;  ///< --no-background
+  int samples = 1;           ///< places in a pixel whose pictures are averaged
+  Auto<bool> smooth_outlines;  ///< of one sample; automatic: in finished pictures of techniques whose edges are hard
   bool fast = false;         ///< allow float atomics: not bit-reproducible
 
   /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess, edl,
-  /// edl_radius, edl_strength, fast. (Background has its own options.)
+  /// edl_radius, edl_strength, samples,
+  /// smooth_outlines, fast. (Background has its own options.)
   void describe(ParamList& params);
 };
 

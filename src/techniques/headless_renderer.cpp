@@ -56,6 +56,7 @@ Pictures HeadlessRenderer::render(const std::string& name, const Camera& camera,
     param->set(value);
   }
   settings.edl.resolve(technique->wants_edl());
+  settings.smooth_outlines.resolve(settings.samples == 1 && !technique->has_soft_edges());
   analysis::complete(state_->renderer.prepared(), technique->needs(), {}, progress);
   RenderWants wants;
   wants.color_linear = wants.depth = wants.normal = true;

@@ -21,6 +21,8 @@ class Technique {
   virtual Attributes needs() const { return {}; }
   /// True when eye-dome lighting suits the technique by default (`edl = auto`).
   virtual bool wants_edl() const { return false; }
+  /// True where the technique's own edges are soft, so that smoothing outlines would only blur them.
+  virtual bool has_soft_edges() const { return false; }
   /// False for a `shading` that has no meaning here: asking for it is then an error.
   virtual bool shows(Shading shading) const { return shading < Shading::occlusion; }
   /// Says how much of the light each point stops (techniques/casters.h), before shadows are found; all of it unless a

@@ -96,6 +96,7 @@ class Studio {
       chosen->settings.background = options_.background;
       chosen->settings.transparent = options_.no_background;
       chosen->settings.edl.resolve(chosen->technique->wants_edl());
+      chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 && !chosen->technique->has_soft_edges());
     }
   }
 

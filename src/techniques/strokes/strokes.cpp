@@ -28,6 +28,7 @@ class Strokes final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   Attributes needs() const override { return Attribute::normal | Attribute::cluster; }
+  bool has_soft_edges() const override { return true; }  // of brushes
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);

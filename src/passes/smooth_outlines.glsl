@@ -1,0 +1,63 @@
+// Outlines and edges in depth without stairs: morphological antialiasing (Reshetov 2009, "Morphological Antialiasing"),
+// on the edges that depth shows (depth_edges.glsl), so that what is painted on a surface stays sharp.
+//
+// An edge between two rows of pixels runs straight until it steps into one of the rows. The outline it stands for passes
+// through the middle of each step, and crosses the edge half way between two steps: as far as it reaches into a pixel,
+// that pixel takes the colour, and the coverage, of the one across.
+#include "bindings.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D color_image;
+layout(binding = UNIT_INPUT + 1) uniform usampler2D edge_image;
+
+const int reach = 12;  // px along an edge; flatter ones keep some of their stairs
+
+ivec2 last_pixel = textureSize(edge_image, 0) - 1;
+
+// Whether there is an edge between a pixel and its neighbour `across`.
+bool is_edge(ivec2 pixel, ivec2 across) {
+  uint edges = texelFetch(edge_image, clamp(min(pixel, pixel + across), ivec2(0), last_pixel), 0).x;
+  return (edges & (across.x != 0 ? 1u : 2u)) != 0u;
+}
+
+// Follows the edge between `pixel` and `across` along `way`. x: how many pixels on it ends, y: 1/2 where it then steps
+// into our row, -1/2 into the other, 0 where it does neither or leads beyond our reach.
+vec2 end_of_edge(ivec2 pixel, ivec2 across, ivec2 way) {
+  for (int i = 0; i < reach; ++i) {
+    ivec2 at = pixel + i * way;
+    bool ours = is_edge(at, way), other = is_edge(at + across, way);
+    if (ours != other) return vec2(float(i), ours ? 0.5 : -0.5);
+    if (ours || !is_edge(at + way, across)) return vec2(float(i), 0.0);
+  }
+  return vec2(float(reach), 0.0);
+}
+
+// How much of the pixel belongs to the one across: the area between the edge and the outline, which falls from the height
+// of each end to 0 half way.
+float share_across(ivec2 pixel, ivec2 across) {
+  ivec2 way = across.yx;
+  vec2 left = end_of_edge(pixel, across, -way), right = end_of_edge(pixel, across, way);
+  float middle = 0.5 * (left.x + right.x + 1.0);
+  // The pixel reaches from `left.x` to one more, of which each end has the part on its side of the middle.
+  float from = min(left.x, middle), to = min(left.x + 1.0, middle);
+  float of_left = left.y * (to - from) * (1.0 - 0.5 * (from + to) / middle);
+  from = max(left.x, middle), to = max(left.x + 1.0, middle);
+  float of_right = right.y * (to - from) * (0.5 * (from + to) / middle - 1.0);
+  return max(of_left, 0.0) + max(of_right, 0.0);
+}
+
+bool filter_pixel(ivec2 pixel) {
+  out_0 = texelFetch(color_image, pixel, 0);
+  vec4 sum = vec4(0.0);
+  float shares = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 across = (k & 1) * 2 - 1 + ivec2(0);
+    across[k >> 1] = 0;
+    if (!is_edge(pixel, across)) continue;
+    float share = share_across(pixel, across);
+    sum += share * texelFetch(color_image, pixel + across, 0);
+    shares += share;
+  }
+  if (shares > 1.0) sum /= shares, shares = 1.0;
+  if (shares > 0.0) out_0 = (1.0 - shares) * out_0 + sum;
+  return true;
+}
