@@ -2,7 +2,7 @@
 PREFIX ?= /usr/local
 JOBS := $(shell nproc)
 SFUMATO_TEST_DATA ?= ../shared/data
-CCACHE := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+CCACHE := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DSFUMATO_PRECOMPILE=OFF)
 export CCACHE_BASEDIR ?= $(CURDIR)
 
 configure = cmake --preset $(1) $(CCACHE)
@@ -12,12 +12,15 @@ build = $(configure) && cmake --build build/$(1)
 check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
-.PHONY: release demo test bench eval-denoise eval-shadows asan format install
+.PHONY: release command demo test bench eval-denoise eval-shadows asan format install
 
-release:  ## build/release/bin/sfumato
+release:  ## build/release, all of it
 	@$(call build,release)
 
-demo: release  ## every technique on a synthetic scan, or on FILE
+command:  ## build/release/bin/sfumato
+	@$(call configure,release) && cmake --build build/release --target sfumato
+
+demo: command  ## every technique on a synthetic scan, or on FILE
 	@scripts/demo "$$FILE"
 
 test:  ## warnings as errors, then every test
