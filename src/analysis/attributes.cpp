@@ -15,6 +15,7 @@
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
 #include "analysis/range_image.h"
+#include "analysis/support.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -58,7 +59,7 @@ class Completion {
  public:
   Completion(PreparedCloud& prepared, const PrepareOptions& options, const NeighborTree& tree, Progress& progress)
       : prepared_(prepared), cloud_(prepared.cloud), progress_(progress), tree_(tree),
-        k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
+        options_(options), k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
 
   void run(bool normals, bool radii, bool uncertainty) {
     std::vector<vec3> new_normals;
@@ -69,19 +70,21 @@ class Completion {
     KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
 
     const Orientation orientation(cloud_);
+    const bool shrink = radii && options_.clutter_radius < 1;
+    std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
     const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
     if (normals || radii || keep)
       for_each_neighborhood(
           tree_, int(k_),
           [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
-            if (normals && missing(new_normals[i])) {
-              const auto normal = thinnest_direction(cloud_.positions, i, ids);
-              new_normals[i] = normal ? orientation.facing(i, *normal) : orientation.fallback(i);
-            }
-            if (radii && missing(new_radii[i])) {
+            const bool own_normal = normals && missing(new_normals[i]), own_radius = radii && missing(new_radii[i]);
+            const auto frame = own_normal || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
+            if (own_normal) new_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
+            if (own_radius) {
               const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
               new_radii[i] = farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
+              if (shrink && frame) flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, farthest);
             }
             if (keep) kept.keep(i, ids);
           },
@@ -89,11 +92,23 @@ class Completion {
     if (uncertainty)
       cloud_.set_scalar(measure_uncertainty(normals ? new_normals : cloud_.normals,
                                             radii ? new_radii : cloud_.radii, keep ? &kept : nullptr));
+    // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
+    if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
+    if (shrink) shrink_in_clutter(std::move(flatness), new_radii);
     if (normals) cloud_.normals = std::move(new_normals);
     if (radii) cloud_.radii = std::move(new_radii);
   }
 
  private:
+  void shrink_in_clutter(std::vector<float> flatness, std::vector<float>& radii) {
+    if (std::none_of(flatness.begin(), flatness.end(), [](float f) { return f < 1; })) return;
+    const std::vector<float> surface = surface_shares(cloud_.positions, std::move(flatness), int(k_), progress_);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        radii[i] *= std::lerp(options_.clutter_radius, 1.0f, surface[i]);
+    });
+  }
+
   ScalarField measure_uncertainty(const std::vector<vec3>& normals, const std::vector<float>& radii,
                                   const KeptNeighbors* kept) {
     ScalarField field{"uncertainty", 0, std::vector<float>(cloud_.size()), StoredType::float32};
@@ -115,6 +130,7 @@ class Completion {
   PointCloud& cloud_;
   Progress& progress_;
   const NeighborTree& tree_;
+  const PrepareOptions& options_;
   std::size_t k_;
 };
 
@@ -176,7 +192,8 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   }
   prepared.available = attributes_of(cloud);
   prepared.computed = prepared.computed | prepared.available.without(found);
-  if (prepared.available.has(Attribute::radius)) prepared.median_radius = quantile(cloud.radii, 0.5);
+  if (prepared.available.has(Attribute::radius) && !(prepared.median_radius > 0))
+    prepared.median_radius = quantile(cloud.radii, 0.5);
   if (prepared.available.has(Attribute::uncertainty))
     prepared.uncertainty_range = quantiles(cloud.scalar("uncertainty")->values);
 }

@@ -7,9 +7,19 @@
 namespace sfumato::analysis {
 namespace {
 
-/// Eigenvector `which` of the neighbourhood's covariance, by ascending eigenvalue.
-std::optional<vec3> principal_direction(const std::vector<vec3>& positions, std::uint32_t center,
-                                        std::span<const std::uint32_t> neighbors, int which) {
+using Solver = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>;
+
+std::optional<vec3> direction_of(const Solver& solver, int which) {
+  const Eigen::Vector3d n = solver.eigenvectors().col(which);
+  const vec3 direction = vec3(float(n.x()), float(n.y()), float(n.z()));
+  const float length = glm::length(direction);
+  if (!(length > 0.5f)) return std::nullopt;
+  return direction / length;
+}
+
+/// Eigenvalues, ascending, and eigenvectors of the neighbourhood's covariance, times the number of points.
+std::optional<Solver> decompose(const std::vector<vec3>& positions, std::uint32_t center,
+                                std::span<const std::uint32_t> neighbors) {
   // Relative to the point, so that large coordinates do not cancel.
   const vec3 p = positions[center];
   double sum[3] = {}, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
@@ -27,25 +37,32 @@ std::optional<vec3> principal_direction(const std::vector<vec3>& positions, std:
   covariance(2, 1) = yz - sum[1] * sum[2] * each;
   covariance(2, 2) = zz - sum[2] * sum[2] * each;
   if (!(covariance.trace() > 0)) return std::nullopt;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);  // reads the lower triangle; ascending eigenvalues
-  const Eigen::Vector3d n = solver.eigenvectors().col(which);
-  const vec3 direction = vec3(float(n.x()), float(n.y()), float(n.z()));
-  const float length = glm::length(direction);
-  if (!(length > 0.5f)) return std::nullopt;
-  return direction / length;
+  Solver solver;
+  solver.computeDirect(covariance);  // reads the lower triangle
+  return solver;
 }
 
 }  // namespace
 
+std::optional<LocalFrame> local_frame(const std::vector<vec3>& positions, std::uint32_t center,
+                                      std::span<const std::uint32_t> neighbors) {
+  const auto solver = decompose(positions, center, neighbors);
+  const auto normal = solver ? direction_of(*solver, 0) : std::nullopt;
+  if (!normal) return std::nullopt;
+  const Eigen::Vector3d variance = solver->eigenvalues().cwiseMax(0.0) / double(neighbors.size() + 1);
+  return LocalFrame{*normal, vec3(float(variance.x()), float(variance.y()), float(variance.z()))};
+}
+
 std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::uint32_t center,
                                        std::span<const std::uint32_t> neighbors) {
-  return principal_direction(positions, center, neighbors, 0);
+  const auto solver = decompose(positions, center, neighbors);
+  return solver ? direction_of(*solver, 0) : std::nullopt;
 }
 
 std::optional<vec3> widest_direction(const std::vector<vec3>& positions, std::uint32_t center,
                                      std::span<const std::uint32_t> neighbors) {
-  return principal_direction(positions, center, neighbors, 2);
+  const auto solver = decompose(positions, center, neighbors);
+  return solver ? direction_of(*solver, 2) : std::nullopt;
 }
 
 Orientation::Orientation(const PointCloud& cloud)

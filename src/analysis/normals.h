@@ -18,6 +18,15 @@ std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::
 std::optional<vec3> widest_direction(const std::vector<vec3>& positions, std::uint32_t center,
                                      std::span<const std::uint32_t> neighbors);
 
+/// The shape of a neighbourhood: its direction of least variance, and its variances in ascending order.
+struct LocalFrame {
+  vec3 normal{0};
+  vec3 variance{0};
+};
+/// Nothing when all points coincide.
+std::optional<LocalFrame> local_frame(const std::vector<vec3>& positions, std::uint32_t center,
+                                      std::span<const std::uint32_t> neighbors);
+
 /// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`, with
 /// the scalar `scanner` where there are several), else by a fixed rule that looks at the normal alone: upwards.
 class Orientation {

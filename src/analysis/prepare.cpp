@@ -56,6 +56,13 @@ void PrepareOptions::describe(ParamList& p) {
       .range(3, 256)
       .help("points that a normal, a radius or an uncertainty is computed from")
       .paper("Seemann 2018, K");
+  // K discs that point anywhere hide 1 - exp(-K r^2 / 2 R^2) of what lies behind their ball of radius R, which is three
+  // quarters and more for discs of Eq. 20: a twig of few leaves becomes a boulder. A sixth is what twigs hide, which is
+  // r = sqrt(2 ln 1.2) / 2 of Eq. 20, or 0.2 when discs are then drawn 1.5 times as large.
+  p.add("clutter_radius", clutter_radius)
+      .range(0.05, 1)
+      .unit("factor")
+      .help("radius of points that lie on no surface, as foliage does; 1: as on a surface");
 }
 
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options, Progress& progress) {

@@ -11,6 +11,7 @@ namespace sfumato::analysis {
 
 struct PrepareOptions {
   int neighbors = 24;
+  float clutter_radius = 0.2f;
   void describe(ParamList& p);
 };
 

@@ -1,0 +1,130 @@
+#include "analysis/support.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/neighbors.h"
+
+namespace sfumato::analysis {
+namespace {
+
+/// A neighbourhood's least variance over its greatest, "scatter". Measured for 24 neighbours: planes 0, with noise of
+/// 0.3 spacings 0.03 (95 %: 0.06); statues 0.01 to 0.05; edges of a box 0.12; forest 0.17 (5 %: 0.05), a filled ball
+/// 0.44 (5 %: 0.23).
+constexpr float flat_scatter = 0.05f, rough_scatter = 0.18f;
+/// The share of neighbours within a tenth of the neighbourhood's radius from the plane through the point: 0.75 for one
+/// of two sheets two spacings apart, 0.3 in a ball.
+constexpr float sheet_layer = 0.1f, sheet_low = 0.5f, sheet_high = 0.7f;
+/// The share of flat neighbourhoods in a region: 0.7 around an edge, 0.2 in a forest. Where it is high everything is a
+/// surface; where it is low nothing is, for one in five neighbourhoods of leaves is flat by chance, and their discs
+/// would make the crown; between, each point speaks for itself.
+constexpr float chance_low = 0.22f, chance_high = 0.42f, region_low = 0.3f, region_high = 0.55f;
+
+float smooth_step(float low, float high, float x) {
+  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+
+/// Every so many-th point along the curve.
+struct Scale {
+  std::size_t every;
+  std::vector<vec3> positions;
+  std::vector<float> surface;  ///< how far there is one: because they are flat among themselves, or by their region
+  std::vector<float> trust;    ///< how far a point that is flat itself is to be believed; empty: not asked
+};
+
+/// `flatness`: of all points where what surrounds a place counts too, else empty.
+Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::vector<float>& flatness, int neighbors,
+            Progress& progress) {
+  Scale scale{every, {}, {}, {}};
+  for (std::size_t i = every / 2; i < positions.size(); i += every) scale.positions.push_back(positions[i]);
+  const std::size_t count = scale.positions.size();
+  std::vector<float> own(flatness.empty() ? 0 : count);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const std::size_t first = i * every, last = std::min(first + every, flatness.size());
+    for (std::size_t j = first; j < last; ++j) own[i] += flatness[j] / float(last - first);
+  }
+  scale.surface.resize(count);
+  const NeighborTree tree(scale.positions);
+  const std::size_t each = own.empty() ? 0 : std::min(std::size_t(neighbors), count - 1);
+  std::vector<std::uint32_t> kept(count * each);
+  for_each_neighborhood(
+      tree, neighbors,
+      [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
+        if (each > 0) std::copy(ids.begin(), ids.end(), kept.begin() + std::ptrdiff_t(i * each));
+        const auto frame = local_frame(scale.positions, i, ids);
+        scale.surface[i] = frame ? flatness_of(scale.positions, i, ids, *frame, std::sqrt(distances2.back())) : 1;
+      },
+      "surfaces", progress);
+  if (own.empty()) return scale;
+  for (std::size_t i = 0; i < count; ++i) own[i] = std::max(own[i], scale.surface[i]);
+  scale.trust.assign(count, 1);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 65'536), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      if (scale.surface[i] >= 1) continue;
+      float region = own[i];
+      for (std::size_t k = i * each; k < (i + 1) * each; ++k) region += own[kept[k]];
+      region /= float(each + 1);
+      scale.surface[i] = std::max(scale.surface[i], smooth_step(region_low, region_high, region));
+      scale.trust[i] = smooth_step(chance_low, chance_high, region);
+    }
+  });
+  return scale;
+}
+
+/// The nearest to point `i` of the three places that surround it on the curve, which may jump.
+std::size_t place_near(const Scale& scale, const vec3& position, std::size_t i) {
+  const std::size_t last = scale.positions.size() - 1, own = std::min(i / scale.every, last);
+  std::size_t nearest = own;
+  float least = std::numeric_limits<float>::infinity();
+  for (std::size_t j = own - std::min<std::size_t>(own, 1); j <= std::min(own + 1, last); ++j) {
+    const vec3 way = scale.positions[j] - position;
+    const float distance2 = glm::dot(way, way);
+    if (distance2 < least) least = distance2, nearest = j;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+float flatness_of(const std::vector<vec3>& positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
+                  const LocalFrame& frame, float reach) {
+  if (!(frame.variance.z > 0)) return 1;
+  const float wide = std::sqrt(frame.variance.y * frame.variance.z);
+  const float flat = wide > 0 ? 1 - smooth_step(flat_scatter, rough_scatter, frame.variance.x / wide) : 1;
+  if (flat >= 1) return 1;
+  std::size_t inside = 0;
+  for (std::uint32_t j : neighbors)
+    inside += std::abs(glm::dot(positions[j] - positions[point], frame.normal)) < sheet_layer * reach;
+  return std::max(flat, smooth_step(sheet_low, sheet_high, float(inside) / float(neighbors.size())));
+}
+
+std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
+                                  Progress& progress) {
+  std::vector<Scale> scales;
+  for (std::size_t every : {8, 64}) {
+    if (positions.size() / every <= std::size_t(neighbors)) break;
+    // The region is that of 192 points: of more, a lone tree on a lawn would be lawn.
+    scales.push_back(widen(positions, every, scales.empty() ? flatness : std::vector<float>(), neighbors, progress));
+  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, flatness.size(), 65'536), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      float around = 0;
+      for (const Scale& scale : scales) {
+        const std::size_t place = place_near(scale, positions[i], i);
+        if (!scale.trust.empty()) flatness[i] *= scale.trust[place];
+        around = std::max(around, scale.surface[place]);
+      }
+      flatness[i] = std::max(flatness[i], around);
+    }
+  });
+  // Too few points to know what surrounds them: nothing is clutter.
+  if (scales.empty()) std::fill(flatness.begin(), flatness.end(), 1.0f);
+  return flatness;
+}
+
+}  // namespace sfumato::analysis

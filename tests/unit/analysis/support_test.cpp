@@ -1,0 +1,122 @@
+// What counts as a surface, and what shrinks because it is none.
+#include "analysis/support.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis/attributes.h"
+#include "clouds.h"
+#include "reference/forest.h"
+
+using namespace sfumato;
+using namespace sfumato::analysis;
+using namespace sfumato::test;
+
+namespace {
+
+/// Radii over what they are where nothing shrinks: 0.4 in clutter, 1 on surfaces.
+std::vector<float> shrunk(const std::vector<vec3>& points) {
+  PrepareOptions never;
+  never.clutter_radius = 1;
+  const PreparedCloud some = prepare(cloud_of(points), Attribute::radius, {});
+  const PreparedCloud none = prepare(cloud_of(points), Attribute::radius, never);
+  EXPECT_EQ(some.median_radius, none.median_radius) << "the limit of large radii must not follow the shrunken";
+  std::vector<float> ratio(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    ratio[some.cloud.source_index[i]] = some.cloud.radii[i] / none.cloud.radii[i];
+  return ratio;
+}
+
+double share_below(const std::vector<float>& values, float limit) {
+  return double(std::count_if(values.begin(), values.end(), [&](float v) { return v < limit; })) / double(values.size());
+}
+
+/// Six faces of a box, spacing 1, with noise across them.
+std::vector<vec3> noisy_box(float side, float noise) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::normal_distribution<float> gauss(0, 1);
+  std::vector<vec3> points;
+  for (int face = 0; face < 6; ++face)
+    for (int i = 0; i < int(side * side); ++i) {
+      vec3 p;
+      p[face % 3] = noise * gauss(random) + (face > 2 ? side : 0);
+      p[(face + 1) % 3] = side * unit(random), p[(face + 2) % 3] = side * unit(random);
+      points.push_back(p);
+    }
+  return points;
+}
+
+TEST(Support, EdgesAndCornersKeepTheirSize) {
+  // The smallest box has edges within reach of half its neighbourhoods. Without noise nothing may shrink; with noise of
+  // 0.3 spacings, which is more than scanners have at usual densities, 3 % may, where faces are 20 spacings wide.
+  EXPECT_EQ(share_below(shrunk(noisy_box(20, 0)), 0.999f), 0);
+  EXPECT_EQ(share_below(shrunk(noisy_box(60, 0)), 0.999f), 0);
+  EXPECT_LT(share_below(shrunk(noisy_box(20, 0.3f)), 0.9f), 0.05);
+  EXPECT_LT(share_below(shrunk(noisy_box(60, 0.3f)), 0.9f), 0.001);
+}
+
+TEST(Support, NoiseAboveTheSpacingIsStillASurface) {
+  // 24 neighbours of such a point fill a ball; 192 of them lie in a layer a quarter as thick as wide, 1536 in one of a
+  // tenth. Edges closer than those reach may shrink, as what is less than 20 spacings wide may.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::normal_distribution<float> gauss(0, 1);
+  for (float noise : {1.0f, 2.0f}) {
+    std::vector<vec3> points(40'000);
+    for (vec3& p : points) p = {200 * unit(random), 200 * unit(random), noise * gauss(random)};
+    EXPECT_LT(share_below(shrunk(points), 0.8f), 0.02) << noise;
+  }
+}
+
+TEST(Support, ThinSheetsKeepTheirSize) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (float gap : {1.0f, 1.5f, 2.0f, 2.5f})
+    for (float side : {8.0f, 60.0f}) {
+      std::vector<vec3> points;
+      for (int i = 0; i < int(2 * side * side); ++i)
+        points.push_back({side * unit(random), side * unit(random), float(i % 2) * gap});
+      // Nearby, so that the sheets are not all there is.
+      for (int i = 0; i < 4000; ++i) points.push_back({100 + 63 * unit(random), 63 * unit(random), 0});
+      EXPECT_LT(share_below(shrunk(points), 0.9f), 0.02) << "sheets " << gap << " spacings apart, " << side << " wide";
+    }
+}
+
+TEST(Support, LinesKeepTheirSize) {
+  std::vector<vec3> points;  // the rings of a street scanner
+  for (int ring = 0; ring < 20; ++ring)
+    for (int i = 0; i < 2000; ++i) {
+      const float angle = float(i) * 0.00314159f, r = 5 + 3 * float(ring);
+      points.push_back({r * std::cos(angle), r * std::sin(angle), 0});
+    }
+  EXPECT_EQ(share_below(shrunk(points), 0.999f), 0);
+}
+
+TEST(Support, FoliageShrinksAndTheGroundDoesNot) {
+  for (double density : {8.0, 30.0}) {
+    const sfumato::testing::Forest forest(density);
+    const std::vector<float> ratio = shrunk(forest.cloud.positions);
+    double ground = 0, ground_small = 0, leaves = 0, leaves_sum = 0;
+    for (std::size_t i = 0; i < ratio.size(); ++i) {
+      if (forest.on_leaf[i])
+        ++leaves, leaves_sum += ratio[i];
+      else
+        ++ground, ground_small += ratio[i] < 0.9f;
+    }
+    EXPECT_LT(leaves_sum / leaves, 0.55) << density;  // 0.4 if all were recognised
+    EXPECT_LT(ground_small / ground, 0.01) << density;
+  }
+}
+
+TEST(Support, WhatFileBroughtIsKept) {
+  PointCloud cloud = cloud_of(uniform_cube(5000));
+  cloud.radii.assign(cloud.size(), 0.01f);
+  for (float r : prepare(cloud, Attribute::radius, {}).cloud.radii) EXPECT_EQ(r, 0.01f);
+}
+
+TEST(Support, TooFewPointsAreNoClutter) {
+  EXPECT_EQ(share_below(shrunk(uniform_cube(150)), 0.999f), 0);
+  EXPECT_GT(share_below(shrunk(uniform_cube(5000)), 0.5f), 0.95);
+}
+
+}  // namespace
