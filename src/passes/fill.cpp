@@ -11,16 +11,17 @@ void Fill::run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl
                std::initializer_list<const gl::Texture*> extra_out) {
   const std::size_t extras = extra_in.size();
   const bool bits = depth_in.format() == GL_R32UI;
-  ScreenPass& pass = passes_[(kind == FillKind::occluded) + 2 * bits][extras];
+  ScreenPass& pass = passes_[int(kind) + 3 * bits][extras];
   if (!pass) {
     gl::Defines defines{"EXTRAS " + std::to_string(extras)};
     if (bits) defines.push_back("BITS");
     if (kind == FillKind::occluded) defines.push_back("OCCLUDED");
+    if (kind == FillKind::gaps) defines.push_back("GAPS");
     std::vector<GLenum> formats(1 + extras, GL_RGBA32F);
     formats[0] = GL_R32F;
     pass = ScreenPass("passes/fill.glsl", formats, defines);
   }
-  if (kind == FillKind::occluded) pass.set("d_min", d_min);
+  if (kind != FillKind::background) pass.set("d_min", d_min);
   int unit = binding::input + 1;
   for (const gl::Texture* extra : extra_in) extra->bind(unit++);
   switch (extras) {
@@ -33,14 +34,15 @@ void Fill::run(FillKind kind, float d_min, const gl::Texture& depth_in, const gl
 void Fill::run_index(FillKind kind, float d_min, const gl::Texture& depth_in, const gl::Texture& depth_out,
                      const gl::Texture& index_in, const gl::Texture& index_out) {
   const bool bits = depth_in.format() == GL_R32UI;
-  ScreenPass& pass = index_passes_[(kind == FillKind::occluded) + 2 * bits];
+  ScreenPass& pass = index_passes_[int(kind) + 3 * bits];
   if (!pass) {
     gl::Defines defines{"EXTRAS 0", "INDEX"};
     if (bits) defines.push_back("BITS");
     if (kind == FillKind::occluded) defines.push_back("OCCLUDED");
+    if (kind == FillKind::gaps) defines.push_back("GAPS");
     pass = ScreenPass("passes/fill.glsl", {GL_R32F, GL_R32UI}, defines);
   }
-  if (kind == FillKind::occluded) pass.set("d_min", d_min);
+  if (kind != FillKind::background) pass.set("d_min", d_min);
   pass.run({&depth_in, &index_in}, {&depth_out, &index_out});
 }
 

@@ -4,6 +4,7 @@
 //   background: candidate = no sample,                    white = no sample
 //   BITS:       the depths are what atomicMin left: float bits, 0xffffffff where nothing
 //   OCCLUDED:   candidate = sample at depth d,            white = deeper than d - d_min
+//   GAPS:       candidate = either,                       white = no sample, or deeper than d - d_min
 // The minus sign is that of Rosenthal and Linsen; the plus printed in Dobrev 2010, Sec. 3 eats whole
 // surfaces.
 #include "bindings.glsl"
@@ -22,7 +23,7 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D extra_image_1;
 #ifdef INDEX
 layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
 #endif
-#ifdef OCCLUDED
+#if defined(OCCLUDED) || defined(GAPS)
 uniform float d_min;
 #endif
 
@@ -44,7 +45,10 @@ float depth_of(ivec2 at) { return texelFetch(depth_image, at, 0).x; }
 bool filter_pixel(ivec2 pixel) {
   float depth = depth_of(pixel);
   ivec2 size = textureSize(FIRST_INPUT, 0), from = pixel;
-#ifdef OCCLUDED
+#ifdef GAPS
+  const bool is_candidate = true;
+  float limit = depth - d_min;
+#elif defined(OCCLUDED)
   bool is_candidate = !isinf(depth);
   float limit = depth - d_min;
 #else
@@ -58,7 +62,9 @@ bool filter_pixel(ivec2 pixel) {
       ivec2 at = pixel + ring[k];
       bool is_inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size));
       float neighbor = is_inside ? depth_of(at) : infinity;
-#ifdef OCCLUDED
+#ifdef GAPS
+      if (neighbor > limit || isinf(neighbor)) white |= 1u << k;
+#elif defined(OCCLUDED)
       if (neighbor > limit) white |= 1u << k;
 #else
       if (isinf(neighbor)) white |= 1u << k;

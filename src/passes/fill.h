@@ -12,6 +12,7 @@ namespace sfumato {
 enum class FillKind {
   background,  ///< candidates: pixels without a sample
   occluded,    ///< candidates: pixels that show something more than d_min behind their neighbours
+  gaps,        ///< both at once, for who needs no more than that no gap stays open
 };
 
 class Fill {
@@ -27,7 +28,7 @@ class Fill {
                  const gl::Texture& index_in, const gl::Texture& index_out);
 
  private:
-  ScreenPass passes_[4][3], index_passes_[4];
+  ScreenPass passes_[6][3], index_passes_[6];
 };
 
 }  // namespace sfumato

@@ -45,6 +45,13 @@ Light key_light(const Camera& camera, UpAxis up_axis) {
   return light;
 }
 
+void fix_light(RenderSettings& settings, const Camera& camera, UpAxis up) {
+  if (settings.shadows == Shadows::off || Light::parse(settings.light_text).kind != Light::Kind::headlight) return;
+  const dvec3 towards = key_light(camera, up).vector;
+  settings.light_text =
+      "dir:" + std::to_string(towards.x) + "," + std::to_string(towards.y) + "," + std::to_string(towards.z);
+}
+
 void RenderSettings::describe(ParamList& p) {
   p.add("shading", shading, {"lit", "albedo", "normals", "depth", "occlusion", "hidden", "weight"})
       .help("what the colour of a pixel shows; occlusion, hidden: hidden point removal at work (surface only); "
@@ -55,14 +62,15 @@ void RenderSettings::describe(ParamList& p) {
   p.add("specular", phong.specular).range(0, 1).help("strength of highlights").paper("k_s");
   p.add("shininess", phong.shininess).range(1, 1000).help("sharpness of highlights");
   p.add("shadows", shadows, {"off", "hard", "soft"})
-      .help("shadows between points; a headlight then moves to the upper left, where its shadows can be seen")
+      .help("shadows between points; a headlight then moves to the upper left, where its shadows can be seen, and stays "
+            "there on a path")
       .paper("Dobrev 2010, Sec. 4");
   p.add("light_size", light_size).at_least(0).unit("scene units")
       .help("diameter of the light for soft shadows (auto: a tenth of the cloud's diagonal)");
   p.add("light_samples", light_samples).range(1, 256).help("positions on the light that are averaged").paper("n");
   p.add("shadow_distance", shadow_distance).at_least(0).unit("scene units")
       .help("distance below which a point casts no shadow (auto: 3 point spacings)").paper("d_min");
-  p.add("ground", ground).help("a plane under the cloud that catches its shadow");
+  p.add("ground", ground).help("a plane under the cloud that catches its shadow (with shadows hard or soft)");
   p.add("edl", edl).help("eye-dome lighting as a finish (auto: where the technique wants it)");
   p.add("edl_radius", edl_radius).range(0.5, 16).unit("px").help("reach of eye-dome lighting");
   p.add("edl_strength", edl_strength).range(0, 10).help("darkness of eye-dome lighting");

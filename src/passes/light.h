@@ -33,6 +33,11 @@ struct Phong {
 Light key_light(const Camera& camera, UpAxis up);
 
 enum class Shadows { off, hard, soft };
+struct RenderSettings;
+
+/// With shadows, a headlight becomes the key light of `camera` and stays where it is: call it with the first camera of
+/// a path, so that shadows do not wander with the view.
+void fix_light(RenderSettings& settings, const Camera& camera, UpAxis up);
 
 /// What every technique shares; the command line lists these parameters beside the technique's own.
 struct RenderSettings {

@@ -39,6 +39,10 @@ uniform bool has_normals;
 uniform bool is_first; // what the points were given before does not count
 
 const float c_min = 0.1;
+// Texels from a point to the centre of the nearest one in which the light sees its surface: lit up to the first,
+// three spacings, which is as far as the disc of a point reaches in any technique; in shadow from the second on,
+// as far as the 5 x 5 texels around a point reach from anywhere within its texel.
+const float near_texels = 2.0, far_texels = 2.5;
 
 void main() {
   uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
@@ -76,11 +80,21 @@ void main() {
     ivec2 size = textureSize(light_maps[k], 0);
     bool is_inside = all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)));
     if (is_inside && depth >= VIEW.near_plane) {
-      bool is_lit = depth < texelFetch(light_maps[k], ivec2(pixel), 0).x + offset;
+      ivec2 texel = ivec2(pixel);
+      float lit = depth < texelFetch(light_maps[k], texel, 0).x + offset ? 1.0 : 0.0;
+      // A texel that a caster only touches is dark as a whole. Who stands behind the caster's rim, in the light, has
+      // a neighbour in which the light sees the same surface; what else lies behind the rim says nothing about it.
+      int taps = lit > 0.0 ? 0 : 25;
+      for (int tap = 0; tap < taps; ++tap) {
+        ivec2 at = texel + ivec2(tap % 5, tap / 5) - 2;
+        float map = texelFetch(light_maps[k], clamp(at, ivec2(0), size - 1), 0).x;
+        float nearby = (far_texels - distance(pixel, vec2(at) + 0.5)) / (far_texels - near_texels);
+        if (abs(map - depth) < offset) lit = max(lit, min(nearby, 1.0));
+      }
 #ifdef LAYER
-      if (!is_lit) factor *= 1.0 - texelFetch(opacity_maps[k], ivec2(pixel), 0).x;
+      factor *= 1.0 - (1.0 - lit) * texelFetch(opacity_maps[k], texel, 0).x;
 #else
-      if (is_lit) factor += lit_share;
+      factor += lit * lit_share;
 #endif
     }
   }

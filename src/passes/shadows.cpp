@@ -103,19 +103,25 @@ std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& b
   return samples;
 }
 
+void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float median_spacing) {
+  settings.light_size.resolve(float(0.1 * box.diagonal()));
+  settings.shadow_distance.resolve(3 * median_spacing);
+}
+
 void ShadowMaps::clear(GpuCloud& cloud) {
   if (cloud.has_shadow()) cloud.set_shadow({});
   key_.clear();
 }
 
-void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const Light& light,
+void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& asked, const Light& light,
                         gl::Timers& timers, Progress& progress, const View* ground_view, const Ground& ground,
                         gl::Texture* ground_factor) {
   const Bounds box = cloud.bounds();
+  RenderSettings settings = asked;
+  resolve_shadow_sizes(settings, box, cloud.median_spacing());
   const int count = settings.shadows == Shadows::soft ? settings.light_samples : 1;
-  const double size = settings.light_size.is_auto() ? 0.1 * box.diagonal() : settings.light_size.value();
-  const float d_min =
-      settings.shadow_distance.is_auto() ? 3 * cloud.median_spacing() : settings.shadow_distance.value();
+  const double size = settings.light_size.value();
+  const float d_min = settings.shadow_distance.value();
   std::string key = std::to_string(int(light.kind)) + "/" + std::to_string(count) + "/" +
                     std::to_string(size) + "/" + std::to_string(d_min) + "/" +
                     std::to_string(reinterpret_cast<std::uintptr_t>(&cloud)) + "/" +
@@ -155,7 +161,7 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& settings, const L
       maps_.resize(std::max(maps_.size(), most));
       gl::Texture& map = maps_[views.size()];
       const View& view = views.emplace_back(cameras[face], cloud.prepared().cloud.origin);
-      draw_map(cloud, view, d_min, caught != nullptr, map, timers);
+      draw_map(cloud, view, d_min, map, timers);
       auto timing = timers.scope("lit test");
       if (caught) test_ground(*caught, coarser > 0, view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
@@ -240,8 +246,7 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   }
 }
 
-void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, bool with_ground, gl::Texture& map,
-                          gl::Timers& timers) {
+void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, gl::Texture& map, gl::Timers& timers) {
   const CasterRange solid{solid_opacity};
   {
     auto timing = timers.scope("light map");
@@ -256,9 +261,7 @@ void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, bool w
     std::swap(map, closed_);
     last = &map;
   };
-  // The ground shows empty texels inside a shadow; points never look into one.
-  if (with_ground) fill(FillKind::background);
-  for (int i = 0; i < fills_; ++i) fill(FillKind::occluded);
+  for (int i = 0; i < fills_; ++i) fill(FillKind::gaps);
   if (last == &bits_) {
     if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
     decode_.run({&bits_}, {&map});

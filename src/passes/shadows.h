@@ -25,6 +25,9 @@ struct Ground {
   dvec3 point{0}, normal{0, 0, 1};
 };
 
+/// Gives automatic sizes of `settings` the values that they take for a cloud of these bounds and median spacing.
+void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float median_spacing);
+
 class ShadowMaps {
  public:
   /// Gives the cloud its shadow factors; keeps them while cloud, light and settings stay. With `ground`, also
@@ -64,8 +67,7 @@ class ShadowMaps {
   void peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers,
             const Catcher* catcher);
   /// The closed light map of the solid points.
-  void draw_map(GpuCloud& cloud, const View& view, float d_min, bool with_ground, gl::Texture& map,
-                gl::Timers& timers);
+  void draw_map(GpuCloud& cloud, const View& view, float d_min, gl::Texture& map, gl::Timers& timers);
   /// Tests every point against all of `maps`: one view each, or layers of one view with their opacities bound
   /// behind. `is_first`: the points know nothing yet.
   void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,

@@ -134,4 +134,27 @@ TEST_F(LayersCommand, GroundCatchesTheShadow) {
   EXPECT_NEAR(1 - linear(half), 0.5 * (1 - linear(dark)), 0.02) << "8-bit codes around 0.4 are 0.005 apart";
 }
 
+TEST_F(LayersCommand, GroundAsksForShadows) {
+  write_sheets("table.ply", {{1, 200, 50, 50, 0}}, 0.5);
+  const Outcome outcome = run({"table.ply", "-o", "a.png", "--ground"});
+  EXPECT_NE(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("--shadows soft"));
+}
+
+// The light of the first frame is that of all, and automatic sizes are told as numbers.
+TEST_F(LayersCommand, ShadowsStayWhereTheyAreOnAPath) {
+  write_sheets("table.ply", {{0, 200, 50, 50, 0}, {1, 200, 50, 50, 0}}, 0.5);
+  auto parameters = [&](const Words& more) {
+    Words words{"table.ply", "-o", "a_{n:02}.png", "-t", "points", "--shadows", "hard", "--resolution", "64x48", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return Json::parse(outcome.out).at("parameters");
+  };
+  const Json path = parameters({"--path", "orbit", "--frames", "3"});
+  EXPECT_EQ(path.at("light").get<std::string>().substr(0, 4), "dir:");
+  EXPECT_NEAR(path.at("light_size").get<double>(), 0.1 * std::sqrt(3.0), 0.01);  // 1 x 1 x 1, less half a spacing
+  EXPECT_NEAR(path.at("shadow_distance").get<double>(), 3.0 / 80, 0.6 / 80);  // a lattice: 20 % from its step
+}
+
 }  // namespace

@@ -56,8 +56,11 @@ TEST_F(FillTest, AllRingsAgreeWithTheEightMasks) {
   }
   EXPECT_EQ(kept, 33);
   const Image<float> filled = run(background, FillKind::background), closed = run(occluded, FillKind::occluded);
+  const Image<float> filled_as_gaps = run(background, FillKind::gaps), closed_as_gaps = run(occluded, FillKind::gaps);
   for (int pattern = 0; pattern < 256; ++pattern) {
     const int x = pattern % 16 * 4 + 1, y = pattern / 16 * 4 + 1;
+    EXPECT_EQ(filled_as_gaps.at(x, y), filled.at(x, y)) << pattern;
+    EXPECT_EQ(closed_as_gaps.at(x, y), closed.at(x, y)) << pattern;
     EXPECT_EQ(std::isinf(filled.at(x, y)), left_alone(pattern)) << pattern;
     EXPECT_EQ(closed.at(x, y) == 10, left_alone(pattern)) << pattern;
     if (left_alone(pattern)) continue;

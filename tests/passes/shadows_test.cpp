@@ -134,6 +134,46 @@ TEST_F(ShadowTest, PenumbraIsTheVisibleShareOfTheLight) {
   }
 }
 
+// The width of a penumbra, from a tenth to nine tenths of the light, is that of the closed form within 10 %, which
+// tells a light from one of twice the size.
+TEST_F(ShadowTest, PenumbraIsAsWideAsTheLightAsks) {
+  const double light_height = 8, edge_height = 1, size = 3;
+  PointCloud cloud = sheet(200, 2, 0);
+  const std::size_t plane = cloud.size();
+  append(cloud, sheet(200, 2, float(edge_height), -1e9f, 0));
+  // A tenth of a disc of radius 1 lies beyond this distance from its centre: acos(u) - u sqrt(1 - u^2) = pi / 10.
+  const double tenth = 0.6870;
+  const double diagonal = glm::length(dvec3(4, 4, 1));  // where the disc of a directional light stands
+  for (const auto& [text, closed_form] :
+       {std::pair("0,0,8", tenth * size * edge_height / (light_height - edge_height)),
+        std::pair("dir:0,0,1", tenth * size * edge_height / diagonal)}) {
+    const auto width = [&](double diameter) {
+      RenderSettings settings = hard(text);
+      settings.shadows = Shadows::soft;
+      settings.light_samples = 100;
+      settings.light_size.user = float(diameter);
+      const std::vector<float> m = factors(cloud, settings);
+      // Mean factor along x, in bins of two spacings.
+      std::vector<double> sum(100, 0), count(100, 0);
+      for (std::size_t i = 0; i < plane; ++i) {
+        if (std::abs(cloud.positions[i].y) > 1) continue;
+        const std::size_t bin = std::size_t((cloud.positions[i].x + 2) * 25);
+        if (bin < 100) sum[bin] += m[i], count[bin] += 1;
+      }
+      const auto place_of = [&](double level) {  // in units of x; the factor rises along x
+        for (std::size_t bin = 1; bin < 100; ++bin) {
+          const double a = sum[bin - 1] / count[bin - 1], b = sum[bin] / count[bin];
+          if (a < level && b >= level) return (double(bin) - (b - level) / (b - a)) / 25;
+        }
+        return 1e9;
+      };
+      return place_of(0.9) - place_of(0.1);
+    };
+    EXPECT_NEAR(width(size) / closed_form, 1, 0.1) << text;
+    EXPECT_GT(width(2 * size) / closed_form, 1.5) << text;
+  }
+}
+
 // Several light maps are tested in one visit of the points, whatever the light and the casters: each of them
 // counts as it does alone.
 TEST_F(ShadowTest, SoftShadowsAreTheMeanOfTheirSamples) {

@@ -15,6 +15,7 @@
 #include "io/image_png.h"
 #include "io/npy.h"
 #include "legend.h"
+#include "passes/shadows.h"
 #include "preset.h"
 #include "render_options.h"
 #include "report.h"
@@ -110,6 +111,8 @@ class Studio {
     for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
     if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
     PreparedCloud prepared = analysis::prepare(std::move(scene), needs, choice_.prepare, console_);
+    for (const auto& chosen : choice_.techniques)
+      resolve_shadow_sizes(chosen->settings, bounds(prepared.cloud), prepared.median_spacing);
     coloring_ = color_points(prepared.cloud, options_.color);
     report_.color_by = coloring_.source;
     renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
@@ -284,7 +287,11 @@ int render_command(const Words& words) {
   }
   options.camera.preset = preset.camera;
   options.check(choice.techniques.size());
-  for (const auto& chosen : choice.techniques) Light::parse(chosen->settings.light_text);
+  for (const auto& chosen : choice.techniques) {
+    Light::parse(chosen->settings.light_text);
+    if (chosen->settings.ground && chosen->settings.shadows == Shadows::off)
+      throw Error(ErrorCode::usage, "--ground shows the shadow that falls on it: add --shadows soft, or hard");
+  }
   // A wrong camera file should not cost the time of reading a large scan.
   options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
 
@@ -302,6 +309,8 @@ int render_command(const Words& words) {
   const Camera camera = options.camera.resolve(subject_of(scene), scene.up);
   const std::vector<Camera> cameras = cameras_of(options, camera, scene.up);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
+  if (report.frames > 1)
+    for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.up);
 
   Words command = words;
   command.insert(command.begin(), "sfumato");
