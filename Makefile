@@ -31,9 +31,9 @@ bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
 	@cmake --build build/release --target sfumato_benchmarks
 	@/usr/bin/python3 bench/run.py $(BENCH)
 
-eval-denoise: release  ## denoise against the truth of synthetic scenes; ARGS=--quick for a short look
+eval-denoise: release  ## denoise against the truth of synthetic scenes and clean scans; ARGS=--quick for a short look
 	@cmake --build build/release --target eval_denoise
-	@build/release/bin/eval_denoise --dragon "$(SFUMATO_TEST_DATA)/dragon_vrip_res2.ply" $(ARGS)
+	@build/release/bin/eval_denoise --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
 eval-shadows: release  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows

@@ -1,153 +1,126 @@
 // The tables and figures of the technique `denoise` against the truth of synthetic scenes: `make eval-denoise`.
 //
-//   eval_denoise [--quick] [--choose] [--part noise|views|dragon|orbit] [--row TEXT] [--dragon FILE.ply]
+//   eval_denoise [--quick] [--choose] [--part clean|noise|views|dragon|orbit] [--row TEXT] [--data FOLDER] [--maps FOLDER]
 //
-// The constants of the automatic threshold were chosen with --choose (other seeds, the scene `courtyard` left out); what
-// is reported comes from the rest.
+// Every constant of the automatic threshold was chosen with --choose: other seeds, other views, and none of the scenes
+// that are marked `unseen` in the table. `--data` holds the scans that clean rows need; `--maps` takes error maps.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <map>
-#include <string>
-#include <vector>
 
-#include "analysis/prepare.h"
 #include "core/error.h"
+#include "denoise_contest.h"
 #include "frame_difference.h"
+#include "io/image_png.h"
 #include "io/io.h"
-#include "synth/synth.h"
-#include "techniques/renderer.h"
 
 using namespace sfumato;
+using namespace sfumato::bench;
 
 namespace {
 
 struct Arguments {
   bool quick = false, choose = false;
-  std::string part = "all", row, dragon;
+  std::string part = "all", row, data, maps;
   bool wants(const char* name) const { return part == "all" || part == name; }
-};
-
-struct Errors {
-  double mae = 0, rmse = 0, missed = 0;  ///< in bin sizes; a miss counts 5, larger errors are clamped there; share
-  double psnr = 0, ssim = 0;             ///< of the albedo, sRGB
-  void add(const Errors& e, double share) {
-    mae += share * e.mae, rmse += share * e.rmse, missed += share * e.missed;
-    psnr += share * e.psnr, ssim += share * e.ssim;
+  /// A file of `data`, or nothing with a reason printed.
+  std::optional<std::string> file(const std::string& name) const {
+    const std::string path = data + "/" + name;
+    if (std::filesystem::exists(path)) return path;
+    std::printf("(no %s: its rows are left out)\n", path.c_str());
+    return {};
   }
 };
 
-double luma(const vec3& linear) {
-  const double y = 0.2126 * linear.r + 0.7152 * linear.g + 0.0722 * linear.b;
-  return y <= 0.0031308 ? 12.92 * y : 1.055 * std::pow(y, 1 / 2.4) - 0.055;
-}
-double srgb(double c) {
-  c = std::min(std::max(c, 0.0), 1.0);
-  return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+/// A mesh of another unit, made `height` tall.
+synth::Scene mesh_scene(const std::string& file, float height) {
+  Mesh mesh = io::read_mesh(file);
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (const vec3& p : mesh.positions) low = std::min(low, p.y), high = std::max(high, p.y);
+  for (vec3& p : mesh.positions) p *= height / (high - low);
+  return synth::make_mesh_scene(std::move(mesh));
 }
 
-/// Structural similarity (Wang et al. 2004) of the luma over windows of 8 x 8 pixels at every fourth place.
-double structural_similarity(const Image<vec4>& a, const Image<vec3>& b) {
-  double sum = 0;
-  int windows = 0;
-  for (int y = 0; y + 8 <= a.height(); y += 4)
-    for (int x = 0; x + 8 <= a.width(); x += 4) {
-      double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
-      for (int v = y; v < y + 8; ++v)
-        for (int u = x; u < x + 8; ++u) {
-          const double p = luma(vec3(a.at(u, v))), q = luma(b.at(u, v));
-          ma += p / 64, mb += q / 64, aa += p * p / 64, bb += q * q / 64, ab += p * q / 64;
-        }
-      const double c1 = 1e-4, c2 = 9e-4;
-      sum += (2 * ma * mb + c1) * (2 * (ab - ma * mb) + c2) /
-             ((ma * ma + mb * mb + c1) * (aa - ma * ma + bb - mb * mb + c2));
-      ++windows;
+/// A camera that took no part in the scan.
+Camera judging_camera(const synth::Scene& scene, int width, int height) {
+  if (scene.held_out) return scene.held_out->resized(width, height);
+  return frame(scene.box, scene.up, width, height, glm::radians(-45.0), 0.5);
+}
+
+// ---- Clean scans: nothing is to be removed, and nothing behind the surface may show. ----
+
+struct CleanRow {
+  std::string name;
+  PointCloud cloud;
+  Camera camera;
+  std::optional<Image<float>> truth;  ///< else what splats show
+};
+
+void clean_row(Contest& contest, CleanRow row, const Arguments& arguments) {
+  if (row.name.find(arguments.row) == std::string::npos) return;
+  contest.take(std::move(row.cloud), row.camera);
+  const RenderOutput splats = contest.splats(row.camera, false), out = contest.automatic(row.camera);
+  const double bin = contest.bin_size(), radius_px = contest.radius_px(row.camera);
+  // Discs reach over the silhouette by their radius, where both answers are right.
+  const Image<float>& reference = row.truth ? *row.truth : splats.depth;
+  const Image<std::uint8_t> inside = interior(reference, bin, row.truth ? 3 : 1 + int(std::ceil(radius_px)));
+  const TooDeep by_splats = too_deep(splats.depth, reference, inside, bin), ours = too_deep(out.depth, reference, inside, bin);
+  std::printf("| %s | %s | %zu | %.1f | %.3f (%zu) | %.3f (%zu) | %.2f |\n", row.name.c_str(),
+              row.truth ? "truth" : "splats", ours.among, radius_px, by_splats.percent(), by_splats.count, ours.percent(),
+              ours.count, 100 * contest.left_out());
+  std::fflush(stdout);
+  if (arguments.maps.empty()) return;
+  const std::string base = arguments.maps + "/clean_" + row.name;
+  io::write_png(base + ".png", out.rgba8, false);
+  io::write_png(base + "_errors.png", error_map(out.depth, reference, bin), false);
+}
+
+void clean_table(Contest& contest, const Arguments& arguments) {
+  const int width = arguments.quick ? 320 : 640, height = width * 3 / 4;
+  std::printf("\nClean scans, %dx%d: interior pixels that show nothing, or something more than 5 bins behind the surface, %% "
+              "(pixels); points left out by the prefilter, %%\n\n", width, height);
+  std::printf("| scan | against | interior | radius px | splats | denoise, auto | left out |\n|---|---|---|---|---|---|---|\n");
+  auto from_scene = [&](const std::string& name, const synth::Scene& scene, synth::SampleOptions o, Camera camera) {
+    o.seed = arguments.choose ? 11 : 101;
+    clean_row(contest, {name, synth::sample(scene, o), camera, synth::truth(scene, camera).depth}, arguments);
+  };
+  auto from_mesh = [&](const char* file, float size, std::vector<int> counts, double azimuth) {
+    const std::optional<std::string> path = arguments.file(file);
+    if (!path) return;
+    const synth::Scene scene = mesh_scene(*path, size);
+    const std::string stem = std::string(file).substr(0, std::string(file).find_first_of("_."));
+    for (int count : counts) {
+      synth::SampleOptions o;
+      o.points = arguments.quick ? count / 2 : count;
+      from_scene(stem + "_" + std::to_string(o.points / 1000) + "k", scene, o,
+                 frame(scene.box, scene.up, width, height, glm::radians(azimuth), glm::radians(20.0)));
     }
-  return windows ? sum / windows : 1;
+  };
+  from_mesh("dragon_vrip_res2.ply", 1, {150'000, 500'000, 1'000'000}, arguments.choose ? 60 : -30);
+  synth::SampleOptions o;
+  o.points = arguments.quick ? 150'000 : 300'000;
+  const synth::Scene room = synth::make_scene("room");
+  from_scene("room_cameras", room, o, room.held_out->resized(width, height));
+  o.sampling = synth::Sampling::area;
+  from_scene("room_area", room, o, room.cameras[arguments.choose ? 4 : 1].resized(width, height));
+  if (arguments.choose) return;
+  from_mesh("armadillo.obj", 1.5f, {150'000, 500'000}, -30);
+  const synth::Scene courtyard = synth::make_scene("courtyard");
+  from_scene("courtyard_area", courtyard, o, judging_camera(courtyard, width, height));
+  for (const char* file : {"indoor.laz", "Guanyin.ply", "bunnyData.pts", "lion_takanawa.copc.laz"}) {
+    const std::optional<std::string> path = arguments.file(file);
+    if (!path) continue;
+    PointCloud cloud = io::read(*path).cloud;
+    const Camera camera = frame(robust_bounds(cloud), cloud.up, width, height, glm::radians(-45.0), glm::radians(30.0));
+    clean_row(contest, {std::string(file).substr(0, std::string(file).find_first_of("_.")), std::move(cloud), camera, {}},
+              arguments);
+  }
 }
 
-Errors compare(const RenderOutput& out, const synth::Truth& truth, double bin_size) {
-  Errors e;
-  double squares = 0, color = 0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < truth.depth.size(); ++i) {
-    const float expected = truth.depth.data()[i], actual = out.depth.data()[i];
-    if (std::isinf(expected)) continue;
-    ++count;
-    const double d = std::isinf(actual) ? 5 : std::min(5.0, std::abs(double(actual) - expected) / bin_size);
-    e.missed += std::isinf(actual);
-    e.mae += d;
-    squares += d * d;
-    for (int k = 0; k < 3; ++k) {
-      const double c = srgb(out.color_linear.data()[i][k]) - srgb(truth.color.data()[i][k]);
-      color += c * c / 3;
-    }
-  }
-  const double n = double(std::max<std::size_t>(count, 1));
-  e.mae /= n, e.missed /= n;
-  e.rmse = std::sqrt(squares / n);
-  e.psnr = -10 * std::log10(std::max(color / n, 1e-10));
-  e.ssim = structural_similarity(out.color_linear, truth.color);
-  return e;
-}
-
-void set(Technique& technique, const std::string& name, const std::string& value) {
-  ParamList params;
-  technique.describe(params);
-  params.find(name)->set(value);
-}
-std::string get(Technique& technique, const std::string& name) {
-  ParamList params;
-  technique.describe(params);
-  return params.find(name)->resolved();
-}
-
-/// The three techniques over one cloud; missed pixels are black.
-class Contest {
- public:
-  explicit Contest(gl::Context& context) : renderer_(context) {
-    settings_.shading = Shading::albedo;
-    settings_.background = vec3(0);
-    wants_.color = wants_.color_linear = wants_.depth = true;
-  }
-  void take(PointCloud cloud, const Camera& camera) {
-    PreparedCloud prepared = analysis::prepare(std::move(cloud), denoise_->needs(), {});
-    std::vector<Rgba8> colors = prepared.cloud.colors;
-    renderer_.set_cloud(std::move(prepared), std::move(colors));
-    set(*denoise_, "bin_size", "auto");
-    automatic(camera);
-    bin_size_ = std::stod(get(*denoise_, "bin_size"));
-  }
-  double bin_size() const { return bin_size_; }
-  RenderOutput splats(const Camera& camera, bool opaque) {
-    set(*splats_, "epsilon", std::to_string(opaque ? 1e-4 * bin_size_ : bin_size_));
-    return renderer_.render(*splats_, camera, settings_, wants_);
-  }
-  RenderOutput manual(const Camera& camera, double threshold) {
-    set(*denoise_, "weight_threshold", std::to_string(threshold));
-    return renderer_.render(*denoise_, camera, settings_, wants_);
-  }
-  RenderOutput automatic(const Camera& camera) {
-    set(*denoise_, "weight_threshold", "auto");
-    return renderer_.render(*denoise_, camera, settings_, wants_);
-  }
-  void set_denoise(const std::string& name, const std::string& value) { set(*denoise_, name, value); }
-
- private:
-  Renderer renderer_;
-  RenderSettings settings_;
-  RenderWants wants_;
-  double bin_size_ = 1;
-  std::unique_ptr<Technique> splats_ = find_technique("splats").create(), denoise_ = find_technique("denoise").create();
-};
-
-std::vector<double> manual_thresholds(bool quick) {
-  const int count = quick ? 8 : 20;
-  std::vector<double> list;
-  for (int i = 0; i < count; ++i) list.push_back(0.02 * std::pow(1000.0, double(i) / (count - 1)));  // to 20
-  return list;
-}
+// ---- Noise and outliers: every method with every choice its user could make. ----
 
 struct Row {
   std::string name, scene;
@@ -155,97 +128,191 @@ struct Row {
   std::vector<Camera> cameras;
 };
 
+/// One way of drawing and the best manual threshold of each column of the ablation.
 struct Verdict {
-  Errors opaque, ewa, best, automatic;
-  double threshold = 0, bin_size = 0;
+  double bin_size = 0;
+  Errors splats[2][2];   ///< opaque or averaged, without and with the prefilter
+  Errors manual[2][2];   ///< prefilter, miss = last_bin: the threshold with the least depth error
+  double threshold[2][2] = {};
+  Errors automatic;
+  double best() const {
+    double least = 1e9;
+    for (int i = 0; i < 4; ++i) least = std::min({least, manual[i / 2][i % 2].mae, splats[i / 2][i % 2].mae});
+    return least;
+  }
 };
 
-Verdict judge(Contest& contest, const synth::Scene& scene, const Row& row, bool quick) {
+std::vector<double> manual_thresholds(bool quick) {
+  const int count = quick ? 6 : 12;
+  std::vector<double> list{0};  // the first bin, as splats do
+  for (int i = 0; i < count; ++i) list.push_back(0.02 * std::pow(250.0, double(i) / (count - 1)));  // to 5
+  return list;
+}
+
+Verdict judge(Contest& contest, const synth::Scene& scene, const Row& row, const Arguments& arguments) {
   contest.take(synth::sample(scene, row.options), row.cameras[0]);
   Verdict v;
   v.bin_size = contest.bin_size();
-  const std::vector<double> thresholds = manual_thresholds(quick);
-  std::vector<Errors> manual(thresholds.size());
-  for (const Camera& camera : row.cameras) {
+  const std::vector<double> thresholds = manual_thresholds(arguments.quick);
+  std::vector<Errors> manual[2][2];
+  for (int k = 0; k < 4; ++k) manual[k / 2][k % 2].resize(thresholds.size());
+  for (std::size_t c = 0; c < row.cameras.size(); ++c) {
+    const Camera& camera = row.cameras[c];
     const synth::Truth truth = synth::truth(scene, camera);
     const double share = 1.0 / double(row.cameras.size());
     auto errors = [&](const RenderOutput& out) { return compare(out, truth, v.bin_size); };
-    v.opaque.add(errors(contest.splats(camera, true)), share);
-    v.ewa.add(errors(contest.splats(camera, false)), share);
-    v.automatic.add(errors(contest.automatic(camera)), share);
-    for (std::size_t i = 0; i < thresholds.size(); ++i)
-      manual[i].add(errors(contest.manual(camera, thresholds[i])), share);
+    auto keep_map = [&](const char* method, const RenderOutput& out) {
+      if (arguments.maps.empty() || c > 0) return;
+      const std::string base = arguments.maps + "/" + row.scene + "_" + row.name + "_" + method;
+      io::write_png(base + ".png", error_map(out.depth, truth.depth, v.bin_size), false);
+      io::write_png(base + "_color.png", out.rgba8, false);
+    };
+    const RenderOutput out = contest.automatic(camera);
+    v.automatic.add(errors(out), share);
+    keep_map("auto", out);
+    for (int filter = 0; filter < 2; ++filter) {
+      for (int averaged = 0; averaged < 2; ++averaged) {
+        const RenderOutput splats = contest.splats(camera, !averaged, filter);
+        v.splats[averaged][filter].add(errors(splats), share);
+        if (averaged) keep_map(filter ? "splats_filtered" : "splats", splats);
+      }
+      for (int last = 0; last < 2; ++last)
+        for (std::size_t i = 0; i < thresholds.size(); ++i)
+          manual[filter][last][i].add(errors(contest.manual(camera, thresholds[i], filter, last)), share);
+    }
   }
-  v.best.mae = 1e9;
-  for (std::size_t i = 0; i < manual.size(); ++i)
-    if (manual[i].mae < v.best.mae) v.best = manual[i], v.threshold = thresholds[i];
+  for (int filter = 0; filter < 2; ++filter)
+    for (int last = 0; last < 2; ++last) {
+      v.manual[filter][last].mae = 1e9;
+      for (std::size_t i = 0; i < thresholds.size(); ++i)
+        if (manual[filter][last][i].mae < v.manual[filter][last].mae)
+          v.manual[filter][last] = manual[filter][last][i], v.threshold[filter][last] = thresholds[i];
+    }
   return v;
 }
 
+/// RGB-D cameras all around a thing.
+std::vector<Camera> cameras_around(const synth::Scene& scene, int count) {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < count; ++i)
+    cameras.push_back(frame(scene.box, scene.up, 640, 480, glm::radians(360.0 * i / count + 10), glm::radians(i % 2 ? 35.0 : 5.0)));
+  return cameras;
+}
+
+/// RGB-D cameras where the scanners of a scene stand, looking around.
+std::vector<Camera> cameras_at_scanners(const synth::Scene& scene) {
+  std::vector<Camera> cameras;
+  for (const dvec3& at : scene.scanners)
+    for (int i = 0; i < 5; ++i) {
+      const double angle = glm::radians(72.0 * i);
+      Camera camera;
+      camera.position = at;
+      camera.target = at + dvec3(std::cos(angle), std::sin(angle), -0.15);
+      camera.fov_y = glm::radians(60.0);
+      camera.width = 640, camera.height = 480;
+      cameras.push_back(camera);
+    }
+  return cameras;
+}
+
+std::map<std::string, synth::Scene> noise_scenes(const Arguments& arguments) {
+  std::map<std::string, synth::Scene> scenes;
+  scenes.emplace("room", synth::make_scene("room"));
+  if (arguments.choose) return scenes;
+  synth::Scene courtyard = synth::make_scene("courtyard");
+  courtyard.cameras = cameras_at_scanners(courtyard);
+  scenes.emplace("courtyard", std::move(courtyard));
+  if (const std::optional<std::string> file = arguments.file("armadillo.obj")) {
+    synth::Scene armadillo = mesh_scene(*file, 1.5f);
+    armadillo.cameras = cameras_around(armadillo, 8);
+    armadillo.held_out = frame(armadillo.box, armadillo.up, 640, 480, glm::radians(-30.0), glm::radians(20.0));
+    scenes.emplace("armadillo", std::move(armadillo));
+  }
+  return scenes;
+}
+
 std::vector<Row> noise_rows(const Arguments& arguments, const std::map<std::string, synth::Scene>& scenes) {
+  using enum synth::NoiseModel;
   std::vector<Row> rows;
-  auto add = [&](const char* name, const char* scene_name, synth::SampleOptions options) {
+  auto add = [&](std::string name, const char* scene_name, synth::SampleOptions options) {
+    if (!scenes.count(scene_name)) return;
     const synth::Scene& scene = scenes.at(scene_name);
     options.seed = arguments.choose ? 11 : 101;
     options.points = arguments.quick ? 60'000 : 120'000;
+    if (arguments.quick) options.outliers /= 2;
     const int width = arguments.quick ? 120 : 160, height = width * 3 / 4;
-    Row row{name, scene_name, options, {}};
-    if (scene.held_out) row.cameras.push_back(scene.held_out->resized(width, height));
-    if (!scene.cameras.empty() && !arguments.quick)
+    Row row{std::move(name), scene_name, options, {}};
+    row.cameras.push_back(judging_camera(scene, width, height));
+    if (!scene.cameras.empty() && !arguments.quick && options.sampling != synth::Sampling::scanners)
       row.cameras.push_back(scene.cameras[arguments.choose ? 4 : 1].resized(width, height));
-    if (row.cameras.empty()) row.cameras.push_back(frame(scene.box, scene.up, width, height, glm::radians(-45.0), 0.5));
     rows.push_back(row);
   };
+  auto noisy = [&](const char* scene, synth::NoiseModel model, const char* name, float level) {
+    synth::SampleOptions o;
+    o.sampling = synth::Sampling::cameras;
+    o.noise = model, o.noise_level = level;
+    o.flying_pixels = 0.3f, o.outliers = 2400;  // 2 %
+    add(std::string(name) + " x" + std::to_string(int(level)), scene, o);
+  };
+  auto others = [&](const char* scene) {
+    synth::SampleOptions o;
+    o.sampling = synth::Sampling::cameras;
+    o.outliers = 6000;  // 5 %
+    add("outliers 5 %", scene, o);
+    o.outliers = 0, o.flying_pixels = 0.5f;
+    add("flying pixels 50 %", scene, o);
+  };
   const std::vector<float> levels = arguments.quick ? std::vector<float>{2} : std::vector<float>{1, 2, 4, 8};
-  for (auto [model, name] : {std::pair{synth::NoiseModel::poisson, "z^2 noise"}, {synth::NoiseModel::tof, "time of flight"},
-                             {synth::NoiseModel::structured_light, "structured light"}})
-    for (float level : levels) {
-      synth::SampleOptions o;
-      o.noise = model, o.noise_level = level;
-      o.flying_pixels = 0.3f, o.outliers = arguments.quick ? 1200 : 2400;  // 2 %
-      add((std::string(name) + " x" + std::to_string(int(level))).c_str(), "room", o);
-    }
+  for (auto [model, name] : {std::pair{poisson, "z^2 noise"}, {tof, "time of flight"}, {structured_light, "structured light"}})
+    for (float level : levels) noisy("room", model, name, level);
+  others("room");
   synth::SampleOptions o;
-  o.outliers = arguments.quick ? 3000 : 6000;  // 5 %
-  add("outliers 5 %", "room", o);
-  o.outliers = 0, o.flying_pixels = 0.5f;
-  add("flying pixels 50 %", "room", o);
-  if (!arguments.choose) {
-    o.outliers = 3000, o.flying_pixels = 0.3f, o.sigma = 0.03f;
-    add("scanners, density varies", "courtyard", o);
-  } else {
-    o.outliers = 1500, o.flying_pixels = 0.3f, o.sigma = 0.005f;
-    o.sampling = synth::Sampling::scanners, o.scanner_position = {1.2f, 1, 1.5f};
+  o.sampling = synth::Sampling::scanners, o.flying_pixels = 0.3f;
+  if (arguments.choose) {
+    o.outliers = 1500, o.sigma = 0.005f, o.scanner_position = {1.2f, 1, 1.5f};
     add("a scanner in the room, density varies", "room", o);
+    return rows;
+  }
+  o.outliers = 3000, o.sigma = 0.03f;
+  add("scanners, density varies", "courtyard", o);
+  for (const char* scene : {"courtyard", "armadillo"}) {
+    noisy(scene, poisson, "z^2 noise", 2);
+    noisy(scene, tof, "time of flight", 2);
+    noisy(scene, structured_light, "structured light", 2);
+    others(scene);
   }
   return rows;
 }
 
 void noise_tables(Contest& contest, const Arguments& arguments) {
-  std::map<std::string, synth::Scene> scenes;
-  scenes.emplace("room", synth::make_scene("room"));
-  if (!arguments.choose) scenes.emplace("courtyard", synth::make_scene("courtyard"));
-  std::printf("\nDepth MAE / RMSE in bin sizes (missed %%); PSNR dB / SSIM of the albedo. Missed = 5, clamped at 5.\n\n");
-  std::printf("| row | bin size | opaque | EWA | denoise, best T | T | denoise, auto | auto/best |\n");
-  std::printf("|---|---|---|---|---|---|---|---|\n");
-  int beats = 0, near = 0, count = 0;
+  const std::map<std::string, synth::Scene> scenes = noise_scenes(arguments);
+  std::printf("\nPrefilter x T x miss. Depth MAE / RMSE in bin sizes (missed %%) PSNR / SSIM of the albedo; a miss counts 5, errors "
+              "are clamped there. `f`: without isolated points. `l`: where no bin is above T, the last one.\n\n");
+  std::printf("| scene | scan | bin | opaque | opaque f | averaged | averaged f | best T | best T f | best T l | best T f l | auto | "
+              "auto / best of all |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  int beats = 0, near = 0, unseen = 0;
   for (const Row& row : noise_rows(arguments, scenes)) {
-    if (row.name.find(arguments.row) == std::string::npos) continue;
-    const Verdict v = judge(contest, scenes.at(row.scene), row, arguments.quick);
-    auto cell = [](const Errors& e) {
-      char text[96];
-      std::snprintf(text, sizeof text, "%.3f / %.3f (%.1f) %.1f / %.3f", e.mae, e.rmse, 100 * e.missed, e.psnr, e.ssim);
-      return std::string(text);
+    if ((row.scene + " " + row.name).find(arguments.row) == std::string::npos) continue;
+    const Verdict v = judge(contest, scenes.at(row.scene), row, arguments);
+    auto print = [](const Errors& e, double threshold = -1) {
+      std::printf(" %.3f / %.3f (%.1f) %.1f / %.2f", e.mae, e.rmse, 100 * e.missed, e.psnr, e.ssim);
+      if (threshold >= 0) std::printf(" at %.2f", threshold);
+      std::printf(" |");
     };
-    std::printf("| %s | %.3f | %s | %s | %s | %.2f | %s | %.2f |\n", row.name.c_str(), v.bin_size, cell(v.opaque).c_str(),
-                cell(v.ewa).c_str(), cell(v.best).c_str(), v.threshold, cell(v.automatic).c_str(),
-                v.automatic.mae / v.best.mae);
+    std::printf("| %s | %s | %.3f |", row.scene.c_str(), row.name.c_str(), v.bin_size);
+    for (int k = 0; k < 4; ++k) print(v.splats[k / 2][k % 2]);
+    for (int last = 0; last < 2; ++last)
+      for (int filter = 0; filter < 2; ++filter) print(v.manual[filter][last], v.threshold[filter][last]);
+    print(v.automatic);
+    std::printf(" %.2f |\n", v.automatic.mae / v.best());
     std::fflush(stdout);
-    ++count;
-    beats += v.automatic.mae < v.ewa.mae;
-    near += v.automatic.mae <= 1.1 * v.best.mae;
+    if (row.scene == "room") continue;
+    ++unseen;
+    beats += v.automatic.mae < v.splats[1][1].mae;
+    near += v.automatic.mae <= 1.1 * v.best();
   }
-  std::printf("\nauto beats EWA in %d of %d rows, is within 10 %% of the best manual MAE in %d\n", beats, count, near);
+  std::printf("\nof %d rows of scenes that chose nothing, auto beats averaged splats without isolated points in %d and is within "
+              "10 %% of the best of all columns in %d\n", unseen, beats, near);
 }
 
 void views_table(Contest& contest, const Arguments& arguments) {
@@ -270,7 +337,9 @@ void views_table(Contest& contest, const Arguments& arguments) {
 }
 
 void dragon_figures(Contest& contest, const Arguments& arguments) {
-  const synth::Scene scene = synth::make_mesh_scene(io::read_mesh(arguments.dragon));
+  const std::optional<std::string> file = arguments.file("dragon_vrip_res2.ply");
+  if (!file) return;
+  const synth::Scene scene = synth::make_mesh_scene(io::read_mesh(*file));
   const int width = arguments.quick ? 320 : 640, height = width * 3 / 4;
   std::printf("\nDragon, uniform outliers in its box, %dx%d, defaults\n\n", width, height);
   std::printf("| points | outliers | pixels of outliers only that become background | surface pixels kept within 2 bins "
@@ -311,7 +380,7 @@ struct Flicker {
   double depth = 0, light = 0;
   std::size_t count = 0;
   Image<vec2> before;
-  bench::FrameDifferenceMeter pictures;
+  FrameDifferenceMeter pictures;
   void add(const RenderOutput& out, const synth::Truth& truth, double bin_size) {
     Image<vec2> now(truth.depth.width(), truth.depth.height(), vec2(NAN));
     for (std::size_t i = 0; i < now.size(); ++i) {
@@ -340,8 +409,10 @@ Image<Rgba8> picture_of(const synth::Truth& truth) {
 }
 
 void orbit_table(Contest& contest, const Arguments& arguments) {
-  const synth::Scene scene = synth::make_mesh_scene(io::read_mesh(arguments.dragon));
-  const int frames = arguments.quick ? 12 : 180, size = arguments.quick ? 128 : 256;
+  const std::optional<std::string> file = arguments.file("dragon_vrip_res2.ply");
+  if (!file) return;
+  const synth::Scene scene = synth::make_mesh_scene(io::read_mesh(*file));
+  const int frames = arguments.quick ? 12 : 60, size = arguments.quick ? 128 : 256;
   std::printf("\nFlicker on an orbit of %d frames of 2 degrees, %dx%d: change of the error in depth (bins) and luma (1/255); "
               "change of the picture, motion included (1/255; worst pair)\n\n", frames, size, size);
   std::printf("| outliers | perfect | splats | denoise, nearest | denoise, grid | overlapping, grid |\n"
@@ -353,7 +424,7 @@ void orbit_table(Contest& contest, const Arguments& arguments) {
       return frame(scene.box, scene.up, size, size, glm::radians(2.0 * f - 30), glm::radians(20.0));
     };
     contest.take(synth::sample(scene, o), camera_at(0));
-    bench::FrameDifferenceMeter perfect;
+    FrameDifferenceMeter perfect;
     Flicker flicker[4];
     for (int f = 0; f < frames; ++f) {
       const Camera camera = camera_at(f);
@@ -387,16 +458,18 @@ int main(int count, char** values) try {
     else if (word == "--choose") arguments.choose = true;
     else if (word == "--part" && i + 1 < count) arguments.part = values[++i];
     else if (word == "--row" && i + 1 < count) arguments.row = values[++i];
-    else if (word == "--dragon" && i + 1 < count) arguments.dragon = values[++i];
+    else if (word == "--data" && i + 1 < count) arguments.data = values[++i];
+    else if (word == "--maps" && i + 1 < count) arguments.maps = values[++i];
     else throw Error(ErrorCode::usage, "eval_denoise: what is '" + word + "'?");
   }
   auto context = gl::Context::create_headless();
   Contest contest(*context);
   const auto start = std::chrono::steady_clock::now();
+  if (arguments.wants("clean")) clean_table(contest, arguments);
   if (arguments.wants("noise")) noise_tables(contest, arguments);
   if (arguments.wants("views")) views_table(contest, arguments);
-  if (!arguments.dragon.empty() && arguments.wants("dragon")) dragon_figures(contest, arguments);
-  if (!arguments.dragon.empty() && arguments.wants("orbit")) orbit_table(contest, arguments);
+  if (arguments.wants("dragon")) dragon_figures(contest, arguments);
+  if (arguments.wants("orbit")) orbit_table(contest, arguments);
   std::printf("\n%.0f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 } catch (const Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -34,7 +34,7 @@ constexpr float peak_share = 0.3f;  // of the largest weight within `peak_bins`:
 constexpr int peak_bins = 3;
 // Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge, the rim of a
 // splat) the heaviest one is shown.
-constexpr float least_support = 0.1f;
+using denoise::least_support;
 
 struct Parameters {
   Layout bins = Layout::hashed;

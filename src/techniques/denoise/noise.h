@@ -13,6 +13,7 @@ namespace sfumato::denoise {
 float plane_residual(const PreparedCloud& prepared);
 
 constexpr float isolated_support = 1.0f / 64;
+constexpr float least_support = 0.1f;  ///< points with less are left out
 
 /// Per point, how much its splat may say about a surface: 1 where it lies among equals, down to `isolated_support` where
 /// it is isolated. From the distance R to the 8th neighbour, compared with
