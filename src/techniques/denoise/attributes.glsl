@@ -3,8 +3,9 @@
 
 layout(binding = UNIT_INPUT + 1) uniform sampler2D choice;  // bin or -1, weight, threshold
 
-// A hit far out on the rim must not vanish in fixed point, or a pixel that only rims cover has no colour.
-const float least_weight = 1.0 / 131072.0;
+// A hit far out on the rim must not vanish in fixed point, or a pixel that only rims cover has no colour. Where only
+// rims meet the unit of the sums is 2^-40, and this is 2^11 of them.
+const float least_weight = 1.0 / 536870912.0;
 
 // Distance behind the bin's border in bin sizes, or -1 outside of the bin.
 float place_in_bin(ivec2 pixel, float t, float chosen) {
@@ -12,7 +13,7 @@ float place_in_bin(ivec2 pixel, float t, float chosen) {
   float distance = bin_distance(t, bin_origin(pixel));
   uint b = bin_of(distance), wanted = uint(chosen);
 #ifdef OVERLAPPING
-  if (b != wanted && b != wanted + 1u) return -1.0;
+  if (b != wanted && !(b == wanted + 1u && reaches_earlier(distance, b))) return -1.0;
 #else
   if (b != wanted) return -1.0;
 #endif

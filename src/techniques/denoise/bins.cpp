@@ -13,10 +13,10 @@ void bind_image(int unit, const gl::TextureBuffer& buffer, GLenum format) {
   glBindImageTexture(GLuint(unit), buffer.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, format);
 }
 
-void grow(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t words) {
+void resize(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t words) {
   gl::require(words <= std::size_t(gl::limits().max_texture_buffer_size),
               "denoise with " + std::to_string(words) + " table slots",
-              "larger texture buffers; use fewer hash_bits (or dense_bins), or a smaller --resolution");
+              "larger texture buffers; use a smaller --resolution, or fewer dense_bins");
   if (buffer.buffer().bytes() != 4 * words) buffer = gl::TextureBuffer(label, format, 4 * words);
 }
 
@@ -49,20 +49,20 @@ void BinTable::allocate(const View& view, const BinOptions& options, bool shadow
   fast_ = options.fast;
   slots_ = options.layout == Layout::dense ? options.dense_bins : 1 << options.hash_bits;
   stride_ = shadow ? 9 : 8;
-  grow(weights_, "bin weights", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(slots_));
+  resize(weights_, "bin weights", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(slots_));
   weights_.buffer().clear(0);
   if (options.layout == Layout::hashed) {
-    grow(keys_, "bin keys", GL_R32UI, pixels * std::size_t(slots_));
+    resize(keys_, "bin keys", GL_R32UI, pixels * std::size_t(slots_));
     keys_.buffer().clear(0);
   } else {
     keys_ = {};
   }
-  grow(counters_, "bin counters", GL_R32UI, 2);
+  resize(counters_, "bin counters", GL_R32UI, 2);
   counters_.buffer().clear(0);
   gl::ensure(first_bin_, "first bin", GL_R32UI, view.width(), view.height());
   first_bin_.clear_uint(0xffffffffu);
   gl::ensure(sink_, "no colour", GL_R8, view.width(), view.height());
-  grow(sums_, "bin sums", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(stride_));
+  resize(sums_, "bin sums", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(stride_));
   sums_.buffer().clear(0);
 }
 
@@ -104,6 +104,20 @@ void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& 
   finish_atomics();
 }
 
+void BinTable::agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options,
+                     const View& view) {
+  ScreenPass& agree = agree_[variant(options)];
+  if (!agree) agree = ScreenPass("techniques/denoise/agree.glsl", {GL_RGBA32F}, defines(options));
+  gl::ensure(agreed_, "agreed bin", GL_RGBA32F, view.width(), view.height());
+  set_uniforms(agree.program(), options, view);
+  agree.set("peak_bins", options.peak_bins);
+  agree.set("splat_reach", options.splat_reach).set("reach_least_px", std::max(shape.prefilter_px, 1.0f));
+  bind_after(2, weights_);
+  if (keys_) bind_after(3, keys_);
+  agree.run({&nearest_t, &choice_}, {&agreed_});
+  std::swap(choice_, agreed_);
+}
+
 void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape,
                               const SplatBatches& batches, const gl::Texture& nearest_t, const BinOptions& options) {
   const bool shadow = cloud.has_shadow();
@@ -135,18 +149,39 @@ void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShap
   finish_atomics();
 }
 
+/// After an overflow: the next larger table. False when all splats found room.
+///
+/// Which bins overflow depends on the order of the points; what a table without overflow says does not. A bin further
+/// away than the memory reaches is the last resort: dense bins need no keys, and the last one takes the rest.
+bool BinTable::grow(BinOptions& options, const View& view) {
+  if (options.layout == Layout::dense || counts().overflow == 0) return false;
+  constexpr int most_bits = 8;
+  const std::size_t pixels = std::size_t(view.width()) * std::size_t(view.height());
+  const std::size_t most = std::size_t(gl::limits().max_texture_buffer_size) / pixels;
+  if (options.hash_bits < most_bits && (std::size_t(2) << options.hash_bits) <= most) {
+    grown_bits_ = ++options.hash_bits;
+    return true;
+  }
+  options.layout = Layout::dense;
+  options.dense_bins = int(std::min<std::size_t>(most, 256));
+  return true;
+}
+
 void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                    const gl::Texture& nearest_t, const BinOptions& options, bool show_weight,
+                    const gl::Texture& nearest_t, const BinOptions& asked, bool show_weight,
                     const SplatSurfaceTargets& targets, gl::Timers& timers) {
   const bool shadow = cloud.has_shadow();
-  {
-    auto timing = timers.scope("clear bins");
-    allocate(view, options, shadow);
-  }
-  {
+  BinOptions options = asked;
+  if (asked_bits_ != asked.hash_bits) asked_bits_ = grown_bits_ = asked.hash_bits;
+  options.hash_bits = grown_bits_;  // an orbit grows once
+  do {
+    {
+      auto timing = timers.scope("clear bins");
+      allocate(view, options, shadow);
+    }
     auto timing = timers.scope("weights");
     add_weights(cloud, view, shape, batches, nearest_t, options);
-  }
+  } while (grow(options, view));
   view.bind();
   {
     auto timing = timers.scope("choose");
@@ -159,6 +194,7 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     bind_after(2, weights_);
     if (keys_) bind_after(3, keys_);
     choose.run({&nearest_t, &first_bin_}, {&choice_});
+    for (int round = 0; round < options.agree_rounds; ++round) agree(shape, nearest_t, options, view);
     if (!farthest_) farthest_ = ScreenPass("techniques/denoise/farthest.glsl", {GL_R32F});
     gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
     farthest_.run({&choice_}, {&farthest_end_});

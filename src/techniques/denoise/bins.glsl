@@ -48,6 +48,12 @@ float bin_start(uint b) {
 #endif
 }
 
+#ifdef OVERLAPPING
+// Whether a hit in bin b = bin_of(distance) lies in bin b - 1 too. Not what the last of the dense bins took in: it lies
+// beyond both.
+bool reaches_earlier(float distance, uint b) { return b > 0u && distance < bin_start(b - 1u) + 1.0; }
+#endif
+
 uniform float weight_threshold;
 
 uint hashed_slot(uint b) { return (b * 2654435769u) >> (32 - hash_bits); }  // 2^32 / golden ratio

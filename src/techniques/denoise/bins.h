@@ -27,7 +27,7 @@ enum class Miss { background, last_bin };
 
 struct BinOptions {
   Layout layout = Layout::hashed;
-  int hash_bits = 4;            ///< hashed: 2^hash_bits slots a pixel
+  int hash_bits = 4;            ///< hashed: 2^hash_bits slots a pixel to begin with
   int dense_bins = 64;          ///< dense: bins a pixel; what lies beyond goes to the last one
   bool overlapping = false;     ///< windows at half steps
   Anchor anchor = Anchor::nearest;
@@ -42,19 +42,22 @@ struct BinOptions {
   float peak_share = 0;         ///< a bin counts when it has this share of the largest weight within `peak_bins`
   int peak_bins = 0;
   bool heaviest_bin = false;    ///< where no bin counts the heaviest one does
+  int agree_rounds = 0;         ///< weak bins count where the pixels around agree on them (agree.glsl)
+  float splat_reach = 0;        ///< usual radius of a splat, scene units
 };
 
 /// (Fibonacci hashing, Knuth): the first slot of bin `b` in a table of 2^bits, bits >= 1; as in bins.glsl.
 constexpr std::uint32_t fibonacci_slot(std::uint32_t b, int bits) { return (b * 2654435769u) >> (32 - bits); }
 
 struct BinCounts {
-  std::uint32_t overflow = 0;    ///< hits that found no slot
+  std::uint32_t overflow = 0;    ///< hits that found no slot: 0 once the table has grown
   std::uint32_t saturated = 0;   ///< hits beyond the largest sum of a bin
 };
 
 class BinTable {
  public:
-  /// Fills the targets. `nearest` must hold the nearest distances of the same view and shape.
+  /// Fills the targets. A hash table that is full grows, and what does not fit the memory becomes dense bins: the
+  /// picture never depends on the order of the points. `nearest` must hold the nearest distances of the same view and shape.
   void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
             const gl::Texture& nearest_t, const BinOptions& options, bool show_weight,
             const SplatSurfaceTargets& targets, gl::Timers& timers);
@@ -78,17 +81,20 @@ class BinTable {
                    const gl::Texture& nearest_t, const BinOptions& options);
   void add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                       const gl::Texture& nearest_t, const BinOptions& options);
+  bool grow(BinOptions& options, const View& view);
+  void agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options, const View& view);
   gl::Defines defines(const BinOptions& options) const;
   gl::Program& small_program(std::map<int, gl::Program>& programs, int key, const char* file, gl::Defines list,
                              const SplatShape& shape) const;
 
   int slots_ = 0, stride_ = 0;
+  int asked_bits_ = 0, grown_bits_ = 0;  ///< of the hash table, what was asked for and what frames needed
   bool fast_ = false;
   gl::TextureBuffer weights_, keys_, counters_, sums_;
-  gl::Texture first_bin_, choice_, sink_, farthest_end_;
+  gl::Texture first_bin_, choice_, agreed_, sink_, farthest_end_;
   SplatRaster weight_raster_[8], attribute_raster_[16];
   std::map<int, gl::Program> weight_small_, attribute_small_;
-  ScreenPass choose_[8], farthest_, resolve_[16];
+  ScreenPass choose_[8], agree_[8], farthest_, resolve_[16];
 };
 
 }  // namespace sfumato::denoise

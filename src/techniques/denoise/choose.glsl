@@ -1,43 +1,13 @@
 // The bin of every pixel (Eq. 6), or -1; its weight in the table, the threshold in force, and where the bin ends (ray
 // distance, or -1).
-#include "techniques/denoise/bins.glsl"
+#include "techniques/denoise/table.glsl"
 
 layout(binding = UNIT_INPUT + 1) uniform usampler2D first_bin;
-#ifdef FAST
-layout(binding = UNIT_INPUT + 2) uniform samplerBuffer bin_weights;
-#else
-layout(binding = UNIT_INPUT + 2) uniform usamplerBuffer bin_weights;
-#endif
-layout(binding = UNIT_INPUT + 3) uniform usamplerBuffer bin_keys;
 
 uniform float peak_share;
 uniform int peak_bins;
 uniform bool heaviest_bin;  // where no bin is above the threshold the heaviest one is taken
 uniform bool last_bin;
-
-float weight_in(int slot) {
-#ifdef FAST
-  return texelFetch(bin_weights, slot).x;
-#else
-  return float(texelFetch(bin_weights, slot).x) / weight_unit;
-#endif
-}
-
-float weight_of(ivec2 pixel, uint b) {
-  int base = first_slot(pixel);
-#ifdef DENSE
-  return int(b) < slots ? weight_in(base + int(b)) : 0.0;
-#else
-  uint slot = hashed_slot(b);
-  for (int probe = 0; probe < slots; ++probe) {
-    uint key = texelFetch(bin_keys, base + int(slot)).x;
-    if (key == b + 1u) return weight_in(base + int(slot));
-    if (key == 0u) return 0.0;
-    slot = (slot + 1u) & uint(slots - 1);
-  }
-  return 0.0;
-#endif
-}
 
 // Of a pixel without a bin above the threshold: the heaviest bin, or the last one with data.
 uint second_choice(ivec2 pixel) {
@@ -47,11 +17,7 @@ uint second_choice(ivec2 pixel) {
   for (int slot = 0; slot < slots; ++slot) {
     float weight = weight_in(base + slot);
     if (!(weight > 0.0)) continue;
-#ifdef DENSE
-    uint b = uint(slot);
-#else
-    uint b = texelFetch(bin_keys, base + slot).x - 1u;
-#endif
+    uint b = bin_in(base, slot);
     if (last == no_bin || b > last) last = b;
     if (weight > most || (weight == most && b < heaviest)) {
       heaviest = b;
@@ -59,14 +25,6 @@ uint second_choice(ivec2 pixel) {
     }
   }
   return heaviest_bin ? heaviest : last;
-}
-
-// Ray distance where bin b ends.
-float end_of(ivec2 pixel, uint b) {
-#ifdef DENSE
-  if (int(b) == slots - 1) return infinity;
-#endif
-  return bin_origin(pixel) + (bin_start(b) + 1.0) * bin_size;
 }
 
 bool filter_pixel(ivec2 pixel) {

@@ -29,9 +29,14 @@ using denoise::Miss;
 // The automatic threshold: weights are in units of what the surface they belong to needs (evidence.glsl), so that it
 // is 1 everywhere. (Seemann 2018, Eq. 20) lets the splats of a surface cover it four times.
 constexpr float radius_covers = 4;
-constexpr float surface_share = 0.15f;  // of the mean weight of a surface that the nearest bin needs
-constexpr float peak_share = 0.3f;  // of the largest weight within `peak_bins`: noise in front of its surface
+//
+// Where n = 9 splats meet at random (radius scale 1.5) their weight falls below a fifth of its mean in 7 % of places, and
+// no share removes outliers without such dips. So the share decides alone only where the pixels around have nothing to
+// say about a weak bin (agree.glsl).
+constexpr float surface_share = 0.2f;  // of the mean weight of a surface that the nearest bin needs
+constexpr float peak_share = 0.3f;     // of the largest weight within `peak_bins`: noise in front of its surface
 constexpr int peak_bins = 3;
+constexpr int agree_rounds = 2;        // a dip between dips is closed by the second
 // Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge, the rim of a
 // splat) the heaviest one is shown.
 using denoise::least_support;
@@ -40,6 +45,8 @@ struct Parameters {
   Layout bins = Layout::hashed;
   int hash_bits = 4, dense_bins = 64;
   Auto<float> bin_size, weight_threshold;
+  float strictness = 1;
+  Auto<bool> prefilter;
   bool overlapping = false;
   Anchor anchor = Anchor::nearest;
   Miss miss = Miss::background;
@@ -51,8 +58,14 @@ struct Parameters {
     p.add("weight_threshold", weight_threshold)
         .range(0, 1000)
         .help("weight that the nearest surface must exceed; 0 shows every outlier, higher values remove more (auto: "
-              "per pixel, from the density of the splats)")
+              "per pixel, from the density of the splats and the pixels around)")
         .paper("T");
+    p.add("strictness", strictness)
+        .range(0, 4)
+        .unit("factor")
+        .help("of the automatic weight_threshold: how much evidence a surface needs; 0 shows every point, as splats do");
+    p.add("prefilter", prefilter)
+        .help("leave out isolated points before anything is drawn (auto: with the automatic weight_threshold)");
     p.add("bin_size", bin_size)
         .at_least(1e-9)
         .unit("scene units")
@@ -60,7 +73,10 @@ struct Parameters {
         .paper("Delta");
     p.add("bins", bins, {"hashed", "dense"})
         .help("hashed: a small table a pixel, any depth; dense: the first dense_bins bins, the last one takes the rest");
-    p.add("hash_bits", hash_bits).range(1, 8).help("2^hash_bits slots a pixel").paper("B");
+    p.add("hash_bits", hash_bits)
+        .range(1, 8)
+        .help("2^hash_bits slots a pixel to begin with; a full table grows by itself")
+        .paper("B");
     p.add("dense_bins", dense_bins).range(1, 256).help("bins a pixel of bins = dense").paper("D");
     p.add("overlapping", overlapping)
         .help("bins at half steps, so that no surface is split between two; twice the work");
@@ -85,7 +101,7 @@ class Denoise final : public Technique {
   /// What is removed casts no shadow: points that are not enough evidence for a surface. `weight_threshold` 0 shows
   /// them all.
   void cast(GpuCloud& cloud, Progress& progress) override {
-    const bool shows_all = !parameters_.weight_threshold.is_auto() && parameters_.weight_threshold.value() == 0;
+    const bool shows_all = this->shows_all();
     const std::string key = shows_all ? "solid" : "denoise/" + std::to_string(cloud.serial());
     if (cloud.casters_key() == key) return;
     std::vector<float> opacity;
@@ -101,13 +117,23 @@ class Denoise final : public Technique {
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
-    measure(frame.cloud, shape.radius_limit, frame.progress);
+    const bool prefilter = parameters_.prefilter.resolve(automatic());
+    measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
     if (parameters_.antialias) shape.prefilter_px = 1;
-    if (parameters_.weight_threshold.is_auto()) {
-      shape.part = SplatPart::above;
-      shape.field_threshold = parameters_.miss == Miss::background ? least_support : 0;
+    if (automatic() || prefilter) shape.part = SplatPart::above;
+    if (prefilter) {
+      const float least = std::min(least_support * std::max(parameters_.strictness, 1.0f), 0.9f);
+      shape.field_threshold = parameters_.miss == Miss::background ? least : 0;
     }
     const denoise::BinOptions options = choose_options(frame, shape);
+    if (shows_all() && options.anchor == Anchor::nearest && !options.overlapping &&
+        frame.settings.shading != Shading::weight) {
+      // The first bin is what splats show (paper, Sec. 5): their way to it needs no table.
+      surface_.draw(frame.cloud, view, shape, {.epsilon = options.bin_size},
+                    {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+      shade(frame, view);
+      return true;
+    }
 
     const SplatBatches batches = choose_batches(frame.cloud, view, shape);
     {
@@ -117,36 +143,46 @@ class Denoise final : public Technique {
     const bool show_weight = frame.settings.shading == Shading::weight;
     bins_.draw(frame.cloud, view, shape, batches, surface_.nearest_t(), options, show_weight,
                {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
-
-    auto timing = frame.timers.scope("shade");
-    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
-               {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+    shade(frame, view);
     return true;
   }
 
   std::vector<std::string> notes() const override {
     std::vector<std::string> lines;
     const denoise::BinCounts counts = bins_.counts();
-    if (counts.overflow)
-      lines.push_back(std::to_string(counts.overflow) + " splat hits found no slot in the table; raise hash_bits");
     if (counts.saturated)
       lines.push_back(std::to_string(counts.saturated) + " splat hits were beyond the largest weight of a bin");
     return lines;
   }
 
  private:
+  bool automatic() const { return parameters_.weight_threshold.is_auto() && parameters_.strictness > 0; }
+  bool shows_all() const {
+    const Parameters& p = parameters_;
+    if (p.prefilter.user.value_or(false)) return false;
+    return p.weight_threshold.is_auto() ? p.strictness == 0 : p.weight_threshold.value() == 0;
+  }
+
+  void shade(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("shade");
+    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+               {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+  }
+
   /// Measures a cloud that was not seen before. `radius_limit`: scene units, infinite for none.
-  void measure(GpuCloud& cloud, float radius_limit, Progress& progress) {
+  void measure(GpuCloud& cloud, float radius_limit, bool prefilter, Progress& progress) {
     const PreparedCloud& prepared = cloud.prepared();
     const bool seen = field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
     if (!seen) {
       residual_ = denoise::plane_residual(prepared);
-      support_ = denoise::splat_support(prepared, progress);
+      support_.clear();
     }
-    if (seen && radius_limit == field_limit_) return;
-    cloud.set_field(denoise::splat_worth(prepared, support_, least_support, radius_limit));
+    if (seen && radius_limit == field_limit_ && prefilter == field_prefilter_) return;
+    if (prefilter && support_.empty()) support_ = denoise::splat_support(prepared, progress);
+    const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
+    cloud.set_field(denoise::splat_worth(prepared, prefilter ? support_ : all_alike, least_support, radius_limit));
     field_stamp_ = cloud.field_stamp();
-    field_limit_ = radius_limit;
+    field_limit_ = radius_limit, field_prefilter_ = prefilter;
   }
 
   /// Of a pixel at the middle of the cloud, scene units; 0 when that is behind the camera.
@@ -169,13 +205,15 @@ class Denoise final : public Technique {
     // are larger, would split what is tilted.
     const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel_size(frame));
     options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * spacing));
-    options.weight_threshold = parameters_.weight_threshold.resolve(1);
-    if (parameters_.weight_threshold.is_auto()) {
+    options.weight_threshold = parameters_.weight_threshold.resolve(automatic() ? 1.0f : 0.0f);
+    if (automatic()) {
       options.covers = radius_covers * parameters_.radius_scale * parameters_.radius_scale;
-      options.peak_share = peak_share;
+      options.peak_share = std::min(peak_share * parameters_.strictness, 0.9f);
       options.peak_bins = peak_bins;
       options.heaviest_bin = true;
-      options.surface_share = surface_share;
+      options.surface_share = surface_share * parameters_.strictness;
+      options.agree_rounds = agree_rounds;
+      options.splat_reach = shape.radius_scale * std::min(frame.cloud.median_radius(), shape.radius_limit);
     }
     return options;
   }
@@ -183,6 +221,7 @@ class Denoise final : public Technique {
   Parameters parameters_;
   std::uint64_t field_stamp_ = 0;  ///< of the cloud that was measured last
   float field_limit_ = 0, residual_ = 0;
+  bool field_prefilter_ = false;
   std::vector<float> support_;
   SplatSurface surface_;
   denoise::BinTable bins_;

@@ -60,6 +60,6 @@ void add_weight(ivec2 pixel, float t, float weight) {
   uint b = bin_of(bin_distance(t, origin));
   add_to_bin(pixel, b, weight);
 #ifdef OVERLAPPING
-  if (b > 0u) add_to_bin(pixel, b - 1u, weight);
+  if (reaches_earlier(bin_distance(t, origin), b)) add_to_bin(pixel, b - 1u, weight);
 #endif
 }
