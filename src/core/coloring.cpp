@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/color.h"
 #include "core/colormap.h"
 #include "core/error.h"
 #include "core/param.h"
@@ -94,7 +95,32 @@ void color_classes(const ScalarField& field, Coloring& out) {
     ++counts[id];
     out.colors.push_back(last_color);
   }
-  for (const auto& [id, points] : counts) out.classes.push_back({id, points});
+  for (const auto& [id, points] : counts) {
+    out.classes.push_back({id, points});
+    out.swatches.push_back({class_name(id), class_color(id), points});
+  }
+}
+
+/// A colour for each file of the scene: a ramp would say that the second is more than the first.
+void color_files(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
+  out.kind = ColorKind::files;
+  std::map<long, std::size_t> counts;
+  out.colors.reserve(field.values.size());
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    if (!std::isfinite(field.values[i])) {
+      out.colors.push_back(unknown_gray);
+      continue;
+    }
+    const long number = std::lround(field.value(i));
+    ++counts[number];
+    out.colors.push_back(swatch_color(std::size_t(std::max(0L, number - 1))));
+  }
+  for (const auto& [number, points] : counts) {
+    const std::size_t index = std::size_t(std::max(0L, number - 1));
+    out.swatches.push_back({index < settings.file_names.size() ? settings.file_names[index]
+                                                               : "file " + std::to_string(number),
+                            swatch_color(index), points});
+  }
 }
 
 void color_normals(const PointCloud& cloud, Coloring& out) {
@@ -133,6 +159,11 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   Coloring out;
+  if (settings.solid) {
+    out.source = "one colour";
+    out.colors.assign(cloud.size(), *settings.solid);
+    return out;
+  }
   out.source = resolve_color_by(cloud, settings.color_by);
   if (!settings.colormap.empty())
     Colormap::named(settings.colormap);  // a wrong name is refused whatever is shown
@@ -143,10 +174,17 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     color_normals(cloud, out);
   } else if (out.source == "classification" && settings.colormap.empty() && !settings.range) {
     color_classes(*cloud.scalar("classification"), out);
+  } else if (out.source == "file" && !settings.file_names.empty() && settings.colormap.empty() && !settings.range) {
+    color_files(*cloud.scalar("file"), settings, out);
   } else {
     color_scalar(out.source == "elevation" && !cloud.scalar("elevation") ? elevation(cloud)
                                                                          : *cloud.scalar(out.source),
                  settings, out);
+  }
+  if (out.kind == ColorKind::rgb || out.kind == ColorKind::normal) {
+    const std::string why = " has no effect: the points are coloured by " + out.source + " (--color-by says otherwise)";
+    if (!settings.colormap.empty()) out.notes.push_back("--colormap " + settings.colormap + why);
+    if (settings.range) out.notes.push_back("--color-range" + why);
   }
   return out;
 }

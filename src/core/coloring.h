@@ -16,12 +16,21 @@ struct ColorSettings {
   std::string color_by = "auto";  ///< auto, rgb, intensity, classification, elevation, normal or any scalar
   std::string colormap;           ///< empty: gray for intensity, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: the 2-98 % percentiles
+  std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
+  std::vector<std::string> file_names;         ///< what the numbers of the scalar `file` stand for, from 1
 };
 
-enum class ColorKind { rgb, scalar, classes, normal };
+enum class ColorKind { rgb, scalar, classes, normal, files };
 
 struct ClassShare {
   int id = 0;
+  std::size_t points = 0;
+};
+
+/// A colour that stands for something, in a legend.
+struct Swatch {
+  std::string label;
+  Rgba8 color;
   std::size_t points = 0;
 };
 
@@ -33,6 +42,8 @@ struct Coloring {
   std::string colormap;             ///< scalar only
   double low = 0, high = 1;         ///< scalar only: values at the ends of the colour map
   std::vector<ClassShare> classes;  ///< classes only: those that occur, ascending
+  std::vector<Swatch> swatches;     ///< classes and files: what the legend lists, in its order
+  std::vector<std::string> notes;   ///< settings that have no effect on these colours
 };
 
 /// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then intensity unless

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/color.h"
 #include "core/error.h"
 
 namespace sfumato {
@@ -173,6 +174,8 @@ Param& ParamList::add(std::string name, vec3& value) {
   p.print_ = [&value] { return print_list(&value.x, 3); };
   p.parse_ = [&value](std::string_view text) {
     std::vector<float> numbers;
+    if (const auto color = parse_color(text); color && !(text[0] >= '0' && text[0] <= '9') && text[0] != '.')
+      return value = *color, true;  // a name or #hex where three numbers are a colour
     if (!parse_list(text, numbers) || numbers.size() != 3) return false;
     value = {numbers[0], numbers[1], numbers[2]};
     return true;

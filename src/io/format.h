@@ -41,6 +41,7 @@ void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progr
 
 bool is_pcd(std::string_view head);
 ReadResult read_pcd(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+void write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 bool is_obj(std::string_view head);
 ReadResult read_obj(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
@@ -48,6 +49,9 @@ Mesh read_obj_mesh(const std::filesystem::path& file, Progress& progress);
 
 bool is_text(std::string_view head);
 ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+void write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+
+void write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 /// The triangles of a polygon whose corners are record numbers, as a fan. `vertex_of` maps records to kept
 /// vertices, -1 for dropped ones, whose triangles are left out. False when a corner names no record.

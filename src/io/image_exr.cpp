@@ -6,6 +6,8 @@
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "io/atomic_writer.h"
 
@@ -56,14 +58,14 @@ void write_exr(const std::filesystem::path& file, const Image<vec4>& color, cons
                const Image<vec3>& normal, const std::string& command) {
   AtomicWriter writer(file);
   Stream stream(file.string(), writer);
-  const int width = color.width(), height = color.height();
+  const int width = std::max(color.width(), depth.width()), height = std::max(color.height(), depth.height());
   try {
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
     if (!command.empty()) Imf::addComments(header, command);
     Imf::FrameBuffer buffer;
     const char* rgba[] = {"R", "G", "B", "A"};
-    for (int k = 0; k < 4; ++k) add_channel(header, buffer, rgba[k], &color.data()->x + k, 4, width);
+    for (int k = 0; k < 4 && !color.empty(); ++k) add_channel(header, buffer, rgba[k], &color.data()->x + k, 4, width);
     if (!depth.empty()) add_channel(header, buffer, "Z", depth.data(), 1, width);
     const char* xyz[] = {"N.X", "N.Y", "N.Z"};
     for (int k = 0; k < 3 && !normal.empty(); ++k)

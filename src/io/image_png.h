@@ -18,4 +18,7 @@ using PngTexts = std::vector<std::pair<std::string, std::string>>;
 void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
                const PngTexts& texts = {});
 
+/// 16-bit grey, linear numbers.
+void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& gray, const PngTexts& texts = {});
+
 }  // namespace sfumato::io

@@ -15,17 +15,20 @@ namespace {
 const std::vector<Format>& table() {
   static const std::vector<Format> formats = {
       {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, read_ply_mesh},
-      {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd},
+      {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd, write_pcd},
       {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh},
       {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las},
       {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz},
       {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las},
+      {"pts", {".pts"}, "lines of numbers behind their count", nullptr, read_text},
+      {"npy", {".npy"}, "NumPy array with one named field for each number", nullptr, nullptr, write_npy_cloud},
       // Last: any lines of numbers are text.
       {"text",
-       {".xyz", ".txt", ".csv", ".pts", ".asc"},
-       "lines of numbers, columns guessed",
+       {".xyz", ".txt", ".csv", ".asc"},
+       "lines of numbers, columns from a header or guessed",
        is_text,
-       read_text},
+       read_text,
+       write_text},
   };
   return formats;
 }
@@ -96,6 +99,13 @@ void write(const std::filesystem::path& file, const PointCloud& cloud, Progress&
     if (format.write && has_extension(format, name)) return format.write(file, cloud, progress);
   throw Error(ErrorCode::usage,
               file.string() + ": clouds are not written in this format; use one of " + all_extensions(true));
+}
+
+bool can_write(const std::filesystem::path& file) {
+  if (is_standard_output(file)) return true;
+  const std::string name = lower_name(file);
+  return std::any_of(table().begin(), table().end(),
+                     [&](const Format& format) { return format.write && has_extension(format, name); });
 }
 
 std::vector<FormatInfo> formats() {

@@ -22,6 +22,7 @@ struct AttributeStats {
 struct ReadOptions {
   std::vector<std::string> columns;          ///< text files: names by position, wins over the guess
   std::optional<std::uint64_t> max_points;   ///< deterministic subsample while or after reading
+  bool every_attribute = false;              ///< also those of LAS that are zero everywhere: for conversions
 };
 
 struct ReadReport {
@@ -50,9 +51,12 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options = 
 /// Vertices and triangles of a PLY or OBJ file (polygons are fanned).
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress = no_progress());
 
-/// Writes .las, .laz or .ply (binary), by extension; file order and every attribute kept. The file appears under
+/// Writes .las, .laz, .ply or .pcd (binary), .xyz .txt .asc .csv or .npy, by extension; `-` is PLY; file order and every attribute kept. The file appears under
 /// its name only when it is complete. Throws Error(usage) for an extension that cannot be written.
 void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress = no_progress());
+
+/// Whether `write` knows the extension.
+bool can_write(const std::filesystem::path& file);
 
 struct FormatInfo {
   std::string name, extensions, description;

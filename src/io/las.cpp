@@ -133,11 +133,19 @@ bool is_copc(std::string_view head) {
   return is_laz(head) && head.size() > 382 && head.substr(377, 5) == std::string_view("copc\0", 5);
 }
 
-ReadResult read_las(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+ReadResult read_las(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
-  return header.compressed ? las::read_compressed(file, header, progress)
-                           : las::read_uncompressed(file, header, progress);
+  ReadResult result = header.compressed ? las::read_compressed(file, header, progress)
+                                        : las::read_uncompressed(file, header, progress);
+  // Columns of nothing but zeros were left out to save memory; a format that is not LAS would not know of them.
+  for (const auto& [name, type] :
+       {std::pair("user_data", StoredType::uint8), std::pair("point_source_id", StoredType::uint16)})
+    if (options.every_attribute && !result.cloud.scalar(name) &&
+        std::any_of(result.report.attributes.begin(), result.report.attributes.end(),
+                    [&](const AttributeStats& attribute) { return attribute.name == name; }))
+      result.cloud.set_scalar({name, 0, std::vector<float>(result.cloud.size(), 0.0f), type});
+  return result;
 }
 
 }  // namespace sfumato::io

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/threads.h"
 #include "io/format.h"
 
 namespace sfumato::io::las {
@@ -29,7 +30,7 @@ unsigned worker_count() {
     const long threads = std::strtol(text, nullptr, 10);
     if (threads >= 1 && threads <= 256) return unsigned(threads);
   }
-  return std::max(1u, std::thread::hardware_concurrency());
+  return sfumato::thread_count();
 }
 
 void parallel_tasks(std::size_t count, Progress& progress, const std::string& text,

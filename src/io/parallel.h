@@ -6,10 +6,12 @@
 #include <thread>
 #include <vector>
 
+#include "core/threads.h"
+
 namespace sfumato::io {
 
 inline std::size_t thread_count() {
-  return std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
+  return std::clamp<std::size_t>(sfumato::thread_count(), 1, 16);
 }
 
 /// Calls `work(i)` for i in [0, count), each on its own thread (the last on the caller's), and waits. Of

@@ -29,6 +29,7 @@ void CommandTest::SetUp() {
   std::string name = (std::filesystem::temp_directory_path() / "sfumato-cli-XXXXXX").string();
   ASSERT_NE(mkdtemp(name.data()), nullptr);
   folder_ = name;
+  setenv("SFUMATO_CONFIG", "", 1);  // nobody's own defaults
 }
 
 void CommandTest::TearDown() {

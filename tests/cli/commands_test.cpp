@@ -14,7 +14,9 @@ using Json = nlohmann::json;
 TEST_F(CommandTest, VersionAndHelp) {
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.code, 0);
-  EXPECT_THAT(version.out, ::testing::MatchesRegex("sfumato [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(version.out, ::testing::ContainsRegex("^sfumato [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  for (const char* word : {"commit ", "OpenGL ", "libraries ", "libpng", "OpenEXR"}) EXPECT_THAT(version.out, HasSubstr(word));
+  EXPECT_THAT(run({"-V"}).out, ::testing::MatchesRegex("sfumato [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   const Outcome help = run({"-t", "points", "--help"});
   EXPECT_EQ(help.code, 0);
   for (const char* word : {"--resolution WxH", "--camera-azimuth-angle DEG", "--point-size FLOAT",
@@ -41,7 +43,7 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
            {{"cube.ply", "-o", "a.png", "-t", "pointz"}, "points"},
            {{"cube.ply", "-o", "a.png", "--color-by", "rows"}, "did you mean 'row'?"},
            {{"cube.ply", "-o", "a.png", "--colormap", "turbu"}, "did you mean 'turbo'?"},
-           {{"cube.ply", "-o", "a.jpg"}, ".png, .exr or .npy"},
+           {{"cube.ply", "-o", "a.bmp"}, ".png, .jpg, .webp, .exr or .npy"},
            {{"cube.ply", "-o", "a.png", "--resolution", "64"}, "WIDTHxHEIGHT"},
            {{"cube.ply", "-o", "a.png", "--camera-position", "1,2"}, "3 numbers"},
            {{"cube.ply", "-o", "a.png", "--camera-position", "1,2,3", "--camera-azimuth-angle", "3"},
@@ -54,13 +56,13 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
            {{"cube.ply", "-o", "a.png", "--frames", "3"}, "--path"},
            {{"cube.ply", "-o", "a.exr", "-t", "points,points"}, "contact sheet"},
            {{"cube.ply", "-o", "a.png", "--output-panels", "b.png"}, "{technique}"},
-           {{"cube.ply", "-o", "a.png", "--output-depth", "d.png"}, ".npy"},
+           {{"cube.ply", "-o", "a.png", "--output-depth", "d.jpg"}, ".npy"},
            {{"info"}, "info needs a file"},
-           {{"info", "cube.ply", "more.ply"}, "unexpected argument 'more.ply'"},
+           {{"techniques", "points", "splats"}, "unexpected argument 'splats'"},
            {{"techniques", "pointz"}, "points"},
            {{"synth", "courtyart", "-o", "a.ply"}, "courtyard"},
            {{"synth", "spheres", "-o", "a.ply", "--pints", "3"}, "--points"},
-           {{"convert", "cube.ply"}, "usage: sfumato convert IN -o OUT"},
+           {{"convert", "cube.ply"}, "usage: sfumato convert IN... -o OUT"},
            {{"convert", "cube.ply", "-o", "cube.jpg"}, "cube.jpg"},
        }) {
     const Outcome outcome = run(c.words);

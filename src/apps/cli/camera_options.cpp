@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/param.h"
 #include "io/camera_json.h"
 
 namespace sfumato::cli {
@@ -62,6 +63,20 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
   camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
 }
 
+struct NamedView {
+  const char *name, *azimuth, *elevation;
+};
+/// The front is what azimuth 0 shows; iso sees three sides of a cube at equal angles (atan(1 / sqrt 2)).
+constexpr NamedView named_views[] = {{"front", "0", "0"},  {"back", "180", "0"},  {"left", "-90", "0"},
+                                     {"right", "90", "0"}, {"top", "0", "90"},    {"bottom", "0", "-90"},
+                                     {"iso", "-45", "35.26438968275465"}};
+
+double positive(const char* option, const std::string& text) {
+  const double value = parse_number(option, text);
+  if (value <= 0) throw Error(ErrorCode::usage, fmt::format("{}: '{}' is not more than 0", option, text));
+  return value;
+}
+
 double view_angle(const std::string& text) {
   return degrees_in("--camera-view-angle", text, 0.001, 179);
 }
@@ -69,8 +84,16 @@ double view_angle(const std::string& text) {
 }  // namespace
 
 void CameraOptions::declare(CommandLine& line) {
-  line.group("Camera (single options win over --camera)");
+  line.group("View");
   line.text("--resolution", resolution, "WxH", "picture size in pixels (1280x720)");
+  line.text("--view", view, "front|back|left|right|top|bottom|iso", "the side to look from");
+  line.text("--zoom", zoom, "F", "show things F times as large (1)");
+  line.text("--roll", roll_deg, "DEG", "turn the camera about its direction of view, counter-clockwise (0)");
+  line.text("--look-at", look_at, "X,Y,Z", "look at this place from the same side");
+  line.text("--distance", distance, "D", "how far from the place looked at, scene units");
+  line.flag("--panorama", panorama,
+            "all around --camera-position in one picture twice as wide as high (2048x1024, equirectangular)");
+  line.group("Camera (single options win over --camera)");
   line.text("--camera", file, "FILE.json",
             "position, target, up, fov_y_deg, width, height in world coordinates");
   line.text("--camera-position", position, "X,Y,Z", "where the camera stands");
@@ -79,7 +102,7 @@ void CameraOptions::declare(CommandLine& line) {
   line.text("--camera-direction", direction, "X,Y,Z", "direction of view");
   line.text("--camera-azimuth-angle", azimuth_deg, "DEG", "turn about the up axis, 0 from the front (-45)");
   line.text("--camera-elevation-angle", elevation_deg, "DEG", "height above the horizon, -90 to 90 (30)");
-  line.text("--camera-view-angle", view_angle_deg, "DEG", "full vertical angle (45)");
+  line.text("--camera-view-angle", view_angle_deg, "DEG", "full vertical angle: a smaller one zooms in (45)");
   line.flag("--camera-orthographic", orthographic, "parallel projection");
 }
 
@@ -92,10 +115,46 @@ std::optional<dvec3> CameraOptions::vector(const char* option, const std::option
   return dvec3(v[0], v[1], v[2]);
 }
 
-void CameraOptions::check() const {
+void CameraOptions::check() {
   auto refuse_pair = [](bool both, const char* what) {
     if (both) throw Error(ErrorCode::usage, std::string(what) + " contradict each other: give one of them");
   };
+  if (view) {
+    refuse_pair(azimuth_deg || elevation_deg, "--view and --camera-azimuth-angle / --camera-elevation-angle");
+    refuse_pair(position.has_value(), "--view and --camera-position");
+    refuse_pair(direction.has_value(), "--view and --camera-direction");
+    Words names;
+    std::string all;
+    for (const NamedView& named : named_views) {
+      names.push_back(named.name);
+      all += (all.empty() ? "" : ", ") + names.back();
+      if (*view == named.name) azimuth_deg = named.azimuth, elevation_deg = named.elevation;
+    }
+    const std::string near = nearest_word(*view, names);
+    if (!azimuth_deg)
+      throw Error(ErrorCode::usage, "--view: '" + *view + "' is not one of " + all +
+                                        (near.empty() ? "" : "; did you mean " + near + "?"));
+  }
+  refuse_pair(look_at && focal_point, "--look-at and --camera-focal-point");
+  refuse_pair(look_at && position, "--look-at and --camera-position");
+  refuse_pair(distance && position, "--distance and --camera-position");
+  vector("--look-at", look_at);
+  if (zoom) positive("--zoom", *zoom);
+  if (distance) positive("--distance", *distance);
+  if (roll_deg) parse_number("--roll", *roll_deg);
+  if (panorama) {
+    refuse_pair(orthographic, "--panorama and --camera-orthographic");
+    for (const auto& [option, given] : {std::pair("--zoom", zoom.has_value()), {"--roll", roll_deg.has_value()},
+                                        {"--camera-view-angle", view_angle_deg.has_value()},
+                                        {"--distance", distance.has_value()}})
+      if (given)
+        throw Error(ErrorCode::usage, std::string(option) + " does not go with --panorama, which shows everything around a place");
+    if (resolution) {
+      const auto [width, height] = parse_resolution("--resolution", *resolution);
+      if (width != 2 * height)
+        throw Error(ErrorCode::usage, fmt::format("--panorama is twice as wide as high: --resolution {}x{}", 2 * height, height));
+    }
+  }
   refuse_pair(position && (azimuth_deg || elevation_deg),
               "--camera-position and --camera-azimuth-angle / --camera-elevation-angle");
   refuse_pair(direction && (azimuth_deg || elevation_deg),
@@ -115,14 +174,18 @@ void CameraOptions::check() const {
 }
 
 void CameraOptions::aim(Camera& camera, UpAxis up) const {
-  const double distance = glm::length(camera.target - camera.position);
+  const double reach_before = glm::length(camera.target - camera.position);
   const auto eye = vector("--camera-position", position), focal = vector("--camera-focal-point", focal_point);
   const auto along = vector("--camera-direction", direction);
   if (eye) camera.position = *eye;
   if (focal) camera.target = *focal;
+  if (const auto place = vector("--look-at", look_at)) {  // the same side and distance, another place
+    camera.position += *place - camera.target;
+    camera.target = *place;
+  }
   if (along) {
     const dvec3 d = glm::normalize(*along);
-    const double reach = eye ? distance : glm::length(camera.target - camera.position);
+    const double reach = eye ? reach_before : glm::length(camera.target - camera.position);
     if (eye)
       camera.target = camera.position + d * reach;
     else
@@ -137,10 +200,42 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
                                            : compass.elevation(from);
     camera.position =
         camera.target + compass.from(azimuth, elevation) * glm::length(camera.target - camera.position);
+    // Straight down has no upright picture of its own: it is what a steep view comes to.
+    if (std::abs(std::sin(elevation)) > 1 - 1e-12)
+      camera.up = (elevation > 0 ? -1.0 : 1.0) * compass.from(azimuth, 0);
+    else if (view)
+      camera.up = compass.up;
+  }
+  if (distance) {
+    const double reach = positive("--distance", *distance), before = glm::length(camera.target - camera.position);
+    camera.position = camera.target - camera.direction() * reach;
+    camera.height_world *= reach / before;  // a parallel view also shows less from nearer
   }
   if (glm::length(camera.target - camera.position) <= 0)
     throw Error(ErrorCode::usage, "the camera's position and focal point are the same point");
   if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
+}
+
+bool CameraOptions::moves_camera() const {
+  return file || position || focal_point || view_up || direction || azimuth_deg || elevation_deg || view_angle_deg ||
+         zoom || look_at || distance;
+}
+
+void CameraOptions::magnify(Camera& camera) const {
+  if (zoom) {
+    const double factor = positive("--zoom", *zoom);
+    if (camera.custom_intrinsics) {
+      camera.custom_intrinsics->fx *= factor;
+      camera.custom_intrinsics->fy *= factor;
+    }
+    camera.height_world /= factor;
+    camera.fov_y = 2 * std::atan(std::tan(0.5 * camera.fov_y) / factor);
+  }
+  if (roll_deg) {
+    const dmat4 upright = camera.inverse_view();
+    const double angle = glm::radians(parse_number("--roll", *roll_deg));
+    camera.up = std::cos(angle) * dvec3(upright[1]) - std::sin(angle) * dvec3(upright[0]);
+  }
 }
 
 Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
@@ -169,11 +264,12 @@ Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
       azimuth = compass.azimuth(-glm::normalize(*along));
       elevation = compass.elevation(-glm::normalize(*along));
     }
-    const auto [width, height] = size.value_or(std::pair(1280, 720));
-    camera = frame(subject.box, up, width, height, azimuth, elevation, angle.value_or(glm::radians(45.0)),
+    const auto [width, height] = size.value_or(panorama ? std::pair(2048, 1024) : std::pair(1280, 720));
+    camera = frame(subject.box, up, width, height, azimuth, elevation, glm::radians(45.0),
                    orthographic ? Projection::orthographic : Projection::perspective);
     if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
     fit(camera, subject.points);
+    if (angle) camera.fov_y = *angle;  // from where 45 degrees show everything: a smaller angle zooms in
   }
   aim(camera, up);
   if (orthographic && !camera.orthographic()) {
@@ -181,6 +277,7 @@ Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
     camera.projection = Projection::orthographic;
     camera.height_world = 2 * std::tan(0.5 * camera.fov_y) * glm::length(camera.target - camera.position);
   }
+  magnify(camera);
   return camera;
 }
 

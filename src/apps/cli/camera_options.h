@@ -24,19 +24,24 @@ Subject subject_of(const PointCloud& cloud);
 struct CameraOptions {
   std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg,
       view_angle_deg;
-  std::optional<std::string> resolution;
-  bool orthographic = false;
+  std::optional<std::string> resolution, view, zoom, roll_deg, look_at, distance;
+  bool orthographic = false, panorama = false;
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
 
   void declare(CommandLine& line);
-  /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read.
-  void check() const;
+  /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read. A named
+  /// view becomes its azimuth and elevation.
+  void check();
   /// The camera of a preset or --camera FILE, else the view that frames `subject`; single options win over
   /// both.
   Camera resolve(const Subject& subject, UpAxis up) const;
 
+  /// Whether anything but the picture's size was asked for.
+  bool moves_camera() const;
+
  private:
   void aim(Camera& camera, UpAxis up) const;
+  void magnify(Camera& camera) const;
   std::optional<dvec3> vector(const char* option, const std::optional<std::string>& text) const;
 };
 

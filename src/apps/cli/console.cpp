@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -33,17 +34,24 @@ void catch_interrupt() {
   signal(SIGXFSZ, SIG_IGN);
 }
 
-Console::Console(bool quiet) : quiet_(quiet), live_(!quiet && isatty(STDERR_FILENO)) {}
+Console::Console(bool quiet, bool verbose)
+    : quiet_(quiet), verbose_(verbose), live_(!quiet && isatty(STDERR_FILENO)) {}
 
 void Console::update(double fraction, std::string_view text) {
   if (!live_) return;
   const std::lock_guard lock(mutex_);
-  const auto now = std::chrono::steady_clock::now();
+  const auto now = Clock::now();
+  if (text != text_) text_ = text, text_began_ = now;
   if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   shown_ = true;
-  std::fprintf(stderr, "\r\033[K%s%.*s %3.0f %%", stage_.c_str(), int(text.size()), text.data(),
-               100 * std::clamp(fraction, 0.0, 1.0));
+  fraction = std::clamp(fraction, 0.0, 1.0);
+  const auto since = [&](Clock::time_point began) { return std::chrono::duration<double>(now - began).count(); };
+  // Of many steps the finished ones tell how long the others take, of one step its own part does.
+  const std::string left = steps_ > 1 ? remaining_text(double(step_) / double(steps_), since(steps_began_))
+                                      : remaining_text(fraction, since(text_began_));
+  std::fprintf(stderr, "\r\033[K%s%.*s %3.0f %%%s", stage_.c_str(), int(text.size()), text.data(), 100 * fraction,
+               left.empty() ? "" : (", " + left + " left").c_str());
   std::fflush(stderr);
 }
 
@@ -51,13 +59,22 @@ bool Console::cancelled() const {
   return interrupted.load(std::memory_order_relaxed);
 }
 
-void Console::set_stage(const std::string& stage) {
+void Console::set_step(const std::string& what, std::size_t step, std::size_t steps) {
   const std::lock_guard lock(mutex_);
-  stage_ = stage.empty() ? "" : stage + ": ";
+  if (step == 0) steps_began_ = Clock::now();
+  step_ = step, steps_ = steps;
+  stage_ = steps > 1 ? what + " " + std::to_string(step + 1) + "/" + std::to_string(steps) + ": " : "";
+}
+
+void Console::tell(const std::string& line) {
+  if (verbose_) say(line);
 }
 
 void Console::say(const std::string& line) {
-  if (quiet_) return;
+  if (!quiet_) complain(line);
+}
+
+void Console::complain(const std::string& line) {
   clear();
   std::fprintf(stderr, "%s\n", line.c_str());
 }
@@ -66,6 +83,15 @@ void Console::clear() {
   const std::lock_guard lock(mutex_);
   if (shown_) std::fprintf(stderr, "\r\033[K");
   shown_ = false;
+}
+
+std::string remaining_text(double fraction, double seconds) {
+  if (fraction <= 0.01 || seconds < 2) return "";  // too early to tell
+  const long left = std::lround(seconds * (1 - fraction) / fraction);
+  if (left < 100) return std::to_string(left) + " s";
+  const long minutes = (left + 30) / 60;
+  if (minutes < 100) return std::to_string(minutes) + " min";
+  return std::to_string(minutes / 60) + " h " + (minutes % 60 < 10 ? "0" : "") + std::to_string(minutes % 60) + " min";
 }
 
 void print(const std::string& text) {

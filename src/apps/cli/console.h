@@ -5,6 +5,7 @@
 #include <mutex>
 #include <string>
 
+#include "common_options.h"
 #include "core/progress.h"
 
 namespace sfumato::cli {
@@ -15,27 +16,37 @@ void catch_interrupt();
 class Console final : public Progress {
  public:
   /// Shows progress only when stderr is a terminal and the user did not ask for quiet.
-  explicit Console(bool quiet = false);
+  explicit Console(bool quiet = false, bool verbose = false);
+  explicit Console(const CommonOptions& common) : Console(common.quiet, common.verbose) {}
   ~Console() override { clear(); }
 
   void update(double fraction, std::string_view text) override;
   bool cancelled() const override;
-  /// Stands before the text of every update: "frame 3/90".
-  void set_stage(const std::string& stage);
+  /// Step `step` of `steps`, counted from 0, called `what` ("frame"): stands before the text of every update and tells
+  /// how long the others will take.
+  void set_step(const std::string& what, std::size_t step, std::size_t steps);
   /// A line on stderr unless quiet.
   void say(const std::string& line);
-  bool quiet() const { return quiet_; }
+  /// The same for errors, which --quiet does not silence.
+  void complain(const std::string& line);
+  /// A line on stderr with --verbose.
+  void tell(const std::string& line);
 
  private:
   void clear();
 
-  const bool quiet_, live_;
+  using Clock = std::chrono::steady_clock;
+
+  const bool quiet_, verbose_, live_;
   std::mutex mutex_;
-  std::string stage_;
+  std::string stage_, text_;
+  std::size_t step_ = 0, steps_ = 1;
   bool shown_ = false;
-  std::chrono::steady_clock::time_point last_{};
+  Clock::time_point last_{}, text_began_ = Clock::now(), steps_began_ = text_began_;
 };
 
+/// What is left of work of which `fraction` took `seconds`: "12 s", "3 min", "2 h 05 min"; empty while nobody knows.
+std::string remaining_text(double fraction, double seconds);
 /// Writes to stdout and makes sure that it arrived; Error(io) otherwise.
 void print(const std::string& text);
 

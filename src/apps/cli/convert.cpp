@@ -1,42 +1,62 @@
-// sfumato convert: between the formats that can be written.
+// sfumato convert: between the formats that can be written, several files into one, and only the points wanted.
 #include "commands.h"
+#include "common_options.h"
 #include "console.h"
+#include "core/error.h"
+#include "input_options.h"
 #include "io/file_names.h"
 #include "io/io.h"
 
 namespace sfumato::cli {
+namespace {
+
+std::string written_extensions() {
+  std::string list;
+  for (const io::FormatInfo& format : io::formats())
+    if (format.can_write) list += (list.empty() ? "" : " ") + format.extensions;
+  return list;
+}
+
+}  // namespace
 
 int convert_command(const Words& words) {
-  std::string input, output;
-  bool quiet = false;
-  std::optional<std::string> columns, max_points, up;
-  CommandLine line("sfumato convert", "Converts a point cloud; order and every attribute are kept.");
-  line.positional("IN", input, "a point cloud");
-  line.text("-o,--output", output, "OUT", "the file to write: .las .laz .ply");
-  line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
-  line.text("--max-points", max_points, "N", "keep a subsample, the same one every time");
-  line.text("--up", up, "+Z|-Z|+Y|...", "axis that points up, where the file does not say");
-  line.flag("--quiet", quiet, "no progress, no notes");
+  std::string output;
+  Words inputs;
+  InputOptions input("none");
+  CommonOptions common;
+  CommandLine line("sfumato convert",
+                   "Converts point clouds; order and every attribute are kept. Several inputs become one cloud, whose "
+                   "scalar `file` tells them apart.");
+  line.positionals("IN", inputs, "point clouds, folders or patterns; - is standard input");
+  line.text("-o,--output", output, "OUT", "the file to write: " + written_extensions());
+  common.declare(line);
+  input.declare(line);
+  line.usage("sfumato convert IN... -o OUT");
   if (!line.parse(words)) return 0;
-  if (input.empty() || output.empty()) throw Error(ErrorCode::usage, "usage: sfumato convert IN -o OUT");
+  common.apply();
+  if (inputs.empty() || output.empty())
+    throw Error(ErrorCode::usage, std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
+                                      "; usage: sfumato convert IN... -o OUT");
+  input.check();
+  if (!io::can_write(output))
+    throw Error(ErrorCode::usage, "-o " + output + ": clouds are written as " + written_extensions());
 
-  Console console(quiet);
-  io::ReadOptions options;
-  if (columns) options.columns = split(*columns, ',');
-  if (max_points) options.max_points = std::uint64_t(parse_whole("--max-points", *max_points, 1));
-  const auto axis = up ? parse_up_axis(*up) : std::nullopt;
-  if (up && !axis) throw Error(ErrorCode::usage, "--up: '" + *up + "' is not one of +X -X +Y -Y +Z -Z");
+  inputs = scene::expand_inputs(inputs);
   io::FileNames names;
-  names.input("the input", input);
+  for (const std::string& file : inputs)
+    if (file != "-") names.input("the input", file);
   names.output("-o", output);
-  io::ReadResult result = io::read(input, options, console);
-  for (const std::string& note : result.report.notes) console.say("sfumato: " + input + ": " + note);
-  if (axis) result.cloud.up = *axis;
-  io::write(output, result.cloud, console);
-  if (result.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
-    console.say("sfumato: " + output + ": LAS files are taken as +Z up, this cloud is " + to_string(result.cloud.up) +
-                " up: render it with --up " + to_string(result.cloud.up));
-  console.say("wrote " + output + " (" + std::to_string(result.cloud.size()) + " points)");
+  Console console(common);
+  input.scene.read.every_attribute = true;
+  const scene::Scene scene = scene::read_scene(inputs, input.scene, console);
+  for (const std::string& note : scene.notes) console.say("sfumato: " + note);
+  if (const std::string note = unused_columns(scene, input.scene); !note.empty()) console.say("sfumato: " + note);
+  io::write(output, scene.cloud, console);
+  if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
+    console.say("sfumato: " + output + ": files of this format are taken as +Z up, this cloud is " +
+                to_string(scene.cloud.up) + " up: render it with --up " + to_string(scene.cloud.up));
+  const std::string of = scene.cloud.size() == scene.points_read ? "" : " of " + std::to_string(scene.points_read);
+  console.say("wrote " + output + " (" + std::to_string(scene.cloud.size()) + of + " points)");
   return 0;
 }
 

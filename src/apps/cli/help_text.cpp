@@ -21,6 +21,13 @@ std::string wrap(const std::string& text, int width, int indent) {
   std::istringstream words(text);
   int at = 0;
   for (std::string word; words >> word;) {
+    while (indent + int(word.size()) > width) {  // lists of choices break behind a bar
+      const std::size_t bar = word.rfind('|', std::size_t(std::max(1, width - indent - 1)));
+      if (bar == std::string::npos || bar + 1 >= word.size()) break;
+      out += (at > 0 ? "\n" + std::string(std::size_t(indent), ' ') : "") + word.substr(0, bar + 1);
+      at = width;
+      word.erase(0, bar + 1);
+    }
     if (at > 0 && at + 1 + int(word.size()) > width) {
       out += "\n" + std::string(std::size_t(indent), ' ');
       at = indent;

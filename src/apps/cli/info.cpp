@@ -1,21 +1,56 @@
 // sfumato info: what a file holds.
 #include <fmt/format.h>
 
+#include <cctype>
+#include <nlohmann/json.hpp>
+
 #include "analysis/prepare.h"
+#include "batch.h"
 #include "commands.h"
+#include "common_options.h"
 #include "console.h"
-#include "io/io.h"
 #include "report.h"
+#include "scene/scene.h"
 
 namespace sfumato::cli {
 namespace {
+
+/// Fifteen digits: 848935.2, not 848935.2000000001.
+std::string number(double value) {
+  return fmt::format("{:.15g}", value);
+}
+
+std::string count(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), " ");
+  return text;
+}
+
+/// WKT broken at its commas between brackets, two levels deep.
+std::string break_wkt(const std::string& crs, int indent) {
+  if (crs.size() < 60 || crs.find('[') == std::string::npos) return crs;
+  std::string text;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < crs.size(); ++i) {
+    const char c = crs[i];
+    if (c == '\n' || c == '\r') continue;
+    quoted = c == '"' ? !quoted : quoted;
+    depth += quoted ? 0 : c == '[' ? 1 : c == ']' ? -1 : 0;
+    text += c;
+    if (c == ',' && !quoted && depth <= 2 && i + 1 < crs.size() && std::isalpha(static_cast<unsigned char>(crs[i + 1])))
+      text += "\n" + std::string(std::size_t(indent + 2 * depth), ' ');
+  }
+  return text;
+}
 
 std::string info_text(const io::ReadReport& r, double spacing) {
   std::string text;
   auto row = [&](const char* key, const std::string& value) {
     text += fmt::format("{:<16}{}\n", key, value);
   };
-  auto point = [](const dvec3& v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
+  auto point = [](const dvec3& v) { return number(v.x) + ", " + number(v.y) + ", " + number(v.z); };
+  const dvec3 size = r.bounds_max - r.bounds_min;
   row("file", r.file.string());
   row("format", r.format);
   row("points", std::to_string(r.points));
@@ -23,7 +58,8 @@ std::string info_text(const io::ReadReport& r, double spacing) {
   row("points_dropped", std::to_string(r.points_dropped));
   row("bounds_min", r.points_finite ? point(r.bounds_min) : "-");
   row("bounds_max", r.points_finite ? point(r.bounds_max) : "-");
-  row("crs", r.crs.empty() ? "-" : r.crs);
+  row("extent", r.points_finite ? fmt::format("{:.6g} x {:.6g} x {:.6g}", size.x, size.y, size.z) : "-");
+  row("crs", r.crs.empty() ? "-" : break_wkt(r.crs, 16));
   row("median_spacing", r.points_finite ? fmt::format("{:.6g}", spacing) : "-");
   text += fmt::format("{:<24}{:>16}{:>16}{:>16}\n", "attributes", "min", "max", "mean");
   for (const io::AttributeStats& a : r.attributes)
@@ -31,30 +67,59 @@ std::string info_text(const io::ReadReport& r, double spacing) {
   return text;
 }
 
+std::string table_row(const io::ReadReport& r, double spacing) {
+  const dvec3 size = r.bounds_max - r.bounds_min;
+  return fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", r.format, count(r.points),
+                     r.points_finite ? fmt::format("{:.5g} x {:.5g} x {:.5g}", size.x, size.y, size.z) : "-",
+                     r.points_finite ? fmt::format("{:.4g}", spacing) : "-", r.file.string());
+}
+
 }  // namespace
 
 int info_command(const Words& words) {
-  std::string file;
-  bool json = false, quiet = false;
+  Words files;
+  bool json = false;
   std::optional<std::string> columns;
-  CommandLine line("sfumato info", "Prints what a point cloud file holds.");
-  line.positional("FILE", file, "a point cloud");
+  CommonOptions common;
+  CommandLine line("sfumato info", "Prints what a point cloud file holds; several files give a table.");
+  line.positionals("FILE", files, "point clouds, folders or patterns; - is standard input");
   line.flag("--json", json, "machine-readable");
   line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
-  line.flag("--quiet", quiet, "no progress, no notes");
+  common.declare(line);
   if (!line.parse(words)) return 0;
-  if (file.empty()) throw Error(ErrorCode::usage, "info needs a file: sfumato info FILE [--json]");
+  common.apply();
+  if (files.empty()) throw Error(ErrorCode::usage, "info needs a file: sfumato info FILE... [--json]");
 
-  Console console(quiet);
-  io::ReadOptions options;
-  if (columns) options.columns = split(*columns, ',');
-  io::ReadResult result = io::read(file, options, console);
-  for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
-  double spacing = 0;
-  if (!result.cloud.empty())
-    spacing = analysis::prepare(std::move(result.cloud), {}, {}, console).median_spacing;
-  print(json ? info_json(result.report, spacing) : info_text(result.report, spacing));
-  return 0;
+  Console console(common);
+  scene::SceneOptions options;
+  if (columns) options.read.columns = split(*columns, ',');
+  files = scene::expand_inputs(files);
+  const bool several = files.size() > 1;
+  Batch batch(several, console);
+  std::string text;
+  auto list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < files.size(); ++i)
+    batch.run(files[i], [&] {
+      console.set_step("file", i, files.size());
+      io::ReadResult result = scene::read_file(files[i], options.read, console);
+      for (const std::string& note : result.report.notes) console.say("sfumato: " + files[i] + ": " + note);
+      if (columns && result.report.format != "text" && result.report.format != "pts")
+        console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +
+                    " files name their own columns");
+      double spacing = 0;
+      if (!result.cloud.empty())
+        spacing = analysis::prepare(std::move(result.cloud), {}, {}, console).median_spacing;
+      if (json)
+        list.push_back(nlohmann::ordered_json::parse(info_json(result.report, spacing)));
+      else
+        text += several ? table_row(result.report, spacing) : info_text(result.report, spacing);
+    });
+  if (json)
+    print((several ? list : list.at(0)).dump(2) + "\n");
+  else
+    print((several ? fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", "format", "points", "extent", "spacing", "file") : "") +
+          text);
+  return batch.exit_code();
 }
 
 }  // namespace sfumato::cli

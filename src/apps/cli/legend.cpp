@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/colormap.h"
 #include "text.h"
@@ -60,24 +61,34 @@ void draw_bar(Image<Rgba8>& image, const Coloring& coloring, const vec3& backgro
   }
 }
 
-void draw_classes(Image<Rgba8>& image, const Coloring& coloring, const vec3& background, const Text& text) {
+void draw_swatches(Image<Rgba8>& image, const Coloring& coloring, const vec3& background, const Text& text) {
   const int em = text.size(), line = em * 3 / 2;
-  std::vector<ClassShare> shown = coloring.classes;
+  std::vector<std::size_t> shown(coloring.swatches.size());
+  std::iota(shown.begin(), shown.end(), 0u);
   const std::size_t room = std::size_t(std::max(1, (image.height() * 8 / 10) / line));
-  if (shown.size() > room) {  // the classes with most points, in their own order
-    std::sort(shown.begin(), shown.end(), [](auto& a, auto& b) { return a.points > b.points; });
+  if (shown.size() > room) {  // those with most points, in their own order
+    std::stable_sort(shown.begin(), shown.end(),
+                     [&](std::size_t a, std::size_t b) { return coloring.swatches[a].points > coloring.swatches[b].points; });
     shown.resize(room);
-    std::sort(shown.begin(), shown.end(), [](auto& a, auto& b) { return a.id < b.id; });
+    std::sort(shown.begin(), shown.end());
   }
+  // A long file name loses its middle, not the picture its right half.
+  const auto label_of = [&](const Swatch& swatch) {
+    std::string label = swatch.label;
+    while (label.size() > 12 && text.width(label) > image.width() / 2)
+      label = label.substr(0, label.size() / 2 - 2) + "…" + label.substr(label.size() / 2 + 2);
+    return label;
+  };
   int label_width = 0;
-  for (const ClassShare& entry : shown) label_width = std::max(label_width, text.width(class_name(entry.id)));
+  for (std::size_t i : shown) label_width = std::max(label_width, text.width(label_of(coloring.swatches[i])));
   const Panel panel(image, line + label_width, line * int(shown.size()), em * 2 / 3);
   panel.draw(image, background);
   const Rgba8 ink = ink_on(background);
   int y = panel.y + panel.pad;
-  for (const ClassShare& entry : shown) {
-    fill(image, panel.x + panel.pad, y + (line - em) / 2, em, em, class_color(entry.id));
-    text.draw(image, panel.x + panel.pad + line, y + (line - em) / 2 + em * 7 / 8, class_name(entry.id), ink);
+  for (std::size_t i : shown) {
+    const Swatch& swatch = coloring.swatches[i];
+    fill(image, panel.x + panel.pad, y + (line - em) / 2, em, em, swatch.color);
+    text.draw(image, panel.x + panel.pad + line, y + (line - em) / 2 + em * 7 / 8, label_of(swatch), ink);
     y += line;
   }
 }
@@ -100,12 +111,12 @@ std::vector<double> nice_ticks(double low, double high, int count, int& decimals
 }
 
 void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& background) {
-  if (coloring.kind != ColorKind::scalar && coloring.kind != ColorKind::classes) return;
+  if (coloring.kind != ColorKind::scalar && coloring.swatches.empty()) return;
   const Text text(std::clamp(image.height() / 42, 9, 64));
   if (coloring.kind == ColorKind::scalar)
     draw_bar(image, coloring, background, text);
   else
-    draw_classes(image, coloring, background, text);
+    draw_swatches(image, coloring, background, text);
 }
 
 }  // namespace sfumato::cli

@@ -16,18 +16,12 @@ namespace {
 using namespace sfumato;
 
 int run(const cli::Words& words) {
-  if (!words.empty()) {
-    const cli::Words rest(words.begin() + 1, words.end());
-    if (words[0] == "info") return cli::info_command(rest);
-    if (words[0] == "techniques") return cli::techniques_command(rest);
-    if (words[0] == "synth") return cli::synth_command(rest);
-    if (words[0] == "convert") return cli::convert_command(rest);
-    if (words[0] == "doctor") return cli::doctor_command(rest);
-    if (words[0] == "--version") {
-      cli::print("sfumato " + std::string(version()) + "\n");
-      return 0;
-    }
-  }
+  if (words.empty()) return cli::render_command(words);
+  const cli::Words rest(words.begin() + 1, words.end());
+  if (words[0] == "--version") return cli::print(cli::version_text()), 0;
+  if (words[0] == "-V") return cli::print("sfumato " + std::string(version()) + "\n"), 0;
+  if (const cli::Command* command = cli::find_command(words[0])) return command->run(rest);
+  cli::refuse_unknown_command(words[0]);
   return cli::render_command(words);
 }
 

@@ -1,6 +1,8 @@
 #include "preset.h"
 
 #include <nlohmann/json.hpp>
+#include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include "core/error.h"
@@ -27,7 +29,8 @@ std::string spell(const Json& value) {
 bool is_look(const std::string& option) {
   static const std::set<std::string> others = {"technique", "preset",  "camera", "path",   "frames", "degrees", "sequence",
                                                "timings",   "json",    "quiet",  "version", "help",  "strict",  "memory",
-                                               "config"};
+                                               "config",    "each",    "verbose", "threads", "crop", "look-at",
+                                               "panorama"};
   const std::string name = with_dashes(option);
   const bool is_word = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
   return is_word && !others.contains(name) && !name.starts_with("output") && !name.starts_with("save");
@@ -42,14 +45,26 @@ Preset load_preset(const std::filesystem::path& file) {
   const Json json = io::load_json(file);
   if (!json.is_object()) refuse("not a JSON object");
   Preset preset;
+  preset.file = file.string();
   for (const auto& [key, value] : json.items()) {
     if (key == "technique" && value.is_string()) {
       preset.technique = value.get<std::string>();
-    } else if ((key == "parameters" || key == "options") && value.is_object()) {
+    } else if (key == "parameters" && value.is_object()) {
+      for (const auto& [name, setting] : value.items()) {
+        if (!setting.is_object()) {
+          preset.parameters.emplace_back(name, spell(setting));
+          continue;
+        }
+        for (const auto& [own, of_technique] : setting.items())
+          preset.parameters.emplace_back(name + "." + own, spell(of_technique));
+      }
+    } else if (key == "options" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
         if (!is_look(name)) refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
                                    with_dashes(name) + " to the command");
-        preset.words.push_back("--" + with_dashes(name) + "=" + spell(setting));
+        const bool repeated = name == "filter" && setting.is_array();
+        for (const Json& one : repeated ? setting : Json::array({setting}))
+          preset.options.push_back("--" + with_dashes(name) + "=" + spell(one));
       }
     } else if (key == "camera" && value.is_object()) {
       preset.camera = io::camera_from_json(value.dump(), file.string());
@@ -58,6 +73,43 @@ Preset load_preset(const std::filesystem::path& file) {
     }
   }
   return preset;
+}
+
+Words Preset::words_for(const Choice& choice) const {
+  Words words = options;
+  const auto take = [&](const std::string& name, const std::string& value) {
+    words.push_back("--" + with_dashes(name) + "=" + value);
+  };
+  for (const auto& [name, value] : parameters) {
+    const std::size_t dot = name.find('.');
+    const std::string owner = dot == std::string::npos ? "" : name.substr(0, dot), own = name.substr(owner.empty() ? 0 : dot + 1);
+    bool known = false, chosen_has = false;
+    for (const TechniqueInfo& info : all_techniques()) {
+      if (!owner.empty() && info.name != owner) continue;
+      ChosenTechnique other(info);
+      known = known || other.parameters.find(own);
+    }
+    for (const auto& chosen : choice.techniques)
+      chosen_has = chosen_has || ((owner.empty() || chosen->name == owner) && chosen->parameters.find(own));
+    for (const Param& param : choice.prepare_parameters.all())
+      if (owner.empty() && with_dashes(param.name) == with_dashes(own)) known = chosen_has = true;
+    if (chosen_has)
+      take(name, value);
+    else if (!known)  // not of another technique either, which would wait for its turn
+      throw Error(ErrorCode::bad_input, file + ": parameters: no technique has '" + name + "' (sfumato techniques NAME lists them)");
+  }
+  return words;
+}
+
+Preset load_config() {
+  namespace fs = std::filesystem;
+  if (const char* file = std::getenv("SFUMATO_CONFIG")) return *file ? load_preset(file) : Preset{};
+  const char* home = std::getenv("HOME");
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  if (!(config && *config) && !(home && *home)) return {};
+  const fs::path file = (config && *config ? fs::path(config) : fs::path(home) / ".config") / "sfumato" / "config.json";
+  std::error_code error;
+  return fs::exists(file, error) ? load_preset(file) : Preset{};
 }
 
 void save_preset(const std::filesystem::path& file, const Choice& choice,
@@ -69,21 +121,33 @@ void save_preset(const std::filesystem::path& file, const Choice& choice,
   for (const auto& chosen : choice.techniques) names += (names.empty() ? "" : ",") + chosen->name;
   json["technique"] = names;
   json["parameters"] = Json::object();
-  const bool qualified = choice.techniques.size() > 1;
+  // A parameter that all chosen techniques share stands once, so that it also holds for others.
+  const auto& first = choice.techniques.front();
+  for (std::size_t k = first->own_count; k < first->parameters.all().size(); ++k) {
+    const Param& param = first->parameters.all()[k];
+    const bool agreed = std::all_of(choice.techniques.begin(), choice.techniques.end(), [&](const auto& chosen) {
+      const Param* theirs = chosen->parameters.find(param.name);
+      return theirs && theirs->get() == param.get();
+    });
+    if (agreed) json["parameters"][param.name] = param.get();
+  }
+  for (const Param& param : choice.prepare_parameters.all()) json["parameters"][param.name] = param.get();
   for (const auto& chosen : choice.techniques)
     for (const Param& param : chosen->parameters.all())
-      json["parameters"][(qualified ? chosen->name + "." : "") + param.name] = param.get();
-  for (const Param& param : choice.prepare_parameters.all()) json["parameters"][param.name] = param.get();
+      if (!json["parameters"].contains(param.name)) json["parameters"][chosen->name][param.name] = param.get();
   json["options"] = Json::object();
   for (const auto& [name, value] : given) {
-    std::string parameter = name;
-    std::replace(parameter.begin(), parameter.end(), '-', '_');
-    if (!is_look(name) || json["parameters"].contains(parameter) ||
-        name.find('.') != std::string::npos)
-      continue;
-    bool is_parameter = false;  // a plain name, saved above under its qualified ones
+    bool is_parameter = name.find('.') != std::string::npos;  // saved above
     for (const auto& chosen : choice.techniques) is_parameter |= chosen->parameters.find(name) != nullptr;
-    if (!is_parameter) json["options"][name] = value;
+    for (const Param& param : choice.prepare_parameters.all()) is_parameter |= with_dashes(param.name) == name;
+    if (!is_look(name) || is_parameter) continue;
+    Json& kept = json["options"];
+    if (!kept.contains(name))
+      kept[name] = value;
+    else if (kept[name].is_array())
+      kept[name].push_back(value);
+    else
+      kept[name] = Json::array({kept[name], value});  // given several times
   }
   if (camera) json["camera"] = Json::parse(io::camera_to_json(*camera));
   io::AtomicWriter writer(file);

@@ -2,224 +2,55 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
+#include <filesystem>
 
-#include "camera_options.h"
+#include "batch.h"
 #include "commands.h"
 #include "console.h"
-#include "contact_sheet.h"
 #include "core/version.h"
+#include "help.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"
-#include "io/image_exr.h"
-#include "io/image_png.h"
-#include "io/npy.h"
-#include "legend.h"
 #include "passes/shadows.h"
 #include "preset.h"
 #include "render_options.h"
 #include "report.h"
+#include "studio.h"
 
 namespace sfumato::cli {
 namespace {
 
-/// Wall time of the stages, for the report.
-class Stopwatch {
- public:
-  explicit Stopwatch(RenderReport& report) : report_(report) {}
-  void lap(const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    for (auto& [name, sum] : report_.stages_ms)
-      if (name == stage) {
-        sum += ms;
-        return;
-      }
-    report_.stages_ms.emplace_back(stage, ms);
-  }
-
- private:
-  RenderReport& report_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-/// `files` as one scene with the origin of the first, less what is hidden.
-PointCloud read_scene(const Words& files, const RenderOptions& options, RenderReport& report,
-                      Console& console) {
-  PointCloud scene;
-  for (const std::string& file : files) {
-    io::ReadResult result = io::read(file, options.read, console);
-    for (const std::string& note : result.report.notes) console.say("sfumato: " + file + ": " + note);
-    report.points_read += result.report.points;
-    if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point to render in it");
-    if (files.size() == 1) {
-      scene = std::move(result.cloud);
-      break;
-    }
-    // Tells the files of a scene apart (`--opacity 0.3,1`, `--color-by file`); counts from 1 in their order.
-    const float number = float(&file - files.data() + 1);
-    result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
-    append(scene, result.cloud);
-  }
-  if (options.read.max_points && files.size() > 1)
-    scene = subsample(scene, std::size_t(*options.read.max_points));
-  if (options.up_axis) scene.up = *options.up_axis;
-  report.points_hidden = hide_classes(scene, options.hidden_classes);
-  if (scene.empty())
-    throw Error(ErrorCode::bad_input, files[0] +
-                                          ": every point is withheld or of a hidden class; show them "
-                                          "with --hide-classes none");
-  report.points_rendered = scene.size();
+scene::Scene read(const Words& files, const RenderOptions& options, RenderReport& report, Console& console) {
+  scene::Scene scene = scene::read_scene(files, options.input.scene, console);
+  for (const std::string& note : scene.notes) console.say("sfumato: " + note);
+  if (const std::string note = unused_columns(scene, options.input.scene); !note.empty())
+    console.say("sfumato: " + note);
+  for (const io::ReadReport& file : scene.files)
+    console.tell(fmt::format("read {}: {}, {} points", file.file.string(), file.format, file.points));
+  report.points_read += scene.points_read;
+  report.points_hidden += scene.selected.hidden;
+  report.points_left_out += scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
+  report.points_rendered = scene.cloud.size();
   return scene;
 }
 
-/// Everything from the prepared cloud to files; one instance a command.
-class Studio {
- public:
-  Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
-         Console& console)
-      : options_(options),
-        choice_(choice),
-        report_(report),
-        command_(std::move(command)),
-        console_(console),
-        context_(gl::Context::create_headless()),
-        renderer_(*context_) {
-    report_.techniques.resize(choice_.techniques.size());
-    const std::string extension = extension_of(options_.output);
-    wants_.color = extension == ".png" || !options_.output_panels.empty();
-    wants_.color_linear = extension == ".exr" || extension == ".npy";
-    wants_.depth = extension == ".exr" || !options_.output_depth.empty();
-    wants_.normal = extension == ".exr" || !options_.output_normal.empty();
-    wants_.timings = options_.timings || options_.json;
-    for (const auto& chosen : choice_.techniques) {
-      chosen->settings.background = options_.background;
-      chosen->settings.transparent = options_.no_background;
-      chosen->settings.edl.resolve(chosen->technique->wants_edl());
-      chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 && !chosen->technique->has_soft_edges());
-    }
-  }
-
-  // What techniques hold on the GPU goes before its context does.
-  ~Studio() {
-    for (const auto& chosen : choice_.techniques) chosen->technique.reset();
-  }
-
-  void set_scene(PointCloud scene) {
-    Attributes needs;
-    for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
-    if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
-    PreparedCloud prepared = analysis::prepare(std::move(scene), needs, choice_.prepare, console_);
-    for (const auto& chosen : choice_.techniques)
-      resolve_shadow_sizes(chosen->settings, bounds(prepared.cloud), prepared.median_spacing);
-    coloring_ = color_points(prepared.cloud, options_.color);
-    report_.color_by = coloring_.source;
-    renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
-  }
-
-  /// Renders one frame with every technique and writes its files. `n` fills the names of a path's frames.
-  void shoot(const Camera& camera, int n, Stopwatch& watch) {
-    const int limit = context_->limits().max_texture_size;
-    if (camera.width > limit || camera.height > limit)
-      throw Error(ErrorCode::usage,
-                  fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
-                              "lower --resolution",
-                              camera.width, camera.height, limit));
-    std::vector<Panel> panels;
-    RenderOutput out;
-    for (std::size_t i = 0; i < choice_.techniques.size(); ++i) {
-      ChosenTechnique& chosen = *choice_.techniques[i];
-      console_.check();
-      console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
-      out = renderer_.render(*chosen.technique, camera, chosen.settings, wants_, console_);
-      report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.notes};
-      if (choice_.techniques.size() > 1)
-        panels.push_back({chosen.name, std::move(out.rgba8)});
-      else if (!options_.output_panels.empty())
-        panels.push_back({chosen.name, out.rgba8});
-    }
-    console_.check();
-    watch.lap("render");
-    if (!options_.output_panels.empty()) write_panels(panels, camera, n);
-    if (panels.size() > 1) {
-      if (options_.legend) draw_legend(panels.back().image, coloring_, options_.background);
-      if (wants_.color) out.rgba8 = contact_sheet(panels, options_.background, options_.no_background);
-    } else if (options_.legend && wants_.color) {
-      draw_legend(out.rgba8, coloring_, options_.background);
-    }
-    write(out, camera, n);
-    watch.lap("write");
-  }
-
- private:
-  std::string name_of(const std::string& pattern, int n, const std::string& technique = {}) {
-    const bool fixed = options_.path.empty() && !options_.sequence && technique.empty();
-    const std::string name = fixed ? pattern : frame_name(pattern, n, technique);
-    report_.outputs.push_back(name);
-    return name;
-  }
-
-  void write_png(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
-    io::write_png(name, image, options_.no_background,
-                  {{"Software", std::string("sfumato ") + version()},
-                   {"Command", command_},
-                   {"Camera", io::camera_to_json(camera)}});
-  }
-
-  void write_panels(const std::vector<Panel>& panels, const Camera& camera, int n) {
-    for (const Panel& panel : panels) {
-      const std::string name = name_of(options_.output_panels, n, panel.label);
-      Image<Rgba8> image = panel.image;
-      if (options_.legend) draw_legend(image, coloring_, options_.background);
-      write_png(name, image, camera);
-    }
-  }
-
-  void write(const RenderOutput& out, const Camera& camera, int n) {
-    if (!options_.output.empty()) {
-      const std::string name = name_of(options_.output, n), extension = extension_of(name);
-      if (extension == ".png") {
-        write_png(name, out.rgba8, camera);
-      } else if (extension == ".exr") {
-        io::write_exr(name, out.color_linear, out.depth, out.normal, command_);
-      } else {
-        io::write_npy(name, out.color_linear);
-      }
-    }
-    if (!options_.output_depth.empty()) io::write_npy(name_of(options_.output_depth, n), out.depth);
-    if (!options_.output_normal.empty()) io::write_npy(name_of(options_.output_normal, n), out.normal);
-    if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
-  }
-
-  const RenderOptions& options_;
-  Choice& choice_;
-  RenderReport& report_;
-  std::string command_;
-  Console& console_;
-  std::unique_ptr<gl::Context> context_;
-  Renderer renderer_;
-  RenderWants wants_;
-  Coloring coloring_;
-};
-
 /// Refuses outputs that would replace an input or each other, before anything is read.
-void check_names(const RenderOptions& options, const Choice& choice, int frames) {
+void check_names(const RenderOptions& options, const Choice& choice) {
   io::FileNames names;
-  for (const std::string& file : options.files) names.input("the input", file);
+  for (const std::string& file : options.files)
+    if (file != "-") names.input("the input", file);
   if (options.camera.file) names.input("--camera", *options.camera.file);
   if (!options.preset.empty()) names.input("--preset", options.preset);
   if (!options.path.empty() && options.path != "orbit") names.input("--path", options.path);
   if (!options.save_preset.empty()) names.output("--save-preset", options.save_preset);
-  const bool fixed = options.path.empty() && !options.sequence;
-  for (int n = 0; n < frames; ++n) {
+  for (int n = 0; n < options.picture_count(); ++n) {
     for (const auto& [option, pattern] :
          {std::pair("-o", options.output), std::pair("--output-depth", options.output_depth),
           std::pair("--output-normal", options.output_normal), std::pair("--output-camera", options.output_camera)})
-      if (!pattern.empty()) names.output(option, fixed ? pattern : frame_name(pattern, n));
+      if (!pattern.empty()) names.output(option, file_name(pattern, options.parts(n)));
     if (!options.output_panels.empty())
       for (const auto& chosen : choice.techniques)
-        names.output("--output-panels", frame_name(options.output_panels, n, chosen->name));
+        names.output("--output-panels", file_name(options.output_panels, options.parts(n, chosen->name)));
   }
 }
 
@@ -229,6 +60,22 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
   std::vector<Camera> keys = io::read_camera_path(options.path);
   for (Camera& key : keys) key = key.resized(first.width, first.height);
   return interpolate(keys, options.frame_count);
+}
+
+/// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
+Camera view_of(const RenderOptions& options, const PointCloud& cloud) {
+  Camera camera = options.camera.resolve(subject_of(cloud), cloud.up);
+  if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset) return camera;
+  const dvec3 direction = camera.direction();
+  camera.position = bounds(cloud).center();
+  for (const Grid& grid : cloud.grids)
+    if (grid.viewpoint) {
+      camera.position = *grid.viewpoint;
+      break;
+    }
+  if (!cloud.scanners.empty()) camera.position = cloud.scanners.front();
+  camera.target = camera.position + direction;
+  return camera;
 }
 
 std::string timings_text(const RenderReport& report, const Choice& choice) {
@@ -246,45 +93,100 @@ std::string timings_text(const RenderReport& report, const Choice& choice) {
   return text;
 }
 
-void tell(const RenderReport& report, const RenderOptions& options, const Choice& choice, Console& console) {
+/// What automatic values became.
+std::string resolved_text(const Choice& choice) {
+  std::string text;
+  for (const auto& chosen : choice.techniques)
+    for (const Param& param : chosen->parameters.all())
+      if (param.can_be_auto && param.get() == "auto")
+        text += fmt::format("{}{}: {} is {}", text.empty() ? "" : "\n", chosen->name, with_dashes(param.name), param.resolved());
+  return text;
+}
+
+void tell(const RenderReport& report, const RenderOptions& options, const Choice& choice, const Bounds& box,
+          Console& console) {
   for (std::size_t i = 0; i < report.techniques.size(); ++i)
     for (const std::string& note : report.techniques[i].notes)
       console.say(choice.techniques[i]->name + ": " + note);
   if (report.points_hidden > 0)
     console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})",
-                            report.points_hidden, options.hide_classes));
+                            report.points_hidden, options.input.hide_classes()));
+  console.tell(resolved_text(choice));
   if (options.timings) console.say(timings_text(report, choice));
-  if (std::all_of(report.techniques.begin(), report.techniques.end(),
-                  [](const TechniqueReport& one) { return one.points_drawn == 0; }))
-    console.say("the picture is empty: no point lies in view; --camera-focal-point or no camera options show the points");
+  if (report.blank_pictures > 0) {
+    const dvec3 c = box.center();
+    console.say(fmt::format("{} empty: nothing is in view. The points lie around {:.7g},{:.7g},{:.7g}; --look-at shows that "
+                            "place{}",
+                            report.frames == 1 ? "the picture is" : fmt::format("{} of {} pictures are", report.blank_pictures, report.frames),
+                            c.x, c.y, c.z,
+                            options.camera.moves_camera() || options.camera.preset ? ", and no camera options show all of it" : ""));
+  }
+  if (report.outputs.empty()) return;
   const std::string& first = report.outputs.front();
   console.say(report.frames > 1
-                  ? fmt::format("wrote {} ... {} ({} frames)", first, report.outputs.back(), report.frames)
+                  ? fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames)
                   : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered,
                                 report.color_by));
+}
+
+/// Several files, one picture each: what is wrong with one file is told, and the others are made.
+int render_each(const RenderOptions& options, Choice& choice, const std::string& command, RenderReport& report,
+                Stopwatch& watch, Console& console) {
+  std::unique_ptr<Studio> studio;
+  Batch batch(options.files.size() > 1, console);
+  Bounds box;
+  Camera camera;
+  report.frames = 0;
+  for (std::size_t n = 0; n < options.files.size(); ++n)
+    batch.run(options.files[n], [&] {
+      console.set_step("file", n, options.files.size());
+      scene::Scene scene = read({options.files[n]}, options, report, console);
+      watch.lap("read");
+      box = bounds(scene.cloud);
+      camera = view_of(options, scene.cloud);
+      if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
+      studio->set_scene(std::move(scene));
+      watch.lap("prepare");
+      studio->shoot(camera, int(n), watch);
+      ++report.frames;
+    });
+  const int code = batch.exit_code();
+  tell(report, options, choice, box, console);
+  if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
+  return code;
+}
+
+std::string all_technique_names() {
+  std::string names;
+  for (const TechniqueInfo& info : all_techniques()) names += (names.empty() ? "" : ",") + info.name;
+  return names;
 }
 
 }  // namespace
 
 int render_command(const Words& words) {
   Preset preset;
+  const Preset defaults = load_config();
   if (const std::string file = peek(words, 0, "preset"); !file.empty()) preset = load_preset(file);
   std::string names = peek(words, 't', "technique");
-  if (names.empty()) names = preset.technique.empty() ? default_technique() : preset.technique;
+  for (const std::string& other : {preset.technique, defaults.technique, default_technique()})
+    if (names.empty()) names = other;
+  if (names == "all") names = all_technique_names();
 
   Choice choice(names);
   RenderOptions options;
-  CommandLine line("sfumato",
-                   "Renders point clouds to pictures. Commands: info, techniques, synth, convert, doctor\n"
-                   "(sfumato COMMAND --help).");
+  CommandLine line("sfumato", "Renders point clouds to pictures.");
   options.declare(line);
   choice.declare(line);
-  if (!preset.words.empty() && !line.parse(preset.words)) return 0;
+  line.usage("sfumato FILE... [-t TECHNIQUE] -o PICTURE");
+  // Who asks about a technique wants its parameters.
+  if (peek(words, 't', "technique").empty()) line.short_help(short_help);
+  if (CommandLine::listener) return line.parse({}), 0;
+  // A layer each: what comes later wins, also over names qualified by a technique.
+  for (const Words& layer : {defaults.words_for(choice), preset.words_for(choice)})
+    if (!layer.empty()) line.parse(layer);
   if (!line.parse(words)) return 0;
-  if (options.version) {
-    print("sfumato " + std::string(version()) + "\n");
-    return 0;
-  }
+  options.technique = names;
   options.camera.preset = preset.camera;
   options.check(choice.techniques.size());
   for (const auto& chosen : choice.techniques) {
@@ -294,33 +196,33 @@ int render_command(const Words& words) {
   }
   // A wrong camera file should not cost the time of reading a large scan.
   options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
+  options.expand_files();
+  check_names(options, choice);
 
-  check_names(options, choice, options.sequence       ? int(options.files.size())
-                               : options.path.empty() ? 1
-                                                      : options.frame_count);
-
-  Console console(options.quiet);
+  Console console(options.common);
   RenderReport report;
   Stopwatch watch(report);
-  // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  PointCloud scene =
-      read_scene(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
-  watch.lap("read");
-  const Camera camera = options.camera.resolve(subject_of(scene), scene.up);
-  const std::vector<Camera> cameras = cameras_of(options, camera, scene.up);
-  report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
-  if (report.frames > 1)
-    for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.up);
-
   Words command = words;
   command.insert(command.begin(), "sfumato");
+  if (options.each) return render_each(options, choice, quote(command), report, watch, console);
+
+  // The files of a sequence are read one by one, and seen by the camera that suits the first.
+  scene::Scene scene = read(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
+  watch.lap("read");
+  const Bounds box = bounds(scene.cloud);
+  const Camera camera = view_of(options, scene.cloud);
+  const std::vector<Camera> cameras = cameras_of(options, camera, scene.cloud.up);
+  report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
+  if (report.frames > 1)
+    for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.cloud.up);
+
   Studio studio(options, choice, report, quote(command), console);
   studio.set_scene(std::move(scene));
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
-    if (report.frames > 1) console.set_stage(fmt::format("frame {}/{}", n + 1, report.frames));
+    console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     if (options.sequence && n > 0) {
-      studio.set_scene(read_scene({options.files[std::size_t(n)]}, options, report, console));
+      studio.set_scene(read({options.files[std::size_t(n)]}, options, report, console));
       watch.lap("prepare");
     }
     studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);
@@ -331,7 +233,7 @@ int render_command(const Words& words) {
     save_preset(options.save_preset, choice, line.given(), kept);
     report.outputs.push_back(options.save_preset);
   }
-  tell(report, options, choice, console);
+  tell(report, options, choice, box, console);
   if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
   return 0;
 }

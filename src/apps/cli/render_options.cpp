@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "core/color.h"
 #include "core/colormap.h"
 #include "core/error.h"
 #include "io/atomic_writer.h"
@@ -28,73 +29,112 @@ std::string join(const std::vector<std::string>& words) {
 void RenderOptions::declare(CommandLine& line) {
   line.positionals("FILE", files, "point clouds; several are one scene");
   line.group("Output");
-  line.text("-t,--technique", technique, "NAME[,NAME...]",
-            "technique (" + default_technique() +
-                "); several give a labelled contact sheet. See: sfumato techniques");
+  line.text("-t,--technique", technique, "NAME[,NAME...]|all",
+            "technique (" + default_technique() + "); several give a labelled contact sheet");
   line.text("-o,--output", output, "FILE",
-            "picture: .png (sRGB), .exr (linear, Z, normals), .npy (linear RGBA)");
+            "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is standard output");
+  line.flag("--each", each, "one picture each file, -o '{stem}.png'; a bad file does not stop the others");
   line.text("--output-panels", output_panels, "NAME_{technique}.png",
             "each technique's own picture as well, of the same rendering as the contact sheet");
-  line.text("--output-depth", output_depth, "FILE.npy",
-            "float32 HxW, depth along the view axis, inf where nothing");
+  line.text("--output-depth", output_depth, "FILE",
+            "depth along the view axis: .npy or .exr (float32, inf where nothing), .png (16 bit)");
   line.text("--output-normal", output_normal, "FILE.npy",
             "float32 HxWx3, world, facing the camera, 0 where none");
   line.text("--output-camera", output_camera, "FILE.json", "the camera of the picture");
+  line.text("--quality", quality_text, "1..100", "of .jpg and .webp; a .webp of 100 is exact (90)");
   line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png");
   line.text("--frames", frames, "N", "pictures of the path (120)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
   line.flag("--sequence", sequence,
-            "files are frames: one picture each from one camera, -o frame_{n:04}.png");
+            "files are frames: one picture each from the camera of the first, -o frame_{n:04}.png");
   line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
   line.flag("--timings", timings, "time of every pass");
   line.flag("--json", json, "report on standard output");
-  line.flag("--quiet", quiet, "no progress, no notes");
-  line.flag("--version", version, "print the version");
+  common.declare(line);
   camera.declare(line);
-  line.group("Reading");
-  line.text("--up", up, "+Z|-Z|+Y|...", "axis that points up (from the file or its format)");
-  line.text("--max-points", max_points, "N", "a subsample, the same one every time");
-  line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
-  line.text("--hide-classes", hide_classes, "N,N...|none", "classification codes left out (7,18: noise)");
+  input.declare(line);
   line.group("Colour");
   line.text("--color-by", color.color_by, "NAME",
-            "auto, rgb, intensity, classification, elevation, normal, any scalar");
+            "auto, rgb, intensity, classification, elevation, normal, file, any scalar");
+  line.text("--color", point_color, "COLOUR", "one colour for all points: a name, #hex or R,G,B");
   line.text("--colormap", color.colormap, "NAME",
             join(Colormap::names()) + " (gray for intensity, else viridis)");
   line.text("--color-range", color_range, "A,B",
             "values at the ends of the colour map (2-98 % of the points)");
   line.flag("--legend", legend, "explain the colours in the picture");
-  line.text("--background-color", background_color, "R,G,B", "sRGB 0..1 (1,1,1)");
+  line.text("--background-color", background_color, "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)");
   line.flag("--no-background", no_background, "transparent where nothing is");
 }
 
-void RenderOptions::check(std::size_t technique_count) {
-  if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
-  if (!has_output()) refuse("there is no viewer in this version: add -o OUT.png to render to a picture");
+namespace {
+
+vec3 color_of(const std::string& option, const std::string& text) {
+  if (const auto color = parse_color(text)) return *color;
+  const std::string near = nearest_color(text);
+  refuse(option + ": '" + text + "' is no colour" + (near.empty() ? "" : "; did you mean " + near + "?") +
+         " Write a name (steelblue), #hex (#4682b4) or R,G,B in 0..1 (0.27,0.51,0.71)");
+}
+
+bool is_picture(const std::string& extension) {
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".webp";
+}
+
+bool has_part(const std::string& pattern, const std::string& name) {
+  return pattern.find("{" + name) != std::string::npos;
+}
+
+}  // namespace
+
+void RenderOptions::check_outputs(std::size_t technique_count) {
+  // Two techniques and their names in -o: a picture each, no sheet.
+  if (technique_count > 1 && output_panels.empty() && has_part(output, "technique")) std::swap(output_panels, output);
   const std::string extension = extension_of(output);
-  if (!output.empty() && extension != ".png" && extension != ".exr" && extension != ".npy")
-    refuse("-o " + output + ": pictures are written as .png, .exr or .npy");
+  if (!output.empty() && !is_picture(extension) && extension != ".exr" && extension != ".npy")
+    refuse("-o " + output + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
+  const bool has_jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (no_background && has_jpeg) refuse("--no-background: a JPEG cannot be transparent; write a .png or .webp");
+  if (!quality_text.empty()) {
+    quality = int(std::min(parse_whole("--quality", quality_text, 1), 1000L));
+    if (quality > 100) refuse("--quality: '" + quality_text + "' is not in 1..100");
+    if (!has_jpeg && extension != ".webp") refuse("--quality goes with .jpg and .webp; a .png loses nothing");
+  }
   if (!output_panels.empty()) {
     if (extension_of(output_panels) != ".png")
       refuse("--output-panels " + output_panels + ": panels are written as .png");
-    if (frame_name(output_panels, 0, "a") == frame_name(output_panels, 0, "b"))
+    if (file_name(output_panels, {0, "a", ""}) == file_name(output_panels, {0, "b", ""}))
       refuse("--output-panels " + output_panels + ": write {technique} where the technique's name goes");
   }
   if (technique_count > 1) {
-    if (!output.empty() && extension != ".png")
+    if (!output.empty() && !is_picture(extension))
       refuse("-o " + output + ": a contact sheet of several techniques is a .png");
     if (!output_depth.empty() || !output_normal.empty())
       refuse("--output-depth and --output-normal need a single technique");
   }
-  for (const auto& [option, file] :
-       {std::pair("--output-depth", output_depth), std::pair("--output-normal", output_normal)})
-    if (!file.empty() && extension_of(file) != ".npy")
-      refuse(std::string(option) + " " + file + ": the array is written as .npy");
-  if (legend && (extension == ".exr" || extension == ".npy")) refuse("--legend goes with .png only");
+  if (const std::string depth = extension_of(output_depth);
+      !output_depth.empty() && depth != ".npy" && depth != ".exr" && depth != ".png")
+    refuse("--output-depth " + output_depth + ": depth is written as .npy, .exr or .png (16 bit)");
+  if (!output_normal.empty() && extension_of(output_normal) != ".npy")
+    refuse("--output-normal " + output_normal + ": the array is written as .npy");
+  if (legend && (extension == ".exr" || extension == ".npy")) refuse("--legend goes with .png, .jpg and .webp only");
   if (json && io::is_standard_output(output)) refuse("--json and -o " + output + " both write to standard output");
+}
+
+void RenderOptions::check(std::size_t technique_count) {
+  if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
+  std::error_code error;
+  if (!has_output() && files.size() == 1 && files[0] != "-" && !std::filesystem::exists(files[0], error) &&
+      files[0].find_first_of("*?[") == std::string::npos)
+    throw Error(ErrorCode::io, files[0] + ": there is no such file; check the name (and add -o OUT.png)");
+  if (!has_output()) refuse("there is no viewer in this version: add -o OUT.png to render to a picture");
+  common.apply();
+  check_outputs(technique_count);
   camera.check();
-  if (sequence && !path.empty()) refuse("--sequence shows its files from one camera: leave out --path");
+  input.check();
+  if (sequence && each) refuse("--sequence and --each contradict each other: give one of them");
+  if ((sequence || each) && !path.empty())
+    refuse(std::string(sequence ? "--sequence shows its files from one camera" : "--each makes one picture a file") +
+           ": leave out --path");
   if (path.empty()) {
     if (!frames.empty() || !degrees.empty()) refuse("--frames and --degrees need --path");
   } else {
@@ -102,18 +142,30 @@ void RenderOptions::check(std::size_t technique_count) {
     if (!degrees.empty() && path != "orbit") refuse("--degrees goes with --path orbit");
     if (!degrees.empty()) orbit_degrees = parse_number("--degrees", degrees);
   }
-  if (sequence || !path.empty()) {
-    for (const std::string& file : {output, output_panels, output_depth, output_normal, output_camera})
-      if (!file.empty() && (frame_name(file, 0) == frame_name(file, 1)))
+  for (const std::string& file : {output, output_panels, output_depth, output_normal, output_camera}) {
+    if (file.empty()) continue;
+    const std::string first = file_name(file, {0, "t", "a"});
+    if (first == file) {
+      if (sequence || !path.empty())
         refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
+      if (each) refuse("'" + file + "' names one file for all pictures: write {stem} where the file's name goes");
+      continue;
+    }
+    const bool numbered = sequence || each || !path.empty();
+    if (!numbered && has_part(file, "n"))
+      refuse("'" + file + "': {n} numbers the pictures of --path, --sequence or --each; there is one here");
+    if (!each && files.size() > 1 && has_part(file, "stem"))
+      refuse("'" + file + "': {stem} is the name of one file; several are one scene unless --each makes pictures of them");
+    if ((sequence || !path.empty()) && file_name(file, {0, "t", "a"}) == file_name(file, {1, "t", "a"}))
+      refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
   }
-  if (!up.empty() && !(up_axis = parse_up_axis(up)))
-    refuse("--up: '" + up + "' is not one of +X -X +Y -Y +Z -Z");
-  if (!background_color.empty()) {
-    const std::vector<double> v = parse_numbers("--background-color", background_color, 3);
-    for (double c : v)
-      if (c < 0 || c > 1) refuse("--background-color: '" + background_color + "' is not in 0..1");
-    background = vec3(float(v[0]), float(v[1]), float(v[2]));
+  if (!background_color.empty()) background = color_of("--background-color", background_color);
+  if (!point_color.empty()) {
+    if (color.color_by != "auto") refuse("--color and --color-by contradict each other: give one of them");
+    color.solid = to_rgba8(color_of("--color", point_color));
+    for (const auto& [option, given] : {std::pair("--colormap", !color.colormap.empty()), {"--color-range", !color_range.empty()},
+                                        {"--legend", legend}})
+      if (given) refuse(std::string(option) + " does not go with --color, which paints every point alike");
   }
   if (!color_range.empty()) {
     const std::vector<double> v = parse_numbers("--color-range", color_range, 2);
@@ -121,11 +173,15 @@ void RenderOptions::check(std::size_t technique_count) {
     color.range = {v[0], v[1]};
   }
   if (!color.colormap.empty()) Colormap::named(color.colormap);
-  if (!hide_classes.empty() && hide_classes != "none")
-    for (const std::string& code : split(hide_classes, ','))
-      hidden_classes.push_back(int(parse_whole("--hide-classes", code, 0)));
-  if (!columns.empty()) read.columns = split(columns, ',');
-  if (!max_points.empty()) read.max_points = std::uint64_t(parse_whole("--max-points", max_points, 1));
+}
+
+void RenderOptions::expand_files() {
+  files = scene::expand_inputs(files);
+}
+
+NameParts RenderOptions::parts(int n, const std::string& technique_name) const {
+  const std::size_t file = each || sequence ? std::size_t(n) : 0;
+  return {n, technique_name.empty() ? technique : technique_name, stem_of(files[file])};
 }
 
 std::string extension_of(const std::string& file) {
@@ -136,7 +192,8 @@ std::string extension_of(const std::string& file) {
   return extension;
 }
 
-std::string frame_name(const std::string& pattern, int n, const std::string& technique) {
+std::string file_name(const std::string& pattern, const NameParts& parts) {
+  if (pattern.find_first_of("{}") == std::string::npos) return pattern;
   // Three digits in braces would be a width of a hundred and more; no frame's number has so many.
   for (std::size_t i = 0, digits = 0, open = 0; i < pattern.size(); ++i) {
     open = pattern[i] == '{' ? 1 : pattern[i] == '}' ? 0 : open;
@@ -144,11 +201,27 @@ std::string frame_name(const std::string& pattern, int n, const std::string& tec
     if (digits == 3) refuse("'" + pattern + "' is no file name template: {n:04} gives the frame's number four digits");
   }
   try {
-    return fmt::format(fmt::runtime(pattern), fmt::arg("n", n), fmt::arg("technique", technique));
-  } catch (const fmt::format_error& error) {
-    refuse("'" + pattern + "' is no file name template (" + error.what() +
-           "): write {n:04} for the frame's number");
+    return fmt::format(fmt::runtime(pattern), fmt::arg("n", parts.n), fmt::arg("technique", parts.technique),
+                       fmt::arg("stem", parts.stem));
+  } catch (const fmt::format_error&) {
+    refuse("'" + pattern +
+           "' is no file name template: there are {stem} (the input's name), {n:04} (its number) and {technique}; write {{ "
+           "for a brace");
   }
+}
+
+std::string stem_of(const std::string& file) {
+  if (file == "-") return "standard-input";
+  std::string name = std::filesystem::path(file).filename().string();
+  for (const char* last : {".laz", ""}) {  // of .copc.laz both
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string::npos || dot == 0) break;
+    const bool laz = extension_of(name) == ".laz";
+    if (*last == 0 && extension_of(name) != ".copc") break;
+    name.resize(dot);
+    if (!laz) break;
+  }
+  return name;
 }
 
 std::string peek(const Words& words, char short_name, const std::string& long_name) {

@@ -8,33 +8,47 @@
 
 #include "camera_options.h"
 #include "command_line.h"
+#include "common_options.h"
 #include "core/coloring.h"
-#include "io/io.h"
+#include "input_options.h"
 #include "parameters.h"
 
 namespace sfumato::cli {
+
+/// What stands in a file name for the braces of its pattern.
+struct NameParts {
+  int n = 0;
+  std::string technique, stem;
+};
 
 struct RenderOptions {
   Words files;
   std::string technique, output, output_panels, output_depth, output_normal, output_camera;
   CameraOptions camera;
-  std::string up, background_color, color_range, hide_classes = "7,18", columns, max_points;
+  InputOptions input{"7,18"};
+  CommonOptions common;
+  std::string background_color, color_range, point_color, quality_text;
   ColorSettings color;
-  bool no_background = false, legend = false, timings = false, json = false, quiet = false, version = false;
-  bool sequence = false;  ///< every file is a picture, not a part of one scene
+  bool no_background = false, legend = false, timings = false, json = false;
+  bool sequence = false;  ///< every file is a picture, all from the camera of the first
+  bool each = false;      ///< every file is a picture of its own
   std::string path, frames, degrees, preset, save_preset;
 
   // Parsed by `check`.
-  std::optional<UpAxis> up_axis;
   vec3 background{1};
-  std::vector<int> hidden_classes;
-  io::ReadOptions read;
-  int frame_count = 1;
+  int frame_count = 1, quality = 90;
   double orbit_degrees = 360;
 
   void declare(CommandLine& line);
   /// Everything that can be wrong before a file is opened. Throws Error(usage).
   void check(std::size_t technique_count);
+  /// The files that their words name; call before `check_names`.
+  void expand_files();
+  /// What stands in the names of picture `n`.
+  NameParts parts(int n, const std::string& technique = {}) const;
+  /// Pictures to be made of each technique.
+  int picture_count() const { return each || sequence ? int(files.size()) : path.empty() ? 1 : frame_count; }
+  void check_outputs(std::size_t technique_count);
   bool has_output() const {
     return !output.empty() || !output_panels.empty() || !output_depth.empty() || !output_normal.empty() ||
            !output_camera.empty();
@@ -43,9 +57,11 @@ struct RenderOptions {
 
 /// Lower-case extension: ".png".
 std::string extension_of(const std::string& file);
-/// "frame_{n:04}.png" for frame 7: "frame_0007.png"; {technique} is the technique. Throws Error(usage) for a
-/// broken template.
-std::string frame_name(const std::string& pattern, int n, const std::string& technique = {});
+/// "frame_{n:04}.png" for frame 7: "frame_0007.png"; {technique} is the technique, {stem} the input's name without
+/// folder and extension. Throws Error(usage) for a broken pattern.
+std::string file_name(const std::string& pattern, const NameParts& parts);
+/// "scans/a.copc.laz": "a".
+std::string stem_of(const std::string& file);
 /// The last value of an option, found before the line is parsed; empty when it is not given.
 std::string peek(const Words& words, char short_name, const std::string& long_name);
 

@@ -121,11 +121,13 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["color_by"] = report.color_by;
   json["points_read"] = report.points_read;
   json["points_hidden"] = report.points_hidden;
+  json["points_left_out"] = report.points_left_out;
   json["points_rendered"] = report.points_rendered;
   std::uint64_t drawn = 0;
   for (const TechniqueReport& one : report.techniques) drawn = std::max(drawn, one.points_drawn);
   json["points_drawn"] = drawn;
   json["frames"] = report.frames;
+  json["blank_pictures"] = report.blank_pictures;
   for (std::size_t i = 0; i < report.techniques.size(); ++i) {
     if (report.techniques.size() == 1)
       json["timings_ms"] = timings(report.techniques[i]);

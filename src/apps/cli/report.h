@@ -27,6 +27,8 @@ struct TechniqueReport {
 struct RenderReport {
   std::vector<std::string> outputs;
   std::uint64_t points_read = 0, points_hidden = 0, points_rendered = 0;
+  std::uint64_t points_left_out = 0;  ///< by crop, classes to show and filters
+  int blank_pictures = 0;             ///< that show nothing but background
   std::string color_by;
   int frames = 1;
   std::vector<TechniqueReport> techniques;                ///< in the order of the choice

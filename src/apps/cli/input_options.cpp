@@ -1,0 +1,76 @@
+#include "input_options.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+
+namespace sfumato::cli {
+namespace {
+
+Bounds parse_box(const std::string& option, const std::string& text) {
+  const std::vector<double> v = parse_numbers(option, text, 6);
+  const Bounds box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+  for (int k = 0; k < 3; ++k)
+    if (box.min[k] > box.max[k])
+      throw Error(ErrorCode::usage, option + ": '" + text + "' is empty along " + std::string(1, "xyz"[k]) +
+                                        "; write X0,Y0,Z0,X1,Y1,Z1 with the smaller numbers first");
+  return box;
+}
+
+std::vector<int> parse_classes(const std::string& option, const std::string& text) {
+  std::vector<int> codes;
+  for (const std::string& code : split(text, ',')) {
+    const long id = parse_whole(option, code, 0);
+    if (id > 255) throw Error(ErrorCode::usage, option + ": class " + code + " is beyond 255, the last there is");
+    codes.push_back(int(id));
+  }
+  return codes;
+}
+
+}  // namespace
+
+void InputOptions::declare(CommandLine& line) {
+  line.group("Points");
+  line.text("--crop", crop_, "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates");
+  line.text("--crop-relative", crop_relative_, "X0,Y0,Z0,X1,Y1,Z1",
+            "the same in shares of the whole box: 0,0,0,1,1,0.5 is the lower half");
+  line.text("--show-classes", show_classes_, "N,N...", "only these classification codes");
+  line.text("--hide-classes", hide_classes_, "N,N...|none",
+            "classification codes left out, and withheld points (" + hide_classes_ +
+                (hide_classes_ == "none" ? ")" : ": noise)"));
+  line.texts("--filter", filters_, "\"SCALAR A..B\"",
+             "only points whose number lies there, as \"intensity 10..200\" or \"z 3..\"; may be given several times");
+  line.text("--max-points", max_points_, "N", "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
+  line.text("--columns", columns_, "x,y,z,...", "text files: names of the columns, instead of the guess");
+  line.text("--up", up_, "+Z|-Z|+Y|...", "axis that points up (from the file or its format)");
+}
+
+void InputOptions::check() {
+  Selection& wanted = scene.selection;
+  if (crop_ && crop_relative_)
+    throw Error(ErrorCode::usage, "--crop and --crop-relative contradict each other: give one of them");
+  if (crop_) wanted.crop = parse_box("--crop", *crop_);
+  if (crop_relative_) wanted.crop_share = parse_box("--crop-relative", *crop_relative_);
+  if (show_classes_) wanted.show_classes = parse_classes("--show-classes", *show_classes_);
+  if (hide_classes_ != "none" && !hide_classes_.empty()) {
+    wanted.hide_withheld = true;
+    // Noise is left out unless somebody wants to see just that.
+    for (int id : parse_classes("--hide-classes", hide_classes_))
+      if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), id) == wanted.show_classes.end())
+        wanted.hide_classes.push_back(id);
+  }
+  for (const std::string& text : filters_) wanted.filters.push_back(parse_filter(text));
+  if (columns_) scene.read.columns = split(*columns_, ',');
+  if (max_points_) scene.read.max_points = std::uint64_t(parse_whole("--max-points", *max_points_, 1));
+  if (up_ && !(scene.up = parse_up_axis(*up_)))
+    throw Error(ErrorCode::usage, "--up: '" + *up_ + "' is not one of +X -X +Y -Y +Z -Z");
+}
+
+std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options) {
+  if (options.read.columns.empty()) return "";
+  for (const io::ReadReport& report : scene.files)
+    if (report.format == "text" || report.format == "pts") return "";
+  return "--columns has no effect: " + scene.files.front().format + " files name their own columns";
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,32 @@
+// Which files are read, how, and which of their points are wanted: the same options for rendering and `convert`.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command_line.h"
+#include "scene/scene.h"
+
+namespace sfumato::cli {
+
+class InputOptions {
+ public:
+  /// `hide_classes`: those left out unless asked for, "7,18" or "none".
+  explicit InputOptions(const std::string& hide_classes) : hide_classes_(hide_classes) {}
+  void declare(CommandLine& line);
+  /// Throws Error(usage) for what can be wrong before a file is opened.
+  void check();
+
+  scene::SceneOptions scene;  ///< filled by `check`
+  const std::string& hide_classes() const { return hide_classes_; }
+
+ private:
+  std::string hide_classes_;
+  std::optional<std::string> crop_, crop_relative_, show_classes_, columns_, max_points_, up_;
+  Words filters_;
+};
+
+/// What --columns could not do: the files are no text. Empty when there is nothing to say.
+std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options);
+
+}  // namespace sfumato::cli

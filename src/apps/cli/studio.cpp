@@ -1,0 +1,176 @@
+#include "studio.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/version.h"
+#include "io/camera_json.h"
+#include "io/image_exr.h"
+#include "io/image_file.h"
+#include "io/npy.h"
+#include "legend.h"
+#include "passes/shadows.h"
+#include "techniques/panorama.h"
+
+namespace sfumato::cli {
+
+void Stopwatch::lap(const char* stage) {
+  const auto now = std::chrono::steady_clock::now();
+  const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+  last_ = now;
+  for (auto& [name, sum] : report_.stages_ms)
+    if (name == stage) {
+      sum += ms;
+      return;
+    }
+  report_.stages_ms.emplace_back(stage, ms);
+}
+
+Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
+               Console& console)
+    : options_(options),
+      choice_(choice),
+      report_(report),
+      command_(std::move(command)),
+      console_(console),
+      context_(gl::Context::create_headless()),
+      renderer_(*context_) {
+  report_.techniques.resize(choice_.techniques.size());
+  const std::string extension = extension_of(options_.output);
+  wants_.color_linear = extension == ".exr" || extension == ".npy";
+  wants_.color = (!options_.output.empty() && !wants_.color_linear) || !options_.output_panels.empty();
+  wants_.depth = extension == ".exr" || !options_.output_depth.empty();
+  wants_.normal = extension == ".exr" || !options_.output_normal.empty();
+  wants_.timings = options_.timings || options_.json;
+  for (const auto& chosen : choice_.techniques) {
+    chosen->settings.background = options_.background;
+    chosen->settings.transparent = options_.no_background;
+    chosen->settings.edl.resolve(chosen->technique->wants_edl());
+    chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 && !chosen->technique->has_soft_edges());
+  }
+}
+
+// What techniques hold on the GPU goes before its context does.
+Studio::~Studio() {
+  for (const auto& chosen : choice_.techniques) chosen->technique.reset();
+}
+
+void Studio::set_scene(scene::Scene scene) {
+  Attributes needs;
+  for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
+  if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
+  up_ = scene.cloud.up;
+  PreparedCloud prepared = analysis::prepare(std::move(scene.cloud), needs, choice_.prepare, console_);
+  for (const auto& chosen : choice_.techniques)
+    resolve_shadow_sizes(chosen->settings, bounds(prepared.cloud), prepared.median_spacing);
+  ColorSettings color = options_.color;
+  color.file_names = scene.file_names;
+  coloring_ = color_points(prepared.cloud, color);
+  report_.color_by = coloring_.source;
+  for (const std::string& note : coloring_.notes) console_.say("sfumato: " + note);
+  if (options_.legend && coloring_.kind != ColorKind::scalar && coloring_.swatches.empty())
+    console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring_.source +
+                 ", which explains itself");
+  renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
+}
+
+RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
+  if (options_.camera.panorama)
+    return render_panorama(renderer_, *chosen.technique, camera, up_vector(up_), chosen.settings, wants_, console_);
+  return renderer_.render(*chosen.technique, camera, chosen.settings, wants_, console_);
+}
+
+void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
+  const int limit = context_->limits().max_texture_size;
+  if (camera.width > limit || camera.height > limit)
+    throw Error(ErrorCode::usage,
+                fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
+                            "lower --resolution",
+                            camera.width, camera.height, limit));
+  std::vector<Panel> panels;
+  RenderOutput out;
+  bool blank = true;
+  for (std::size_t i = 0; i < choice_.techniques.size(); ++i) {
+    ChosenTechnique& chosen = *choice_.techniques[i];
+    console_.check();
+    console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
+    out = render(chosen, camera);
+    report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.notes};
+    blank = blank && (out.points_drawn == 0 || (wants_.color && is_blank(out.rgba8)));
+    if (choice_.techniques.size() > 1)
+      panels.push_back({chosen.name, std::move(out.rgba8)});
+    else if (!options_.output_panels.empty())
+      panels.push_back({chosen.name, out.rgba8});
+  }
+  report_.blank_pictures += blank;
+  console_.check();
+  watch.lap("render");
+  if (!options_.output_panels.empty()) write_panels(panels, camera, n);
+  if (panels.size() > 1) {
+    if (options_.legend) draw_legend(panels.back().image, coloring_, options_.background);
+    if (wants_.color) out.rgba8 = contact_sheet(panels, options_.background, options_.no_background);
+  } else if (options_.legend && wants_.color) {
+    draw_legend(out.rgba8, coloring_, options_.background);
+  }
+  write(out, camera, n);
+  watch.lap("write");
+}
+
+/// Nothing but background: points may lie in the view and yet be too small or too far to be seen.
+bool Studio::is_blank(const Image<Rgba8>& image) const {
+  if (options_.no_background) return std::all_of(image.begin(), image.end(), [](const Rgba8& c) { return c.a == 0; });
+  return std::all_of(image.begin(), image.end(), [&](const Rgba8& c) { return c == image.at(0, 0); });
+}
+
+std::string Studio::name_of(const std::string& pattern, int n, const std::string& technique) {
+  const std::string name = file_name(pattern, options_.parts(n, technique));
+  report_.outputs.push_back(name);
+  return name;
+}
+
+void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
+  const std::string extension = extension_of(name);
+  if (extension == ".jpg" || extension == ".jpeg") return io::write_jpeg(name, image, options_.quality);
+  if (extension == ".webp") return io::write_webp(name, image, options_.no_background, options_.quality);
+  io::write_png(name, image, options_.no_background,
+                {{"Software", std::string("sfumato ") + version()},
+                 {"Command", command_},
+                 {"Camera", io::camera_to_json(camera)}});
+}
+
+void Studio::write_panels(const std::vector<Panel>& panels, const Camera& camera, int n) {
+  for (const Panel& panel : panels) {
+    const std::string name = name_of(options_.output_panels, n, panel.label);
+    Image<Rgba8> image = panel.image;
+    if (options_.legend) draw_legend(image, coloring_, options_.background);
+    write_picture(name, image, camera);
+  }
+}
+
+void Studio::write_depth(const std::string& name, const Image<float>& depth) {
+  const std::string extension = extension_of(name);
+  if (extension == ".exr")
+    io::write_exr(name, {}, depth, {}, command_);
+  else if (extension == ".png")
+    io::write_depth_png(name, depth, {{"Software", std::string("sfumato ") + version()}, {"Command", command_}});
+  else
+    io::write_npy(name, depth);
+}
+
+void Studio::write(const RenderOutput& out, const Camera& camera, int n) {
+  if (!options_.output.empty()) {
+    const std::string name = name_of(options_.output, n), extension = extension_of(name);
+    if (extension == ".exr")
+      io::write_exr(name, out.color_linear, out.depth, out.normal, command_);
+    else if (extension == ".npy")
+      io::write_npy(name, out.color_linear);
+    else
+      write_picture(name, out.rgba8, camera);
+  }
+  if (!options_.output_depth.empty()) write_depth(name_of(options_.output_depth, n), out.depth);
+  if (!options_.output_normal.empty()) io::write_npy(name_of(options_.output_normal, n), out.normal);
+  if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
+}
+
+}  // namespace sfumato::cli

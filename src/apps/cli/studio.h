@@ -1,0 +1,63 @@
+// From a scene and a camera to files: rendering with every chosen technique, and writing what was asked for.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "contact_sheet.h"
+#include "parameters.h"
+#include "render_options.h"
+#include "report.h"
+#include "scene/scene.h"
+#include "techniques/renderer.h"
+
+namespace sfumato::cli {
+
+/// Wall time of the stages, for the report.
+class Stopwatch {
+ public:
+  explicit Stopwatch(RenderReport& report) : report_(report) {}
+  void lap(const char* stage);
+
+ private:
+  RenderReport& report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// One instance a command.
+class Studio {
+ public:
+  /// `command` is kept in the pictures.
+  Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
+         Console& console);
+  ~Studio();
+
+  void set_scene(scene::Scene scene);
+  /// Renders one view with every technique and writes its files. `n` fills the names of pictures.
+  void shoot(const Camera& camera, int n, Stopwatch& watch);
+
+ private:
+  RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
+  std::string name_of(const std::string& pattern, int n, const std::string& technique = {});
+  void write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera);
+  void write_panels(const std::vector<Panel>& panels, const Camera& camera, int n);
+  void write_depth(const std::string& name, const Image<float>& depth);
+  void write(const RenderOutput& out, const Camera& camera, int n);
+  bool is_blank(const Image<Rgba8>& image) const;
+
+  const RenderOptions& options_;
+  Choice& choice_;
+  RenderReport& report_;
+  std::string command_;
+  Console& console_;
+  std::unique_ptr<gl::Context> context_;
+  Renderer renderer_;
+  RenderWants wants_;
+  Coloring coloring_;
+  UpAxis up_ = UpAxis::pos_z;
+};
+
+}  // namespace sfumato::cli

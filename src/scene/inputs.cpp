@@ -1,0 +1,114 @@
+// What the words of a command line name: files, folders, patterns, standard input.
+#include <glob.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "core/error.h"
+#include "scene/scene.h"
+
+namespace sfumato::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> readable_extensions() {
+  std::vector<std::string> all;
+  for (const io::FormatInfo& format : io::formats()) {
+    if (!format.can_read) continue;
+    for (std::size_t at = 0; at < format.extensions.size();) {
+      const std::size_t end = std::min(format.extensions.find(' ', at), format.extensions.size());
+      all.push_back(format.extensions.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+  return all;
+}
+
+std::vector<std::string> files_in(const std::string& folder) {
+  const std::vector<std::string> extensions = readable_extensions();
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    std::string name = entry.path().filename().string();
+    if (name.starts_with('.') || !entry.is_regular_file(error)) continue;
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    if (std::any_of(extensions.begin(), extensions.end(), [&](const auto& end) { return name.ends_with(end); }))
+      found.push_back(entry.path().string());
+  }
+  if (error)
+    throw Error(ErrorCode::io, folder + ": cannot read the folder (" + error.message() + "); check the permissions");
+  std::sort(found.begin(), found.end());
+  if (found.empty()) {
+    std::string all;
+    for (const std::string& extension : extensions) all += (all.empty() ? "" : " ") + extension;
+    throw Error(ErrorCode::io, folder + ": the folder holds no point cloud; read are: " + all);
+  }
+  return found;
+}
+
+std::vector<std::string> matching(const std::string& pattern) {
+  glob_t result{};
+  std::vector<std::string> found;
+  if (::glob(pattern.c_str(), 0, nullptr, &result) == 0)
+    for (std::size_t i = 0; i < result.gl_pathc; ++i) found.emplace_back(result.gl_pathv[i]);
+  ::globfree(&result);
+  if (found.empty())
+    throw Error(ErrorCode::io, pattern + ": no file has a name like this; check the folder and the pattern");
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> expand_inputs(const std::vector<std::string>& words) {
+  std::vector<std::string> files;
+  for (const std::string& word : words) {
+    std::error_code error;
+    std::vector<std::string> found = {word};
+    if (word != "-" && fs::is_directory(word, error))
+      found = files_in(word);
+    else if (word.find_first_of("*?[") != std::string::npos && !fs::exists(word, error))
+      found = matching(word);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+StandardInput::StandardInput() {
+  if (isatty(STDIN_FILENO))
+    throw Error(ErrorCode::usage, "-: standard input is the keyboard; pipe a point cloud into it, or name a file");
+  std::string name = (fs::temp_directory_path() / "sfumato-input-XXXXXX").string();
+  handle_ = ::mkstemp(name.data());
+  if (handle_ < 0)
+    throw Error(ErrorCode::io, name + ": cannot keep standard input (" + std::strerror(errno) + "); set TMPDIR");
+  ::unlink(name.c_str());  // gone with the last who has it open, whatever happens to us
+  path_ = "/proc/self/fd/" + std::to_string(handle_);
+  std::array<char, 1 << 16> block;
+  while (true) {
+    const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw Error(ErrorCode::io, std::string("standard input: read failed (") + std::strerror(errno) + ")");
+    if (got == 0) break;
+    for (ssize_t at = 0; at < got;) {
+      const ssize_t done = ::write(handle_, block.data() + at, std::size_t(got - at));
+      if (done < 0 && errno == EINTR) continue;
+      if (done <= 0)
+        throw Error(ErrorCode::io, std::string("standard input does not fit into the folder of temporary files (") +
+                                       std::strerror(errno) + "); set TMPDIR to another");
+      at += done;
+    }
+  }
+}
+
+StandardInput::~StandardInput() {
+  if (handle_ >= 0) ::close(handle_);
+}
+
+}  // namespace sfumato::scene

@@ -1,0 +1,67 @@
+#include "scene/scene.h"
+
+#include "core/error.h"
+
+namespace sfumato::scene {
+
+// What is said of the temporary file of "-" is said of standard input.
+io::ReadResult read_file(const std::string& file, const io::ReadOptions& options, Progress& progress) {
+  if (file != "-") return io::read(file, options, progress);
+  const StandardInput input;
+  try {
+    io::ReadResult result = io::read(input.path(), options, progress);
+    result.report.file = "standard input";
+    return result;
+  } catch (const Error& error) {
+    std::string text = error.what();
+    for (std::size_t at = text.find(input.path()); at != std::string::npos; at = text.find(input.path()))
+      text.replace(at, input.path().size(), "standard input");
+    throw Error(error.code(), text);
+  }
+}
+
+Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options, Progress& progress) {
+  Scene scene;
+  io::ReadOptions read = options.read;
+  // Whoever asks for a million points of a box wants them in the box.
+  const bool selects = options.selection.crop || options.selection.crop_share ||
+                       !options.selection.show_classes.empty() || !options.selection.filters.empty();
+  if (selects) read.max_points.reset();
+  for (const std::string& file : files) {
+    io::ReadResult result = read_file(file, read, progress);
+    const std::string name = result.report.file.filename().string();
+    for (const std::string& note : result.report.notes) scene.notes.push_back(file + ": " + note);
+    scene.points_read += result.report.points;
+    scene.file_names.push_back(file == "-" ? "standard input" : name);
+    if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point in it");
+    scene.files.push_back(std::move(result.report));
+    if (files.size() == 1) {
+      scene.cloud = std::move(result.cloud);
+      break;
+    }
+    if (scene.files.size() > 1) {
+      if (result.cloud.up != scene.cloud.up && !options.up)
+        scene.notes.push_back(file + ": " + to_string(result.cloud.up) + " is up in it, " + to_string(scene.cloud.up) +
+                              " in " + files[0] + ", which decides (--up says otherwise)");
+      if (result.cloud.crs != scene.cloud.crs && !result.cloud.crs.empty() && !scene.cloud.crs.empty())
+        scene.notes.push_back(file + ": its coordinate system is not that of " + files[0] +
+                              "; the numbers are put together as they are");
+    }
+    // Tells the files of a scene apart; counts from 1 in their order.
+    const float number = float(scene.files.size());
+    result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
+    append(scene.cloud, result.cloud);
+  }
+  if (options.up) scene.cloud.up = *options.up;
+  try {
+    scene.selected = apply(options.selection, scene.cloud);
+  } catch (const Error& error) {
+    throw Error(error.code(), (files.size() == 1 ? files[0] + ": " : std::string()) + error.what());
+  }
+  scene.notes.insert(scene.notes.end(), scene.selected.notes.begin(), scene.selected.notes.end());
+  if (options.read.max_points && scene.cloud.size() > *options.read.max_points)
+    scene.cloud = subsample(scene.cloud, std::size_t(*options.read.max_points));
+  return scene;
+}
+
+}  // namespace sfumato::scene

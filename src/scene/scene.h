@@ -1,0 +1,57 @@
+// Several files become one scene: read, put together, reduced to what is wanted.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/selection.h"
+#include "io/io.h"
+
+namespace sfumato::scene {
+
+struct SceneOptions {
+  io::ReadOptions read;
+  Selection selection;
+  std::optional<UpAxis> up;  ///< wins over what the files say
+};
+
+struct Scene {
+  PointCloud cloud;
+  std::vector<io::ReadReport> files;
+  std::uint64_t points_read = 0;
+  SelectionReport selected;
+  std::vector<std::string> notes;       ///< of readers ("FILE: ..."), of putting together and of selecting
+  std::vector<std::string> file_names;  ///< without folders; of several files the scalar `file` counts from 1
+};
+
+/// `io::read`, and "-" is standard input.
+io::ReadResult read_file(const std::string& file, const io::ReadOptions& options = {},
+                         Progress& progress = no_progress());
+
+/// Several files get the origin of the first and the scalar `file`. `read.max_points` holds for the whole scene,
+/// after the selection. Throws Error(bad_input) when a file has no points or none is left.
+Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options,
+                 Progress& progress = no_progress());
+
+/// The files that words name: folders (every file in them that can be read, by name), patterns with * ? [ ] when no
+/// file has that very name, and names as they are. Throws Error(io) when a folder or a pattern names nothing.
+std::vector<std::string> expand_inputs(const std::vector<std::string>& words);
+
+/// "-" as a file: what standard input holds, kept in a temporary file without a name while this lives.
+class StandardInput {
+ public:
+  /// Reads standard input to its end.
+  StandardInput();
+  ~StandardInput();
+  StandardInput(const StandardInput&) = delete;
+  StandardInput& operator=(const StandardInput&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  int handle_ = -1;
+  std::string path_;
+};
+
+}  // namespace sfumato::scene
