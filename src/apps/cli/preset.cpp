@@ -51,6 +51,8 @@ Preset load_preset(const std::filesystem::path& file) {
       preset.technique = value.get<std::string>();
     } else if (key == "parameters" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
+        if (!is_look(name)) refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
+                                   with_dashes(name) + " to the command");
         if (!setting.is_object()) {
           preset.parameters.emplace_back(name, spell(setting));
           continue;
