@@ -12,7 +12,11 @@ build = $(configure) && cmake --build build/$(1)
 check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
-.PHONY: release command demo test bench eval-denoise eval-shadows asan format install
+.DEFAULT_GOAL := release
+.PHONY: release command demo test bench eval-denoise eval-shadows asan format install uninstall clean help
+
+help:  ## the targets
+	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
 
 release:  ## build/release, all of it
 	@$(call build,release)
@@ -46,8 +50,18 @@ asan:  ## every test under the address and undefined behaviour sanitizers
 	@# Mesa leaves 240 bytes a context behind, and is unloaded before anybody could tell that they are its.
 	@export ASAN_OPTIONS=detect_leaks=0 && $(call check,asan) --label-exclude unit
 
-format:
+format:  ## clang-format over the C++
 	@find src tests bench examples include -name '*.cpp' -o -name '*.h' 2>/dev/null | xargs clang-format -i
 
-install: release
-	@cmake --install build/release --prefix $(PREFIX)
+install: release  ## command, manual page, completions, documentation and CMake package below PREFIX
+	@cmake --install build/release --prefix "$(PREFIX)"
+
+uninstall:  ## removes what the last install put into place
+	@test -f build/release/install_manifest.txt || { echo "nothing was installed from this checkout" >&2; exit 1; }
+	@xargs -d '\n' rm -fv <build/release/install_manifest.txt
+	@# Folders of our own that are empty now.
+	@sed -n 's|\(.*/sfumato\)/.*|\1|p' build/release/install_manifest.txt | sort -u | while read -r folder; do \
+	  [ ! -d "$$folder" ] || find "$$folder" -depth -type d -empty -delete; done
+
+clean:  ## removes build/, out/ and ./sfumato
+	@rm -rf build out sfumato

@@ -1,5 +1,6 @@
 #include "io/bounded_json.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "core/error.h"
@@ -30,9 +31,19 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
     return true;
   };
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
-  Json json = Json::parse(text.begin(), text.end(), bound, false);
-  if (json.is_discarded()) refuse("not valid JSON");
-  return json;
+  try {
+    return Json::parse(text.begin(), text.end(), bound);
+  } catch (const Json::parse_error& error) {
+    const std::string_view read = text.substr(0, error.byte > 0 ? std::min(error.byte - 1, text.size()) : 0);
+    const std::size_t line = 1 + std::size_t(std::count(read.begin(), read.end(), '\n'));
+    const std::size_t column = read.size() - (read.rfind('\n') == read.npos ? 0 : read.rfind('\n') + 1) + 1;
+    std::string what = error.what();  // "... syntax error while parsing object - unexpected ...; expected ..."
+    what = what.substr(what.find(" - ") == what.npos ? what.size() : what.find(" - ") + 3);
+    what = what.substr(0, what.find("; last read"));
+    refuse("not valid JSON: line " + std::to_string(line) + ", column " + std::to_string(column) +
+           (what.empty() ? "" : ": " + what));
+  }
+  return {};
 }
 
 nlohmann::ordered_json load_json(const std::filesystem::path& file) {

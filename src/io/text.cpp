@@ -70,12 +70,31 @@ std::string clean_name(std::string_view word) {
   return std::string(word);
 }
 
+/// "1,5 2,5 3,5": every word is one number with a decimal comma. Read as separators, the commas would make 1, 5, 2 of it.
+bool has_decimal_commas(std::string_view line) {
+  int words = 0;
+  for (const char *at = line.data(), *end = at + line.size(); (at = skip_blanks(at, end)) < end;) {
+    const char* word = at;
+    while (at < end && !is_blank(*at) && *at != ';') ++at;
+    const std::string_view text(word, std::size_t(at - word));
+    if (at < end && *at == ';') ++at;
+    const std::size_t comma = text.find(',');
+    const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+    if (comma == 0 || comma == std::string_view::npos || !is_digit(comma - 1) || !is_digit(comma + 1) ||
+        text.find(',', comma + 1) != std::string_view::npos)
+      return false;
+    ++words;
+  }
+  return words >= 2;
+}
+
 /// What the first lines of a file tell.
 struct Beginning {
   std::vector<std::string> header;          ///< names, when the last line before the numbers holds some
   std::vector<std::vector<double>> rows;    ///< the first lines of numbers
   std::uint64_t begin = 0, first_line = 1;  ///< where the numbers begin
   bool has_count = false;                   ///< a lone count came first (PTS)
+  bool decimal_commas = true;               ///< all of the first lines of numbers are written so
 };
 
 Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns) {
@@ -101,6 +120,7 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
       for (std::string_view word : words)
         if (const std::string name = clean_name(word); !name.empty()) found.header.push_back(name);
     } else if (numbers && !lone) {
+      found.decimal_commas = found.decimal_commas && has_decimal_commas(line);
       found.rows.push_back(std::move(*numbers));
     }
   }
@@ -278,6 +298,9 @@ bool is_text(std::string_view head) {
 ReadResult read_text(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
   const Beginning beginning = look_at_beginning(file, options.columns);
+  if (beginning.decimal_commas && !beginning.rows.empty())
+    bad_input(path, "line " + std::to_string(beginning.first_line),
+              "found numbers with a decimal comma, as 1,5; write decimals with a point (sed 's/,/./g' does)");
   ReadResult result;
   const std::vector<std::string> names = name_columns(file, beginning, options, result.report.notes);
   std::vector<Column> columns;

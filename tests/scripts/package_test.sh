@@ -11,6 +11,10 @@ cmake -G Ninja -S "$work/examples" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/p
 cmake --build "$work/build" --target example_depth_of_points
 "$work/build/example_depth_of_points"
 "$work/prefix/bin/sfumato" --version
+for file in share/man/man1/sfumato.1 share/bash-completion/completions/sfumato share/zsh/site-functions/_sfumato \
+  share/fish/vendor_completions.d/sfumato.fish share/doc/sfumato/LICENSE share/doc/sfumato/docs/command.md; do
+  [ -s "$work/prefix/$file" ] || { echo "not installed: $file" >&2; exit 1; }
+done
 if grep -rq --include='*.cmake' "$source" "$work/prefix"; then
   echo "the package names the folder it was built from" >&2
   exit 1

@@ -78,4 +78,23 @@ if grep -q '^VERSION_CODENAME=bookworm' /etc/os-release; then
 else
   echo "SKIPPED: the LASzip source is for Debian 12"
 fi
+# ./demo says what is wrong, and what it is for, before anything is installed or built.
+fresh_machine liblzf-dev 1000
+for tool in cat dirname; do ln -sf "$(command -v $tool)" "$work/bin/$tool"; done
+demo() { (cd "$work" && PATH=$work/bin "$source_dir/demo" "$@") >"$work/output" 2>&1; }
+demo --help || fail "demo --help"
+grep -q '^usage: ./demo' "$work/output" || fail "demo --help does not say how it is used"
+if demo "my scan.laz"; then fail "demo took a missing file"; fi
+grep -q '^demo: my scan.laz: there is no such file' "$work/output" || fail "demo does not name the missing file"
+if demo a b; then fail "demo took two files"; fi
+if [ -s "$calls" ]; then fail "demo asked for packages before it looked at its arguments"; fi
+# A name with blanks, relative to where the user stands, reaches the build.
+fresh_machine none 1000
+for tool in cat dirname; do ln -sf "$(command -v $tool)" "$work/bin/$tool"; done
+# shellcheck disable=SC2016
+stub make 'echo "FILE=$FILE"'
+: >"$work/my scan.laz"
+demo "my scan.laz" || fail "demo with a blank in the name"
+grep -q "^FILE=$work/my scan.laz" "$work/output" || fail "demo does not pass on a relative name with a blank"
+
 echo "all scripts keep their promises"

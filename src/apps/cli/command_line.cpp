@@ -44,6 +44,8 @@ struct CommandLine::State {
   std::vector<std::pair<std::string, std::string*>> single;  // positionals of one word
   Words* many = nullptr;
   std::function<void(const std::string&)> explain;
+  Words other_names;
+  std::string other_place;
   std::function<std::string(const CommandHelp&)> make_short_help;
 
   Entry& add(const std::string& names, OptionInfo::Kind kind, const std::string& metavar,
@@ -86,7 +88,10 @@ struct CommandLine::State {
     Words names;
     for (const Entry& entry : entries)
       if (!entry.info.hidden) names.push_back("--" + entry.info.long_name);
-    throw Error(ErrorCode::usage, "unknown option " + word + suggest_option(word, names) + " (" + help.name +
+    std::string near = suggest_option(word, names);
+    if (near.empty() && !(near = suggest_option(word, other_names)).empty())
+      near.insert(near.size() - 1, other_place);
+    throw Error(ErrorCode::usage, "unknown option " + word + near + " (" + help.name +
                                       " --help all lists all)");
   }
 
@@ -204,6 +209,11 @@ void CommandLine::boolean(const std::string& names, const std::string& metavar, 
 
 void CommandLine::explain_unknown(std::function<void(const std::string&)> explain) {
   state_->explain = std::move(explain);
+}
+
+void CommandLine::elsewhere(Words names, const std::string& where) {
+  state_->other_names = std::move(names);
+  state_->other_place = where;
 }
 
 void CommandLine::usage(const std::string& text) {

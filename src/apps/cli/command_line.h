@@ -56,6 +56,8 @@ class CommandLine {
                std::function<void(const std::string&)> apply);
   /// Called with the first word that is no option here; may throw a better error than "unknown option".
   void explain_unknown(std::function<void(const std::string&)> explain);
+  /// Options that exist elsewhere: suggested, followed by `where`, when nothing here is near.
+  void elsewhere(Words names, const std::string& where);
   /// Stands after "usage:".
   void usage(const std::string& text);
   void footer(const std::string& text);

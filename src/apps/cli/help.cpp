@@ -44,14 +44,14 @@ const std::vector<Topic>& topics() {
        "--camera-position with --camera-focal-point or --camera-direction places it by hand. A --camera FILE.json, as "
        "written by --output-camera, brings everything; single options win over it.\n"
        "  sfumato scan.laz --view left --camera-orthographic -o left.png\n"
-       "  sfumato scan.laz --look-at 637200,849000,420 --distance 80 -o detail.png\n"
-       "  sfumato scan.laz --panorama --camera-position 637200,849000,440 -o around.png"},
+       "  sfumato scan.laz --look-at 1,2,3 --distance 8 -o detail.png\n"
+       "  sfumato scan.laz --panorama --camera-position 1,2,3 -o around.png"},
       {"selections", "which points are shown or converted",
        "--crop X0,Y0,Z0,X1,Y1,Z1 keeps a box in the file's coordinates, --crop-relative the same in shares of the whole "
        "box (0,0,0,1,1,0.5 is the lower half). --show-classes 2,6 keeps classes, --hide-classes leaves some out, "
        "--filter \"SCALAR A..B\" keeps a range of any number of the points and may be given several times. --max-points "
        "keeps a subsample. All of them go with convert as well.\n"
-       "  sfumato scan.laz --show-classes 6 --filter \"z 420..\" -o roofs.png\n"
+       "  sfumato scan.laz --show-classes 6 --filter \"z 5..\" -o roofs.png\n"
        "  sfumato convert a.laz b.laz --crop-relative 0,0,0,0.5,1,1 -o west.ply"},
       {"colours", "what colours mean",
        "--color-by takes rgb, intensity, classification, elevation, normal, file or any scalar (sfumato info lists them); "

@@ -86,6 +86,13 @@ void Choice::declare(CommandLine& line) {
       declare_parameter(line, param, "--" + chosen->name + "." + with_dashes(param.name), true,
                         [&param](const std::string& text) { param.set(text); });
   }
+  Words others;
+  for (const TechniqueInfo& info : all_techniques()) {
+    ChosenTechnique other(info);
+    for (std::size_t i = 0; i < other.own_count; ++i)
+      others.push_back("--" + with_dashes(other.parameters.all()[i].name));
+  }
+  line.elsewhere(others, " of another technique (choose with -t)");
   line.explain_unknown([chosen_names](const std::string& word) { explain_foreign(word, chosen_names); });
 }
 

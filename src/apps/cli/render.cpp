@@ -166,7 +166,7 @@ std::string all_technique_names() {
 
 int render_command(const Words& words) {
   Preset preset;
-  const Preset defaults = load_config();
+  const Preset defaults = CommandLine::listener ? Preset{} : load_config();
   if (const std::string file = peek(words, 0, "preset"); !file.empty()) preset = load_preset(file);
   std::string names = peek(words, 't', "technique");
   for (const std::string& other : {preset.technique, defaults.technique, default_technique()})
