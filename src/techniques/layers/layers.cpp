@@ -60,7 +60,8 @@ struct Parameters {
     p.add("min_layer_distance", min_layer_distance)
         .at_least(0)
         .unit("scene units")
-        .help("points closer than this behind a layer belong to it (auto: 3 median spacings, at least 3 px)")
+        .help("points closer than this behind a layer belong to it (auto: 3 median spacings and a px for "
+            "each iteration of filling)")
         .paper("d_min");
     p.add("scale_by_angle", scale_by_angle)
         .help("min_layer_distance / |n.v|: a layer seen edge-on is thicker along the view");
@@ -163,17 +164,17 @@ class Layers final : public Technique {
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera);
-    // A pixel and the two that filling looks at see more of a slanted surface than points of a dense cloud
-    // are apart.
-    d_min_ =
-        parameters_.min_layer_distance.resolve(std::max(3 * frame.cloud.median_spacing(), 3 * spacing.pixel));
-    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
     // Points scattered at random leave one place in exp(pi) free between discs of two spacings, and a few of the
     // gaps are several pixels wide: 6M points of tori had 35 pixels in which the next layer stood out with one
     // iteration less.
     const int iterations = std::clamp(2 + int(std::lround(std::min(spacing.median_px, 100.0f))), 2, 3);
     n_background_ = parameters_.background_iterations.resolve(iterations);
     n_occluded_ = parameters_.occluded_iterations.resolve(n_background_);
+    // What a pixel shows of one slanted surface lies apart by a disc in front (one spacing) and one behind, which
+    // bulges by its radius, and by as far as filling brings a depth from.
+    d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing() +
+                                                    float(n_background_ + n_occluded_) * spacing.pixel);
+    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
     footprint_ = {SizeMode::adaptive, parameters_.point_size};
     if (spacing.largest_px * parameters_.point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
     cascade_ = parameters_.peeling == Peeling::cascade;
@@ -254,7 +255,8 @@ class Layers final : public Technique {
     }
     if (!has_list_)
       pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
-    if (!cloud.has_normals()) pass.set("d_min", d_min_);
+    if (!cloud.has_normals())
+      pass.set("d_min", d_min_).set("spacing", 0.5f * parameters_.point_size * cloud.median_spacing());
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
     cloud.bind_places();

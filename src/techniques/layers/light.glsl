@@ -16,6 +16,7 @@ uniform float opacity;
 #endif
 #ifndef HAS_NORMALS
 uniform float d_min;
+uniform float spacing;  // of the points, scene units; 0: they are single pixels
 #include "techniques/layers/image_normal.glsl"
 #endif
 
