@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command demo test bench eval-denoise eval-shadows asan format install uninstall clean help
+.PHONY: release command demo test bench eval-denoise eval-shadows eval-surface asan format install uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -42,6 +42,10 @@ eval-denoise: release  ## denoise against the truth of synthetic scenes and clea
 eval-shadows: release  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows
 	@build/release/bin/eval_shadows out/shadow_resolution.png
+
+eval-surface: release  ## surface and splats against the truth of meshes and synthetic scenes
+	@cmake --build build/release --target eval_surface
+	@build/release/bin/eval_surface --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
 asan:  ## every test under the address and undefined behaviour sanitizers
 	@$(call build,asan)
