@@ -26,14 +26,14 @@ Texture::Texture(const std::string& label, GLenum format, int width, int height,
   glObjectLabel(GL_TEXTURE, id_, GLsizei(label.size()), label.data());
 }
 
-Texture Texture::view(const Texture& mipmap, int level) {
+Texture Texture::view(const Texture& mipmap, int level, int levels) {
   Texture texture;
   texture.width_ = std::max(1, mipmap.width_ >> level);
   texture.height_ = std::max(1, mipmap.height_ >> level);
   texture.format_ = mipmap.format_;
   glGenTextures(1, &texture.id_);
-  glTextureView(texture.id_, GL_TEXTURE_2D, mipmap.id_, mipmap.format_, GLuint(level), 1, 0, 1);
-  glTextureParameteri(texture.id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureView(texture.id_, GL_TEXTURE_2D, mipmap.id_, mipmap.format_, GLuint(level), GLuint(levels), 0, 1);
+  glTextureParameteri(texture.id_, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
   glTextureParameteri(texture.id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   return texture;
 }

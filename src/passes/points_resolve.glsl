@@ -44,12 +44,11 @@ bool filter_pixel(ivec2 pixel) {
   if (source == 0xffffffffu) return write_background;
   int place = int(texelFetch(places, int(source)).x - chunk_first);
   if (uint(place) >= chunk_count) return false;
-  float depth = uintBitsToFloat(texelFetch(depth_bits, pixel, 0).x);
   out_0.rgb = point_color(place);
 #ifdef HAS_SHADOW
   out_0.a = point_shadow(place);
 #endif
-  out_1 = vec4(eye_from_pixel(vec2(pixel) + 0.5, depth), same_spacing > 0.0 ? same_spacing : spacing_at(place));
+  out_1 = vec4((frame.eye_from_cloud * vec4(point_position(place), 1.0)).xyz, same_spacing > 0.0 ? same_spacing : spacing_at(place));
   return true;
 #else
   if (source == 0xffffffffu) {

@@ -9,6 +9,7 @@ gl::Texture& NearestPyramid::points(int width, int height) {
     storage_ = gl::Texture("nearest pyramid", GL_RGBA32F, width, height, levels);
     views_.clear();
     for (int l = 0; l < levels; ++l) views_.push_back(gl::Texture::view(storage_, l));
+    squares_ = gl::Texture::view(storage_, 1, levels - 1);
   }
   return views_[0];
 }

@@ -24,9 +24,11 @@ class NearestPyramid {
   /// All levels, for texelFetch with a level.
   const gl::Texture& texture() const { return storage_; }
   const gl::Texture& level(int l) const { return views_[std::size_t(l)]; }
+  /// All levels but the finest, as a texture of their own: its level 0 are squares of 2x2 px.
+  const gl::Texture& squares() const { return squares_; }
 
  private:
-  gl::Texture storage_;
+  gl::Texture storage_, squares_;
   std::vector<gl::Texture> views_;
   ScreenPass reduce_;
 };

@@ -1,5 +1,6 @@
 // Hidden point removal: the mean over eight sectors of the least occlusion value in each. Below a threshold the
 // pixel is a hole: a point seen through the surface in front of it, or a gap in that surface.
+//   HOLES   for pixels without a point as well; else only for points
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D pyramid;
@@ -39,7 +40,7 @@ float signed_square(vec3 x, ivec2 at, int level, bool with_discs) {
   if (with_discs) {
     vec2 away = y.xy - own_ray.xy * (parallel ? 1.0 : -y.z);
     float radius = own_disc * y.w;
-    if (dot(away, away) <= radius * radius && y.z - x.z > disc_gap * y.w) under_disc = true;
+    if (dot(away, away) < radius * radius && y.z - x.z > disc_gap * y.w) under_disc = true;
   }
   vec3 d = y.xyz - x, from_camera = parallel ? vec3(0.0, 0.0, -1.0) : y.xyz;
   float t = dot(d, from_camera);
@@ -99,6 +100,14 @@ float window_mean(ivec2 pixel, vec3 x) {
 }
 
 bool filter_pixel(ivec2 pixel) {
+#ifndef HOLES
+  out_0 = vec4(2.0);
+  out_1 = vec4(0.0);
+#ifdef COUNT_FETCHES
+  out_2 = vec4(0.0);
+#endif
+  if (texelFetch(pyramid, pixel, 0).w <= 0.0) return true;
+#endif
   own_ray = eye_from_pixel(vec2(pixel) + 0.5, 1.0);
   vec4 own = texelFetch(pyramid, pixel, 0);
   // Against the background an outline is where it is on average; a leak of what is behind shows more than a little

@@ -7,27 +7,45 @@
 namespace sfumato::surface {
 
 void HiddenPoints::run(const NearestPyramid& pyramid, const Options& options) {
-  const gl::Texture &points = pyramid.texture(), &coarse = pyramid.level(options.coarse_level);
+  tile_level_ = 5;
+  run(pyramid.texture(), pyramid.level(options.coarse_level), NearestPyramid::levels, options);
+}
+
+void HiddenPoints::run_squares(const NearestPyramid& pyramid, Options options) {
+  // A square is two pixels: lengths in squares are half as many, levels one less.
+  options.coarse_level = std::max(options.coarse_level, 1);
+  const gl::Texture& coarse = pyramid.level(options.coarse_level);
+  --options.coarse_level;
+  options.removal_scale /= 2, options.gap_scale /= 2;
+  options.window_radius = (options.window_radius + 1) / 2;
+  options.disc_radius = 0;
+  options.holes = false;
+  tile_level_ = 4;
+  run(pyramid.squares(), coarse, NearestPyramid::levels - 1, options);
+}
+
+void HiddenPoints::run(const gl::Texture& points, const gl::Texture& coarse, int levels, const Options& options) {
   if (!choose_level_) choose_level_ = ScreenPass("techniques/surface/removal_level.glsl", {GL_R32F});
   gl::ensure(level_, "removal level", GL_R32F, coarse.width(), coarse.height());
-  choose_level_.set("coarse_level", options.coarse_level).set("levels", NearestPyramid::levels);
+  choose_level_.set("coarse_level", options.coarse_level).set("levels", levels);
   choose_level_.set("removal_scale", options.removal_scale);
   choose_level_.run({&points}, {&level_});
 
   const bool window = options.method == Removal::window;
   const float gap_level = std::log2(options.gap_scale / options.removal_scale);
-  constexpr int top_level = NearestPyramid::levels - 1;
+  const int top_level = levels - 1;
   if (!find_tiles_) find_tiles_ = ScreenPass("techniques/surface/tiles_in_reach.glsl", {GL_R8});
-  gl::ensure(tiles_, "tiles in reach", GL_R8, points.width() >> tile_level, points.height() >> tile_level);
-  find_tiles_.set("tile_level", tile_level).set("coarse_level", options.coarse_level).set("top_level", top_level);
+  gl::ensure(tiles_, "tiles in reach", GL_R8, points.width() >> tile_level_, points.height() >> tile_level_);
+  find_tiles_.set("tile_level", tile_level_).set("coarse_level", options.coarse_level).set("top_level", top_level);
   find_tiles_.set("gap_level", gap_level).set("window_level", window ? std::log2(float(options.window_radius)) : 0);
   find_tiles_.run({&points, &level_}, {&tiles_});
   if (gl::limits().software) glFinish();  // see Tiles::on
 
-  ScreenPass& pass = removal_[(window ? 1 : 0) + (options.count_fetches ? 2 : 0)];
+  ScreenPass& pass = removal_[(window ? 1 : 0) + (options.count_fetches ? 2 : 0) + (options.holes ? 4 : 0)];
   if (!pass) {
     gl::Defines defines;
     if (window) defines.push_back("WINDOW");
+    if (options.holes) defines.push_back("HOLES");
     if (options.count_fetches) defines.push_back("COUNT_FETCHES");
     std::vector<GLenum> formats{GL_R32F, GL_RGBA32F};
     if (options.count_fetches) formats.push_back(GL_R32F);

@@ -2,11 +2,13 @@
 //
 // Bouchiba, Deschaud, Goulette 2018, "Raw point cloud deferred shading through screen space pyramidal operators",
 // Eurographics short papers. One pixel per point; a pyramid of nearest points tells which of them are seen through
-// the surface in front; pull-push closes the gaps; normals come from the levels of that pyramid.
+// the surface in front; what is left closes the gaps.
 //
-// Ours differs where pictures or numbers asked for it (docs/techniques/surface.md): the point spacing s_0 is
-// measured and varies over the screen, levels are interpolated, the background is infinitely far instead of on the
-// far plane, weights have a gain of 4, normals next to depth edges lean on the flatter side.
+// By default it does so as oriented discs, found in a pyramid of centroids (discs.h): the paper's pull-push and its
+// normals from push levels know the grid of the screen, and show it (docs/adr/0020-surface-fills-with-discs.md).
+// `filling pull_push` is the paper's way; where that differs from the paper: the point spacing s_0 is measured and
+// varies over the screen, levels are interpolated, the background is infinitely far instead of on the far plane, weights
+// have a gain of 4, normals next to depth edges lean on the flatter side.
 
 #include <algorithm>
 #include <cmath>
@@ -18,15 +20,19 @@
 #include "passes/points_to_pixels.h"
 #include "passes/pyramid.h"
 #include "passes/shade.h"
+#include "techniques/surface/discs.h"
 #include "techniques/surface/screen_operators.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
 namespace {
 
+using surface::Discs;
 using surface::HiddenPoints;
 using surface::LevelNormals;
 using surface::Removal;
+
+enum class Filling { discs, pull_push };
 
 class SurfaceTechnique final : public Technique {
  public:
@@ -36,16 +42,24 @@ class SurfaceTechnique final : public Technique {
         .unit("scene units")
         .help("distance between neighbouring points; auto: measured, and different from region to region")
         .paper("Bouchiba 2018, s_0");
+    p.add("filling", filling_, {"discs", "pull_push"})
+        .help("discs: each visible point stands for a disc in the plane of its neighbours; pull_push: pyramids of "
+              "weighted means, as in the paper")
+        .paper("Bouchiba 2018, Sec. 3.2");
+    p.add("disc_scale", discs_options_.disc_scale)
+        .range(0.1, 10)
+        .unit("point spacings")
+        .help("radius of a disc");
     p.add("hidden_point_removal", removal_.method, {"pyramid", "window", "none"})
         .help("pyramid: by depth, fast; window: every pixel around (Pintus 2011); none: points behind shine through");
     p.add("occlusion_threshold", removal_.threshold)
         .range(0, 1)
         .help("mean sector occlusion below which a pixel counts as hidden; above 0.125 one open side is not enough")
         .paper("Bouchiba 2018, Sec. 3.1.2");
-    p.add("removal_scale", removal_.removal_scale)
+    p.add("removal_scale", removal_scale_)
         .range(0.1, 1000)
         .unit("point spacings")
-        .help("how far occluders are looked for")
+        .help("how far occluders are looked for; auto: 10 with pull_push, 4 with discs, which hide what is behind them")
         .paper("Bouchiba 2018, s_hpr / s_0");
     p.add("gap_scale", removal_.gap_scale)
         .range(0.1, 1000)
@@ -54,12 +68,12 @@ class SurfaceTechnique final : public Technique {
     p.add("disc_radius", removal_.disc_radius)
         .range(0, 4)
         .unit("point spacings")
-        .help("piece of the surface that a point stands for: at outlines, where one side is open, what is behind it "
+        .help("with pull_push, piece of the surface that a point stands for: at outlines, where one side is open, what is behind it "
               "is hidden all the same");
     p.add("depth_edge", depth_edge_)
         .range(0, 1000)
         .unit("depth over width")
-        .help("filled colours and depths do not mix across steeper jumps of depth; 0: they do, as in the paper");
+        .help("with pull_push, filled colours and depths do not mix across steeper jumps of depth; 0: they do, as in the paper");
     p.add("coarse_level", removal_.coarse_level)
         .range(0, NearestPyramid::levels - 1)
         .help("pyramid level that serves as coarse depth map")
@@ -78,6 +92,7 @@ class SurfaceTechnique final : public Technique {
   bool shows(Shading shading) const override { return shading != Shading::weight; }
 
   bool render(Frame& frame) override {
+    removal_.removal_scale = removal_scale_.resolve(filling_ == Filling::discs ? 4.0f : 10.0f);
     const dvec3& origin = frame.cloud.prepared().cloud.origin;
     const int guard = guard_band(frame);
     Camera camera = frame.camera.with_guard_band(guard);
@@ -98,9 +113,14 @@ class SurfaceTechnique final : public Technique {
     {
       auto timing = frame.timers.scope("hidden point removal");  // Sec. 3.1.2
       removal_.disc_level = highest_level(removal_.disc_radius, frame);
-      hidden_points_.run(pyramid_, removal_);
+      if (filling_ == Filling::discs) hidden_points_.run_squares(pyramid_, removal_);
+      else hidden_points_.run(pyramid_, removal_);
     }
     const Tiles tiles = hidden_points_.tiles();
+    if (filling_ == Filling::discs) {
+      draw_discs(frame, {tiles.on, 2 * tiles.size, ivec2(guard)});
+      return true;
+    }
     const auto [first, last] = normal_levels(frame);
     {
       auto timing = frame.timers.scope("pull-push");  // Sec. 3.2; the last step, to level 0, is left to compose
@@ -117,6 +137,50 @@ class SurfaceTechnique final : public Technique {
   }
 
  private:
+  /// The second half of the default way: planes of the visible points, discs, and their average.
+  void draw_discs(Frame& frame, const Tiles& tiles) {
+    discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
+    discs_options_.gap_scale = removal_.gap_scale;
+    discs_options_.ambient_occlusion = frame.settings.shading == Shading::lit ? ambient_occlusion_ : 0;
+    discs_options_.with_shadow = frame.cloud.has_shadow();
+    {
+      auto timing = frame.timers.scope("planes");
+      discs_.find(pyramid_, hidden_points_, layer_.shadowed, discs_options_);
+    }
+    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    {
+      auto timing = frame.timers.scope("discs");
+      discs_.draw(view, discs_options_);
+    }
+    auto timing = frame.timers.scope("compose");
+    const RenderSettings& settings = frame.settings;
+    frame.is_finished = frame.finished != nullptr;
+    ScreenPass& pass = compose_discs_[{settings.shading, frame.is_finished}];
+    if (!pass) {
+      gl::Defines defines{"SHADING " + std::to_string(int(settings.shading))};
+      std::vector<GLenum> formats{GL_RGBA32F, GL_R32F, GL_RGBA32F};
+      if (frame.is_finished) formats = {GL_RGBA8}, defines.push_back("FINISHED");
+      pass = ScreenPass("techniques/surface/compose_discs.glsl", formats, defines);
+    }
+    if (frame.is_finished) Finish::set(pass, settings);
+    set_light_uniforms(pass.program(), view, settings, frame.light, frame.cloud.prepared().cloud.origin);
+    pass.set("offset", tiles.offset).set("point_threshold", removal_.point_threshold());
+    pass.set("crack_scale", 0.8f * removal_.gap_scale / removal_.removal_scale).set("coarse_level", std::max(1, removal_.coarse_level));
+    pass.set("has_shadow", discs_options_.with_shadow).set("ambient_occlusion", discs_options_.ambient_occlusion);
+    const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
+    const auto run = [&](std::initializer_list<const gl::Texture*> targets, std::initializer_list<vec4> background) {
+      pass.run(tiles, {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
+                       &discs_.color_sum(), &discs_.normal_sum(), &shadow,
+                       &discs_.about(Discs::openness_level)}, targets, background);
+    };
+    view.bind();
+    if (frame.is_finished)
+      run({frame.finished}, {settings.transparent ? vec4(0) : vec4(settings.background, 1)});
+    else
+      run({&frame.target.color, &frame.target.depth, &frame.target.normal},
+          {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
+  }
+
   /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the picture.
   void compose(Frame& frame, const View& wide, const Tiles& tiles, const gl::Texture& normals,
                const vec2& normal_levels) {
@@ -177,8 +241,13 @@ class SurfaceTechnique final : public Technique {
   static constexpr int occlusion_level = 3;
   Auto<float> point_spacing_;
   HiddenPoints::Options removal_;
+  Auto<float> removal_scale_;
   float normal_scale_ = 3, depth_edge_ = 6, ambient_occlusion_ = 0.5f;
 
+  Filling filling_ = Filling::discs;
+  Discs::Options discs_options_;
+  Discs discs_;
+  std::map<std::pair<Shading, bool>, ScreenPass> compose_discs_;
   PointsToPixels to_pixels_;
   PixelLayer layer_;
   NearestPyramid pyramid_;

@@ -1,0 +1,30 @@
+// Weighted sums over the hits within epsilon of the nearest one (Botsch 2005, pass 2).
+#define DISC_FRAGMENT
+#include "techniques/surface/disc.glsl"
+
+layout(binding = UNIT_INPUT + 3) uniform sampler2D nearest_t;
+
+const float epsilon = 1.2;  // how far behind the nearest hit a disc is of the same surface, radii
+
+flat in vec3 center;
+flat in vec4 orientation;
+flat in vec4 color;
+flat in vec4 clip;
+
+layout(location = 0) out vec4 color_sum;   // w rgb, w
+layout(location = 1) out vec4 normal_sum;  // w n (eye, facing the camera), w t
+#ifdef WITH_SHADOW
+layout(location = 2) out vec4 shadow_sum;  // w m
+#endif
+
+void main() {
+  SplatHit hit;
+  if (!hit_disc(Splat(center, orientation.xyz, orientation.w), clip, gl_FragCoord.xy, hit)) discard;
+  if (!(hit.t <= texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x + epsilon * orientation.w)) discard;
+  float w = splat_weight(hit.rho);
+  color_sum = vec4(w * color.rgb, w);
+  normal_sum = vec4(w * orientation.xyz, w * hit.t);
+#ifdef WITH_SHADOW
+  shadow_sum = vec4(w * color.a);
+#endif
+}

@@ -1,0 +1,56 @@
+// The visible points as oriented discs: found and averaged on the screen, with nothing known beforehand.
+#pragma once
+
+#include <vector>
+
+#include "gl/program.h"
+#include "gl/texture.h"
+#include "passes/pyramid.h"
+#include "passes/screen_pass.h"
+#include "passes/view.h"
+#include "techniques/surface/screen_operators.h"
+
+namespace sfumato::surface {
+
+class Discs {
+ public:
+  struct Options {
+    float normal_scale = 3;   ///< radius of the ball that a plane is fitted to, point spacings
+    float disc_scale = 1.6f;  ///< radius of a disc, point spacings
+    float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
+    float ambient_occlusion = 0;
+    bool with_shadow = false;
+  };
+  /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F.
+  static constexpr int levels = NearestPyramid::levels - 1;
+  static constexpr int openness_level = 2;  ///< of `about`, squares of 8 px: ambient occlusion is smooth
+
+  /// `squares` as HiddenPoints::run_squares leaves it, `shadowed` colours and shadow factors. The view of the
+  /// pyramid is bound.
+  void find(const NearestPyramid& pyramid, const HiddenPoints& squares, const gl::Texture& shadowed,
+            const Options& options);
+  /// Weighted sums of the discs over every pixel of `view`, which sees what the pyramid's does.
+  void draw(const View& view, const Options& options);
+
+  const gl::Texture& clusters(int l) const { return clusters_[std::size_t(l)]; }
+  const gl::Texture& about(int l) const {
+    return about_[std::size_t(l)];
+  }                                                                  ///< RG32F: mean openness and spacing
+  const gl::Texture& orientations() const { return orientations_; }  ///< RGBA32F: eye normal, radius
+  const gl::Texture& ends() const { return ends_; }                  ///< RGBA32F: direction and distance, px
+  const gl::Texture& colors() const { return colors_; }              ///< RGBA16F: colour, shadow factor
+  const gl::Texture& nearest() const { return nearest_t_; }          ///< R32F: ray distance
+  const gl::Texture& color_sum() const { return color_sum_; }        ///< RGBA32F: w rgb, w
+  const gl::Texture& normal_sum() const { return normal_sum_; }      ///< RGBA32F: w n, w t
+  const gl::Texture& shadow_sum() const { return shadow_sum_; }      ///< R32F: w m
+
+ private:
+  void allocate(int width, int height);
+  std::vector<gl::Texture> clusters_, about_;
+  gl::Texture all_clusters_;  ///< the finest on the left, all others below each other beside it
+  gl::Texture orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_;
+  ScreenPass first_, coarser_, planes_;
+  gl::Program draw_nearest_, accumulate_[2];
+};
+
+}  // namespace sfumato::surface

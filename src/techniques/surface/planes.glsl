@@ -1,0 +1,60 @@
+// The disc that each cluster stands for: the plane of least squares through the clusters within a ball around it, and
+// a radius that closes the surface. Where the points of the ball lie on a line, the ball grows.
+#include "techniques/surface/ball.glsl"
+#include "techniques/surface/eigen.glsl"
+
+uniform float normal_scale;  // radius of the ball, point spacings
+uniform float disc_scale;    // radius of a disc, point spacings
+uniform float gap_scale;     // how far apart points of one surface may be, point spacings
+
+const float least_spacing_px = 1.3;  // what is finer than the finest squares is not told apart
+const float lone_scale = 0.3;        // of a disc without a plane over one with
+const float rim_scale = 0.65;        // of a disc that is seen edge-on over one that is not
+
+bool filter_pixel(ivec2 pixel) {
+  out_0 = vec4(0.0);
+  out_1 = vec4(0.0);
+  vec4 own = texelFetch(clusters, pixel, 0);
+  if (own.w <= 0.0) return true;
+  float spacing = max(texelFetch(about, pixel, 0).y, least_spacing_px / pixels_at(-own.z));
+  vec3 toward = to_camera(own.xyz), normal = toward;
+  float radius = 0.0, reach = normal_scale * spacing;
+  Fit fit;
+  bool found = false;
+  float thickness = 0.0;
+  // Coarsely; where that finds no plane or a steep one, finely; then in a ball of twice the size.
+  for (int attempt = 0; attempt < 3 && !found; ++attempt) {
+    if (attempt == 2) reach *= 2.0;
+    fit = gather(window_around(own.xyz, reach, attempt == 0 ? 4.5 : 6.0));
+    vec3 values = eigenvalues(fit.scatter);
+    if (fit.neighbors < 5 || values.y < 0.06 * values.z) continue;
+    if (attempt == 2 && length(fit.mean) > 0.25) break;  // nothing but the rim of a surface beside it
+    normal = eigenvector(fit.scatter, values.x);
+    if (attempt == 0 && abs(dot(normal, toward)) < 0.5) continue;
+    found = true;
+    thickness = values.x / values.y;
+    // Mean of (1 - d^2)^2 over a disc: a third. 1 / s^2 points on a unit of area.
+    float measured = clamp(reach * sqrt(1.0471976 / fit.support), 0.5 * spacing, 2.0 * spacing);
+    radius = disc_scale * measured * mix(1.0, 0.8, smoothstep(0.1, 0.4, thickness));
+  }
+  if (!found && !fit.behind) radius = lone_scale * disc_scale * spacing;
+  if (dot(normal, toward) < 0.0) normal = -normal;
+
+  // The surface ends where all neighbours are on one side, and where it turns away from the camera.
+  out_1 = vec4(0.0, 0.0, infinity, 0.0);
+  bool tilted = dot(normal, toward) < 0.7;
+  if (found && (tilted || bitCount(fit.octants) < 7 || length(fit.mean) > 0.15)) {
+    float scale = pixels_at(-own.z);
+    vec2 outwards = pixel_from_eye(own.xyz + (tilted ? normal : -fit.mean) * spacing) - pixel_from_eye(own.xyz);
+    outwards /= max(length(outwards), 1e-6);
+    Window wide = window_around(own.xyz, max(reach, gap_scale * spacing), 6.0);
+    Surroundings around = look_around(wide, normal, outwards, spacing * scale, spacing);
+    if (thickness < 0.1) radius = max(radius, 0.52 * around.gap);
+    if (length(fit.mean) > 0.05) radius *= mix(rim_scale, 1.0, smoothstep(0.3, 0.8, dot(normal, toward)));
+    if (around.end < max(radius * scale, 1.0) && (tilted || length(fit.mean) > 0.1)) {
+      out_1 = vec4(outwards, around.end, 0.0);
+    }
+  }
+  out_0 = vec4(normal, max(radius, 0.01 * spacing));
+  return true;
+}

@@ -1,0 +1,26 @@
+// Squares of 2x2 px: the centroid of the points that hidden point removal left, their number, openness, spacing and
+// colour. Points behind the nearest by more than an edge are of another side, and left out.
+#include "techniques/surface/cluster_edge.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D points;    // eye position and spacing of every pixel
+layout(binding = UNIT_INPUT + 1) uniform sampler2D visible;   // of squares: depth, openness, spacing, visible
+layout(binding = UNIT_INPUT + 2) uniform sampler2D shadowed;  // colour and shadow factor of every pixel
+
+bool filter_pixel(ivec2 square) {
+  vec4 nearest = texelFetch(visible, square, 0), sum = vec4(0.0), color = vec4(0.0);
+  float behind = cluster_edge(-nearest.x, nearest.z, 2.0);
+  float spacing = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 at = 2 * square + ivec2(k & 1, k >> 1);
+    vec4 point = texelFetch(points, at, 0);
+    if (nearest.w <= 0.0 || point.w <= 0.0 || point.z < behind) continue;
+    sum += vec4(point.xyz, 1.0);
+    spacing += point.w;
+    color += texelFetch(shadowed, at, 0);
+  }
+  float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;
+  out_0 = vec4(sum.xyz * scale, sum.w);
+  out_1 = vec4(nearest.y, spacing * scale, 0.0, 0.0);
+  out_2 = color * scale;
+  return true;
+}
