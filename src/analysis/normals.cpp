@@ -18,7 +18,7 @@ std::optional<vec3> direction_of(const Solver& solver, int which) {
 }
 
 /// Eigenvalues, ascending, and eigenvectors of the neighbourhood's covariance, times the number of points.
-std::optional<Solver> decompose(const std::vector<vec3>& positions, std::uint32_t center,
+std::optional<Solver> decompose(std::span<const vec3> positions, std::uint32_t center,
                                 std::span<const std::uint32_t> neighbors) {
   // Relative to the point, so that large coordinates do not cancel.
   const vec3 p = positions[center];
@@ -44,7 +44,7 @@ std::optional<Solver> decompose(const std::vector<vec3>& positions, std::uint32_
 
 }  // namespace
 
-std::optional<LocalFrame> local_frame(const std::vector<vec3>& positions, std::uint32_t center,
+std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors) {
   const auto solver = decompose(positions, center, neighbors);
   const auto normal = solver ? direction_of(*solver, 0) : std::nullopt;

@@ -24,7 +24,7 @@ struct LocalFrame {
   vec3 variance{0};
 };
 /// Nothing when all points coincide.
-std::optional<LocalFrame> local_frame(const std::vector<vec3>& positions, std::uint32_t center,
+std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors);
 
 /// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`, with

@@ -9,6 +9,7 @@
 #include "analysis/morton.h"
 #include "analysis/range_image.h"
 #include "analysis/spacing.h"
+#include "analysis/survey.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -66,6 +67,12 @@ void PrepareOptions::describe(ParamList& p) {
 }
 
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options, Progress& progress) {
+  return prepare_by_shape(std::move(cloud), [&](const PreparedCloud&, const NeighborTree&) { return needs; }, options,
+                          progress);
+}
+
+PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,
+                               Progress& progress) {
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
   keep_viewpoints(prepared.cloud);
@@ -76,7 +83,7 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
   prepared.batches = cut_batches(prepared.cloud.positions);
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
-  complete(prepared, needs, options, &tree, progress);
+  complete(prepared, choose(prepared, tree), options, &tree, progress);
   return prepared;
 }
 

@@ -91,7 +91,7 @@ std::size_t place_near(const Scale& scale, const vec3& position, std::size_t i) 
 
 }  // namespace
 
-float flatness_of(const std::vector<vec3>& positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
+float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
                   const LocalFrame& frame, float reach) {
   if (!(frame.variance.z > 0)) return 1;
   const float wide = std::sqrt(frame.variance.y * frame.variance.z);

@@ -13,7 +13,7 @@ namespace sfumato::analysis {
 
 /// How flat the neighbourhood of a point is: 1 on a plane, or on one of two near sheets; 0 where points fill space, but
 /// also at edges. `frame` is the neighbourhood's, `reach` the distance to its farthest point.
-float flatness_of(const std::vector<vec3>& positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
+float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
                   const LocalFrame& frame, float reach);
 
 /// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge from a

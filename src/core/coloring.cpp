@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/color.h"
@@ -13,6 +14,8 @@ namespace sfumato {
 namespace {
 
 constexpr Rgba8 unknown_gray{128, 128, 128, 255};
+/// Unglazed pottery: light enough for shadows to show, warm enough to stand before white.
+constexpr Rgba8 clay{201, 186, 168, 255};
 
 bool has_colors(const PointCloud& cloud) {
   return std::any_of(cloud.colors.begin(), cloud.colors.end(),
@@ -33,6 +36,16 @@ ScalarField elevation(const PointCloud& cloud) {
   field.values.reserve(cloud.size());
   for (const vec3& p : cloud.positions) field.values.push_back(glm::dot(vec3(up), p));
   return field;
+}
+
+/// Much wider than high: land, a street, a floor, where height tells most. Objects are of clay.
+bool is_land(const PointCloud& cloud) {
+  const dvec3 size = robust_bounds(cloud).size(), up = glm::abs(up_vector(cloud.up));
+  const double height = glm::dot(size, up);
+  double narrow = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k)
+    if (up[k] < 0.5) narrow = std::min(narrow, size[k]);
+  return narrow > 0 && height < 0.4 * narrow;
 }
 
 /// 2 and 98 % quantiles of at most a million finite values; all values when these coincide.
@@ -140,13 +153,14 @@ void color_normals(const PointCloud& cloud, Coloring& out) {
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
   if (color_by == "auto") {
     if (has_colors(cloud)) return "rgb";
-    return varies(cloud.scalar("intensity")) ? "intensity" : "elevation";
+    if (is_land(cloud)) return "elevation";
+    return varies(cloud.scalar("intensity")) ? "intensity" : "clay";
   }
-  if (color_by == "elevation" || color_by == "normal" || cloud.scalar(color_by)) return std::string(color_by);
+  if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by)) return std::string(color_by);
   if (color_by == "rgb" && has_colors(cloud)) return "rgb";
   if (color_by == "rgb" && !cloud.colors.empty())
     throw Error(ErrorCode::usage, "the cloud's rgb is all zero and would be black; use --color-by auto");
-  std::vector<std::string> names = {"auto", "elevation", "normal"};
+  std::vector<std::string> names = {"auto", "elevation", "normal", "clay"};
   if (has_colors(cloud)) names.push_back("rgb");
   for (const ScalarField& field : cloud.scalars) names.push_back(field.name);
   const std::string near = nearest_word(color_by, names);
@@ -170,6 +184,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   if (out.source == "rgb") {
     out.colors = cloud.colors;
     for (Rgba8& c : out.colors) c.a = 255;
+  } else if (out.source == "clay" && !cloud.scalar("clay")) {
+    out.colors.assign(cloud.size(), clay);
   } else if (out.source == "normal") {
     color_normals(cloud, out);
   } else if (out.source == "classification" && settings.colormap.empty() && !settings.range) {
@@ -187,6 +203,14 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     if (settings.range) out.notes.push_back("--color-range" + why);
   }
   return out;
+}
+
+vec3 contrasting_background(const std::vector<Rgba8>& colors) {
+  const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
+  std::size_t light = 0, seen = 0;
+  for (std::size_t i = 0; i < colors.size(); i += stride, ++seen)  // Rec. 709 luma; from 216 on, white is too near
+    light += 0.2126 * colors[i].r + 0.7152 * colors[i].g + 0.0722 * colors[i].b > 216;
+  return 2 * light > seen ? vec3(0.11f, 0.12f, 0.13f) : vec3(1);
 }
 
 std::string class_name(int id) {

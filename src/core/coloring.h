@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "core/point_cloud.h"
+#include "core/vec.h"
 
 namespace sfumato {
 
 struct ColorSettings {
-  std::string color_by = "auto";  ///< auto, rgb, intensity, classification, elevation, normal or any scalar
+  std::string color_by = "auto";  ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar
   std::string colormap;           ///< empty: gray for intensity, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: the 2-98 % percentiles
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
@@ -46,14 +47,17 @@ struct Coloring {
   std::vector<std::string> notes;   ///< settings that have no effect on these colours
 };
 
-/// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then intensity unless
-/// missing or constant, then elevation: a cloud is never black. Throws Error(usage) naming the nearest
+/// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then elevation where the
+/// cloud is land (less than 0.4 times as high as wide), then intensity unless missing or constant, then clay. Throws Error(usage) naming the nearest
 /// attribute.
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 
 /// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.
 /// `normal` needs normals: Error(usage) without.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
+
+/// White, or nearly black where most of the colours are so light that white would swallow them. sRGB, 0..1.
+vec3 contrasting_background(const std::vector<Rgba8>& colors);
 
 /// ASPRS name of a classification code ("ground", "building", "class 70"), LAS 1.4 R15 table 17.
 std::string class_name(int id);

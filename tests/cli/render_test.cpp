@@ -366,13 +366,29 @@ TEST_F(RenderTest, WithoutGlExitCode4SaysWhatToInstall) {
   EXPECT_FALSE(exists("a.png"));
 }
 
-TEST_F(RenderTest, TheDefaultTechniqueIsSurfaceWhereItExists) {
+TEST_F(RenderTest, TheDefaultTechniqueSuitsTheScanAndSaysWhy) {
   first_words_ = {};
-  std::string expected = "points";
-  for (const Json& technique : run_json({"techniques", "--json"}))
-    if (technique["name"] == "surface") expected = "surface";
+  const Outcome said = run({"cube.ply", "-o", "a.png", "--resolution", "48x32"});
+  EXPECT_THAT(said.err, HasSubstr("technique: "));
   const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "48x32", "--json"});
-  EXPECT_EQ(json["technique"], expected);
+  EXPECT_EQ(json["technique"], json["automatic_technique"]["technique"]);
+  EXPECT_NE(json["automatic_technique"]["reason"], "");
+  EXPECT_TRUE(json["automatic_technique"]["surface_share"].is_number());
+  const Json list = run_json({"cube.ply", "-t", "auto,layers", "-o", "a.png", "--resolution", "48x32", "--json"});
+  EXPECT_EQ(list["technique"][0], json["technique"]);
+  EXPECT_EQ(list["technique"][1], "layers");
+  // A parameter that one technique alone has asks for that one.
+  const Json own = run_json({"cube.ply", "--hash-bits", "5", "-o", "a.png", "--resolution", "48x32", "--json"});
+  EXPECT_EQ(own["technique"], "denoise");
+  EXPECT_THAT(own["automatic_technique"]["reason"].get<std::string>(), HasSubstr("--hash-bits"));
+}
+
+TEST_F(RenderTest, UpIsReportedAndGivenBack) {
+  const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "48x32", "--json"});
+  EXPECT_TRUE(json["up"].is_string());
+  EXPECT_NE(json["up_reason"], "");
+  EXPECT_EQ(run_json({"cube.ply", "--up", "-x", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], "-X");
+  EXPECT_EQ(run_json({"cube.ply", "--up", "auto", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], json["up"]);
 }
 
 TEST_F(RenderTest, QuietSaysNothing) {

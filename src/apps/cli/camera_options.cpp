@@ -100,8 +100,8 @@ void CameraOptions::declare(CommandLine& line) {
   line.text("--camera-focal-point", focal_point, "X,Y,Z", "what it looks at");
   line.text("--camera-view-up", view_up, "X,Y,Z", "direction that is up in the picture");
   line.text("--camera-direction", direction, "X,Y,Z", "direction of view");
-  line.text("--camera-azimuth-angle", azimuth_deg, "DEG", "turn about the up axis, 0 from the front (-45)");
-  line.text("--camera-elevation-angle", elevation_deg, "DEG", "height above the horizon, -90 to 90 (30)");
+  line.text("--camera-azimuth-angle", azimuth_deg, "DEG", "turn about the up axis, 0 from the front (-45, or what suits the scan)");
+  line.text("--camera-elevation-angle", elevation_deg, "DEG", "height above the horizon, -90 to 90 (30, or what suits the scan)");
   line.text("--camera-view-angle", view_angle_deg, "DEG", "full vertical angle: a smaller one zooms in (45)");
   line.flag("--camera-orthographic", orthographic, "parallel projection");
 }
@@ -257,7 +257,7 @@ Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
     if (angle) camera.fov_y = *angle;
   } else {
     const Compass compass(up);
-    double azimuth = glm::radians(-45.0), elevation = glm::radians(30.0);
+    double azimuth = glm::radians(first_azimuth_deg), elevation = glm::radians(first_elevation_deg);
     if (azimuth_deg) azimuth = glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg));
     if (elevation_deg) elevation = degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
     if (const auto along = vector("--camera-direction", direction)) {

@@ -26,6 +26,7 @@ struct CameraOptions {
       view_angle_deg;
   std::optional<std::string> resolution, view, zoom, roll_deg, look_at, distance;
   bool orthographic = false, panorama = false;
+  double first_azimuth_deg = -45, first_elevation_deg = 30;  ///< of the view that frames the scan
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
 
   void declare(CommandLine& line);

@@ -42,7 +42,7 @@ void InputOptions::declare(CommandLine& line) {
              "only points whose number lies there, as \"intensity 10..200\" or \"z 3..\"; may be given several times");
   line.text("--max-points", max_points_, "N", "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...", "text files: names of the columns, instead of the guess");
-  line.text("--up", up_, "+Z|-Z|+Y|...", "axis that points up (from the file or its format)");
+  line.text("--up", up_, "auto|+Z|-Z|+Y|...", "axis that points up (auto: what the file says, else what its shape tells)");
 }
 
 void InputOptions::check() {
@@ -62,8 +62,8 @@ void InputOptions::check() {
   for (const std::string& text : filters_) wanted.filters.push_back(parse_filter(text));
   if (columns_) scene.read.columns = split(*columns_, ',');
   if (max_points_) scene.read.max_points = std::uint64_t(parse_whole("--max-points", *max_points_, 1));
-  if (up_ && !(scene.up = parse_up_axis(*up_)))
-    throw Error(ErrorCode::usage, "--up: '" + *up_ + "' is not one of +X -X +Y -Y +Z -Z");
+  if (up_ && *up_ != "auto" && !(scene.up = parse_up_axis(*up_)))
+    throw Error(ErrorCode::usage, "--up: '" + *up_ + "' is not one of auto +X -X +Y -Y +Z -Z");
 }
 
 std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options) {

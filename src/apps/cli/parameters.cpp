@@ -45,9 +45,58 @@ ChosenTechnique::ChosenTechnique(const TechniqueInfo& info) : name(info.name), t
 }
 
 Choice::Choice(const std::string& names) {
-  for (const std::string& name : split(names, ','))
-    techniques.push_back(std::make_unique<ChosenTechnique>(find_technique(name)));
+  for (const std::string& name : split(names, ',')) {
+    const auto add = [&](const TechniqueInfo& info, bool candidate) {
+      techniques.push_back(std::make_unique<ChosenTechnique>(info));
+      techniques.back()->place = count;
+      techniques.back()->candidate = candidate;
+    };
+    if (name == automatic_technique)
+      for (const TechniqueInfo& info : all_techniques()) add(info, true);
+    else
+      add(find_technique(name), false);
+    ++count;
+  }
   prepare.describe(prepare_parameters);
+}
+
+void Choice::settle(const TechniqueChoice& found) {
+  if (!automatic()) return;
+  const auto has_all = [&](ChosenTechnique& one, std::string* lacks) {
+    for (const auto& [name, value] : given) {
+      if (one.parameters.find(name) || prepare_parameters.find(name)) continue;
+      const bool of_another = std::any_of(techniques.begin(), techniques.end(), [&](const auto& other) {
+        return other->candidate && other->parameters.find(name);
+      });
+      if (of_another) return *lacks = name, false;
+    }
+    return true;
+  };
+  std::vector<std::unique_ptr<ChosenTechnique>> kept;
+  for (std::size_t place = 0; place < count; ++place) {
+    ChosenTechnique* best = nullptr;
+    std::string lacks, reason = found.reason;
+    for (const auto& one : techniques) {
+      if (one->place != place) continue;
+      if (!one->candidate || (one->name == found.technique && has_all(*one, &lacks))) best = one.get();
+    }
+    for (std::size_t i = 0; !best && i < techniques.size(); ++i)
+      if (std::string other; techniques[i]->place == place && has_all(*techniques[i], &other)) {
+        best = techniques[i].get();
+        reason = "has --" + with_dashes(lacks) + ", which " + found.technique + " has not";
+      }
+    if (!best)
+      throw Error(ErrorCode::usage, "no technique has all the parameters given: choose with -t (sfumato techniques)");
+    if (best->candidate) {
+      best->candidate = false;
+      best->reason = reason;
+      best->surface_share = found.surface_share, best->line_share = found.line_share;
+    }
+    for (auto& one : techniques)
+      if (one.get() == best) kept.push_back(std::move(one));
+    std::erase(techniques, nullptr);
+  }
+  techniques = std::move(kept);
 }
 
 std::vector<Param*> Choice::find(const std::string& name) {
@@ -60,17 +109,20 @@ std::vector<Param*> Choice::find(const std::string& name) {
 
 void Choice::declare(CommandLine& line) {
   std::set<std::string> seen;
+  bool hidden = false;
   auto declare_one = [&](const Param& param) {
     if (!seen.insert(param.name).second) return;
-    declare_parameter(line, param, "--" + with_dashes(param.name), false,
+    declare_parameter(line, param, "--" + with_dashes(param.name), hidden,
                       [found = find(param.name)](const std::string& text) {
                         for (Param* each : found) each->set(text);
                       });
   };
   for (const auto& chosen : techniques) {
-    line.group("Parameters of " + chosen->name);
+    hidden = chosen->candidate;  // seven lists of parameters are no help
+    if (!hidden) line.group("Parameters of " + chosen->name);
     for (std::size_t i = 0; i < chosen->own_count; ++i) declare_one(chosen->parameters.all()[i]);
   }
+  hidden = false;
   line.group("Parameters of every technique");
   for (const Param& param : techniques.front()->parameters.all()) declare_one(param);
   line.group("Parameters of the analysis before rendering");
@@ -94,12 +146,6 @@ void Choice::declare(CommandLine& line) {
   }
   line.elsewhere(others, " of another technique (choose with -t)");
   line.explain_unknown([chosen_names](const std::string& word) { explain_foreign(word, chosen_names); });
-}
-
-std::string default_technique() {
-  for (const TechniqueInfo& info : all_techniques())
-    if (info.name == "surface") return info.name;
-  return "points";
 }
 
 void declare_parameter(CommandLine& line, const Param& param, const std::string& name, bool hidden,

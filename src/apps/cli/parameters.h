@@ -7,6 +7,7 @@
 
 #include "analysis/prepare.h"
 #include "command_line.h"
+#include "techniques/choose.h"
 #include "techniques/technique.h"
 
 namespace sfumato::cli {
@@ -18,6 +19,10 @@ struct ChosenTechnique {
   ChosenTechnique& operator=(const ChosenTechnique&) = delete;
 
   std::string name;
+  std::size_t place = 0;   ///< in the list on the command line
+  bool candidate = false;  ///< of `auto`: one of several with the same place, until `settle`
+  std::string reason;      ///< why `auto` chose it
+  float surface_share = 1, line_share = 0;  ///< what it saw
   std::unique_ptr<Technique> technique;
   RenderSettings settings;
   ParamList parameters;
@@ -25,21 +30,26 @@ struct ChosenTechnique {
 };
 
 struct Choice {
-  std::vector<std::unique_ptr<ChosenTechnique>> techniques;
+  std::vector<std::unique_ptr<ChosenTechnique>> techniques;  ///< of `auto`, every candidate until `settle`
+  std::size_t count = 0;                                     ///< of techniques that will be drawn
+  std::vector<std::pair<std::string, std::string>> given;    ///< options of the line, which `auto` must have
   analysis::PrepareOptions prepare;
   ParamList prepare_parameters;
 
-  /// `names`: A,B,C. Throws Error(usage) naming the nearest technique.
+  /// `names`: A,B,C, where `auto` stands for what suits the scan. Throws Error(usage) naming the nearest technique.
   explicit Choice(const std::string& names);
   /// --parameter and --technique.parameter for every parameter.
   void declare(CommandLine& line);
+  bool automatic() const { return techniques.size() != count; }
+  /// Leaves of `auto` the technique that suits the scan, among those that have all parameters `given` on the line.
+  void settle(const TechniqueChoice& found);
 
  private:
   std::vector<Param*> find(const std::string& name);
 };
 
-/// `surface` where it exists, else `points`.
-std::string default_technique();
+inline constexpr const char* automatic_technique = "auto";
+inline std::string default_technique() { return automatic_technique; }
 /// A parameter as an option; one that is true or false may stand alone.
 void declare_parameter(CommandLine& line, const Param& param, const std::string& name, bool hidden,
                        std::function<void(const std::string&)> apply);

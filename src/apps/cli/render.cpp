@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "analysis/upright.h"
 #include "batch.h"
 #include "commands.h"
 #include "console.h"
@@ -11,6 +12,7 @@
 #include "help.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"
+#include "io/says_up.h"
 #include "passes/shadows.h"
 #include "preset.h"
 #include "render_options.h"
@@ -32,6 +34,24 @@ scene::Scene read(const Words& files, const RenderOptions& options, RenderReport
   report.points_left_out += scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
   report.points_rendered = scene.cloud.size();
   return scene;
+}
+
+/// Which way is up, and from where to look, unless the user or the file says so.
+void stand_upright(scene::Scene& scene, const std::string& file, RenderOptions& options, RenderReport& report,
+                   Console& console) {
+  const UpAxis custom = scene.cloud.up;
+  analysis::Upright upright;
+  if (options.input.scene.up)
+    upright = {*options.input.scene.up, "--up"};
+  else if (io::says_up(file))
+    upright = {custom, "the file says so"};
+  else
+    upright = analysis::guess_upright(scene.cloud);
+  if (upright.up != custom)
+    console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason, to_string(custom)));
+  scene.cloud.up = upright.up;
+  report.up = to_string(upright.up), report.up_reason = upright.reason;
+  options.camera.first_azimuth_deg = upright.azimuth_deg, options.camera.first_elevation_deg = upright.elevation_deg;
 }
 
 /// Refuses outputs that would replace an input or each other, before anything is read.
@@ -130,7 +150,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
 }
 
 /// Several files, one picture each: what is wrong with one file is told, and the others are made.
-int render_each(const RenderOptions& options, Choice& choice, const std::string& command, RenderReport& report,
+int render_each(RenderOptions& options, Choice& choice, const std::string& command, RenderReport& report,
                 Stopwatch& watch, Console& console) {
   std::unique_ptr<Studio> studio;
   Batch batch(options.files.size() > 1, console);
@@ -141,6 +161,7 @@ int render_each(const RenderOptions& options, Choice& choice, const std::string&
     batch.run(options.files[n], [&] {
       console.set_step("file", n, options.files.size());
       scene::Scene scene = read({options.files[n]}, options, report, console);
+      stand_upright(scene, options.files[n], options, report, console);
       watch.lap("read");
       box = bounds(scene.cloud);
       camera = view_of(options, scene.cloud);
@@ -188,7 +209,8 @@ int render_command(const Words& words) {
   if (!line.parse(words)) return 0;
   options.technique = names;
   options.camera.preset = preset.camera;
-  options.check(choice.techniques.size());
+  choice.given = line.given();
+  options.check(choice.count);
   for (const auto& chosen : choice.techniques) {
     Light::parse(chosen->settings.light_text);
     if (chosen->settings.ground && chosen->settings.shadows == Shadows::off)
@@ -208,6 +230,7 @@ int render_command(const Words& words) {
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
   scene::Scene scene = read(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
+  stand_upright(scene, options.files[0], options, report, console);
   watch.lap("read");
   const Bounds box = bounds(scene.cloud);
   const Camera camera = view_of(options, scene.cloud);
@@ -222,7 +245,9 @@ int render_command(const Words& words) {
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     if (options.sequence && n > 0) {
-      studio.set_scene(read({options.files[std::size_t(n)]}, options, report, console));
+      scene::Scene next = read({options.files[std::size_t(n)]}, options, report, console);
+      next.cloud.up = *parse_up_axis(report.up);
+      studio.set_scene(std::move(next));
       watch.lap("prepare");
     }
     studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);

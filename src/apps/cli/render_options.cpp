@@ -30,7 +30,7 @@ void RenderOptions::declare(CommandLine& line) {
   line.positionals("FILE", files, "point clouds; several are one scene");
   line.group("Output");
   line.text("-t,--technique", technique, "NAME[,NAME...]|all",
-            "technique (" + default_technique() + "); several give a labelled contact sheet");
+            "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
   line.text("-o,--output", output, "FILE",
             "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is standard output");
   line.flag("--each", each, "one picture each file, -o '{stem}.png'; a bad file does not stop the others");

@@ -117,8 +117,17 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
       json["parameters"][chosen->name] = resolved(chosen->parameters);
     }
   }
+  for (const auto& chosen : choice.techniques)
+    if (!chosen->reason.empty())
+      json["automatic_technique"] = {{"technique", chosen->name},
+                                     {"reason", chosen->reason},
+                                     {"surface_share", chosen->surface_share},
+                                     {"line_share", chosen->line_share}};
   json["analysis_parameters"] = resolved(choice.prepare_parameters);
   json["color_by"] = report.color_by;
+  json["background_color"] = list(report.background);
+  json["up"] = report.up;
+  json["up_reason"] = report.up_reason;
   json["points_read"] = report.points_read;
   json["points_hidden"] = report.points_hidden;
   json["points_left_out"] = report.points_left_out;

@@ -30,6 +30,8 @@ struct RenderReport {
   std::uint64_t points_left_out = 0;  ///< by crop, classes to show and filters
   int blank_pictures = 0;             ///< that show nothing but background
   std::string color_by;
+  vec3 background{1};
+  std::string up, up_reason;  ///< the axis and why it is that one
   int frames = 1;
   std::vector<TechniqueReport> techniques;                ///< in the order of the choice
   std::vector<std::pair<std::string, double>> stages_ms;  ///< wall time: read, prepare, render, write

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "analysis/survey.h"
 #include "core/version.h"
 #include "io/camera_json.h"
 #include "io/image_exr.h"
@@ -36,7 +37,7 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
       console_(console),
       context_(gl::Context::create_headless()),
       renderer_(*context_) {
-  report_.techniques.resize(choice_.techniques.size());
+  report_.techniques.resize(choice_.count);
   const std::string extension = extension_of(options_.output);
   wants_.color_linear = extension == ".exr" || extension == ".npy";
   wants_.color = (!options_.output.empty() && !wants_.color_linear) || !options_.output_panels.empty();
@@ -44,7 +45,6 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
   wants_.normal = extension == ".exr" || !options_.output_normal.empty();
   wants_.timings = options_.timings || options_.json;
   for (const auto& chosen : choice_.techniques) {
-    chosen->settings.background = options_.background;
     chosen->settings.transparent = options_.no_background;
     chosen->settings.edl.resolve(chosen->technique->wants_edl());
     chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 && !chosen->technique->has_soft_edges());
@@ -57,22 +57,36 @@ Studio::~Studio() {
 }
 
 void Studio::set_scene(scene::Scene scene) {
-  Attributes needs;
-  for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
-  if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
   up_ = scene.cloud.up;
-  PreparedCloud prepared = analysis::prepare(std::move(scene.cloud), needs, choice_.prepare, console_);
+  const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
+    if (choice_.automatic()) settle(choose_technique(sorted, tree));
+    Attributes needs;
+    for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
+    if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
+    return needs;
+  };
+  PreparedCloud prepared = analysis::prepare_by_shape(std::move(scene.cloud), needs_of, choice_.prepare, console_);
   for (const auto& chosen : choice_.techniques)
     resolve_shadow_sizes(chosen->settings, bounds(prepared.cloud), prepared.median_spacing);
   ColorSettings color = options_.color;
   color.file_names = scene.file_names;
   coloring_ = color_points(prepared.cloud, color);
   report_.color_by = coloring_.source;
+  background_ = options_.background_color.empty() ? contrasting_background(coloring_.colors) : options_.background;
+  report_.background = background_;
+  for (const auto& chosen : choice_.techniques) chosen->settings.background = background_;
   for (const std::string& note : coloring_.notes) console_.say("sfumato: " + note);
   if (options_.legend && coloring_.kind != ColorKind::scalar && coloring_.swatches.empty())
     console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring_.source +
                  ", which explains itself");
   renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
+}
+
+void Studio::settle(const TechniqueChoice& found) {
+  choice_.settle(found);
+  for (const auto& chosen : choice_.techniques)
+    if (!chosen->reason.empty())
+      console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
 }
 
 RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
@@ -108,10 +122,10 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("render");
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
   if (panels.size() > 1) {
-    if (options_.legend) draw_legend(panels.back().image, coloring_, options_.background);
-    if (wants_.color) out.rgba8 = contact_sheet(panels, options_.background, options_.no_background);
+    if (options_.legend) draw_legend(panels.back().image, coloring_, background_);
+    if (wants_.color) out.rgba8 = contact_sheet(panels, background_, options_.no_background);
   } else if (options_.legend && wants_.color) {
-    draw_legend(out.rgba8, coloring_, options_.background);
+    draw_legend(out.rgba8, coloring_, background_);
   }
   write(out, camera, n);
   watch.lap("write");
@@ -143,7 +157,7 @@ void Studio::write_panels(const std::vector<Panel>& panels, const Camera& camera
   for (const Panel& panel : panels) {
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
-    if (options_.legend) draw_legend(image, coloring_, options_.background);
+    if (options_.legend) draw_legend(image, coloring_, background_);
     write_picture(name, image, camera);
   }
 }

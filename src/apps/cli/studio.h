@@ -48,6 +48,8 @@ class Studio {
   void write(const RenderOutput& out, const Camera& camera, int n);
   bool is_blank(const Image<Rgba8>& image) const;
 
+  void settle(const TechniqueChoice& found);
+
   const RenderOptions& options_;
   Choice& choice_;
   RenderReport& report_;
@@ -58,6 +60,7 @@ class Studio {
   RenderWants wants_;
   Coloring coloring_;
   UpAxis up_ = UpAxis::pos_z;
+  vec3 background_{1};
 };
 
 }  // namespace sfumato::cli

@@ -69,11 +69,11 @@ TEST(Colormap, WrongNameNamesTheNearest) {
   EXPECT_THAT(refusal([] { Colormap::named("virids"); }), ::testing::HasSubstr("did you mean 'viridis'"));
 }
 
-TEST(Coloring, AutoFallsFromColourToIntensityToElevation) {
+TEST(Coloring, AutoFallsFromColourToIntensityToClay) {
   PointCloud cloud = ramp(4);
-  EXPECT_EQ(resolve_color_by(cloud, "auto"), "elevation");
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay");
   cloud.set_scalar(field("intensity", {5, 5, 5, 5}));
-  EXPECT_EQ(resolve_color_by(cloud, "auto"), "elevation") << "a constant shows nothing";
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay") << "a constant shows nothing";
   cloud.set_scalar(field("intensity", {5, 5, 6, 5}));
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity");
   cloud.colors.assign(4, {0, 0, 0, 255});
@@ -81,6 +81,32 @@ TEST(Coloring, AutoFallsFromColourToIntensityToElevation) {
   EXPECT_THROW(resolve_color_by(cloud, "rgb"), Error) << "asked for by name, it is not drawn black either";
   cloud.colors[2].g = 1;
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb");
+}
+
+TEST(Coloring, LandWithoutColourShowsItsHeight) {
+  PointCloud land;
+  for (int i = 0; i < 400; ++i) land.positions.push_back({float(i % 20), float(i / 20), 0.3f * float(i % 7)});
+  land.set_scalar(field("intensity", std::vector<float>(400, 1)));
+  land.scalars[0].values[3] = 2;
+  EXPECT_EQ(resolve_color_by(land, "auto"), "elevation");
+  land.colors.assign(400, {10, 200, 30, 255});
+  EXPECT_EQ(resolve_color_by(land, "auto"), "rgb");
+  land.colors.clear();
+  for (vec3& p : land.positions) p.z *= 20;  // a thing
+  EXPECT_EQ(resolve_color_by(land, "auto"), "intensity");
+}
+
+TEST(Coloring, ClayIsOneNeutralColour) {
+  const Coloring clay = color_points(ramp(4), {});
+  EXPECT_EQ(clay.kind, ColorKind::rgb);
+  for (const Rgba8& c : clay.colors) EXPECT_EQ(c, clay.colors[0]);
+  EXPECT_LT(clay.colors[0].r - clay.colors[0].b, 50) << "nearly gray";
+}
+
+TEST(Coloring, BackgroundIsDarkBehindWhite) {
+  EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {250, 250, 250, 255})).x < 0.2f, true);
+  EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {201, 186, 168, 255})), vec3(1));
+  EXPECT_EQ(contrasting_background({}), vec3(1));
 }
 
 TEST(Coloring, ElevationIsTheWorldCoordinateAlongUp) {

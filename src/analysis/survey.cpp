@@ -1,0 +1,73 @@
+#include "analysis/survey.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/support.h"
+
+namespace sfumato::analysis {
+namespace {
+
+constexpr std::size_t places = 2048;  // shares are known to 1 %
+constexpr int neighbors = 24;
+/// Across over along, in variances: on a surface of random points 0.8, and above 0.3 for 95 %.
+constexpr float line = 0.02f;
+
+class Nearest {
+ public:
+  static constexpr bool merges_coincident = false;
+  float limit() const { return count_ < neighbors ? std::numeric_limits<float>::infinity() : distance2_[neighbors - 1]; }
+  void add(std::uint32_t id, float distance2) {
+    if (count_ < neighbors) ++count_;
+    int at = count_ - 1;
+    for (; at > 0 && distance2_[at - 1] > distance2; --at) distance2_[at] = distance2_[at - 1], id_[at] = id_[at - 1];
+    distance2_[at] = distance2, id_[at] = id;
+  }
+  std::span<const std::uint32_t> ids() const { return {id_, std::size_t(count_)}; }
+  float reach() const { return count_ > 0 ? std::sqrt(distance2_[count_ - 1]) : 0; }
+
+ private:
+  int count_ = 0;
+  float distance2_[neighbors];
+  std::uint32_t id_[neighbors];
+};
+
+struct Seen {
+  float flat = 1;
+  bool line = false;
+};
+
+/// Among them is the point itself, at distance 0, which is as good as any other.
+Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::uint32_t at) {
+  Nearest nearest;
+  tree.search(positions[at], nearest);
+  const auto frame = local_frame(positions, at, nearest.ids());
+  if (!frame || !(frame->variance.z > 0)) return {};
+  return {flatness_of(positions, at, nearest.ids(), *frame, nearest.reach()),
+          frame->variance.y < line * frame->variance.z};
+}
+
+}  // namespace
+
+Survey survey(const NeighborTree& tree) {
+  const std::span<const vec3> positions = tree.positions();
+  const std::size_t n = positions.size(), count = std::min(n, places);
+  if (n <= neighbors) return {};
+  std::vector<vec3> wide;
+  for (std::size_t i = 32; i < n; i += 64) wide.push_back(positions[i]);
+  const NeighborTree wide_tree(wide);
+  std::vector<Seen> seen(count);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
+    const std::size_t at = k * n / count;
+    seen[k] = seen_from(tree, positions, std::uint32_t(at));
+    if (seen[k].flat < 1 && wide.size() > neighbors)
+      seen[k].flat = std::max(seen[k].flat, seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1))).flat);
+  });
+  double flat = 0, lines = 0;
+  for (const Seen& s : seen) flat += s.flat, lines += s.line;
+  return {float(flat / double(count)), float(lines / double(count))};
+}
+
+}  // namespace sfumato::analysis

@@ -1,0 +1,20 @@
+// Which technique suits a scan: what `-t auto` draws.
+#pragma once
+
+#include <string>
+
+#include "analysis/neighbors.h"
+#include "core/prepared_cloud.h"
+
+namespace sfumato {
+
+struct TechniqueChoice {
+  std::string technique;
+  std::string reason;  ///< one line: kind of scan, and the number that says so
+  float surface_share = 1, line_share = 0;  ///< analysis::Survey, from 0 to 1
+};
+
+/// `prepared` needs no attributes yet; `tree` is over its positions.
+TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree);
+
+}  // namespace sfumato

@@ -1,0 +1,144 @@
+// What is chosen without being asked: the technique for each kind of scan, the axis that is up, the first view.
+#include "techniques/choose.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis/survey.h"
+#include "analysis/upright.h"
+#include "synth/synth.h"
+
+using namespace sfumato;
+using namespace sfumato::analysis;
+
+namespace {
+
+PointCloud scan(const std::string& scene, synth::Sampling sampling, int points) {
+  synth::SampleOptions options;
+  options.points = points;
+  options.sampling = sampling;
+  return synth::sample(synth::make_scene(scene), options);
+}
+
+TechniqueChoice choice_for(PointCloud cloud) {
+  TechniqueChoice choice;
+  prepare_by_shape(
+      std::move(cloud),
+      [&](const PreparedCloud& prepared, const NeighborTree& tree) {
+        choice = choose_technique(prepared, tree);
+        return Attributes();
+      },
+      {});
+  return choice;
+}
+
+/// One turn of a street scanner: 32 rings of 1 degree over a road between two walls.
+PointCloud street_sweep() {
+  PointCloud cloud;
+  for (int ring = 0; ring < 32; ++ring)
+    for (int step = 0; step < 1800; ++step) {
+      const double angle = glm::radians(0.2 * step), rise = glm::radians(-25.0 + ring);
+      const dvec3 way(std::cos(rise) * std::cos(angle), std::cos(rise) * std::sin(angle), std::sin(rise));
+      double t = 80;
+      if (way.z < 0) t = std::min(t, -1.8 / way.z);
+      if (way.y != 0) t = std::min(t, 8 / std::abs(way.y));
+      if (t < 80) cloud.positions.push_back(vec3(t * way));
+    }
+  return cloud;
+}
+
+TEST(Choose, EveryKindOfScanHasItsTechnique) {
+  struct Case {
+    const char* kind;
+    PointCloud cloud;
+    const char* technique;
+    const char* reason;
+  };
+  const std::vector<Case> cases = {
+      {"object", scan("spheres", synth::Sampling::area, 60'000), "splats", "surfaces"},
+      {"place", scan("courtyard", synth::Sampling::scanners, 200'000), "splats", "surfaces"},
+      {"room", scan("room", synth::Sampling::area, 100'000), "splats", "surfaces"},
+      {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "splats", "vegetation"},
+      {"depth pictures", scan("room", synth::Sampling::cameras, 100'000), "splats", "depth picture"},
+      {"street sweep", street_sweep(), "points", "lines"},
+      {"a few points", scan("spheres", synth::Sampling::area, 500), "points", "500"},
+  };
+  for (const Case& one : cases) {
+    const TechniqueChoice choice = choice_for(one.cloud);
+    EXPECT_EQ(choice.technique, one.technique) << one.kind << ": " << choice.reason;
+    EXPECT_NE(choice.reason.find(one.reason), std::string::npos) << one.kind << ": " << choice.reason;
+  }
+}
+
+TEST(Choose, IsTheSameForAnyOrderAndScale) {
+  PointCloud cloud = scan("forest", synth::Sampling::airborne, 60'000);
+  const TechniqueChoice choice = choice_for(cloud);
+  std::reverse(cloud.positions.begin(), cloud.positions.end());
+  for (vec3& p : cloud.positions) p *= 1e-3f;
+  const TechniqueChoice small = choice_for(cloud);
+  EXPECT_EQ(choice.technique, small.technique);
+  EXPECT_NEAR(choice.surface_share, small.surface_share, 0.03);  // three deviations of 2048 places
+}
+
+void turn(PointCloud& cloud, const glm::dmat3& by) {
+  for (vec3& p : cloud.positions) p = vec3(by * (cloud.origin + dvec3(p)));
+  for (vec3& n : cloud.normals) n = vec3(by * dvec3(n));
+  cloud.origin = dvec3(0);
+  cloud.grids.clear(), cloud.scanners.clear();
+}
+
+const glm::dmat3 y_up(1, 0, 0, 0, 0, -1, 0, 1, 0);  // columns: x stays, y goes to -z, z to y
+
+TEST(Upright, RightInNineteenOfTwenty) {
+  int cases = 0, right = 0;
+  std::string wrong;
+  const auto expect = [&](const PointCloud& cloud, UpAxis up, const std::string& name) {
+    const Upright guess = guess_upright(cloud);
+    ++cases;
+    right += guess.up == up;
+    if (guess.up != up) wrong += name + " became " + to_string(guess.up) + " (" + guess.reason + "); ";
+  };
+  for (const char* name : {"courtyard", "room", "forest", "spheres", "plane"}) {
+    PointCloud cloud = scan(name, synth::Sampling::automatic, 60'000);
+    PointCloud turned = cloud;
+    turn(turned, y_up);
+    for (UpAxis custom : {UpAxis::pos_z, UpAxis::pos_y}) {
+      cloud.up = turned.up = custom;
+      expect(cloud, UpAxis::pos_z, std::string(name) + " on z");
+      expect(turned, UpAxis::pos_y, std::string(name) + " on y");
+    }
+  }
+  // Pictures of depth cameras, as they see them: y down; and as renderers do: y up, looking along -z.
+  for (const char* name : {"room", "courtyard"}) {
+    const synth::Scene scene = synth::make_scene(name);
+    std::vector<Camera> cameras = scene.cameras;
+    if (scene.held_out) cameras.push_back(*scene.held_out);
+    for (const Camera& camera : cameras) {
+      PointCloud view = synth::sample_by_camera(scene, {camera.resized(320, 240)}, 2);
+      const dmat4 eye = camera.view(view.origin);
+      for (vec3& p : view.positions) p = vec3(eye * glm::dvec4(dvec3(p), 1));
+      for (vec3& n : view.normals) n = vec3(glm::dmat3(eye) * dvec3(n));
+      view.origin = dvec3(0);
+      for (UpAxis custom : {UpAxis::pos_z, UpAxis::pos_y}) {
+        view.up = custom;
+        expect(view, UpAxis::pos_y, std::string(name) + " seen along -z");
+      }
+      turn(view, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));
+      view.up = UpAxis::pos_z;
+      expect(view, UpAxis::neg_y, std::string(name) + " seen along z");
+    }
+  }
+  EXPECT_GE(cases, 20);
+  EXPECT_GE(right, 0.95 * cases) << right << " of " << cases << ": " << wrong;
+  RecordProperty("right", std::to_string(right) + " of " + std::to_string(cases));
+}
+
+TEST(Upright, NothingToGuessFromKeepsTheCustom) {
+  PointCloud cloud;
+  cloud.positions.assign(50, vec3(1, 2, 3));
+  cloud.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+  cloud.positions.assign(5000, vec3(3, -2, 1));  // no extent at all
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+}
+
+}  // namespace
