@@ -22,17 +22,38 @@ inline double closed_form(double delta) {
   return delta < 1e-12 ? 1 : half - delta * delta * std::log((1 + half) / delta);
 }
 
-/// Depth through N nested spheres of density 1/(N + 1) (exact), or of Eqs. 13 (1) and 15 (2) halved.
-inline double shell_sum(int count, double delta, int normalization = 0) {
-  double depth = 0;
-  for (int i = 0; i < count; ++i) {
-    const double radius = 1 - double(i) / count;
-    if (radius <= delta) break;
-    double mu = normalization == 0 ? 1.0 / (count + 1) : 1 / (2 * count * radius);
-    if (normalization == 2) mu *= 1 - delta / radius;
-    depth += mu * 2 * std::sqrt(radius * radius - delta * delta);
+/// Nested spheres about one centre in units of the outermost: radii and densities on a chord at delta. With
+/// `normalization` 1 (Eq. 13) and 2 (Eq. 15) r_i = 1 - i/N, halved, as they sum up to 2 through the centre. With 0 a
+/// density of 1/M each has depth 1 + 1/M through the centre; between powers of two the two of them are mixed so that it is
+/// 1 + 1/N, and that is divided out.
+struct Shells {
+  std::vector<double> radii, densities;
+  Shells(double count, double delta, int normalization) {
+    if (normalization != 0) {
+      for (int i = 0; i < int(count); ++i) {
+        const double radius = 1 - i / count;
+        add(radius, 1 / (2 * count * radius) * (normalization == 2 ? std::max(0.0, 1 - delta / radius) : 1));
+      }
+      return;
+    }
+    const int below = 1 << int(std::floor(std::log2(count) + 1e-12));
+    const double share = 2 * (1 - below / count);  // of the finer one: 1/count = (1 - share)/below + share/(2 below)
+    for (int i = 0; i < below; ++i) add(1 - double(i) / below, (1 - share) / below / (1 + 1 / count));
+    for (int i = 0; i < 2 * below && share > 0; ++i)
+      add(1 - i / (2.0 * below), share / (2 * below) / (1 + 1 / count));
   }
-  return depth;
+  double depth(double delta) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < radii.size(); ++i)
+      if (radii[i] > delta) sum += densities[i] * 2 * std::sqrt(radii[i] * radii[i] - delta * delta);
+    return sum;
+  }
+
+ private:
+  void add(double radius, double density) { radii.push_back(radius), densities.push_back(density); }
+};
+inline double shell_sum(double count, double delta, int normalization = 0) {
+  return Shells(count, delta, normalization).depth(delta);
 }
 
 inline double ray_delta(const OracleRay& ray, const dvec3& center, double radius) {
@@ -52,14 +73,10 @@ struct SoftOracle {
   double density(const OracleSphere& s, double distance, double delta) const {
     if (distance >= s.radius) return 0;
     if (shells == 0) return lambda() * (1 - distance / s.radius) / s.radius;
+    const Shells nested(shells, delta, normalization);
     double sum = 0;
-    for (int i = 0; i < shells; ++i) {
-      const double radius = 1 - double(i) / shells;
-      if (distance >= radius * s.radius) break;
-      double mu = normalization == 0 ? 1.0 / (shells + 1) : 1 / (2 * shells * radius);
-      if (normalization == 2) mu *= 1 - delta / radius;
-      sum += mu;
-    }
+    for (std::size_t i = 0; i < nested.radii.size(); ++i)
+      if (distance < nested.radii[i] * s.radius) sum += nested.densities[i];
     return lambda() * sum / s.radius;
   }
 
@@ -71,9 +88,9 @@ struct SoftOracle {
     for (const OracleSphere& s : spheres) {
       const double middle = glm::dot(s.center - ray.origin, ray.direction), delta = ray_delta(ray, s.center, s.radius);
       cuts.push_back(middle);  // the density has a kink there
-      for (int i = 0; i < std::max(shells, 1); ++i) {
-        const double radius = 1 - double(i) / std::max(shells, 1);
-        if (delta >= radius) break;
+      const Shells nested(std::max(shells, 1), delta, normalization);
+      for (double radius : nested.radii) {
+        if (delta >= radius) continue;
         const double half = s.radius * std::sqrt(radius * radius - delta * delta);
         cuts.insert(cuts.end(), {middle - half, middle + half});
       }

@@ -72,7 +72,8 @@ TEST_F(SoftParts, FragmentsAreCountedAndStoredAlike) {
           const double delta = ray_delta(ray, ball.center, ball.radius), middle = glm::dot(dvec3(ball.center) - ray.origin, ray.direction);
           const double depth = glm::dot(dvec3(ball.center) - ray.origin, camera.direction());
           const double size_px = ball.radius * camera.pixels_per_unit() / std::max(depth, splat_near(camera));
-          const int shells = concentric ? std::clamp(int(size_px / 4), 1, 32) : 1;
+          int shells = 1;  // the next power of two: what is not whole fades in
+          while (concentric && shells < std::min(size_px / 4, 32.0)) shells *= 2;
           for (int i = 0; i < shells && 1 - double(i) / shells > delta; ++i) {
             const double half = ball.radius * std::sqrt(std::pow(1 - double(i) / shells, 2) - delta * delta);
             if (std::max(middle - half, splat_near(camera) / ray.cosine) < std::min(middle + half, 1.5)) expected += 2;
@@ -112,6 +113,43 @@ TEST_F(SoftParts, LongListsAndManyOpenSpheres) {
   EXPECT_TRUE(std::any_of(out.notes.begin(), out.notes.end(), [](const std::string& note) {
     return note.find("more than 64 spheres") != std::string::npos;
   }));
+}
+
+// Spheres beyond the 64th in front of a wall, cut by it: what lies behind the wall hides nothing in front of it.
+TEST_F(SoftParts, SpheresThatOverflowEndAtTheSolidSurface) {
+  const Camera camera = camera_at({0, -20, 0}, 24, 24, 4);
+  std::vector<Ball> balls;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  for (int i = 0; i < 150; ++i)
+    balls.push_back({{0.2f * uniform(random), 0.1f * uniform(random), 0.2f * uniform(random)}, 0.4f});
+  balls.push_back({{0, 0, 0}, 3, {255, 255, 255, 255}, 0});  // a disc through them all
+  set_opacity(0.02);
+  set("model", "base");
+  const RenderOutput out = render(balls, camera);
+  EXPECT_TRUE(std::any_of(out.notes.begin(), out.notes.end(), [](const std::string& note) {
+    return note.find("more than 64 spheres") != std::string::npos;
+  }));
+  double worst = 0, cut = 0;
+  for (int y = 1; y < 24; y += 4)
+    for (int x = 1; x < 24; x += 4) {
+      const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
+      SoftOracle oracle;
+      oracle.opacity = 0.02;
+      std::vector<OracleSphere> spheres;
+      for (std::size_t i = 0; i + 1 < balls.size(); ++i) spheres.push_back({balls[i].center, balls[i].radius, dvec3(0)});
+      const double wall = -ray.origin.y / ray.direction.y;  // the disc is the plane y = 0
+      const double expected = 1 - oracle.through(ray, spheres, 0, wall).a;
+      cut += expected - (1 - oracle.through(ray, spheres, 0, HUGE_VAL).a);
+      // The haze takes the place of the wall's colour, white: what is left of it is the transmittance.
+      const vec4 color = out.color_linear.at(x, y);
+      const dvec3 haze = dvec3(std::pow((200 / 255.0 + 0.055) / 1.055, 2.4), std::pow((100 / 255.0 + 0.055) / 1.055, 2.4),
+                               std::pow((50 / 255.0 + 0.055) / 1.055, 2.4));
+      for (int k = 0; k < 3; ++k)
+        worst = std::max(worst, std::abs(color[k] - (expected + (1 - expected) * haze[k])));
+    }
+  EXPECT_GT(cut / 36, 0.05) << "the wall hides too little of the haze to prove anything";
+  EXPECT_LT(worst, 1e-3);  // colours are 16-bit floats
 }
 
 // A.7 test 7.

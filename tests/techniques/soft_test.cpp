@@ -179,6 +179,65 @@ TEST_F(Soft, NestedSpheresTendToTheirLimits) {
   }
 }
 
+// The depth of nested spheres falls with their number, at every distance from the centre; the next power of two of them
+// and the one before bound what is between.
+TEST_F(Soft, NestedSpheresThinOutMonotonously) {
+  set("model", "concentric");
+  set_opacity(0.5);
+  const Ball ball{{0, 0, 0}, 0.5f};
+  const Camera camera = camera_at({0, -3, 0}, 65, 65);
+  std::optional<RenderOutput> last;
+  for (int count = 1; count <= 20; ++count) {
+    set("concentric_count", std::to_string(count));
+    RenderOutput out = render({ball}, camera);
+    int compared = 0;
+    for (int y = 0; y < 65 && last; ++y)
+      for (int x = 0; x < 65; ++x) {
+        const double delta = ray_delta(oracle_ray(camera, x + 0.5, y + 0.5), ball.center, ball.radius);
+        if (delta > 0.97) continue;
+        ++compared;
+        auto tau = [&](const RenderOutput& o) { return -std::log(1 - double(o.color_linear.at(x, y).a)) / lambda_of(0.5); };
+        // 0.0014: where the ray touches the innermost sphere, doubling their number adds that much at most (the
+        // difference of the two sums over all delta and powers of two).
+        ASSERT_LE(tau(out), tau(*last) + 0.0014) << count << " at " << delta;
+        if (count == 2 && delta > 0.05) ASSERT_LT(tau(out), tau(*last));
+      }
+    if (last) EXPECT_GT(compared, 400);
+    last = std::move(out);
+  }
+}
+
+// Zooming in by one part in five hundred changes the depth by as little, whatever the number of nested spheres.
+TEST_F(Soft, NestedSpheresFadeWhileZooming) {
+  set("model", "concentric");
+  set_opacity(0.5);
+  set("concentric_spacing_px", "2");
+  const Ball ball{{0, 0, 0}, 0.5f};
+  std::vector<double> depths;
+  // Chords at half the radius, through 2.0 to 9 nested spheres. The pixel that is nearest to them is not exactly there:
+  // divided by the depth of the Base model at its distance, which changes by 1 % a pixel.
+  for (double distance = 60; distance > 14; distance *= 0.998) {
+    const Camera camera = camera_at({0, -distance, 0}, 33, 33, 6);
+    const RenderOutput out = render({ball}, camera);
+    double nearest = 1, depth = 0;
+    for (int x = 17; x < 33; ++x) {
+      const double delta = ray_delta(oracle_ray(camera, x + 0.5, 16.5), ball.center, ball.radius);
+      if (delta > 0.95 || std::abs(delta - 0.5) > nearest) continue;
+      nearest = std::abs(delta - 0.5);
+      const double size_px = ball.radius * camera.pixels_per_unit() / distance;
+      depth = -std::log(1 - double(out.color_linear.at(x, 16).a)) / lambda_of(0.5) / shell_sum(size_px / 2, delta);
+    }
+    ASSERT_LT(nearest, 1);
+    depths.push_back(depth);
+  }
+  // The number of spheres is kept in 11 bits: a depth of at most a third of that.
+  for (double depth : depths) EXPECT_NEAR(depth, 1, 0.001);
+  double most = 0;
+  for (double n = 1; n < 32; n *= 1.002)
+    most = std::max(most, std::abs(shell_sum(1.002 * n, 0.5) - shell_sum(n, 0.5)));
+  EXPECT_LT(most, 0.002);  // and the definition has no steps
+}
+
 // A.7 test 5: largest opacity differences of the cosine from the exact integral, by opacity.
 TEST_F(Soft, ExpressStaysNearBase) {
   for (auto [opacity, most] : {std::pair{0.05, 0.0037}, {0.1, 0.0080}, {0.2, 0.0185}, {0.3, 0.0321}, {0.5, 0.073}, {0.7, 0.145},

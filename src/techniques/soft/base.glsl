@@ -5,6 +5,7 @@
 #include "techniques/soft/interior_sort.glsl"
 
 layout(binding = UNIT_INPUT + 2) uniform sampler2D solid_color;
+layout(binding = UNIT_INPUT + 3) uniform sampler2D solid_t_image;  // ray distance of the first solid hit, or infinity
 layout(std430, binding = 3) buffer Overflow { uint overflow_count; };
 
 const int most_open = 64;
@@ -31,8 +32,9 @@ float integral(Open sphere, float t) {
 #endif
 }
 
-// Opens the sphere at t. Where no more fit, returns its whole optical depth: it is then applied at once.
-float enter(uint slot, float t, float leave_t, vec2 pixel) {
+// Opens the sphere at t. Where no more fit, returns its optical depth up to the solid surface at `solid_t`: it is then
+// applied at once.
+float enter(uint slot, float t, float solid_t, vec2 pixel) {
   SoftPoint point = soft_point(int(slot));
   SoftRay ray = soft_ray(point.center, point.radius, pixel);
   float whole = radial_depth(ray.delta);
@@ -43,7 +45,7 @@ float enter(uint slot, float t, float leave_t, vec2 pixel) {
   vec4 color = vec4(point.color, 1.0);
   if (open_count == most_open) {
     atomicAdd(overflow_count, 1u);
-    return sphere.depth * (integral(sphere, leave_t) - sphere.before);
+    return sphere.depth * (integral(sphere, solid_t) - sphere.before);
   }
   weighted += sphere.weight * color;
   plain += color;
@@ -65,6 +67,7 @@ void leave(uint slot) {
 
 bool filter_pixel(ivec2 pixel) {
   vec4 solid = texelFetch(solid_color, pixel, 0);
+  float solid_t = texelFetch(solid_t_image, pixel, 0).x;
   int count = sort_records(pixel);
   open_count = 0;
   weighted = plain = vec4(0.0);
@@ -87,7 +90,7 @@ bool filter_pixel(ivec2 pixel) {
     if ((record.x & 1u) != 0u) {
       leave(record.y);
     } else {
-      float at_once = enter(record.y, t, infinity, vec2(pixel) + 0.5);
+      float at_once = enter(record.y, t, solid_t, vec2(pixel) + 0.5);
       float rest = transmittance * exp(-at_once);
       color += (transmittance - rest) * soft_point(int(record.y)).color;
       transmittance = rest;

@@ -73,7 +73,7 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
     const glm::uvec4 look = looks_[slot];
     const vec2 rg = glm::unpackHalf2x16(look.x), b_share = glm::unpackHalf2x16(look.y);
     const float opacity = std::bit_cast<float>(look.z), share = b_share.y, depth = -shape.z;
-    const float cone_opacity = float(look.w >> 12) / 1048575;
+    const float cone_opacity = float(look.w >> 16) / 65535;
     const vec4 paint(rg.x, rg.y, b_share.x, 1);
     const float inverse_radius2 = 1 / (shape.w * shape.w), scale = orthographic ? 1 : depth;
     const Box box = boxes_[slot];

@@ -33,7 +33,9 @@ void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& sol
     auto timing = timers.scope("count");
     gl::Framebuffer framebuffer({&list_.counts()});
     framebuffer.bind();
-    points.draw(program(false, settings.concentric, as_quads), as_quads, solid_t, add);
+    gl::Program& count = program(false, settings.concentric, as_quads);
+    count.set("normalization", int(settings.normalization));
+    points.draw(count, as_quads, solid_t, add);
   }
   {
     auto timing = timers.scope("prefix sum");
@@ -43,7 +45,7 @@ void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& sol
     auto timing = timers.scope("store");
     list_.bind_store();
     gl::Program& store = program(true, settings.concentric, as_quads);
-    store.set("shell_bits", shell_bits);
+    store.set("shell_bits", shell_bits).set("normalization", int(settings.normalization));
     // The count that the fragments give once more goes nowhere: the counts are read no longer.
     gl::Framebuffer framebuffer({&list_.counts()});
     framebuffer.bind();
@@ -64,6 +66,7 @@ void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& sol
   points.shapes().bind(binding::input);
   points.looks().bind(binding::input + 1);
   color.bind(binding::input + 2);
+  solid_t.bind(binding::input + 3);
   resolve.run({}, {&result});
 }
 

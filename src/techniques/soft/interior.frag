@@ -21,7 +21,7 @@ void main() {
   if (!(ray.delta < 1.0)) discard;
   float from = near_t(gl_FragCoord.xy), to = solid_t(), first, last;
 #ifdef MODEL_CONCENTRIC
-  int shells = soft_shells;
+  int shells = shell_steps(soft_shells);
 #else
   int shells = 1;
 #endif

@@ -17,7 +17,7 @@ uniform float field_threshold;
 uniform float modulation_threshold;
 uniform float modulation_opacity;  // through the centre, at the field threshold
 uniform float smallest_px;      // radius below which a sphere grows and thins out
-uniform int concentric_count;   // 0: one for each concentric_spacing_px of the radius
+uniform int concentric_count;   // 0: one for each concentric_spacing_px of the radius, fading in
 uniform float concentric_spacing_px;
 
 const float most_shells = 32.0;
@@ -58,7 +58,7 @@ void main() {
   bool seen = splat_pixels(splat, first, last);
   float share = modulation_threshold > field_threshold
       ? clamp((point_field(i) - field_threshold) / (modulation_threshold - field_threshold), 0.0, 1.0) : 1.0;
-  int shells = concentric_count > 0 ? concentric_count : int(clamp(px / concentric_spacing_px, 1.0, most_shells));
+  float shells = concentric_count > 0 ? float(concentric_count) : clamp(px / concentric_spacing_px, 1.0, most_shells);
   // Hidden points keep their key: an order that is reused must not depend on what is solid.
   bool drawn = seen && in_sight(first, last, distance - splat.radius);
   vec3 color = drawn ? shaded(i, splat) : vec3(0.0);
@@ -66,7 +66,7 @@ void main() {
   uint slot = first_slot + k;
   shapes[slot] = vec4(splat.center, drawn ? splat.radius : 0.0);
   looks[slot] = uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, share)), floatBitsToUint(alpha),
-                      uint(shells) | uint(round(cone * 1048575.0)) << 12u);
+                      packHalf2x16(vec2(shells, 0.0)) | uint(round(cone * 65535.0)) << 16u);
   boxes[slot] = drawn ? uvec2(first.x | first.y << 16, last.x | last.y << 16) : uvec2(1u, 0u);
   // Far points first. Distances are positive but behind an orthographic camera, where nothing is drawn.
   keys[slot] = seen ? ~floatBitsToUint(max(distance, 0.0)) : 0xffffffffu;

@@ -10,6 +10,7 @@
 // is exact by default; spheres that are cut by a surface or the near plane are clamped.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -212,7 +213,7 @@ class Soft final : public Technique {
     settings.concentric = p.model == Model::concentric;
     settings.density = p.density;
     settings.normalization = p.normalization;
-    settings.most_shells = std::max(32, look.concentric_count);
+    settings.most_shells = std::max(32u, std::bit_ceil(unsigned(look.concentric_count)));
     gl::ensure(result_, "soft picture", GL_RGBA32F, view.width(), view.height());
     interior_.draw(points_, view, surface_.nearest_t(), frame.target.color, result_, settings, as_quads, frame.timers);
     std::swap(result_, frame.target.color);

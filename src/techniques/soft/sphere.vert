@@ -12,7 +12,7 @@ uniform int order_step;  // 1, or -1: read backwards
 flat out vec4 soft_shape;
 flat out vec4 soft_color;  // opacity in alpha
 flat out vec2 soft_share;  // share and cone of Eq. 22
-flat out int soft_shells;
+flat out float soft_shells;
 flat out int soft_slot;
 
 void main() {
