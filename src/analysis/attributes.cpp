@@ -168,6 +168,7 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
 void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, const NeighborTree* tree,
               Progress& progress) {
   PointCloud& cloud = prepared.cloud;
+  prepared.neighbors = options.neighbors;
   if (cloud.empty()) {
     prepared.available = prepared.available | needs;
     return;

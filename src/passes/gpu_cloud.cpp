@@ -23,6 +23,26 @@ std::uint32_t encode_normal(const vec3& n) {
   return packed ? packed : 0xffffffffu;
 }
 
+namespace {
+
+gl::TextureBuffer upload_normals(const GpuCloud::Chunk& chunk, std::span<const vec3> normals) {
+  std::vector<std::uint32_t> codes(chunk.count, 0);
+  if (!normals.empty())
+    for (std::uint32_t i = 0; i < chunk.count; ++i) codes[i] = encode_normal(normals[chunk.first + i]);
+  return gl::TextureBuffer("normals", GL_RG16, std::span<const std::uint32_t>(codes));
+}
+
+std::vector<float> largest_of_batches(const PreparedCloud& prepared, std::span<const float> radii) {
+  std::vector<float> largest;
+  for (const Batch& batch : prepared.batches) {
+    const auto first = radii.begin() + std::ptrdiff_t(batch.first);
+    largest.push_back(radii.empty() ? 0 : std::max(0.0f, *std::max_element(first, first + batch.count)));
+  }
+  return largest;
+}
+
+}  // namespace
+
 GpuCloud::GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std::uint32_t max_chunk_points)
     : prepared_(prepared), colors_(std::move(colors)), bounds_(sfumato::bounds(prepared.cloud)) {
   const PointCloud& cloud = prepared.cloud;
@@ -92,13 +112,7 @@ void GpuCloud::bind_colors(Chunk& chunk) {
 }
 
 void GpuCloud::bind_normals(Chunk& chunk) {
-  if (!chunk.normals) {
-    std::vector<std::uint32_t> codes(chunk.count, 0);
-    const auto& normals = prepared_.cloud.normals;
-    if (!normals.empty())
-      for (std::uint32_t i = 0; i < chunk.count; ++i) codes[i] = encode_normal(normals[chunk.first + i]);
-    chunk.normals = gl::TextureBuffer("normals", GL_RG16, std::span<const std::uint32_t>(codes));
-  }
+  if (!chunk.normals) chunk.normals = upload_normals(chunk, prepared_.cloud.normals);
   chunk.normals.bind(binding::normals);
 }
 
@@ -166,13 +180,27 @@ void GpuCloud::set_shadow(std::span<const float> values) {
 }
 
 const std::vector<float>& GpuCloud::largest_radii() {
-  if (largest_radii_.empty())
-    for (const Batch& batch : prepared_.batches) {
-      const std::vector<float>& radii = prepared_.cloud.radii;
-      const auto first = radii.begin() + std::ptrdiff_t(batch.first);
-      largest_radii_.push_back(radii.empty() ? 0 : std::max(0.0f, *std::max_element(first, first + batch.count)));
-    }
+  if (largest_radii_.empty()) largest_radii_ = largest_of_batches(prepared_, prepared_.cloud.radii);
   return largest_radii_;
+}
+
+GpuCloud::Shapes GpuCloud::make_shapes(std::span<const vec3> normals, std::span<const float> radii) const {
+  Shapes shapes;
+  shapes.largest_radii = largest_of_batches(prepared_, radii);
+  for (const Chunk& chunk : chunks_) {
+    shapes.radii.emplace_back("radii of a part", GL_R32F, radii.subspan(chunk.first, chunk.count));
+    if (!normals.empty()) shapes.normals.push_back(upload_normals(chunk, normals));
+  }
+  return shapes;
+}
+
+void GpuCloud::exchange(Shapes& shapes) {
+  if (shapes.radii.empty()) return;
+  std::swap(largest_radii_, shapes.largest_radii);
+  for (std::size_t c = 0; c < chunks_.size(); ++c) {
+    std::swap(chunks_[c].radii, shapes.radii[c]);
+    if (!shapes.normals.empty()) std::swap(chunks_[c].normals, shapes.normals[c]);
+  }
 }
 
 void GpuCloud::begin_shadow() {

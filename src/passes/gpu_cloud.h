@@ -84,6 +84,15 @@ class GpuCloud {
   /// Makes room for shadow factors, which a pass then gives every point (image unit access to `Chunk::shadow`).
   void begin_shadow();
   bool has_shadow() const { return has_shadow_; }
+  /// Normals and radii for part of a picture, uploaded; no normals: the cloud's own.
+  struct Shapes {
+    std::vector<gl::TextureBuffer> normals, radii;  ///< of each chunk; empty: nothing to exchange
+    std::vector<float> largest_radii;
+  };
+  /// One value for each point of the prepared cloud.
+  Shapes make_shapes(std::span<const vec3> normals, std::span<const float> radii) const;
+  /// Puts them in place of those the cloud has, which they then hold: the second time undoes the first.
+  void exchange(Shapes& shapes);
   /// Forgets uploaded normals and radii after the prepared cloud was completed or changed.
   void attributes_changed();
 

@@ -107,13 +107,20 @@ void FieldSettings::describe(ParamList& p) {
   p.add("field_invert", invert).help("low values are soft instead of high ones (confidence, for example)");
 }
 
-Field evaluate(const PreparedCloud& prepared, FieldSettings& settings) {
+Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& nearby, Progress& progress) {
   Field field;
   const PointCloud& cloud = prepared.cloud;
   if (cloud.empty()) return field;
+  // A file may bring an uncertainty of its own, whose scale is its own, too.
+  const bool measured = settings.field == "uncertainty" && prepared.computed.has(Attribute::uncertainty);
   if (settings.field == "class") field.values = classes(cloud, settings.classes);
   else if (settings.field == "distance") field.values = distances(cloud, settings);
-  else field.values = scalar_values(prepared, settings.field, field.notes);
+  else if (measured) {
+    if (nearby.size() != cloud.size()) nearby = Nearby(cloud.positions, progress);
+    field.values = scale_free_uncertainty(prepared, nearby);
+  } else {
+    field.values = scalar_values(prepared, settings.field, field.notes);
+  }
   if (settings.invert)
     for (float& value : field.values) value = 1 - value;
 
@@ -122,9 +129,15 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings) {
   // Half of the way out is what a user means by far; and a field of few values, like classes, may have no point above
   // its quantile.
   const auto [least, most] = std::minmax_element(field.values.begin(), field.values.end());
-  if (settings.field == "distance") {
+  if (settings.field == "class") {
+    field.threshold = field.modulation_threshold = 0.5f;
+  } else if (settings.field == "distance") {
     field.threshold = 0.5f;
     field.modulation_threshold = 0.75f;
+  } else if (measured && !settings.invert) {
+    field.threshold = std::max(field.threshold, uncertain_from);
+    field.modulation_threshold = std::max(field.modulation_threshold, fully_uncertain);
+    if (*most <= field.threshold) field.notes.push_back("nothing is uncertain: every point is solid");
   } else if (field.threshold >= *most && *most > *least) {
     field.threshold = 0.5f * (*least + *most);
   }

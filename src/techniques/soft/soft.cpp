@@ -20,8 +20,10 @@
 #include "techniques/casters.h"
 #include "techniques/soft/express.h"
 #include "techniques/soft/field.h"
+#include "techniques/soft/haze_depth.h"
 #include "techniques/soft/interior.h"
 #include "techniques/soft/one_layer.h"
+#include "techniques/soft/solid_part.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -30,6 +32,12 @@ namespace {
 using namespace soft;
 
 enum class Model { express, concentric, base, one_layer };
+
+/// Of the light behind the haze, what its deepest places let through while `opacity` is automatic. Pixels vary about their
+/// surroundings: nine in ten let a quarter through.
+constexpr float least_transmittance = 1.0f / 3;
+/// modulation_opacity over opacity while it is automatic.
+constexpr float modulation_factor = 3;
 
 struct Parameters {
   Model model = Model::express;
@@ -53,12 +61,14 @@ struct Parameters {
         .paper("Seemann 2018, Sec. 3");
     p.add("opacity", opacity).range(0, 1)
         .help("of a lone soft point through its centre, in every model (auto: 0.3 by uncertainty, so that a sheet of soft "
-              "points hides about half; 0.15 for what is chosen to be seen through)")
+              "points hides about half; 0.15 for what is chosen to be seen through; so much less where the haze is "
+              "deep that nine in ten of its pixels let a quarter through)")
         .paper("Seemann 2018, lambda");
     field.describe(p);
     p.add("field_threshold", field_threshold)
         .range(-1, 1)
-        .help("points with a higher field are soft (auto: so that 15 % are; field = distance: 0.5)")
+        .help("points with a higher field are soft (auto: so that 15 % are, by uncertainty fewer where fewer are uncertain; "
+              "field = distance: 0.5)")
         .paper("Seemann 2018, t");
     p.add("modulation_threshold", modulation_threshold)
         .range(-1, 1)
@@ -88,15 +98,22 @@ struct Parameters {
         .help("a splat covers at least a disc of 1 px radius on the screen; smaller soft points grow and thin out");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
-        .help("limit radii to twice their median, soft points also to what nine in ten of them keep, so that isolated "
-              "points do not become big discs");
+        .help("limit radii to twice what the points around have, soft points' to twice that of all of them or what nine in "
+              "ten keep, so that isolated points do not become big discs");
   }
 
   /// Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like holes.
-  float resolve_opacity() { return opacity.resolve(field.field == "uncertainty" ? 0.3f : 0.15f); }
+  float plain_opacity() const { return opacity.user.value_or(field.field == "uncertainty" ? 0.3f : 0.15f); }
+  /// The same, less where the haze of a view is deep: `depth` of it (haze_depth.h) lets `least_transmittance` through.
+  float resolve_opacity(double depth) {
+    const double most = 1 - std::pow(double(least_transmittance), 1 / std::max(depth, 1e-6));
+    return opacity.resolve(std::min(plain_opacity(), float(most)));
+  }
 
   /// The lambda of Eq. 22. `opacity` itself would leave the edge of Figure 5 (docs/adr/0005).
-  float resolve_modulation_opacity() { return modulation_opacity.resolve(std::min(1.0f, 3 * resolve_opacity())); }
+  float resolve_modulation_opacity() {
+    return modulation_opacity.resolve(std::min(1.0f, modulation_factor * opacity.value()));
+  }
 };
 
 class Soft final : public Technique {
@@ -112,10 +129,11 @@ class Soft final : public Technique {
     update_field(cloud);
     const float threshold = parameters_.field_threshold.resolve(field_.threshold);
     const std::string key = "soft/" + std::to_string(stamp_) + "/" + std::to_string(threshold) + "/" +
-                            std::to_string(parameters_.resolve_opacity());
+                            std::to_string(parameters_.plain_opacity());
     if (cloud.casters_key() == key) return;
     std::vector<float> opacity(field_.values.size());
-    const float soft = parameters_.resolve_opacity();
+    // That of no view: shadows do not follow the camera.
+    const float soft = parameters_.plain_opacity();
     for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? soft : 1;
     set_casters(cloud, opacity, key);
   }
@@ -126,19 +144,21 @@ class Soft final : public Technique {
     Parameters& p = parameters_;
     SplatShape shape;
     shape.radius_scale = p.radius_scale;
-    if (p.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
     if (p.antialias) shape.prefilter_px = 1;
     shape.field_threshold = p.field_threshold.resolve(field_.threshold);
     p.modulation_threshold.resolve(field_.modulation_threshold);
-    const float opacity = p.resolve_opacity();
-    SplatBlend blend;
-    blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
-
     points_.choose(frame.cloud, field_.values, shape.field_threshold);
+    const float opacity = p.resolve_opacity(p.opacity.user || points_.count() == 0 ? 0 : depth_of_haze(frame, view));
+    SplatBlend blend;
     if (p.model == Model::one_layer) {
       shape.part = SplatPart::above;
+      if (p.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+      blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
       one_layer_.draw(frame, view, shape, blend, opacity);
     } else {
+      solid_.update(frame.cloud, field_.values, shape.field_threshold, p.field.field != "uncertainty", p.clamp_radius,
+                    nearby_.size() == field_.values.size() ? &nearby_ : nullptr, frame.progress);
+      blend.epsilon = p.epsilon.resolve(2 * solid_.spacing());
       draw_solid(frame, view, shape, blend);  // Sec. 4, step 2
       if (points_.count() > 0 && opacity > 0) draw_soft(frame, view, shape);
     }
@@ -167,7 +187,9 @@ class Soft final : public Technique {
     std::string key;
     for (const Param& param : list.all()) key += param.get() + "/";
     if (stamp_ != 0 && stamp_ == cloud.field_stamp() && key == field_key_) return;
-    field_ = evaluate(cloud.prepared(), parameters_.field);
+    if (cloud.serial() != serial_) nearby_ = {};
+    serial_ = cloud.serial();
+    field_ = evaluate(cloud.prepared(), parameters_.field, nearby_);
     cloud.set_field(field_.values);
     stamp_ = cloud.field_stamp();
     field_key_ = key;
@@ -182,10 +204,22 @@ class Soft final : public Technique {
       return;
     }
     shape.part = SplatPart::not_above;
+    const SolidPart::InPlace in_place(frame.cloud, solid_);
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+  }
+
+  /// How deep the haze of this view is, in soft points one behind the other.
+  double depth_of_haze(const Frame& frame, const View& view) const {
+    HazeSettings settings;
+    settings.radius_scale = parameters_.radius_scale;
+    if (parameters_.clamp_radius) settings.radius_limit = points_.radius_limit();
+    settings.field_threshold = parameters_.field_threshold.value();
+    settings.modulation_threshold = parameters_.modulation_threshold.value();
+    if (!parameters_.modulation_opacity.user) settings.cone_factor = modulation_factor;
+    return haze_depth(frame.cloud.prepared().cloud, points_.places(), field_.values, view, settings);
   }
 
   void draw_soft(Frame& frame, const View& view, SplatShape shape) {
@@ -222,8 +256,10 @@ class Soft final : public Technique {
   Parameters parameters_;
   Field field_;
   std::string field_key_;
-  std::uint64_t stamp_ = 0;
+  std::uint64_t stamp_ = 0, serial_ = 0;
+  Nearby nearby_;
   SplatSurface surface_;
+  SolidPart solid_;
   SoftPoints points_;
   Express express_;
   Interior interior_;

@@ -35,6 +35,8 @@ class SoftPoints {
   void choose(GpuCloud& cloud, std::span<const float> field, float threshold);
   /// Number of soft points, each with a slot 0, 1 ... in the order of the prepared cloud.
   std::uint32_t count() const { return std::uint32_t(places_.size()); }
+  /// Of every slot, its place in the prepared cloud.
+  std::span<const std::uint32_t> places() const { return places_; }
   /// Radius beyond which a soft point counts as isolated, scene units: twice the median of the soft points, or what
   /// nine in ten of them keep. Not that of all points: uncertain ones lie far apart.
   float radius_limit() const { return radius_limit_; }
