@@ -63,6 +63,7 @@ void screen_part(benchmark::State& state) {
 
 void one_pass(benchmark::State& state, const char* pass, const char* removal) {
   auto technique = find_technique("surface").create();
+  set(*technique, "filling", "pull_push");  // the operators of the paper, whose passes these are
   set(*technique, "hidden_point_removal", removal);
   set(*technique, "window_radius", "25");
   time_passes(state, *technique, std::size_t(state.range(0)), [&](std::string_view name) { return name == pass; },
