@@ -15,8 +15,8 @@ std::optional<vec3> parse_color(std::string_view text);
 std::string nearest_color(std::string_view name);
 Rgba8 to_rgba8(const vec3& srgb);
 
-/// The n-th of a few colours that are told apart, also by people who see few colours (Okabe and Ito 2008); from the
-/// ninth on, others.
+/// The n-th of a few colours that are told apart, also by people who see few colours (Okabe and Ito 2008);
+/// from the ninth on, others.
 Rgba8 swatch_color(std::size_t n);
 
 }  // namespace sfumato

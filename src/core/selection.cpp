@@ -37,11 +37,13 @@ std::optional<double> number_of(std::string_view text) {
 
 /// The number of point i under that name; empty when the cloud has none.
 std::function<double(std::size_t)> values_of(const PointCloud& cloud, const std::string& name) {
-  if (const ScalarField* field = cloud.scalar(name)) return [field](std::size_t i) { return field->value(i); };
+  if (const ScalarField* field = cloud.scalar(name))
+    return [field](std::size_t i) { return field->value(i); };
   const PointCloud* c = &cloud;
   for (int k = 0; k < 3; ++k)
     if (name == std::string(1, "xyz"[k])) return [c, k](std::size_t i) { return c->world(i)[k]; };
-  if (name == "elevation") return [c, up = up_vector(cloud.up)](std::size_t i) { return glm::dot(up, c->world(i)); };
+  if (name == "elevation")
+    return [c, up = up_vector(cloud.up)](std::size_t i) { return glm::dot(up, c->world(i)); };
   if (!cloud.colors.empty()) {
     if (name == "red") return [c](std::size_t i) { return double(c->colors[i].r); };
     if (name == "green") return [c](std::size_t i) { return double(c->colors[i].g); };
@@ -61,7 +63,8 @@ std::vector<std::string> names_of(const PointCloud& cloud) {
 
 std::string list_classes(const std::map<int, std::size_t>& counts) {
   std::string text;
-  for (const auto& [id, points] : counts) text += (text.empty() ? "" : ", ") + std::to_string(id) + " " + class_name(id);
+  for (const auto& [id, points] : counts)
+    text += (text.empty() ? "" : ", ") + std::to_string(id) + " " + class_name(id);
   return text;
 }
 
@@ -106,8 +109,8 @@ void keep_classes(const Selection& selection, PointCloud& cloud, SelectionReport
                              ") does not occur; there are: " + list_classes(counts));
   if (selection.show_classes.empty()) return;
   const auto& shown = selection.show_classes;
-  report.of_other_classes =
-      keep(cloud, [&](std::size_t i) { return std::find(shown.begin(), shown.end(), id_of(i)) != shown.end(); });
+  report.of_other_classes = keep(
+      cloud, [&](std::size_t i) { return std::find(shown.begin(), shown.end(), id_of(i)) != shown.end(); });
   if (cloud.empty())
     refuse("none of the classes to show occurs; there are: " + list_classes(counts), ErrorCode::bad_input);
 }
@@ -131,11 +134,12 @@ void keep_filtered(const Filter& filter, PointCloud& cloud, SelectionReport& rep
   report.filtered += gone;
   if (cloud.empty())
     refuse("no point is left by the filter '" + filter.scalar + " " + text_of(filter.low) + ".." +
-               text_of(filter.high) + "': " + filter.scalar + " goes from " + text_of(least) + " to " + text_of(most),
+               text_of(filter.high) + "': " + filter.scalar + " goes from " + text_of(least) + " to " +
+               text_of(most),
            ErrorCode::bad_input);
   if (gone == 0)
-    report.notes.push_back("the filter on " + filter.scalar + " keeps every point: it goes from " + text_of(least) +
-                           " to " + text_of(most));
+    report.notes.push_back("the filter on " + filter.scalar + " keeps every point: it goes from " +
+                           text_of(least) + " to " + text_of(most));
 }
 
 }  // namespace
@@ -143,14 +147,16 @@ void keep_filtered(const Filter& filter, PointCloud& cloud, SelectionReport& rep
 Filter parse_filter(std::string_view text) {
   const std::string shown(text);
   const auto fail = [&](const std::string& why = "") {
-    refuse("'" + shown + "' is no filter" + why + ": write SCALAR A..B, such as \"intensity 10..200\", \"z 3..\" or \"row ..5\"");
+    refuse("'" + shown + "' is no filter" + why +
+           ": write SCALAR A..B, such as \"intensity 10..200\", \"z 3..\" or \"row ..5\"");
   };
   while (text.ends_with(' ')) text.remove_suffix(1);
   const std::size_t cut = text.find_last_of(" =");
   if (cut == std::string_view::npos || cut == 0) fail();
   Filter filter;
   filter.scalar = std::string(text.substr(0, cut));
-  while (!filter.scalar.empty() && (filter.scalar.back() == ' ' || filter.scalar.back() == '=')) filter.scalar.pop_back();
+  while (!filter.scalar.empty() && (filter.scalar.back() == ' ' || filter.scalar.back() == '='))
+    filter.scalar.pop_back();
   const std::string_view range = text.substr(cut + 1);
   const std::size_t dots = range.find("..");
   const std::string_view from = range.substr(0, dots);
@@ -178,13 +184,15 @@ SelectionReport apply(const Selection& selection, PointCloud& cloud) {
         if (share[k] == 1) p[k] = full.max[k];  // rounding must not lose the last point
       return p;
     };
-    report.cropped += crop_to(cloud, {place(selection.crop_share->min), place(selection.crop_share->max)}, full);
+    report.cropped +=
+        crop_to(cloud, {place(selection.crop_share->min), place(selection.crop_share->max)}, full);
   }
   keep_classes(selection, cloud, report);
   if (!selection.hide_classes.empty() || selection.hide_withheld)
     report.hidden = hide_classes(cloud, selection.hide_classes);
   if (cloud.empty())
-    refuse("every point is withheld or of a hidden class; show them with --hide-classes none", ErrorCode::bad_input);
+    refuse("every point is withheld or of a hidden class; show them with --hide-classes none",
+           ErrorCode::bad_input);
   for (const Filter& filter : selection.filters) keep_filtered(filter, cloud, report);
   return report;
 }

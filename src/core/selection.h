@@ -29,13 +29,16 @@ struct Selection {
   std::vector<Filter> filters;       ///< all of them hold
 
   bool empty() const {
-    return !crop && !crop_share && show_classes.empty() && hide_classes.empty() && !hide_withheld && filters.empty();
+    return !crop && !crop_share && show_classes.empty() && hide_classes.empty() && !hide_withheld &&
+           filters.empty();
   }
 };
 
 struct SelectionReport {
-  std::size_t cropped = 0, of_other_classes = 0, hidden = 0, filtered = 0;  ///< points removed, each counted once
-  std::vector<std::string> notes;  ///< what asks for nothing: classes that do not occur, filters without effect
+  std::size_t cropped = 0, of_other_classes = 0, hidden = 0,
+              filtered = 0;  ///< points removed, each counted once
+  std::vector<std::string>
+      notes;  ///< what asks for nothing: classes that do not occur, filters without effect
 };
 
 /// Removes the points that are not wanted; the order of the others stays. Throws Error(usage) for a number

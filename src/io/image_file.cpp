@@ -1,12 +1,12 @@
 #include "io/image_file.h"
 
-#include <csetjmp>
-#include <cstdio>
 #include <jpeglib.h>
 #include <webp/encode.h>
 
 #include <charconv>
 #include <cmath>
+#include <csetjmp>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <memory>
@@ -29,8 +29,8 @@ struct JpegErrors {
 }
 
 /// The part that libjpeg may leave by longjmp: no object with a destructor lives in here.
-bool encode_jpeg(jpeg_compress_struct& codec, JpegErrors& errors, const Image<Rgba8>& image, int quality, JSAMPLE* row,
-                 unsigned char** bytes, unsigned long* size) {
+bool encode_jpeg(jpeg_compress_struct& codec, JpegErrors& errors, const Image<Rgba8>& image, int quality,
+                 JSAMPLE* row, unsigned char** bytes, unsigned long* size) {
   codec.err = jpeg_std_error(&errors.manager);
   errors.manager.error_exit = leave;
   if (setjmp(errors.jump)) return false;
@@ -57,7 +57,8 @@ bool encode_jpeg(jpeg_compress_struct& codec, JpegErrors& errors, const Image<Rg
   return true;
 }
 
-void refuse_size(const std::filesystem::path& file, const Image<Rgba8>& image, int limit, const char* format) {
+void refuse_size(const std::filesystem::path& file, const Image<Rgba8>& image, int limit,
+                 const char* format) {
   if (image.width() > limit || image.height() > limit)
     throw Error(ErrorCode::usage, file.string() + ": " + format + " holds at most " + std::to_string(limit) +
                                       " pixels a side; write a .png");
@@ -81,7 +82,8 @@ void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, in
   const bool done = encode_jpeg(codec, errors, image, quality, row.data(), &bytes, &size);
   jpeg_destroy_compress(&codec);
   const std::unique_ptr<unsigned char, decltype(&std::free)> owner(bytes, std::free);
-  if (!done) throw Error(ErrorCode::io, file.string() + ": libjpeg could not encode the picture; write a .png");
+  if (!done)
+    throw Error(ErrorCode::io, file.string() + ": libjpeg could not encode the picture; write a .png");
   writer.write(std::string_view(reinterpret_cast<const char*>(bytes), size));
   writer.commit();
 }
@@ -95,10 +97,12 @@ void write_webp(const std::filesystem::path& file, const Image<Rgba8>& image, bo
   std::uint8_t* bytes = nullptr;
   const int stride = image.width() * 4;
   const std::size_t size =
-      quality == 100 ? WebPEncodeLosslessRGBA(pixels.data(), image.width(), image.height(), stride, &bytes)
-                     : WebPEncodeRGBA(pixels.data(), image.width(), image.height(), stride, float(quality), &bytes);
+      quality == 100
+          ? WebPEncodeLosslessRGBA(pixels.data(), image.width(), image.height(), stride, &bytes)
+          : WebPEncodeRGBA(pixels.data(), image.width(), image.height(), stride, float(quality), &bytes);
   const std::unique_ptr<std::uint8_t, decltype(&WebPFree)> owner(bytes, WebPFree);
-  if (size == 0) throw Error(ErrorCode::io, file.string() + ": libwebp could not encode the picture; write a .png");
+  if (size == 0)
+    throw Error(ErrorCode::io, file.string() + ": libwebp could not encode the picture; write a .png");
   writer.write(std::string_view(reinterpret_cast<const char*>(bytes), size));
   writer.commit();
 }

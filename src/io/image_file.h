@@ -8,14 +8,14 @@
 
 namespace sfumato::io {
 
-/// JPEG and WebP, sRGB, `quality` 1 to 100; WebP at 100 keeps every pixel. WebP keeps straight alpha with `alpha`,
-/// JPEG has none. The file appears under its name only when it is complete; throws Error(io), Error(usage) when the
-/// format cannot hold a picture of this size.
+/// JPEG and WebP, sRGB, `quality` 1 to 100; WebP at 100 keeps every pixel. WebP keeps straight alpha with
+/// `alpha`, JPEG has none. The file appears under its name only when it is complete; throws Error(io),
+/// Error(usage) when the format cannot hold a picture of this size.
 void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality);
 void write_webp(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha, int quality);
 
-/// Depth as 16-bit grey: 0 where nothing is, else 1 at the nearest depth to 65535 at the farthest. Both ends are the
-/// texts DepthNear and DepthFar, in scene units.
+/// Depth as 16-bit grey: 0 where nothing is, else 1 at the nearest depth to 65535 at the farthest. Both ends
+/// are the texts DepthNear and DepthFar, in scene units.
 void write_depth_png(const std::filesystem::path& file, const Image<float>& depth, PngTexts texts = {});
 
 }  // namespace sfumato::io

@@ -24,12 +24,14 @@ std::vector<std::pair<std::string, std::string>> library_versions() {
           {"libpng", png_get_libpng_ver(nullptr)},
           {"OpenEXR", OPENEXR_VERSION_STRING},
 #ifdef LIBJPEG_TURBO_VERSION_NUMBER
-          {"libjpeg-turbo", dotted(LIBJPEG_TURBO_VERSION_NUMBER / 1'000'000, LIBJPEG_TURBO_VERSION_NUMBER / 1000 % 1000,
-                                   LIBJPEG_TURBO_VERSION_NUMBER % 1000)},
+          {"libjpeg-turbo",
+           dotted(LIBJPEG_TURBO_VERSION_NUMBER / 1'000'000, LIBJPEG_TURBO_VERSION_NUMBER / 1000 % 1000,
+                  LIBJPEG_TURBO_VERSION_NUMBER % 1000)},
 #endif
           {"libwebp", dotted(webp >> 16, webp >> 8 & 255, webp & 255)},
           {"GLM", dotted(GLM_VERSION_MAJOR, GLM_VERSION_MINOR, GLM_VERSION_PATCH)},
-          {"nlohmann/json", dotted(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)}};
+          {"nlohmann/json",
+           dotted(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)}};
 }
 
 }  // namespace sfumato::io

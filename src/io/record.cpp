@@ -17,7 +17,8 @@ template <class T>
 bool all_fit(const ScalarField& field, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const double value = field.value(i);
-    if (!(value >= double(std::numeric_limits<T>::lowest()) && value <= double(std::numeric_limits<T>::max())) ||
+    if (!(value >= double(std::numeric_limits<T>::lowest()) &&
+          value <= double(std::numeric_limits<T>::max())) ||
         value != std::floor(value))
       return false;
   }
@@ -125,8 +126,10 @@ double OutColumn::value(const PointCloud& cloud, std::size_t i) const {
 }
 
 void OutColumn::print(const PointCloud& cloud, std::size_t i, std::string& text) const {
-  if (int(source) <= int(Source::z)) return print_sum(cloud.origin[int(source)], cloud.positions[i][int(source)], text);
-  if (source == Source::scalar) return print_sum(cloud.scalars[scalar].offset, cloud.scalars[scalar].values[i], text);
+  if (int(source) <= int(Source::z))
+    return print_sum(cloud.origin[int(source)], cloud.positions[i][int(source)], text);
+  if (source == Source::scalar)
+    return print_sum(cloud.scalars[scalar].offset, cloud.scalars[scalar].values[i], text);
   print_sum(0, float(value(cloud, i)), text);
 }
 
@@ -145,7 +148,8 @@ std::vector<OutColumn> columns_to_write(const PointCloud& cloud) {
     add({"alpha"}, Source::alpha, StoredType::uint8);
   if (!cloud.radii.empty()) add({"radius"}, Source::radius, StoredType::float32);
   for (std::size_t k = 0; k < cloud.scalars.size(); ++k)
-    columns.push_back({cloud.scalars[k].name, smallest_type(cloud.scalars[k], cloud.size()), Source::scalar, k});
+    columns.push_back(
+        {cloud.scalars[k].name, smallest_type(cloud.scalars[k], cloud.size()), Source::scalar, k});
   return columns;
 }
 

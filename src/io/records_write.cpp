@@ -1,4 +1,5 @@
-// Clouds as binary records: PCD 0.7, and NPY as a structured array (numpy.load gives one field for each number).
+// Clouds as binary records: PCD 0.7, and NPY as a structured array (numpy.load gives one field for each
+// number).
 #include <algorithm>
 #include <cctype>
 
@@ -37,8 +38,8 @@ std::string without(std::string text, std::string_view unwanted) {
   return text;
 }
 
-void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector<OutColumn>& columns, bool packed_color,
-                   Progress& progress) {
+void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector<OutColumn>& columns,
+                   bool packed_color, Progress& progress) {
   using Source = OutColumn::Source;
   std::vector<std::byte> record;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -51,7 +52,8 @@ void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector
       if (packed_color && column.source == Source::red) {
         const Rgba8 c = cloud.colors[i];
         for (std::uint8_t byte : {c.b, c.g, c.r, c.a}) put_as(record, StoredType::uint8, byte);
-      } else if (packed_color && int(column.source) >= int(Source::green) && int(column.source) <= int(Source::alpha)) {
+      } else if (packed_color && int(column.source) >= int(Source::green) &&
+                 int(column.source) <= int(Source::alpha)) {
         continue;
       } else {
         put_as(record, column.type, column.value(cloud, i));
@@ -88,9 +90,9 @@ void write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progr
   }
   const std::string points = std::to_string(cloud.size());
   AtomicWriter out(file);
-  out.write("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS" + names + "\nSIZE" + sizes + "\nTYPE" + types +
-            "\nCOUNT" + counts + "\nWIDTH " + points + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points +
-            "\nDATA binary\n");
+  out.write("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS" + names + "\nSIZE" + sizes +
+            "\nTYPE" + types + "\nCOUNT" + counts + "\nWIDTH " + points +
+            "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n");
   write_records(out, cloud, columns, true, progress);
   out.commit();
 }

@@ -39,12 +39,15 @@ std::vector<std::string> files_in(const std::string& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     std::string name = entry.path().filename().string();
     if (name.starts_with('.') || !entry.is_regular_file(error)) continue;
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    if (std::any_of(extensions.begin(), extensions.end(), [&](const auto& end) { return name.ends_with(end); }))
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    if (std::any_of(extensions.begin(), extensions.end(),
+                    [&](const auto& end) { return name.ends_with(end); }))
       found.push_back(entry.path().string());
   }
   if (error)
-    throw Error(ErrorCode::io, folder + ": cannot read the folder (" + error.message() + "); check the permissions");
+    throw Error(ErrorCode::io,
+                folder + ": cannot read the folder (" + error.message() + "); check the permissions");
   std::sort(found.begin(), found.end());
   if (found.empty()) {
     std::string all;
@@ -83,25 +86,29 @@ std::vector<std::string> expand_inputs(const std::vector<std::string>& words) {
 
 StandardInput::StandardInput() {
   if (isatty(STDIN_FILENO))
-    throw Error(ErrorCode::usage, "-: standard input is the keyboard; pipe a point cloud into it, or name a file");
+    throw Error(ErrorCode::usage,
+                "-: standard input is the keyboard; pipe a point cloud into it, or name a file");
   std::string name = (fs::temp_directory_path() / "sfumato-input-XXXXXX").string();
   handle_ = ::mkstemp(name.data());
   if (handle_ < 0)
-    throw Error(ErrorCode::io, name + ": cannot keep standard input (" + std::strerror(errno) + "); set TMPDIR");
+    throw Error(ErrorCode::io,
+                name + ": cannot keep standard input (" + std::strerror(errno) + "); set TMPDIR");
   ::unlink(name.c_str());  // gone with the last who has it open, whatever happens to us
   path_ = "/proc/self/fd/" + std::to_string(handle_);
   std::array<char, 1 << 16> block;
   while (true) {
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw Error(ErrorCode::io, std::string("standard input: read failed (") + std::strerror(errno) + ")");
+    if (got < 0)
+      throw Error(ErrorCode::io, std::string("standard input: read failed (") + std::strerror(errno) + ")");
     if (got == 0) break;
     for (ssize_t at = 0; at < got;) {
       const ssize_t done = ::write(handle_, block.data() + at, std::size_t(got - at));
       if (done < 0 && errno == EINTR) continue;
       if (done <= 0)
-        throw Error(ErrorCode::io, std::string("standard input does not fit into the folder of temporary files (") +
-                                       std::strerror(errno) + "); set TMPDIR to another");
+        throw Error(ErrorCode::io,
+                    std::string("standard input does not fit into the folder of temporary files (") +
+                        std::strerror(errno) + "); set TMPDIR to another");
       at += done;
     }
   }

@@ -41,8 +41,9 @@ Scene read_scene(const std::vector<std::string>& files, const SceneOptions& opti
     }
     if (scene.files.size() > 1) {
       if (result.cloud.up != scene.cloud.up && !options.up)
-        scene.notes.push_back(file + ": " + to_string(result.cloud.up) + " is up in it, " + to_string(scene.cloud.up) +
-                              " in " + files[0] + ", which decides (--up says otherwise)");
+        scene.notes.push_back(file + ": " + to_string(result.cloud.up) + " is up in it, " +
+                              to_string(scene.cloud.up) + " in " + files[0] +
+                              ", which decides (--up says otherwise)");
       if (result.cloud.crs != scene.cloud.crs && !result.cloud.crs.empty() && !scene.cloud.crs.empty())
         scene.notes.push_back(file + ": its coordinate system is not that of " + files[0] +
                               "; the numbers are put together as they are");

@@ -30,13 +30,14 @@ struct Scene {
 io::ReadResult read_file(const std::string& file, const io::ReadOptions& options = {},
                          Progress& progress = no_progress());
 
-/// Several files get the origin of the first and the scalar `file`. `read.max_points` holds for the whole scene,
-/// after the selection. Throws Error(bad_input) when a file has no points or none is left.
+/// Several files get the origin of the first and the scalar `file`. `read.max_points` holds for the whole
+/// scene, after the selection. Throws Error(bad_input) when a file has no points or none is left.
 Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options,
                  Progress& progress = no_progress());
 
-/// The files that words name: folders (every file in them that can be read, by name), patterns with * ? [ ] when no
-/// file has that very name, and names as they are. Throws Error(io) when a folder or a pattern names nothing.
+/// The files that words name: folders (every file in them that can be read, by name), patterns with * ? [ ]
+/// when no file has that very name, and names as they are. Throws Error(io) when a folder or a pattern names
+/// nothing.
 std::vector<std::string> expand_inputs(const std::vector<std::string>& words);
 
 /// "-" as a file: what standard input holds, kept in a temporary file without a name while this lives.

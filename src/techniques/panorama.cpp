@@ -50,13 +50,15 @@ vec4 premultiplied(const Rgba8& c) {
 
 Rgba8 straight(const vec4& c) {
   if (c.a <= 0) return {0, 0, 0, 0};
-  return {to_code(c.r / c.a), to_code(c.g / c.a), to_code(c.b / c.a), std::uint8_t(std::lround(255 * std::min(c.a, 1.0f)))};
+  return {to_code(c.r / c.a), to_code(c.g / c.a), to_code(c.b / c.a),
+          std::uint8_t(std::lround(255 * std::min(c.a, 1.0f)))};
 }
 
 /// Between the four pixels around a place; `get` gives linear premultiplied colour.
 template <class T, class Get>
 vec4 sample(const Image<T>& image, const glm::dvec2& place, Get&& get) {
-  const double x = std::clamp(place.x - 0.5, 0.0, image.width() - 1.0), y = std::clamp(place.y - 0.5, 0.0, image.height() - 1.0);
+  const double x = std::clamp(place.x - 0.5, 0.0, image.width() - 1.0),
+               y = std::clamp(place.y - 0.5, 0.0, image.height() - 1.0);
   const int left = std::min(int(x), image.width() - 2), top = std::min(int(y), image.height() - 2);
   const float u = float(x - left), v = float(y - top);
   return glm::mix(glm::mix(get(image.at(left, top)), get(image.at(left + 1, top)), u),
@@ -69,7 +71,8 @@ RenderOutput render_panorama(Renderer& renderer, Technique& technique, const Cam
                              const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
   const int width = camera.width, height = camera.height;
   if (width != 2 * height)
-    throw Error(ErrorCode::usage, "a panorama is twice as wide as high, not " + std::to_string(width) + "x" + std::to_string(height));
+    throw Error(ErrorCode::usage, "a panorama is twice as wide as high, not " + std::to_string(width) + "x" +
+                                      std::to_string(height));
   const dvec3 level_up = glm::normalize(up);
   dvec3 ahead = camera.direction() - glm::dot(camera.direction(), level_up) * level_up;
   if (glm::length(ahead) < 1e-9) ahead = camera.up - glm::dot(camera.up, level_up) * level_up;
@@ -79,8 +82,10 @@ RenderOutput render_panorama(Renderer& renderer, Technique& technique, const Cam
 
   RenderSettings fixed = settings;
   if (settings.shadows != Shadows::off && Light::parse(settings.light_text).kind == Light::Kind::headlight) {
-    const dvec3 from = glm::normalize(1.2 * level_up - 0.6 * ahead - 0.7 * right);  // as key_light, for all six
-    fixed.light_text = "dir:" + std::to_string(from.x) + "," + std::to_string(from.y) + "," + std::to_string(from.z);
+    const dvec3 from =
+        glm::normalize(1.2 * level_up - 0.6 * ahead - 0.7 * right);  // as key_light, for all six
+    fixed.light_text =
+        "dir:" + std::to_string(from.x) + "," + std::to_string(from.y) + "," + std::to_string(from.z);
   }
   const RenderSettings& used = fixed.light_text == settings.light_text ? settings : fixed;
 

@@ -5,10 +5,11 @@
 
 namespace sfumato {
 
-/// An equirectangular panorama, `camera.width` x `camera.height` (twice as wide as high), from `camera.position`; its
-/// middle looks along the camera's direction as seen from above, its rows are level with `up`. Six square views with
-/// overlap are rendered and sampled, colours between pixels, the rest at the nearest one. Depth is the distance from the
-/// place. The key light of shadows is that of the view along the middle.
+/// An equirectangular panorama, `camera.width` x `camera.height` (twice as wide as high), from
+/// `camera.position`; its middle looks along the camera's direction as seen from above, its rows are level
+/// with `up`. Six square views with overlap are rendered and sampled, colours between pixels, the rest at the
+/// nearest one. Depth is the distance from the place. The key light of shadows is that of the view along the
+/// middle.
 RenderOutput render_panorama(Renderer& renderer, Technique& technique, const Camera& camera, const dvec3& up,
                              const RenderSettings& settings, const RenderWants& wants = {},
                              Progress& progress = no_progress());

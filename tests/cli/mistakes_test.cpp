@@ -51,7 +51,9 @@ TEST_F(MistakesTest, OfCommandsAndOptions) {
       {{"help", "vews"}, 1, "did you mean views?"},
       {{"completion", "tcsh"}, 1, "sfumato completion bash|zsh|fish"},
       {{"cube.ply", "-o", "a.png", "-t", "points", "--pointsize", "3"}, 1, "did you mean --point-size?"},
-      {{"cube.ply", "-o", "a.png", "-t", "surface", "--pont-size", "3"}, 1, "--point-size of another technique (choose with -t)?"},
+      {{"cube.ply", "-o", "a.png", "-t", "surface", "--pont-size", "3"},
+       1,
+       "--point-size of another technique (choose with -t)?"},
       {{"cube.ply", "-o", "a.png", "--azimuth", "30"}, 1, "did you mean --camera-azimuth-angle?"},
       {{"cube.ply", "-o", "a.png", "--elevation", "30"}, 1, "did you mean --camera-elevation-angle?"},
       {{"cube.ply", "-o", "a.png", "--fov", "30"}, 1, "did you mean --camera-view-angle?"},
@@ -74,7 +76,9 @@ TEST_F(MistakesTest, OfValues) {
   check({
       {{"cube.ply", "-o", "a.png", "--shadows", "on"}, 1, "say which: hard or soft"},
       {{"cube.ply", "-o", "a.png", "-t", "points", "--point-size", "big"}, 1, "is not a number"},
-      {{"cube.ply", "-o", "a.png", "-t", "points", "--point-size", "-3"}, 1, "in range [0.01, 1000000]; the nearest is 0.01"},
+      {{"cube.ply", "-o", "a.png", "-t", "points", "--point-size", "-3"},
+       1,
+       "in range [0.01, 1000000]; the nearest is 0.01"},
       {{"cube.ply", "-o", "a.png", "--max-points", "many"}, 1, "(1000, 250k, 2M, 1e6)"},
       {{"cube.ply", "-o", "a.png", "--max-points", "0"}, 1, "at least 1"},
       {{"cube.ply", "-o", "a.png", "--resolution", "640"}, 1, "WIDTHxHEIGHT, such as 1920x1080"},
@@ -86,7 +90,9 @@ TEST_F(MistakesTest, OfValues) {
       {{"cube.ply", "-o", "a.png", "--look-at", "1,2"}, 1, "3 numbers separated by commas"},
       {{"cube.ply", "-o", "a.png", "--camera-position", "1,5,2,5,3,5"}, 1, "write decimals with a point"},
       {{"cube.ply", "-o", "a.png", "--view", "top", "--camera-azimuth-angle", "3"}, 1, "give one of them"},
-      {{"cube.ply", "-o", "a.png", "--look-at", "0,0,0", "--camera-position", "1,1,1"}, 1, "give one of them"},
+      {{"cube.ply", "-o", "a.png", "--look-at", "0,0,0", "--camera-position", "1,1,1"},
+       1,
+       "give one of them"},
       {{"cube.ply", "-o", "a.png", "--panorama", "--resolution", "640x480"}, 1, "--resolution 960x480"},
       {{"cube.ply", "-o", "a.png", "--panorama", "--zoom", "2"}, 1, "does not go with --panorama"},
       {{"cube.ply", "-o", "a.png", "--color", "stealblue"}, 1, "did you mean steelblue?"},
@@ -138,7 +144,8 @@ TEST_F(MistakesTest, OfFiles) {
       {{"info"}, 1, "sfumato info FILE..."},
       {{"synth", "courtyart", "-o", "a.ply"}, 1, "courtyard"},
   });
-  EXPECT_EQ(files(), (std::vector<std::string>{"broken.json", "comma.xyz", "cube.ply", "odd.json", "words.xyz"}))
+  EXPECT_EQ(files(),
+            (std::vector<std::string>{"broken.json", "comma.xyz", "cube.ply", "odd.json", "words.xyz"}))
       << "no mistake leaves a file behind";
 }
 

@@ -1,4 +1,5 @@
-// What people reach for: views, selections, colours, batches, help. Answers are known from the unit cube's geometry.
+// What people reach for: views, selections, colours, batches, help. Answers are known from the unit cube's
+// geometry.
 #include <cmath>
 #include <cstdlib>
 
@@ -29,7 +30,9 @@ class ReachTest : public CommandTest {
     ok(words);
     return Json::parse(text("k.json"));
   }
-  static double component(const Json& json, const char* key, int k) { return json[key][std::size_t(k)].get<double>(); }
+  static double component(const Json& json, const char* key, int k) {
+    return json[key][std::size_t(k)].get<double>();
+  }
 };
 
 TEST_F(ReachTest, NamedViewsLookFromTheirSide) {
@@ -37,7 +40,12 @@ TEST_F(ReachTest, NamedViewsLookFromTheirSide) {
     const char* name;
     int axis, sign;
   };
-  for (const Side& side : {Side{"front", 1, -1}, {"back", 1, 1}, {"left", 0, -1}, {"right", 0, 1}, {"top", 2, 1}, {"bottom", 2, -1}}) {
+  for (const Side& side : {Side{"front", 1, -1},
+                           {"back", 1, 1},
+                           {"left", 0, -1},
+                           {"right", 0, 1},
+                           {"top", 2, 1},
+                           {"bottom", 2, -1}}) {
     const Json json = camera({"--view", side.name});
     for (int k = 0; k < 3; ++k) {
       const double along = component(json, "position", k) - component(json, "target", k);
@@ -50,19 +58,23 @@ TEST_F(ReachTest, NamedViewsLookFromTheirSide) {
   EXPECT_NEAR(component(camera({"--view", "top"}), "up", 1), 1, 1e-9) << "north is up in a plan";
   const Json iso = camera({"--view", "iso"});
   const double dx = component(iso, "position", 0) - component(iso, "target", 0);
-  EXPECT_NEAR(dx, component(iso, "position", 1) - component(iso, "target", 1), 1e-6) << "three sides at equal angles";
+  EXPECT_NEAR(dx, component(iso, "position", 1) - component(iso, "target", 1), 1e-6)
+      << "three sides at equal angles";
   EXPECT_NEAR(-dx, component(iso, "position", 2) - component(iso, "target", 2), 1e-6);
 }
 
 TEST_F(ReachTest, ZoomRollAndLookAt) {
   const Json plain = camera({}), twice = camera({"--zoom", "2"});
   EXPECT_EQ(plain["position"], twice["position"]);
-  const auto tangent = [](const Json& json) { return std::tan(json["fov_y_deg"].get<double>() * M_PI / 360); };
+  const auto tangent = [](const Json& json) {
+    return std::tan(json["fov_y_deg"].get<double>() * M_PI / 360);
+  };
   EXPECT_NEAR(tangent(plain) / tangent(twice), 2, 1e-9);
   const Json narrow = camera({"--camera-view-angle", "20"});
   EXPECT_EQ(plain["position"], narrow["position"]) << "a smaller angle zooms in: the camera stays";
   EXPECT_NEAR(narrow["fov_y_deg"].get<double>(), 20, 1e-9);
-  const Json flat = camera({"--camera-orthographic"}), flat_twice = camera({"--camera-orthographic", "--zoom", "2"});
+  const Json flat = camera({"--camera-orthographic"}),
+             flat_twice = camera({"--camera-orthographic", "--zoom", "2"});
   EXPECT_NEAR(flat["height_world"].get<double>(), 2 * flat_twice["height_world"].get<double>(), 1e-9);
 
   const Json rolled = camera({"--view", "front", "--roll", "90"});
@@ -75,11 +87,13 @@ TEST_F(ReachTest, ZoomRollAndLookAt) {
   EXPECT_NEAR(component(near, "position", 2), 0.75, 1e-9);
 }
 
-// From the middle of a unit cube a wall is 0.5 away straight ahead, and 0.5 / cos of the angle to its axis elsewhere.
+// From the middle of a unit cube a wall is 0.5 away straight ahead, and 0.5 / cos of the angle to its axis
+// elsewhere.
 TEST_F(ReachTest, PanoramaShowsDistancesAllAround) {
   write_cube("fine.ply", 150);
-  ok({"fine.ply", "-t", "points", "--panorama", "--camera-position", "0.5,0.5,0.5", "--camera-direction", "0,1,0", "--resolution",
-      "128x64", "--output-depth", "d.npy", "-o", "p.png", "--size-mode", "world", "--point-size", "0.012"});
+  ok({"fine.ply", "-t", "points", "--panorama", "--camera-position", "0.5,0.5,0.5", "--camera-direction",
+      "0,1,0", "--resolution", "128x64", "--output-depth", "d.npy", "-o", "p.png", "--size-mode", "world",
+      "--point-size", "0.012"});
   const Image<Rgba8> picture = read_png("p.png");
   EXPECT_EQ(picture.width(), 128);
   EXPECT_EQ(picture.height(), 64);
@@ -88,13 +102,13 @@ TEST_F(ReachTest, PanoramaShowsDistancesAllAround) {
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 128; ++x) {
       const double latitude = M_PI * (0.5 - (y + 0.5) / 64), longitude = M_PI * (2 * (x + 0.5) / 128 - 1);
-      const double d[3] = {std::abs(std::cos(latitude) * std::sin(longitude)), std::abs(std::cos(latitude) * std::cos(longitude)),
-                           std::abs(std::sin(latitude))};
+      const double d[3] = {std::abs(std::cos(latitude) * std::sin(longitude)),
+                           std::abs(std::cos(latitude) * std::cos(longitude)), std::abs(std::sin(latitude))};
       const double expected = 0.5 / std::max({d[0], d[1], d[2]});
       worst = std::max(worst, std::abs(depth.values[std::size_t(y * 128 + x)] - expected));
     }
-  // A pixel is 0.05 rad wide; at a corner of the cube the wall is seen at 55 degrees: 0.5 px x 0.05 x 0.87 x tan 55 = 0.03,
-  // and points are squares of 0.012 that stand a little before the wall.
+  // A pixel is 0.05 rad wide; at a corner of the cube the wall is seen at 55 degrees: 0.5 px x 0.05 x 0.87 x
+  // tan 55 = 0.03, and points are squares of 0.012 that stand a little before the wall.
   EXPECT_LT(worst, 0.05);
   EXPECT_GT(picture.at(64, 20).g, picture.at(64, 20).r) << "green above";
   EXPECT_GT(picture.at(64, 44).r, picture.at(64, 44).g) << "red below: rows are level";
@@ -114,12 +128,15 @@ TEST_F(ReachTest, SelectionsKeepWhatWasAskedFor) {
   EXPECT_EQ(count({"--filter", "row 3"}), 6 * 30);
   EXPECT_EQ(count({"--filter", "row 3..5", "--filter", "z 1.."}), 3 * 30) << "all of them hold";
   EXPECT_EQ(count({"--filter", "red 200.."}), 4 * 450 + 900);
-  EXPECT_EQ(count({"--crop-relative", "0,0,0,1,1,0.499", "--max-points", "1k"}), 1000) << "a thousand of the box";
+  EXPECT_EQ(count({"--crop-relative", "0,0,0,1,1,0.499", "--max-points", "1k"}), 1000)
+      << "a thousand of the box";
   write("classes.csv", "x,y,z,classification\n0,0,0,2\n1,0,0,6\n0,1,0,7\n0,0,1,2\n");
   ok({"convert", "classes.csv", "--show-classes", "2,6", "-o", "c.csv", "--quiet"});
   EXPECT_EQ(text("c.csv"), "x,y,z,classification\n0,0,0,2\n1,0,0,6\n0,0,1,2\n");
-  EXPECT_THAT(ok({"classes.csv", "-t", "points", "--show-classes", "2,9", "-o", "a.png", "--resolution", "32x32"}).err,
-              HasSubstr("class 9 (water) does not occur; there are: 2 ground, 6 building, 7 low noise"));
+  EXPECT_THAT(
+      ok({"classes.csv", "-t", "points", "--show-classes", "2,9", "-o", "a.png", "--resolution", "32x32"})
+          .err,
+      HasSubstr("class 9 (water) does not occur; there are: 2 ground, 6 building, 7 low noise"));
 }
 
 TEST_F(ReachTest, ConvertPutsFilesTogetherAndWritesWhatItReads) {
@@ -135,9 +152,11 @@ TEST_F(ReachTest, ConvertPutsFilesTogetherAndWritesWhatItReads) {
   ok({"convert", "cube.ply", "-o", "c.npy", "--quiet"});
   const std::string bytes = text("c.npy");
   EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x02\x00", 8));
-  EXPECT_THAT(bytes.substr(12, 300), HasSubstr("('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('red', '|u1'), ('green', '|u1'), "
-                                               "('blue', '|u1'), ('row', '<f4'), ], 'fortran_order': False, 'shape': (5400,)"));
-  const std::size_t header = 12 + std::size_t(static_cast<unsigned char>(bytes[8])) + 256u * static_cast<unsigned char>(bytes[9]);
+  EXPECT_THAT(bytes.substr(12, 300),
+              HasSubstr("('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('red', '|u1'), ('green', '|u1'), "
+                        "('blue', '|u1'), ('row', '<f4'), ], 'fortran_order': False, 'shape': (5400,)"));
+  const std::size_t header =
+      12 + std::size_t(static_cast<unsigned char>(bytes[8])) + 256u * static_cast<unsigned char>(bytes[9]);
   EXPECT_EQ(header % 64, 0u);
   EXPECT_EQ(bytes.size(), header + 5400u * 19u);
 }
@@ -147,12 +166,14 @@ TEST_F(ReachTest, ConvertToPlyKeepsColumnsOfZeros) {
   ok({"convert", "p.csv", "-o", "p.las", "--quiet"});
   ok({"convert", "p.las", "-o", "p.ply", "--quiet"});
   const Json las = run_json({"info", "p.las", "--json"}), ply = run_json({"info", "p.ply", "--json"});
-  for (const auto& [name, values] : las["attributes"].items()) EXPECT_EQ(ply["attributes"][name], values) << name;
+  for (const auto& [name, values] : las["attributes"].items())
+    EXPECT_EQ(ply["attributes"][name], values) << name;
 }
 
 TEST_F(ReachTest, ColoursHaveNames) {
   const auto middle = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "64x48", "--shading", "albedo", "--no-edl"});
+    words.insert(words.begin(), {"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "64x48",
+                                 "--shading", "albedo", "--no-edl"});
     ok(words);
     return read_png("a.png").at(32, 24);
   };
@@ -162,12 +183,14 @@ TEST_F(ReachTest, ColoursHaveNames) {
   EXPECT_EQ(middle({"--color", "0,0,1"}), (Rgba8{0, 0, 255, 255}));
   middle({"--background-color", "Light-Grey"});
   EXPECT_EQ(read_png("a.png").at(0, 0), (Rgba8{0xd3, 0xd3, 0xd3, 255}));
-  EXPECT_THAT(ok({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32", "--colormap", "turbo"}).err,
-              HasSubstr("--colormap turbo has no effect"));
+  EXPECT_THAT(
+      ok({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32", "--colormap", "turbo"}).err,
+      HasSubstr("--colormap turbo has no effect"));
 }
 
 TEST_F(ReachTest, SeveralFilesAreSwatchesInTheLegend) {
-  ok({"cube.ply", "cube.ply", "-t", "points", "--color-by", "file", "-o", "a.png", "--resolution", "160x120", "--legend"});
+  ok({"cube.ply", "cube.ply", "-t", "points", "--color-by", "file", "-o", "a.png", "--resolution", "160x120",
+      "--legend"});
   const Image<Rgba8> image = read_png("a.png");
   int first = 0, second = 0;  // of the colours of Okabe and Ito, right of the cube
   for (int y = 60; y < 120; ++y)
@@ -185,37 +208,45 @@ TEST_F(ReachTest, EachFileIsAPictureAndABadOneDoesNotStopTheRest) {
   std::filesystem::copy_file(path("cube.ply"), path("scans/b.ply"));
   write("scans/bad.ply", "ply\nnonsense\n");
   write("scans/readme.md", "no scan");
-  const Outcome outcome = run({"scans", "--each", "-t", "points", "-o", "{stem}_{n}.png", "--resolution", "32x32"});
+  const Outcome outcome =
+      run({"scans", "--each", "-t", "points", "-o", "{stem}_{n}.png", "--resolution", "32x32"});
   EXPECT_EQ(outcome.code, 3) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("scans/bad.ply"));
   EXPECT_THAT(outcome.err, HasSubstr("1 of 3 files failed"));
   EXPECT_TRUE(exists("a_0.png") && exists("b_1.png"));
-  const Outcome pattern = run({"scans/[ab].ply", "--each", "-t", "points,splats", "-o", "{stem}_{technique}.png", "--resolution", "32x32"});
+  const Outcome pattern = run({"scans/[ab].ply", "--each", "-t", "points,splats", "-o",
+                               "{stem}_{technique}.png", "--resolution", "32x32"});
   EXPECT_EQ(pattern.code, 0) << pattern.err;
-  for (const char* name : {"a_points.png", "a_splats.png", "b_points.png", "b_splats.png"}) EXPECT_TRUE(exists(name)) << name;
+  for (const char* name : {"a_points.png", "a_splats.png", "b_points.png", "b_splats.png"})
+    EXPECT_TRUE(exists(name)) << name;
   const Outcome table = run({"info", "scans", "--quiet"});
   EXPECT_EQ(table.code, 3);
   EXPECT_THAT(table.out, HasSubstr("scans/b.ply"));
-  EXPECT_EQ(run({"scans/bad.ply", "--each", "-o", "{stem}.png"}).code, 2) << "of one file it is what it always is";
+  EXPECT_EQ(run({"scans/bad.ply", "--each", "-o", "{stem}.png"}).code, 2)
+      << "of one file it is what it always is";
 }
 
 TEST_F(ReachTest, StandardInputAndOutput) {
   const std::string sfumato = SFUMATO_BINARY, folder = path("").string();
-  const std::string line = "cd '" + folder + "' && '" + sfumato + "' - -t points --resolution 32x32 -o - < cube.ply > out.png 2> err.txt && '" +
-                           sfumato + "' convert - -o - < cube.ply 2> err.txt | '" + sfumato + "' info - --json --quiet > info.json";
+  const std::string line = "cd '" + folder + "' && '" + sfumato +
+                           "' - -t points --resolution 32x32 -o - < cube.ply > out.png 2> err.txt && '" +
+                           sfumato + "' convert - -o - < cube.ply 2> err.txt | '" + sfumato +
+                           "' info - --json --quiet > info.json";
   ASSERT_EQ(std::system(line.c_str()), 0) << text("err.txt");
   EXPECT_EQ(read_png("out.png").width(), 32);
   EXPECT_EQ(Json::parse(text("info.json"))["points"], 5400);
 }
 
 TEST_F(ReachTest, PicturesAndDepthInOtherFormats) {
-  ok({"cube.ply", "-t", "points", "-o", "a.jpg", "--resolution", "64x48", "--output-depth", "d.png", "--quality", "95"});
+  ok({"cube.ply", "-t", "points", "-o", "a.jpg", "--resolution", "64x48", "--output-depth", "d.png",
+      "--quality", "95"});
   EXPECT_EQ(text("a.jpg").substr(0, 3), "\xff\xd8\xff");
   EXPECT_EQ(text("d.png")[24], 16) << "bits a channel";
   EXPECT_EQ(text("d.png")[25], 0) << "grey";
   const auto texts = png_texts("d.png");
   EXPECT_LT(std::stod(texts.at("DepthNear")), std::stod(texts.at("DepthFar")));
-  ok({"cube.ply", "-t", "points", "-o", "a.webp", "--resolution", "64x48", "--output-depth", "d.exr", "--no-background"});
+  ok({"cube.ply", "-t", "points", "-o", "a.webp", "--resolution", "64x48", "--output-depth", "d.exr",
+      "--no-background"});
   EXPECT_EQ(text("a.webp").substr(0, 4) + text("a.webp").substr(8, 4), "RIFFWEBP");
   EXPECT_EQ(text("d.exr").substr(0, 4), std::string("\x76\x2f\x31\x01", 4));
   EXPECT_THAT(text("d.exr").substr(0, 400), HasSubstr("Z"));
@@ -228,18 +259,23 @@ TEST_F(ReachTest, PresetsKeepParametersByTechnique) {
     more.push_back("--json");
     return run_json(more);
   };
-  with({"-t", "points,splats", "--points.point-size", "2", "--shading", "albedo", "--save-preset", "look.json"});
+  with({"-t", "points,splats", "--points.point-size", "2", "--shading", "albedo", "--save-preset",
+        "look.json"});
   EXPECT_EQ(with({"--preset", "look.json", "-t", "points"})["parameters"]["point_size"], 2);
   EXPECT_EQ(with({"--preset", "look.json", "-t", "splats"})["parameters"]["shading"], "albedo");
-  EXPECT_EQ(with({"--preset", "look.json", "-t", "surface"})["parameters"]["shading"], "albedo") << "shared, though saved by others";
-  EXPECT_EQ(with({"--preset", "look.json", "-t", "points", "--point-size", "4"})["parameters"]["point_size"], 4)
+  EXPECT_EQ(with({"--preset", "look.json", "-t", "surface"})["parameters"]["shading"], "albedo")
+      << "shared, though saved by others";
+  EXPECT_EQ(with({"--preset", "look.json", "-t", "points", "--point-size", "4"})["parameters"]["point_size"],
+            4)
       << "the command line wins, also over a qualified name";
 }
 
 TEST_F(ReachTest, DefaultsOfOnesOwn) {
-  write("config.json", R"({"technique": "points", "parameters": {"point_size": 3, "splats": {"normal_mode": "x"}},
+  write("config.json",
+        R"({"technique": "points", "parameters": {"point_size": 3, "splats": {"normal_mode": "x"}},
                            "options": {"resolution": "40x30"}})");
-  write("config.json", R"({"technique": "points", "parameters": {"point_size": 3}, "options": {"resolution": "40x30"}})");
+  write("config.json",
+        R"({"technique": "points", "parameters": {"point_size": 3}, "options": {"resolution": "40x30"}})");
   setenv("SFUMATO_CONFIG", path("config.json").c_str(), 1);
   const Json json = run_json({"cube.ply", "-o", "a.png", "--json"});
   setenv("SFUMATO_CONFIG", "", 1);
@@ -249,8 +285,8 @@ TEST_F(ReachTest, DefaultsOfOnesOwn) {
 }
 
 TEST_F(ReachTest, SwitchesCountsAndThreads) {
-  const Json json = run_json({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32", "--no-edl", "--max-points", "1e3",
-                              "--threads", "1", "--json"});
+  const Json json = run_json({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32", "--no-edl",
+                              "--max-points", "1e3", "--threads", "1", "--json"});
   EXPECT_EQ(json["parameters"]["edl"], false);
   EXPECT_EQ(json["points_rendered"], 1000);
   EXPECT_THAT(ok({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32", "--verbose"}).err,
@@ -260,22 +296,31 @@ TEST_F(ReachTest, SwitchesCountsAndThreads) {
 }
 
 TEST_F(ReachTest, AViewThatSeesNothingSaysWhatWouldShowIt) {
-  const Outcome away = ok({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32", "--camera-position", "9,9,9",
-                           "--camera-direction", "1,1,1"});
+  const Outcome away = ok({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "32x32",
+                           "--camera-position", "9,9,9", "--camera-direction", "1,1,1"});
   EXPECT_THAT(away.err, HasSubstr("nothing is in view. The points lie around 0.5,0.5,0.5; --look-at"));
+}
+
+TEST_F(ReachTest, ClassesThatDoNotOccurAreTold) {
+  write("classes.csv", "x,y,z,classification\n0,0,0,2\n1,0,0,2\n0,1,0,2\n1,1,0,2\n");
+  const Outcome outcome = ok({"classes.csv", "-t", "soft", "--field", "class", "--field-classes", "99", "-o",
+                              "a.png", "--resolution", "32x32"});
+  EXPECT_THAT(outcome.err,
+              HasSubstr("no point has a class of --field-classes; --color-by classification --legend shows"));
 }
 
 TEST_F(ReachTest, HelpFitsTheTerminal) {
   for (const int width : {40, 80, 120}) {
     setenv("COLUMNS", std::to_string(width).c_str(), 1);
-    for (const std::vector<std::string>& words :
-         std::vector<std::vector<std::string>>{{"--help"}, {"--help", "all"}, {"help", "views"}, {"help", "convert"}}) {
+    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+             {"--help"}, {"--help", "all"}, {"help", "views"}, {"help", "convert"}}) {
       const Outcome help = ok(words);
       std::istringstream lines(help.out);
       int count = 0;
       for (std::string line; std::getline(lines, line); ++count)
         // A word that is longer than the line stays whole.
-        EXPECT_TRUE(int(line.size()) <= width || line.find(' ', line.find_first_not_of(' ')) == std::string::npos)
+        EXPECT_TRUE(int(line.size()) <= width ||
+                    line.find(' ', line.find_first_not_of(' ')) == std::string::npos)
             << width << ": " << line;
       if (words == std::vector<std::string>{"--help"} && width == 80) EXPECT_LE(count, 50);
     }
@@ -296,9 +341,10 @@ TEST_F(ReachTest, OneListOfOptionsFeedsHelpManualAndCompletions) {
     write(std::string("completion.") + shell, completion);
   }
   EXPECT_EQ(std::system(("bash -n '" + path("completion.bash").string() + "'").c_str()), 0);
-  const std::string list = "bash -c 'source \"" + path("completion.bash").string() +
-                           "\"; COMP_WORDS=(sfumato --vi); COMP_CWORD=1; _sfumato; echo \"${COMPREPLY[@]}\"' > '" +
-                           path("list.txt").string() + "'";
+  const std::string list =
+      "bash -c 'source \"" + path("completion.bash").string() +
+      "\"; COMP_WORDS=(sfumato --vi); COMP_CWORD=1; _sfumato; echo \"${COMPREPLY[@]}\"' > '" +
+      path("list.txt").string() + "'";
   ASSERT_EQ(std::system(list.c_str()), 0);
   EXPECT_THAT(text("list.txt"), HasSubstr("--view"));
   EXPECT_THAT(manual, HasSubstr("crop\\-relative"));

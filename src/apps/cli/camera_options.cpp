@@ -30,8 +30,7 @@ struct Compass {
 double degrees_in(const char* option, const std::string& text, double low, double high) {
   const double value = parse_number(option, text);
   if (value < low || value > high)
-    throw Error(ErrorCode::usage,
-                fmt::format("{}: {} degrees is outside [{}, {}]", option, text, low, high));
+    throw Error(ErrorCode::usage, fmt::format("{}: {} degrees is outside [{}, {}]", option, text, low, high));
   return glm::radians(value);
 }
 
@@ -67,8 +66,12 @@ struct NamedView {
   const char *name, *azimuth, *elevation;
 };
 /// The front is what azimuth 0 shows; iso sees three sides of a cube at equal angles (atan(1 / sqrt 2)).
-constexpr NamedView named_views[] = {{"front", "0", "0"},  {"back", "180", "0"},  {"left", "-90", "0"},
-                                     {"right", "90", "0"}, {"top", "0", "90"},    {"bottom", "0", "-90"},
+constexpr NamedView named_views[] = {{"front", "0", "0"},
+                                     {"back", "180", "0"},
+                                     {"left", "-90", "0"},
+                                     {"right", "90", "0"},
+                                     {"top", "0", "90"},
+                                     {"bottom", "0", "-90"},
                                      {"iso", "-45", "35.26438968275465"}};
 
 double positive(const char* option, const std::string& text) {
@@ -111,7 +114,8 @@ std::optional<dvec3> CameraOptions::vector(const char* option, const std::option
   const std::vector<double> v = parse_numbers(option, *text, 3);
   for (double number : v)
     if (std::abs(number) > 1e15)
-      throw Error(ErrorCode::usage, std::string(option) + ": '" + *text + "' is beyond 1e15, where no point can be seen");
+      throw Error(ErrorCode::usage,
+                  std::string(option) + ": '" + *text + "' is beyond 1e15, where no point can be seen");
   return dvec3(v[0], v[1], v[2]);
 }
 
@@ -144,15 +148,19 @@ void CameraOptions::check() {
   if (roll_deg) parse_number("--roll", *roll_deg);
   if (panorama) {
     refuse_pair(orthographic, "--panorama and --camera-orthographic");
-    for (const auto& [option, given] : {std::pair("--zoom", zoom.has_value()), {"--roll", roll_deg.has_value()},
+    for (const auto& [option, given] : {std::pair("--zoom", zoom.has_value()),
+                                        {"--roll", roll_deg.has_value()},
                                         {"--camera-view-angle", view_angle_deg.has_value()},
                                         {"--distance", distance.has_value()}})
       if (given)
-        throw Error(ErrorCode::usage, std::string(option) + " does not go with --panorama, which shows everything around a place");
+        throw Error(
+            ErrorCode::usage,
+            std::string(option) + " does not go with --panorama, which shows everything around a place");
     if (resolution) {
       const auto [width, height] = parse_resolution("--resolution", *resolution);
       if (width != 2 * height)
-        throw Error(ErrorCode::usage, fmt::format("--panorama is twice as wide as high: --resolution {}x{}", 2 * height, height));
+        throw Error(ErrorCode::usage, fmt::format("--panorama is twice as wide as high: --resolution {}x{}",
+                                                  2 * height, height));
     }
   }
   refuse_pair(position && (azimuth_deg || elevation_deg),
@@ -207,7 +215,8 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
       camera.up = compass.up;
   }
   if (distance) {
-    const double reach = positive("--distance", *distance), before = glm::length(camera.target - camera.position);
+    const double reach = positive("--distance", *distance),
+                 before = glm::length(camera.target - camera.position);
     camera.position = camera.target - camera.direction() * reach;
     camera.height_world *= reach / before;  // a parallel view also shows less from nearer
   }
@@ -217,8 +226,8 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
 }
 
 bool CameraOptions::moves_camera() const {
-  return file || position || focal_point || view_up || direction || azimuth_deg || elevation_deg || view_angle_deg ||
-         zoom || look_at || distance;
+  return file || position || focal_point || view_up || direction || azimuth_deg || elevation_deg ||
+         view_angle_deg || zoom || look_at || distance;
 }
 
 void CameraOptions::magnify(Camera& camera) const {

@@ -91,8 +91,8 @@ struct CommandLine::State {
     std::string near = suggest_option(word, names);
     if (near.empty() && !(near = suggest_option(word, other_names)).empty())
       near.insert(near.size() - 1, other_place);
-    throw Error(ErrorCode::usage, "unknown option " + word + near + " (" + help.name +
-                                      " --help all lists all)");
+    throw Error(ErrorCode::usage,
+                "unknown option " + word + near + " (" + help.name + " --help all lists all)");
   }
 
   void describe() {
@@ -261,8 +261,7 @@ bool CommandLine::parse(const Words& words) {
   if (s.many) {
     s.many->insert(s.many->end(), loose.begin() + std::ptrdiff_t(taken), loose.end());
   } else if (taken < loose.size()) {
-    throw Error(ErrorCode::usage,
-                "unexpected argument '" + loose[taken] + "' (" + s.help.name + " --help)");
+    throw Error(ErrorCode::usage, "unexpected argument '" + loose[taken] + "' (" + s.help.name + " --help)");
   }
   for (State::Entry& entry : s.entries) {
     if (!entry.fresh) continue;
@@ -316,9 +315,10 @@ std::vector<double> parse_numbers(const std::string& option, std::string_view te
   std::vector<double> values;
   for (const std::string& word : split(text, ',')) values.push_back(parse_number(option, word));
   if (values.size() != count)
-    throw Error(ErrorCode::usage, option + ": '" + std::string(text) + "' is not " + std::to_string(count) +
-                                      " numbers separated by commas" +
-                                      (values.size() == 2 * count ? "; write decimals with a point: 1.5" : ""));
+    throw Error(ErrorCode::usage,
+                option + ": '" + std::string(text) + "' is not " + std::to_string(count) +
+                    " numbers separated by commas" +
+                    (values.size() == 2 * count ? "; write decimals with a point: 1.5" : ""));
   return values;
 }
 

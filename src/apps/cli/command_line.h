@@ -1,5 +1,5 @@
-// One command's options: declared with the place of their value, parsed, and listed for --help, the manual page and
-// the completion of shells. Every one of those reads the same list.
+// One command's options: declared with the place of their value, parsed, and listed for --help, the manual
+// page and the completion of shells. Every one of those reads the same list.
 #pragma once
 
 #include <functional>

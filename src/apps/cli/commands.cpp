@@ -52,7 +52,8 @@ void refuse_unknown_command(const std::string& word) {
     throw Error(ErrorCode::usage,
                 "there is no command '" + word + "': rendering needs none, sfumato FILE... -o OUT.png");
   if (looking.contains(word))
-    throw Error(ErrorCode::usage, "there is no viewer in this version: sfumato FILE... -o OUT.png writes a picture");
+    throw Error(ErrorCode::usage,
+                "there is no viewer in this version: sfumato FILE... -o OUT.png writes a picture");
   std::vector<std::string> names;
   std::string all;
   for (const Command& command : all_commands()) {
@@ -61,9 +62,10 @@ void refuse_unknown_command(const std::string& word) {
     all += (all.empty() ? "" : ", ") + command.name;
   }
   const std::string near = nearest_word(word, names);
-  throw Error(ErrorCode::usage, "'" + word + "' is neither a file here nor a command" +
-                                    (near.empty() ? "; the commands are " + all : "; did you mean " + near + "?") +
-                                    " (sfumato help)");
+  throw Error(ErrorCode::usage,
+              "'" + word + "' is neither a file here nor a command" +
+                  (near.empty() ? "; the commands are " + all : "; did you mean " + near + "?") +
+                  " (sfumato help)");
 }
 
 }  // namespace sfumato::cli

@@ -33,7 +33,8 @@ const Command* find_command(const std::string& name);
 CommandHelp help_of(const std::string& command);
 /// Version, commit, OpenGL and libraries.
 std::string version_text();
-/// Throws Error(usage) when `word`, the first of the line, is neither file nor command but looks like a command.
+/// Throws Error(usage) when `word`, the first of the line, is neither file nor command but looks like a
+/// command.
 void refuse_unknown_command(const std::string& word);
 
 }  // namespace sfumato::cli

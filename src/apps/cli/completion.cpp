@@ -82,7 +82,8 @@ Words spellings(const CommandHelp& help) {
 
 std::string bash() {
   std::string text =
-      "# Completion of sfumato for bash: source it, or install it into bash-completion's folder.\n_sfumato() {\n"
+      "# Completion of sfumato for bash: source it, or install it into bash-completion's folder.\n_sfumato() "
+      "{\n"
       "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} options= arguments=\n"
       "  COMPREPLY=()\n  case $prev in\n";
   std::set<std::string> seen;
@@ -90,8 +91,9 @@ std::string bash() {
     for (const OptionInfo& option : entry.help.options) {
       const Words choices = choices_of(option);
       if (option.hidden || choices.empty() || !seen.insert(option.long_name).second) continue;
-      text += std::string("    ") + (option.short_name ? std::string("-") + option.short_name + "|" : "") + "--" +
-              option.long_name + ") COMPREPLY=($(compgen -W '" + join(choices) + "' -- \"$cur\")); return ;;\n";
+      text += std::string("    ") + (option.short_name ? std::string("-") + option.short_name + "|" : "") +
+              "--" + option.long_name + ") COMPREPLY=($(compgen -W '" + join(choices) +
+              "' -- \"$cur\")); return ;;\n";
     }
   text += "  esac\n  case ${COMP_WORDS[1]} in\n";
   std::string rendering, names;
@@ -103,8 +105,11 @@ std::string bash() {
     else
       text += "    " + entry.name + ") " + row + " ;;\n", names += (names.empty() ? "" : " ") + entry.name;
   }
-  text += rendering + "  esac\n  if [[ $cur == -* ]]; then\n    COMPREPLY=($(compgen -W \"$options\" -- \"$cur\"))\n    return\n"
-          "  fi\n  [[ $COMP_CWORD == 1 ]] && arguments='" + names +
+  text += rendering +
+          "  esac\n  if [[ $cur == -* ]]; then\n    COMPREPLY=($(compgen -W \"$options\" -- \"$cur\"))\n    "
+          "return\n"
+          "  fi\n  [[ $COMP_CWORD == 1 ]] && arguments='" +
+          names +
           "'\n  COMPREPLY=($(compgen -W \"$arguments\" -- \"$cur\") $(compgen -f -- \"$cur\"))\n}\n"
           "complete -o filenames -F _sfumato sfumato\n";
   return text;
@@ -118,8 +123,10 @@ std::string plain(const std::string& text) {
 }
 
 std::string zsh() {
-  std::string text = "#compdef sfumato\n# Completion of sfumato for zsh: a file _sfumato in a folder of fpath.\n_sfumato() {\n"
-                     "  local -a commands\n  commands=(\n";
+  std::string text =
+      "#compdef sfumato\n# Completion of sfumato for zsh: a file _sfumato in a folder of fpath.\n_sfumato() "
+      "{\n"
+      "  local -a commands\n  commands=(\n";
   for (const Command& command : all_commands())
     if (!command.hidden) text += "    '" + command.name + ":" + plain(command.summary) + "'\n";
   text += "  )\n  case ${words[2]} in\n";
@@ -131,14 +138,16 @@ std::string zsh() {
       const Words choices = choices_of(option);
       std::string value;
       if (option.kind == OptionInfo::Kind::value)
-        value = ":" + plain(value_names(option.metavar)) + ":" + (choices.empty() ? "_files" : "(" + join(choices) + ")");
+        value = ":" + plain(value_names(option.metavar)) + ":" +
+                (choices.empty() ? "_files" : "(" + join(choices) + ")");
       const std::string what = "[" + plain(option.help) + "]" + value + "'";
       specs += " \\\n        '--" + option.long_name + what;
       if (option.short_name) specs += std::string(" \\\n        '-") + option.short_name + what;
       if (option.kind != OptionInfo::Kind::value && !option.long_name.starts_with("no-"))
         specs += " \\\n        '--no-" + option.long_name + "[" + plain(option.help) + " (off)]'";
     }
-    const std::string rest = entry.arguments.empty() ? "'*:file:_files'" : "'*:argument:(" + join(entry.arguments) + ")'";
+    const std::string rest =
+        entry.arguments.empty() ? "'*:file:_files'" : "'*:argument:(" + join(entry.arguments) + ")'";
     const std::string row = "      _arguments" + specs + " \\\n        " + rest + "\n";
     if (entry.name.empty())
       rendering = "    *)\n      (( CURRENT == 2 )) && _describe command commands\n" + row + "      ;;\n";
@@ -149,11 +158,13 @@ std::string zsh() {
 }
 
 std::string fish() {
-  std::string text = "# Completion of sfumato for fish: a file sfumato.fish in ~/.config/fish/completions.\n", names;
+  std::string text = "# Completion of sfumato for fish: a file sfumato.fish in ~/.config/fish/completions.\n",
+              names;
   for (const Command& command : all_commands()) {
     if (command.hidden) continue;
     names += " " + command.name;
-    text += "complete -c sfumato -n __fish_use_subcommand -a " + command.name + " -d '" + plain(command.summary) + "'\n";
+    text += "complete -c sfumato -n __fish_use_subcommand -a " + command.name + " -d '" +
+            plain(command.summary) + "'\n";
   }
   for (const Entry& entry : entries()) {
     const std::string when = entry.name.empty() ? "'not __fish_seen_subcommand_from" + names + "'"
@@ -164,9 +175,11 @@ std::string fish() {
       text += "complete -c sfumato -n " + when + " -l " + option.long_name +
               (option.short_name ? std::string(" -s ") + option.short_name : "") +
               (option.kind == OptionInfo::Kind::value ? " -r" : "") +
-              (choices.empty() ? "" : " -f -a '" + join(choices) + "'") + " -d '" + plain(option.help) + "'\n";
+              (choices.empty() ? "" : " -f -a '" + join(choices) + "'") + " -d '" + plain(option.help) +
+              "'\n";
       if (option.kind != OptionInfo::Kind::value && !option.long_name.starts_with("no-"))
-        text += "complete -c sfumato -n " + when + " -l no-" + option.long_name + " -d '" + plain(option.help) + " (off)'\n";
+        text += "complete -c sfumato -n " + when + " -l no-" + option.long_name + " -d '" +
+                plain(option.help) + " (off)'\n";
     }
     if (!entry.arguments.empty())
       text += "complete -c sfumato -n " + when + " -f -a '" + join(entry.arguments) + "'\n";
@@ -195,13 +208,15 @@ std::string roff_options(const CommandHelp& help) {
 int completion_command(const Words& words) {
   std::string shell;
   CommandLine line("sfumato completion",
-                   "Prints the completion of a shell: sfumato completion bash >> ~/.bashrc, or as your shell wants it. make "
+                   "Prints the completion of a shell: sfumato completion bash >> ~/.bashrc, or as your shell "
+                   "wants it. make "
                    "install puts all three into place.");
   line.positional("bash|zsh|fish", shell, "");
   if (!line.parse(words)) return 0;
   if (shell != "bash" && shell != "zsh" && shell != "fish")
-    throw Error(ErrorCode::usage, (shell.empty() ? "completion needs a shell" : "there is no completion for '" + shell + "'") +
-                                      ": sfumato completion bash|zsh|fish");
+    throw Error(ErrorCode::usage,
+                (shell.empty() ? "completion needs a shell" : "there is no completion for '" + shell + "'") +
+                    ": sfumato completion bash|zsh|fish");
   print(shell == "bash" ? bash() : shell == "zsh" ? zsh() : fish());
   return 0;
 }
@@ -209,8 +224,10 @@ int completion_command(const Words& words) {
 int manual_command(const Words& words) {
   CommandLine line("sfumato manual", "Prints the manual page (man -l, make install).");
   if (!line.parse(words)) return 0;
-  std::string text = std::string(".TH SFUMATO 1 \"\" \"sfumato ") + version() + "\"\n.SH NAME\nsfumato \\- point clouds to pictures\n";
-  text += ".SH SYNOPSIS\n.B sfumato\n" + roff("FILE... [-t TECHNIQUE] -o PICTURE") + "\n.br\n.B sfumato\nCOMMAND ...\n";
+  std::string text = std::string(".TH SFUMATO 1 \"\" \"sfumato ") + version() +
+                     "\"\n.SH NAME\nsfumato \\- point clouds to pictures\n";
+  text += ".SH SYNOPSIS\n.B sfumato\n" + roff("FILE... [-t TECHNIQUE] -o PICTURE") +
+          "\n.br\n.B sfumato\nCOMMAND ...\n";
   text += ".SH DESCRIPTION\n" + roff(help_of("").description) + "\n.SH OPTIONS\n" + roff_options(help_of(""));
   text += ".SH COMMANDS\n";
   for (const Command& command : all_commands()) {
@@ -220,9 +237,12 @@ int manual_command(const Words& words) {
     for (const OptionInfo& option : help.options)
       if (!option.hidden) text += ".TP\n.B " + roff(spelling(option)) + "\n" + roff(option.help) + "\n";
   }
-  text += ".SH EXIT STATUS\n0 done, 1 usage, 2 bad input, 3 partial, 4 no usable OpenGL, 5 out of memory, 6 reading or writing "
-          "failed, 130 interrupted\n.SH FILES\n.I ~/.config/sfumato/config.json\n.br\ndefaults of your own, in the form of a preset\n"
-          ".SH ENVIRONMENT\n.TP\n.B SFUMATO_CONFIG\nanother file of defaults; empty: none\n";
+  text +=
+      ".SH EXIT STATUS\n0 done, 1 usage, 2 bad input, 3 partial, 4 no usable OpenGL, 5 out of memory, 6 "
+      "reading or writing "
+      "failed, 130 interrupted\n.SH FILES\n.I ~/.config/sfumato/config.json\n.br\ndefaults of your own, in "
+      "the form of a preset\n"
+      ".SH ENVIRONMENT\n.TP\n.B SFUMATO_CONFIG\nanother file of defaults; empty: none\n";
   print(text);
   return 0;
 }

@@ -1,4 +1,5 @@
-// sfumato convert: between the formats that can be written, several files into one, and only the points wanted.
+// sfumato convert: between the formats that can be written, several files into one, and only the points
+// wanted.
 #include "commands.h"
 #include "common_options.h"
 #include "console.h"
@@ -24,9 +25,10 @@ int convert_command(const Words& words) {
   Words inputs;
   InputOptions input("none");
   CommonOptions common;
-  CommandLine line("sfumato convert",
-                   "Converts point clouds; order and every attribute are kept. Several inputs become one cloud, whose "
-                   "scalar `file` tells them apart.");
+  CommandLine line(
+      "sfumato convert",
+      "Converts point clouds; order and every attribute are kept. Several inputs become one cloud, whose "
+      "scalar `file` tells them apart.");
   line.positionals("IN", inputs, "point clouds, folders or patterns; - is standard input");
   line.text("-o,--output", output, "OUT", "the file to write: " + written_extensions());
   common.declare(line);
@@ -35,8 +37,9 @@ int convert_command(const Words& words) {
   if (!line.parse(words)) return 0;
   common.apply();
   if (inputs.empty() || output.empty())
-    throw Error(ErrorCode::usage, std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
-                                      "; usage: sfumato convert IN... -o OUT");
+    throw Error(ErrorCode::usage,
+                std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
+                    "; usage: sfumato convert IN... -o OUT");
   input.check();
   if (!io::can_write(output))
     throw Error(ErrorCode::usage, "-o " + output + ": clouds are written as " + written_extensions());
@@ -50,12 +53,14 @@ int convert_command(const Words& words) {
   input.scene.read.every_attribute = true;
   const scene::Scene scene = scene::read_scene(inputs, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
-  if (const std::string note = unused_columns(scene, input.scene); !note.empty()) console.say("sfumato: " + note);
+  if (const std::string note = unused_columns(scene, input.scene); !note.empty())
+    console.say("sfumato: " + note);
   io::write(output, scene.cloud, console);
   if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
     console.say("sfumato: " + output + ": files of this format are taken as +Z up, this cloud is " +
                 to_string(scene.cloud.up) + " up: render it with --up " + to_string(scene.cloud.up));
-  const std::string of = scene.cloud.size() == scene.points_read ? "" : " of " + std::to_string(scene.points_read);
+  const std::string of =
+      scene.cloud.size() == scene.points_read ? "" : " of " + std::to_string(scene.points_read);
   console.say("wrote " + output + " (" + std::to_string(scene.cloud.size()) + of + " points)");
   return 0;
 }

@@ -47,8 +47,10 @@ int doctor_command(const Words& words) {
   row("largest texture buffer", fmt::format("{} texels", l.max_texture_buffer_size));
   row("largest storage buffer", fmt::format("{:.0f} MiB", double(l.max_storage_block_size) / (1 << 20)));
   row("work groups per axis", std::to_string(l.max_work_groups));
-  row("fast: float atomics", l.float_atomics ? "yes, used by --fast where a technique can" : "no, --fast has no effect");
-  row("fast: screen filters", default_screen_pass_kind() == ScreenPassKind::compute ? "compute passes" : "fragment passes");
+  row("fast: float atomics",
+      l.float_atomics ? "yes, used by --fast where a technique can" : "no, --fast has no effect");
+  row("fast: screen filters",
+      default_screen_pass_kind() == ScreenPassKind::compute ? "compute passes" : "fragment passes");
   if (l.software)
     text +=
         "\nTo use a GPU: install its driver (Mesa: libgl1-mesa-dri and libegl-mesa0; NVIDIA: libnvidia-egl "

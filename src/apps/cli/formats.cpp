@@ -32,18 +32,19 @@ int formats_command(const Words& words) {
   }
   std::string text = "Clouds that are read (content decides before the extension)\n" + rows(read, width, 28);
   text += "\nClouds that are written (sfumato convert IN... -o OUT)\n" + rows(written, width, 28);
-  text += "\nPictures (-o)\n" +
-          rows({{".png", "8-bit sRGB; with the command that made it inside"},
-                {".jpg .jpeg .webp", "8-bit sRGB (--quality)"},
-                {".exr", "32-bit float: linear colour, depth Z, normals N.X N.Y N.Z"},
-                {".npy", "float32 array (height, width, 4), linear"}},
-               width, 28);
-  text += "\nDepth (--output-depth)\n" +
-          rows({{".npy", "float32 array (height, width), infinite where nothing is"},
-                {".exr", "32-bit float channel Z"},
-                {".png", "16-bit grey, 0 where nothing is, near 1 to far 65535; the texts DepthNear and DepthFar hold "
-                         "both ends in scene units"}},
-               width, 28);
+  text += "\nPictures (-o)\n" + rows({{".png", "8-bit sRGB; with the command that made it inside"},
+                                      {".jpg .jpeg .webp", "8-bit sRGB (--quality)"},
+                                      {".exr", "32-bit float: linear colour, depth Z, normals N.X N.Y N.Z"},
+                                      {".npy", "float32 array (height, width, 4), linear"}},
+                                     width, 28);
+  text +=
+      "\nDepth (--output-depth)\n" +
+      rows({{".npy", "float32 array (height, width), infinite where nothing is"},
+            {".exr", "32-bit float channel Z"},
+            {".png",
+             "16-bit grey, 0 where nothing is, near 1 to far 65535; the texts DepthNear and DepthFar hold "
+             "both ends in scene units"}},
+           width, 28);
   print(text);
   return 0;
 }

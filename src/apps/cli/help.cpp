@@ -14,7 +14,7 @@ namespace {
 
 /// The ten options most used, in the order of use.
 const Words& most_used() {
-  static const Words names = {"technique", "output",     "resolution", "view", "zoom",
+  static const Words names = {"technique", "output", "resolution", "view", "zoom",
                               "color-by",  "legend", "crop",       "each", "preset"};
   return names;
 }
@@ -38,39 +38,53 @@ struct Topic {
 const std::vector<Topic>& topics() {
   static const std::vector<Topic> all = {
       {"views", "where the camera stands",
-       "Without options the view frames the points. --view front|back|left|right|top|bottom|iso chooses the side, "
-       "--camera-azimuth-angle and --camera-elevation-angle any other; --zoom 2 shows things twice as large, --roll turns "
-       "the picture, --look-at X,Y,Z looks at a place from the same side and --distance says from how far away.\n"
-       "--camera-position with --camera-focal-point or --camera-direction places it by hand. A --camera FILE.json, as "
+       "Without options the view frames the points. --view front|back|left|right|top|bottom|iso chooses the "
+       "side, "
+       "--camera-azimuth-angle and --camera-elevation-angle any other; --zoom 2 shows things twice as large, "
+       "--roll turns "
+       "the picture, --look-at X,Y,Z looks at a place from the same side and --distance says from how far "
+       "away.\n"
+       "--camera-position with --camera-focal-point or --camera-direction places it by hand. A --camera "
+       "FILE.json, as "
        "written by --output-camera, brings everything; single options win over it.\n"
        "  sfumato scan.laz --view left --camera-orthographic -o left.png\n"
        "  sfumato scan.laz --look-at 1,2,3 --distance 8 -o detail.png\n"
        "  sfumato scan.laz --panorama --camera-position 1,2,3 -o around.png"},
       {"selections", "which points are shown or converted",
-       "--crop X0,Y0,Z0,X1,Y1,Z1 keeps a box in the file's coordinates, --crop-relative the same in shares of the whole "
-       "box (0,0,0,1,1,0.5 is the lower half). --show-classes 2,6 keeps classes, --hide-classes leaves some out, "
-       "--filter \"SCALAR A..B\" keeps a range of any number of the points and may be given several times. --max-points "
+       "--crop X0,Y0,Z0,X1,Y1,Z1 keeps a box in the file's coordinates, --crop-relative the same in shares "
+       "of the whole "
+       "box (0,0,0,1,1,0.5 is the lower half). --show-classes 2,6 keeps classes, --hide-classes leaves some "
+       "out, "
+       "--filter \"SCALAR A..B\" keeps a range of any number of the points and may be given several times. "
+       "--max-points "
        "keeps a subsample. All of them go with convert as well.\n"
        "  sfumato scan.laz --show-classes 6 --filter \"z 5..\" -o roofs.png\n"
        "  sfumato convert a.laz b.laz --crop-relative 0,0,0,0.5,1,1 -o west.ply"},
       {"colours", "what colours mean",
-       "--color-by takes rgb, intensity, classification, elevation, normal, file or any scalar (sfumato info lists them); "
-       "--colormap and --color-range say how, --legend explains it in the picture. --color paints every point alike.\n"
+       "--color-by takes rgb, intensity, classification, elevation, normal, file or any scalar (sfumato info "
+       "lists them); "
+       "--colormap and --color-range say how, --legend explains it in the picture. --color paints every "
+       "point alike.\n"
        "A colour is a name (steelblue), #hex (#468, #4682b4) or R,G,B from 0 to 1.\n"
        "  sfumato scan.laz --color-by intensity --colormap inferno --legend -o intensity.png\n"
        "  sfumato before.laz after.laz --color-by file --legend -o change.png"},
       {"batches", "many files, many pictures",
-       "Several files are one scene. --each makes one picture a file instead, and names it by -o: {stem} is the file's "
-       "name without folder and extension, {n:04} its number, {technique} the technique. Folders and patterns name their "
+       "Several files are one scene. --each makes one picture a file instead, and names it by -o: {stem} is "
+       "the file's "
+       "name without folder and extension, {n:04} its number, {technique} the technique. Folders and "
+       "patterns name their "
        "files. A file that cannot be read is told and left out; the exit code is then 3.\n"
        "  sfumato scans/ --each -o 'pictures/{stem}.png'\n"
        "  sfumato 'scans/*.laz' --each -t points -o '{stem}_{technique}.png'\n"
        "- is standard input or output: cat scan.laz | sfumato - -o - > scan.png"},
       {"presets", "keeping a look",
-       "--save-preset look.json keeps the technique, every parameter and the options that decide the look; --preset "
-       "look.json brings them back. A preset keeps parameters by technique: with another -t those of the other technique "
+       "--save-preset look.json keeps the technique, every parameter and the options that decide the look; "
+       "--preset "
+       "look.json brings them back. A preset keeps parameters by technique: with another -t those of the "
+       "other technique "
        "wait. What the command line says wins.\n"
-       "Defaults of your own have the same form and are read from $SFUMATO_CONFIG, else ~/.config/sfumato/config.json.\n"
+       "Defaults of your own have the same form and are read from $SFUMATO_CONFIG, else "
+       "~/.config/sfumato/config.json.\n"
        "  {\"technique\": \"points\", \"options\": {\"background-color\": \"#202830\"}}"},
       {"exit-codes", "what scripts learn",
        "  0    done\n  1    usage: something asked for does not exist or contradicts itself\n"
@@ -109,7 +123,8 @@ Words topic_names() {
 
 std::string short_help(const CommandHelp& help) {
   const int width = terminal_width();
-  std::string text = "usage: " + wrap(help.usage, width - 7, 7) + "\n       sfumato COMMAND ...\n\nExamples\n";
+  std::string text =
+      "usage: " + wrap(help.usage, width - 7, 7) + "\n       sfumato COMMAND ...\n\nExamples\n";
   for (const std::string& example : examples()) text += wrap_example(example, width, 2);
   std::vector<OptionInfo> options;
   for (const std::string& name : most_used())
@@ -122,14 +137,21 @@ std::string short_help(const CommandHelp& help) {
   text += "\nCommands\n" + rows(command_rows(), width, 14);
   std::string names;
   for (const std::string& name : topic_names()) names += " " + name;
-  text += "\n" + wrap("All options: sfumato --help all. Parameters of a technique: sfumato techniques NAME. Topics of "
-                      "sfumato help:" + names, width) + "\n";
+  text +=
+      "\n" +
+      wrap(
+          "All options: sfumato --help all. Parameters of a technique: sfumato techniques NAME. Topics of "
+          "sfumato help:" +
+              names,
+          width) +
+      "\n";
   return text;
 }
 
 int help_command(const Words& words) {
   std::string name, rest;
-  CommandLine line("sfumato help", "Explains a command, a technique or a topic; without one, where to begin.");
+  CommandLine line("sfumato help",
+                   "Explains a command, a technique or a topic; without one, where to begin.");
   line.positional("[COMMAND|TOPIC]", name, "");
   if (!line.parse(words)) return 0;
   const int width = terminal_width();
@@ -137,7 +159,8 @@ int help_command(const Words& words) {
   if (name == "all") return print(full_help(help_of(""), width)), 0;
   if (find_command(name)) return print(full_help(help_of(name), width)), 0;
   for (const Topic& topic : topics())
-    if (topic.name == name || topic.name == name + "s" || (topic.name == "colours" && name.starts_with("color")))
+    if (topic.name == name || topic.name == name + "s" ||
+        (topic.name == "colours" && name.starts_with("color")))
       return print(topic_text(topic, width)), 0;
   Words names = topic_names();
   for (const TechniqueInfo& info : all_techniques()) {
@@ -150,7 +173,8 @@ int help_command(const Words& words) {
   for (const std::string& each : names) all += (all.empty() ? "" : ", ") + each;
   const std::string near = nearest_word(name, names);
   throw Error(ErrorCode::usage, "there is no help on '" + name + "'" +
-                                    (near.empty() ? "" : "; did you mean " + near + "?") + " There is on " + all);
+                                    (near.empty() ? "" : "; did you mean " + near + "?") + " There is on " +
+                                    all);
 }
 
 }  // namespace sfumato::cli

@@ -8,10 +8,11 @@
 
 namespace sfumato::cli {
 
-/// Columns of the terminal on standard output: COLUMNS, else what the terminal says, else 80; 40 to 120 are used.
+/// Columns of the terminal on standard output: COLUMNS, else what the terminal says, else 80; 40 to 120 are
+/// used.
 int terminal_width();
-/// The text in lines of at most `width`, every one after the first with `indent` blanks before it. Words longer than
-/// a line stay whole.
+/// The text in lines of at most `width`, every one after the first with `indent` blanks before it. Words
+/// longer than a line stay whole.
 std::string wrap(const std::string& text, int width, int indent = 0);
 /// A command line of an example: continued with backslashes where it is longer than the terminal.
 std::string wrap_example(const std::string& line, int width, int indent);

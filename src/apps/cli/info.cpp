@@ -38,7 +38,8 @@ std::string break_wkt(const std::string& crs, int indent) {
     quoted = c == '"' ? !quoted : quoted;
     depth += quoted ? 0 : c == '[' ? 1 : c == ']' ? -1 : 0;
     text += c;
-    if (c == ',' && !quoted && depth <= 2 && i + 1 < crs.size() && std::isalpha(static_cast<unsigned char>(crs[i + 1])))
+    if (c == ',' && !quoted && depth <= 2 && i + 1 < crs.size() &&
+        std::isalpha(static_cast<unsigned char>(crs[i + 1])))
       text += "\n" + std::string(std::size_t(indent + 2 * depth), ' ');
   }
   return text;
@@ -117,7 +118,9 @@ int info_command(const Words& words) {
   if (json)
     print((several ? list : list.at(0)).dump(2) + "\n");
   else
-    print((several ? fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", "format", "points", "extent", "spacing", "file") : "") +
+    print((several ? fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", "format", "points", "extent", "spacing",
+                                 "file")
+                   : "") +
           text);
   return batch.exit_code();
 }

@@ -21,7 +21,8 @@ std::vector<int> parse_classes(const std::string& option, const std::string& tex
   std::vector<int> codes;
   for (const std::string& code : split(text, ',')) {
     const long id = parse_whole(option, code, 0);
-    if (id > 255) throw Error(ErrorCode::usage, option + ": class " + code + " is beyond 255, the last there is");
+    if (id > 255)
+      throw Error(ErrorCode::usage, option + ": class " + code + " is beyond 255, the last there is");
     codes.push_back(int(id));
   }
   return codes;
@@ -39,8 +40,10 @@ void InputOptions::declare(CommandLine& line) {
             "classification codes left out, and withheld points (" + hide_classes_ +
                 (hide_classes_ == "none" ? ")" : ": noise)"));
   line.texts("--filter", filters_, "\"SCALAR A..B\"",
-             "only points whose number lies there, as \"intensity 10..200\" or \"z 3..\"; may be given several times");
-  line.text("--max-points", max_points_, "N", "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
+             "only points whose number lies there, as \"intensity 10..200\" or \"z 3..\"; may be given "
+             "several times");
+  line.text("--max-points", max_points_, "N",
+            "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...", "text files: names of the columns, instead of the guess");
   line.text("--up", up_, "auto|+Z|-Z|+Y|...", "axis that points up (auto: what the file says, else what its shape tells)");
 }

@@ -1,4 +1,5 @@
-// Which files are read, how, and which of their points are wanted: the same options for rendering and `convert`.
+// Which files are read, how, and which of their points are wanted: the same options for rendering and
+// `convert`.
 #pragma once
 
 #include <optional>

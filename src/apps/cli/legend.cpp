@@ -67,8 +67,9 @@ void draw_swatches(Image<Rgba8>& image, const Coloring& coloring, const vec3& ba
   std::iota(shown.begin(), shown.end(), 0u);
   const std::size_t room = std::size_t(std::max(1, (image.height() * 8 / 10) / line));
   if (shown.size() > room) {  // those with most points, in their own order
-    std::stable_sort(shown.begin(), shown.end(),
-                     [&](std::size_t a, std::size_t b) { return coloring.swatches[a].points > coloring.swatches[b].points; });
+    std::stable_sort(shown.begin(), shown.end(), [&](std::size_t a, std::size_t b) {
+      return coloring.swatches[a].points > coloring.swatches[b].points;
+    });
     shown.resize(room);
     std::sort(shown.begin(), shown.end());
   }

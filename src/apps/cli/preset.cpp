@@ -1,15 +1,15 @@
 #include "preset.h"
 
-#include <nlohmann/json.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/error.h"
 #include "core/version.h"
-#include "io/camera_json.h"
 #include "io/atomic_writer.h"
 #include "io/bounded_json.h"
+#include "io/camera_json.h"
 
 namespace sfumato::cli {
 namespace {
@@ -25,14 +25,16 @@ std::string spell(const Json& value) {
   return text;
 }
 
-/// Whether a preset may set the option: what names files, or decides what is reported, is the command line's alone.
+/// Whether a preset may set the option: what names files, or decides what is reported, is the command line's
+/// alone.
 bool is_look(const std::string& option) {
-  static const std::set<std::string> others = {"technique", "preset",  "camera", "path",   "frames", "degrees", "sequence",
-                                               "timings",   "json",    "quiet",  "version", "help",  "strict",  "memory",
-                                               "config",    "each",    "verbose", "threads", "crop", "look-at",
-                                               "panorama"};
+  static const std::set<std::string> others = {
+      "technique", "preset", "camera",  "path",    "frames", "degrees", "sequence",
+      "timings",   "json",   "quiet",   "version", "help",   "strict",  "memory",
+      "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama"};
   const std::string name = with_dashes(option);
-  const bool is_word = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
+  const bool is_word =
+      !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
   return is_word && !others.contains(name) && !name.starts_with("output") && !name.starts_with("save");
 }
 
@@ -51,8 +53,9 @@ Preset load_preset(const std::filesystem::path& file) {
       preset.technique = value.get<std::string>();
     } else if (key == "parameters" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_look(name)) refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
-                                   with_dashes(name) + " to the command");
+        if (!is_look(name))
+          refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
+                 with_dashes(name) + " to the command");
         if (!setting.is_object()) {
           preset.parameters.emplace_back(name, spell(setting));
           continue;
@@ -62,8 +65,9 @@ Preset load_preset(const std::filesystem::path& file) {
       }
     } else if (key == "options" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_look(name)) refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
-                                   with_dashes(name) + " to the command");
+        if (!is_look(name))
+          refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
+                 with_dashes(name) + " to the command");
         const bool repeated = name == "filter" && setting.is_array();
         for (const Json& one : repeated ? setting : Json::array({setting}))
           preset.options.push_back("--" + with_dashes(name) + "=" + spell(one));
@@ -84,7 +88,8 @@ Words Preset::words_for(const Choice& choice) const {
   };
   for (const auto& [name, value] : parameters) {
     const std::size_t dot = name.find('.');
-    const std::string owner = dot == std::string::npos ? "" : name.substr(0, dot), own = name.substr(owner.empty() ? 0 : dot + 1);
+    const std::string owner = dot == std::string::npos ? "" : name.substr(0, dot),
+                      own = name.substr(owner.empty() ? 0 : dot + 1);
     bool known = false, chosen_has = false;
     for (const TechniqueInfo& info : all_techniques()) {
       if (!owner.empty() && info.name != owner) continue;
@@ -98,7 +103,8 @@ Words Preset::words_for(const Choice& choice) const {
     if (chosen_has)
       take(name, value);
     else if (!known)  // not of another technique either, which would wait for its turn
-      throw Error(ErrorCode::bad_input, file + ": parameters: no technique has '" + name + "' (sfumato techniques NAME lists them)");
+      throw Error(ErrorCode::bad_input, file + ": parameters: no technique has '" + name +
+                                            "' (sfumato techniques NAME lists them)");
   }
   return words;
 }
@@ -109,7 +115,8 @@ Preset load_config() {
   const char* home = std::getenv("HOME");
   const char* config = std::getenv("XDG_CONFIG_HOME");
   if (!(config && *config) && !(home && *home)) return {};
-  const fs::path file = (config && *config ? fs::path(config) : fs::path(home) / ".config") / "sfumato" / "config.json";
+  const fs::path file =
+      (config && *config ? fs::path(config) : fs::path(home) / ".config") / "sfumato" / "config.json";
   std::error_code error;
   return fs::exists(file, error) ? load_preset(file) : Preset{};
 }
@@ -127,21 +134,24 @@ void save_preset(const std::filesystem::path& file, const Choice& choice,
   const auto& first = choice.techniques.front();
   for (std::size_t k = first->own_count; k < first->parameters.all().size(); ++k) {
     const Param& param = first->parameters.all()[k];
-    const bool agreed = std::all_of(choice.techniques.begin(), choice.techniques.end(), [&](const auto& chosen) {
-      const Param* theirs = chosen->parameters.find(param.name);
-      return theirs && theirs->get() == param.get();
-    });
+    const bool agreed =
+        std::all_of(choice.techniques.begin(), choice.techniques.end(), [&](const auto& chosen) {
+          const Param* theirs = chosen->parameters.find(param.name);
+          return theirs && theirs->get() == param.get();
+        });
     if (agreed) json["parameters"][param.name] = param.get();
   }
   for (const Param& param : choice.prepare_parameters.all()) json["parameters"][param.name] = param.get();
   for (const auto& chosen : choice.techniques)
     for (const Param& param : chosen->parameters.all())
-      if (!json["parameters"].contains(param.name)) json["parameters"][chosen->name][param.name] = param.get();
+      if (!json["parameters"].contains(param.name))
+        json["parameters"][chosen->name][param.name] = param.get();
   json["options"] = Json::object();
   for (const auto& [name, value] : given) {
     bool is_parameter = name.find('.') != std::string::npos;  // saved above
     for (const auto& chosen : choice.techniques) is_parameter |= chosen->parameters.find(name) != nullptr;
-    for (const Param& param : choice.prepare_parameters.all()) is_parameter |= with_dashes(param.name) == name;
+    for (const Param& param : choice.prepare_parameters.all())
+      is_parameter |= with_dashes(param.name) == name;
     if (!is_look(name) || is_parameter) continue;
     Json& kept = json["options"];
     if (!kept.contains(name))

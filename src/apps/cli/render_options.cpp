@@ -32,7 +32,8 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("-t,--technique", technique, "NAME[,NAME...]|all",
             "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
   line.text("-o,--output", output, "FILE",
-            "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is standard output");
+            "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is "
+            "standard output");
   line.flag("--each", each, "one picture each file, -o '{stem}.png'; a bad file does not stop the others");
   line.text("--output-panels", output_panels, "NAME_{technique}.png",
             "each technique's own picture as well, of the same rendering as the contact sheet");
@@ -88,12 +89,14 @@ bool has_part(const std::string& pattern, const std::string& name) {
 
 void RenderOptions::check_outputs(std::size_t technique_count) {
   // Two techniques and their names in -o: a picture each, no sheet.
-  if (technique_count > 1 && output_panels.empty() && has_part(output, "technique")) std::swap(output_panels, output);
+  if (technique_count > 1 && output_panels.empty() && has_part(output, "technique"))
+    std::swap(output_panels, output);
   const std::string extension = extension_of(output);
   if (!output.empty() && !is_picture(extension) && extension != ".exr" && extension != ".npy")
     refuse("-o " + output + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
   const bool has_jpeg = extension == ".jpg" || extension == ".jpeg";
-  if (no_background && has_jpeg) refuse("--no-background: a JPEG cannot be transparent; write a .png or .webp");
+  if (no_background && has_jpeg)
+    refuse("--no-background: a JPEG cannot be transparent; write a .png or .webp");
   if (!quality_text.empty()) {
     quality = int(std::min(parse_whole("--quality", quality_text, 1), 1000L));
     if (quality > 100) refuse("--quality: '" + quality_text + "' is not in 1..100");
@@ -116,8 +119,10 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
     refuse("--output-depth " + output_depth + ": depth is written as .npy, .exr or .png (16 bit)");
   if (!output_normal.empty() && extension_of(output_normal) != ".npy")
     refuse("--output-normal " + output_normal + ": the array is written as .npy");
-  if (legend && (extension == ".exr" || extension == ".npy")) refuse("--legend goes with .png, .jpg and .webp only");
-  if (json && io::is_standard_output(output)) refuse("--json and -o " + output + " both write to standard output");
+  if (legend && (extension == ".exr" || extension == ".npy"))
+    refuse("--legend goes with .png, .jpg and .webp only");
+  if (json && io::is_standard_output(output))
+    refuse("--json and -o " + output + " both write to standard output");
 }
 
 void RenderOptions::check(std::size_t technique_count) {
@@ -133,7 +138,8 @@ void RenderOptions::check(std::size_t technique_count) {
   input.check();
   if (sequence && each) refuse("--sequence and --each contradict each other: give one of them");
   if ((sequence || each) && !path.empty())
-    refuse(std::string(sequence ? "--sequence shows its files from one camera" : "--each makes one picture a file") +
+    refuse(std::string(sequence ? "--sequence shows its files from one camera"
+                                : "--each makes one picture a file") +
            ": leave out --path");
   if (path.empty()) {
     if (!frames.empty() || !degrees.empty()) refuse("--frames and --degrees need --path");
@@ -148,14 +154,16 @@ void RenderOptions::check(std::size_t technique_count) {
     if (first == file) {
       if (sequence || !path.empty())
         refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
-      if (each) refuse("'" + file + "' names one file for all pictures: write {stem} where the file's name goes");
+      if (each)
+        refuse("'" + file + "' names one file for all pictures: write {stem} where the file's name goes");
       continue;
     }
     const bool numbered = sequence || each || !path.empty();
     if (!numbered && has_part(file, "n"))
       refuse("'" + file + "': {n} numbers the pictures of --path, --sequence or --each; there is one here");
     if (!each && files.size() > 1 && has_part(file, "stem"))
-      refuse("'" + file + "': {stem} is the name of one file; several are one scene unless --each makes pictures of them");
+      refuse("'" + file +
+             "': {stem} is the name of one file; several are one scene unless --each makes pictures of them");
     if ((sequence || !path.empty()) && file_name(file, {0, "t", "a"}) == file_name(file, {1, "t", "a"}))
       refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
   }
@@ -163,7 +171,8 @@ void RenderOptions::check(std::size_t technique_count) {
   if (!point_color.empty()) {
     if (color.color_by != "auto") refuse("--color and --color-by contradict each other: give one of them");
     color.solid = to_rgba8(color_of("--color", point_color));
-    for (const auto& [option, given] : {std::pair("--colormap", !color.colormap.empty()), {"--color-range", !color_range.empty()},
+    for (const auto& [option, given] : {std::pair("--colormap", !color.colormap.empty()),
+                                        {"--color-range", !color_range.empty()},
                                         {"--legend", legend}})
       if (given) refuse(std::string(option) + " does not go with --color, which paints every point alike");
   }
@@ -198,14 +207,16 @@ std::string file_name(const std::string& pattern, const NameParts& parts) {
   for (std::size_t i = 0, digits = 0, open = 0; i < pattern.size(); ++i) {
     open = pattern[i] == '{' ? 1 : pattern[i] == '}' ? 0 : open;
     digits = open && std::isdigit(static_cast<unsigned char>(pattern[i])) ? digits + 1 : 0;
-    if (digits == 3) refuse("'" + pattern + "' is no file name template: {n:04} gives the frame's number four digits");
+    if (digits == 3)
+      refuse("'" + pattern + "' is no file name template: {n:04} gives the frame's number four digits");
   }
   try {
     return fmt::format(fmt::runtime(pattern), fmt::arg("n", parts.n), fmt::arg("technique", parts.technique),
                        fmt::arg("stem", parts.stem));
   } catch (const fmt::format_error&) {
     refuse("'" + pattern +
-           "' is no file name template: there are {stem} (the input's name), {n:04} (its number) and {technique}; write {{ "
+           "' is no file name template: there are {stem} (the input's name), {n:04} (its number) and "
+           "{technique}; write {{ "
            "for a brace");
   }
 }

@@ -47,7 +47,8 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
   for (const auto& chosen : choice_.techniques) {
     chosen->settings.transparent = options_.no_background;
     chosen->settings.edl.resolve(chosen->technique->wants_edl());
-    chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 && !chosen->technique->has_soft_edges());
+    chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 &&
+                                             !chosen->technique->has_soft_edges());
   }
 }
 
@@ -91,7 +92,8 @@ void Studio::settle(const TechniqueChoice& found) {
 
 RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
   if (options_.camera.panorama)
-    return render_panorama(renderer_, *chosen.technique, camera, up_vector(up_), chosen.settings, wants_, console_);
+    return render_panorama(renderer_, *chosen.technique, camera, up_vector(up_), chosen.settings, wants_,
+                           console_);
   return renderer_.render(*chosen.technique, camera, chosen.settings, wants_, console_);
 }
 
@@ -133,7 +135,8 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
 
 /// Nothing but background: points may lie in the view and yet be too small or too far to be seen.
 bool Studio::is_blank(const Image<Rgba8>& image) const {
-  if (options_.no_background) return std::all_of(image.begin(), image.end(), [](const Rgba8& c) { return c.a == 0; });
+  if (options_.no_background)
+    return std::all_of(image.begin(), image.end(), [](const Rgba8& c) { return c.a == 0; });
   return std::all_of(image.begin(), image.end(), [&](const Rgba8& c) { return c == image.at(0, 0); });
 }
 
@@ -167,7 +170,8 @@ void Studio::write_depth(const std::string& name, const Image<float>& depth) {
   if (extension == ".exr")
     io::write_exr(name, {}, depth, {}, command_);
   else if (extension == ".png")
-    io::write_depth_png(name, depth, {{"Software", std::string("sfumato ") + version()}, {"Command", command_}});
+    io::write_depth_png(name, depth,
+                        {{"Software", std::string("sfumato ") + version()}, {"Command", command_}});
   else
     io::write_npy(name, depth);
 }

@@ -172,6 +172,11 @@ class Soft final : public Technique {
     std::snprintf(text, sizeof text, "%.1f %% of the points are soft (%s above %.3g)", share,
                   parameters_.field.field.c_str(), double(parameters_.field_threshold.value()));
     lines.emplace_back(text);
+    if (points_.count() == 0 && !field_.values.empty())
+      lines.emplace_back(parameters_.field.field == "class"
+                             ? "nothing is soft: no point has a class of --field-classes; --color-by classification "
+                               "--legend shows those that occur"
+                             : "nothing is soft: no point lies above --field-threshold; a lower one makes some soft");
     if (parameters_.model == Model::base || parameters_.model == Model::concentric)
       lines.push_back(std::to_string(interior_.fragments()) + " fragments");
     if (const std::uint32_t count = interior_.overflows(); count > 0)
