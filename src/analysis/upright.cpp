@@ -112,7 +112,7 @@ Upright guess_upright(const PointCloud& cloud) {
   double most = sample.stands_on(own, int(cloud.up) % 2 == 0) + lead;
   for (int axis : {1, 2}) {
     const double firm = sample.stands_on(axis, true);
-    if (axis == own || firm <= most) continue;
+    if (axis == own || !(firm > most)) continue;  // NaN where there is no extent
     most = firm;
     best = {axis_of(axis, true), std::string("stands on its lowest layer along ") + "xyz"[axis], -45, 30};
   }

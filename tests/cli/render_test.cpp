@@ -387,7 +387,7 @@ TEST_F(RenderTest, UpIsReportedAndGivenBack) {
   const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "48x32", "--json"});
   EXPECT_TRUE(json["up"].is_string());
   EXPECT_NE(json["up_reason"], "");
-  EXPECT_EQ(run_json({"cube.ply", "--up", "-x", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], "-X");
+  EXPECT_EQ(run_json({"cube.ply", "--up=-x", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], "-X");
   EXPECT_EQ(run_json({"cube.ply", "--up", "auto", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], json["up"]);
 }
 

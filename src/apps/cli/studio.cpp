@@ -59,8 +59,10 @@ Studio::~Studio() {
 
 void Studio::set_scene(scene::Scene scene) {
   up_ = scene.cloud.up;
+  bool settled = false;
   const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
-    if (choice_.automatic()) settle(choose_technique(sorted, tree));
+    settled = choice_.automatic();
+    if (settled) choice_.settle(choose_technique(sorted, tree));
     Attributes needs;
     for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
     if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
@@ -73,6 +75,9 @@ void Studio::set_scene(scene::Scene scene) {
   color.file_names = scene.file_names;
   coloring_ = color_points(prepared.cloud, color);
   report_.color_by = coloring_.source;
+  for (const auto& chosen : choice_.techniques)
+    if (settled && !chosen->reason.empty())
+      console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
   background_ = options_.background_color.empty() ? contrasting_background(coloring_.colors) : options_.background;
   report_.background = background_;
   for (const auto& chosen : choice_.techniques) chosen->settings.background = background_;
@@ -81,13 +86,6 @@ void Studio::set_scene(scene::Scene scene) {
     console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring_.source +
                  ", which explains itself");
   renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
-}
-
-void Studio::settle(const TechniqueChoice& found) {
-  choice_.settle(found);
-  for (const auto& chosen : choice_.techniques)
-    if (!chosen->reason.empty())
-      console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
 }
 
 RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {

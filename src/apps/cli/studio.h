@@ -48,8 +48,6 @@ class Studio {
   void write(const RenderOutput& out, const Camera& camera, int n);
   bool is_blank(const Image<Rgba8>& image) const;
 
-  void settle(const TechniqueChoice& found);
-
   const RenderOptions& options_;
   Choice& choice_;
   RenderReport& report_;
