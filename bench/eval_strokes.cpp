@@ -1,7 +1,8 @@
 // Strokes against strokes painted over a picture (dos Anjos 2017, Figure 6), and how calm both are in motion:
 //
-//   eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence]
+//   eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]
 //
+// `likeness`: what each style keeps of the unpainted picture, that of `splats` without light (bench/likeness.h).
 // Writes {points,image,strokes}_{all,40000}.png at the size of the camera, and prints the mean change of a pixel from frame
 // to frame (bench/frame_difference.h) along a slow orbit.
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include "core/error.h"
 #include "frame_difference.h"
 #include "image_strokes.h"
+#include "likeness.h"
 #include "io/camera_json.h"
 #include "io/image_png.h"
 #include "io/io.h"
@@ -90,11 +92,36 @@ void coherence(Renderer& renderer, const PointCloud& cloud, Camera camera, int f
   }
 }
 
+/// Every style against the unpainted picture, at the scale of a stroke of the default style; of headlights neither knows.
+void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& camera) {
+  show(renderer, cloud);
+  RenderSettings settings;
+  settings.transparent = true;
+  auto picture_of = [&](const char* technique, const char* style, Shading shading) {
+    settings.shading = shading;
+    return renderer.render(*made(technique, style ? "style" : "", style ? style : ""), camera, settings).rgba8;
+  };
+  const float sigma = 0.5f * like_ours(camera).width_px;
+  const Image<Rgba8> unlit = picture_of("splats", nullptr, Shading::albedo);
+  const Image<Rgba8> lit = picture_of("splats", nullptr, Shading::lit);
+  std::printf("| style | gradients | structure | colour | lightness | specks (groups) | overshoot |\n");
+  auto row = [&](const char* style, const Image<Rgba8>& painting, const Image<Rgba8>& picture) {
+    const bench::Likeness l = bench::likeness(painting, picture, sigma);
+    std::printf("| %s | %.3f | %.3f | %.1f | %+.1f | %zu (%zu) | %.2f %% |\n", style, l.gradients, l.structure, l.color,
+                l.lightness, l.specks, l.speck_groups, 100 * l.overshoot);
+    std::fflush(stdout);
+  };
+  row("points", picture_of("points", nullptr, Shading::albedo), unlit);
+  for (const char* style : {"oil", "impressionist", "pointillist", "watercolor", "charcoal", "figure_4b", "figure_4c", "figure_4d"})
+    row(style, picture_of("strokes", style, Shading::lit), cloud.colors.empty() ? lit : unlit);
+  row("oil, colours alone", picture_of("strokes", "oil", Shading::albedo), unlit);
+}
+
 }  // namespace
 
 int main(int count, char** words) {
   if (count != 4 && count != 6) {
-    std::fprintf(stderr, "usage: eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence]\n");
+    std::fprintf(stderr, "usage: eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]\n");
     return 2;
   }
   const std::string part = count == 6 ? words[5] : "all";
@@ -103,8 +130,9 @@ int main(int count, char** words) {
     Renderer renderer(*context);
     const PointCloud cloud = io::read(words[1]).cloud;
     const Camera camera = io::read_camera(words[2]);
-    if (part != "coherence") figure_6(renderer, cloud, camera, words[3]);
-    if (part != "figure6") coherence(renderer, cloud, camera, 25, 0.25);
+    if (part == "figure6" || part == "all") figure_6(renderer, cloud, camera, words[3]);
+    if (part == "coherence" || part == "all") coherence(renderer, cloud, camera, 25, 0.25);
+    if (part == "likeness" || part == "all") likeness_table(renderer, cloud, camera);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "eval_strokes: %s\n", error.what());
     return 1;
