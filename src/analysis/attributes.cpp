@@ -10,12 +10,12 @@
 #include <numbers>
 #include <optional>
 
-#include "analysis/clusters.h"
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
 #include "analysis/range_image.h"
 #include "analysis/support.h"
+#include "analysis/stroke_attributes.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -141,7 +141,8 @@ Attributes attributes_of(const PointCloud& cloud) {
   if (complete_for_all(cloud.normals)) found = found | Attribute::normal;
   if (complete_for_all(cloud.radii)) found = found | Attribute::radius;
   if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
-  if (cloud.scalar("cluster") && cloud.scalar("stroke_size") && cloud.scalar("stroke_room"))
+  if (cloud.scalar("cluster") && cloud.scalar("stroke_size") && cloud.scalar("stroke_room") &&
+      cloud.scalar("stroke_detail") && cloud.scalar("stroke_axis"))
     found = found | Attribute::cluster;
   return found;
 }
@@ -181,7 +182,7 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   }
   // First, because the normals of points without one come from their clusters.
   const bool clusters = needs.has(Attribute::cluster) && !found.has(Attribute::cluster);
-  if (clusters) add_clusters(prepared, {}, progress);
+  if (clusters) add_clusters(prepared, options.strokes, progress);
   const Attributes had = clusters || views ? attributes_of(cloud) : found;
   const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
   const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);

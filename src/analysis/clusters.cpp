@@ -16,7 +16,6 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
-constexpr int neighbors_of_size = 8;
 
 /// Sets that grow together from several threads; the lowest index is the root, whatever the order of the calls.
 class DisjointSets {
@@ -251,7 +250,7 @@ class RegionGrowing {
       beyond[r].insert(beyond[r].end(), beyond_[s].begin(), beyond_[s].end());
     }
     for (std::uint32_t r = 0; r < region_count_; ++r) {
-      if (points[r] >= options_.min_size) continue;
+      if (points[r] >= std::uint64_t(options_.min_size)) continue;
       const Beyond* nearest = nullptr;
       for (const Beyond& next : beyond[r])
         if (region_[next.segment] != r && (!nearest || next < *nearest)) nearest = &next;
@@ -323,110 +322,6 @@ void NeighborGraph::for_each(const Visit& visit, std::string_view text) const {
 Clusters grow_clusters(const PointCloud& cloud, const NeighborGraph& graph, float median_spacing,
                        const ClusterOptions& options, Progress& progress) {
   return RegionGrowing(cloud, graph, options.gap.value_or(5 * median_spacing), options, progress).run();
-}
-
-float stroke_size(std::vector<float>& distances, int k) {
-  const std::size_t n = std::min(std::size_t(std::max(k, 0)), distances.size());
-  if (n == 0) return 0;
-  std::nth_element(distances.begin(), distances.begin() + std::ptrdiff_t(n - 1), distances.end());
-  double mean = 0, variance = 0;
-  for (std::size_t j = 0; j < n; ++j) mean += distances[j] / double(n);
-  for (std::size_t j = 0; j < n; ++j) variance += (distances[j] - mean) * (distances[j] - mean) / double(n);
-  return float(mean + std::sqrt(variance));
-}
-
-std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const float> labels, std::span<const vec3> normals,
-                                std::span<const float> sizes, Progress& progress) {
-  constexpr float most_sizes = 100, crease = 0.866f, open_rim = 0.35f;  // cosine of 30 degrees
-  const std::span<const vec3> positions = graph.positions();
-  std::vector<float> room(positions.size());
-  for (std::size_t i = 0; i < room.size(); ++i) room[i] = most_sizes * sizes[i];
-  if (!graph.keeps()) return room;
-  graph.for_each(
-      [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
-        vec3 sum(0);
-        float farthest = 0;
-        for (std::uint32_t j : ids) {
-          const float distance = glm::distance(positions[i], positions[j]);
-          if (labels[j] != labels[i] || std::abs(glm::dot(normals[i], normals[j])) < crease)
-            room[i] = std::min(room[i], distance);
-          sum += positions[j] - positions[i];
-          farthest = std::max(farthest, distance);
-        }
-        // The points of half a disc have their centre 4/(3 pi) = 0.42 of the radius away from its middle.
-        if (!ids.empty() && glm::length(sum) > open_rim * farthest * float(ids.size()))
-          room[i] = std::min(room[i], 0.5f * sizes[i]);
-      },
-      "borders of strokes");
-  // Distances spread along the graph until nothing gets shorter; the result does not depend on the order.
-  std::vector<std::uint32_t> front, next;
-  for (std::uint32_t i = 0; i < room.size(); ++i)
-    if (room[i] < most_sizes * sizes[i]) front.push_back(i);
-  while (!front.empty()) {
-    progress.check();
-    next.clear();
-    for (std::uint32_t i : front)
-      for (std::uint32_t j : graph.of(i)) {
-        const float through = room[i] + glm::distance(positions[i], positions[j]);
-        if (through < room[j]) {
-          room[j] = through;
-          next.push_back(j);
-        }
-      }
-    std::sort(next.begin(), next.end());
-    next.erase(std::unique(next.begin(), next.end()), next.end());
-    std::swap(front, next);
-  }
-  return room;
-}
-
-void add_clusters(PreparedCloud& prepared, const ClusterOptions& options, Progress& progress) {
-  PointCloud& cloud = prepared.cloud;
-  const NeighborGraph graph(cloud.positions, options.neighbors, progress);
-  ScalarField cluster{"cluster", 0, std::vector<float>(cloud.size()), StoredType::uint32};
-  if (const ScalarField* given = cloud.scalar("cluster")) {
-    cluster = *given;
-  } else {
-    const Clusters found = grow_clusters(cloud, graph, prepared.median_spacing, options, progress);
-    std::copy(found.label.begin(), found.label.end(), cluster.values.begin());
-  }
-
-  ScalarField size{"stroke_size", 0, std::vector<float>(cloud.size()), StoredType::float32};
-  std::vector<vec3> normals = cloud.normals;
-  normals.resize(cloud.size(), vec3(0));
-  const Orientation orientation(cloud);
-  struct Scratch {
-    std::vector<float> distances;
-    std::vector<std::uint32_t> near;
-  };
-  tbb::enumerable_thread_specific<Scratch> scratches;
-  graph.for_each(
-      [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
-        Scratch& scratch = scratches.local();
-        scratch.distances.clear();
-        for (std::uint32_t j : ids) scratch.distances.push_back(glm::distance(cloud.positions[i], cloud.positions[j]));
-        const float s = stroke_size(scratch.distances, neighbors_of_size);
-        size.values[i] = s > 0 ? s : std::sqrt(2.0f) * prepared.median_spacing;  // the s of a square grid
-        if (normals[i] != vec3(0)) return;
-        // stroke_size left the nearest in front.
-        const auto count = std::min<std::size_t>(neighbors_of_size, ids.size());
-        const float r = std::accumulate(scratch.distances.begin(), scratch.distances.begin() + std::ptrdiff_t(count), 0.0f) /
-                        float(std::max<std::size_t>(count, 1));
-        scratch.near.clear();
-        for (std::uint32_t j : ids)
-          if (cluster.values[j] == cluster.values[i] && glm::distance(cloud.positions[i], cloud.positions[j]) <= 3 * r)
-            scratch.near.push_back(j);
-        // Two neighbours span a plane; a point that is alone in its cluster takes what is around it.
-        const auto normal = thinnest_direction(cloud.positions, i, scratch.near.size() >= 3 ? scratch.near : ids);
-        normals[i] = normal ? orientation.facing(i, *normal) : orientation.fallback(i);
-      },
-      "stroke sizes");
-  ScalarField room{"stroke_room", 0, stroke_rooms(graph, cluster.values, normals, size.values, progress),
-                   StoredType::float32};
-  cloud.normals = std::move(normals);
-  cloud.set_scalar(std::move(room));
-  cloud.set_scalar(std::move(cluster));
-  cloud.set_scalar(std::move(size));
 }
 
 }  // namespace sfumato::analysis

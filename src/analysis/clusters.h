@@ -1,5 +1,4 @@
-// Clusters of points that belong together, by colour or, where there is none, by the bend of the surface; and what
-// stroke-based splatting derives from them.
+// Clusters of points that belong together, by colour or, where there is none, by the bend of the surface.
 //
 // Q. Zhan, Y. Liang, Y. Xiao, "Color-based segmentation of point clouds", ISPRS Laser Scanning 2009, in the form of
 // PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. Everything is
@@ -14,7 +13,9 @@
 #include <vector>
 
 #include "analysis/neighbors.h"
-#include "core/prepared_cloud.h"
+#include "core/param.h"
+#include "core/point_cloud.h"
+#include "core/progress.h"
 
 namespace sfumato::analysis {
 
@@ -23,7 +24,7 @@ struct ClusterOptions {
   float point_threshold = 6;        ///< RGB distance, 0..255 each: neighbours this alike grow together
   float region_threshold = 5;       ///< RGB distance of means: segments this alike are merged
   std::optional<float> gap;         ///< scene units: only segments this near are merged; auto: 5 median spacings
-  std::uint32_t min_size = 100;     ///< points: smaller clusters join the nearest one
+  int min_size = 100;               ///< points: smaller clusters join the nearest one
   float angle_deg = 8;              ///< without colours: neighbours whose normals differ less grow together,
   float bend_deg = 12;              ///<   where the normals around a point differ less than this on average
 };
@@ -56,19 +57,5 @@ struct Clusters {
 /// Throws Cancelled. `median_spacing` in scene units.
 Clusters grow_clusters(const PointCloud& cloud, const NeighborGraph& graph, float median_spacing,
                        const ClusterOptions& options, Progress& progress = no_progress());
-
-/// s = r + eps_r of a point: mean distance to its (at most) K nearest neighbours plus the standard deviation of
-/// those distances (dos Anjos 2017, Sec. 3.1). `distances` in scene units, any order; 0 when there are none.
-float stroke_size(std::vector<float>& distances, int k);
-
-/// How far a stroke may reach from each point along the surface, scene units: to the border of the cluster, to a crease
-/// (normals 30 degrees apart) or to where the points end. At most 100 stroke sizes; that, too, where the graph does
-/// not fit into memory.
-std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const float> labels, std::span<const vec3> normals,
-                                std::span<const float> sizes, Progress& progress = no_progress());
-
-/// What `Attribute::cluster` stands for: the scalars `cluster`, `stroke_size` and `stroke_room`, and normals where the
-/// cloud has none, each from neighbours of its own cluster within 3 r (dos Anjos 2017, Sec. 3.1).
-void add_clusters(PreparedCloud& prepared, const ClusterOptions& options, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

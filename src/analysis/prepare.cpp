@@ -64,6 +64,7 @@ void PrepareOptions::describe(ParamList& p) {
       .range(0.05, 1)
       .unit("factor")
       .help("radius of points that lie on no surface, as foliage does; 1: as on a surface");
+  strokes.describe(p);
 }
 
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options, Progress& progress) {

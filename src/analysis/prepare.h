@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "analysis/stroke_attributes.h"
 #include "core/param.h"
 #include "core/prepared_cloud.h"
 #include "core/progress.h"
@@ -12,6 +13,7 @@ namespace sfumato::analysis {
 struct PrepareOptions {
   int neighbors = 24;
   float clutter_radius = 0.2f;
+  StrokeOptions strokes;
   void describe(ParamList& p);
 };
 

@@ -87,7 +87,7 @@ TEST_F(ListsTest, AChangeStartsOver) {
 
 TEST_P(StrokeListsTest, LittleMemoryMeansBandsAndNoLoss) {
   Studio roomy(two_spheres()), narrow(two_spheres());
-  for (Studio* s : {&roomy, &narrow}) s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12");
+  for (Studio* s : {&roomy, &narrow}) s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12"), s->set("detail", "0");
   narrow.set("fragment_memory", "1");
   ASSERT_TRUE(roomy.step());
   ASSERT_TRUE(narrow.step());

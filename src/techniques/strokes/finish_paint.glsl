@@ -28,6 +28,8 @@ layout(binding = UNIT_INPUT + 1) uniform sampler2D sum_normal;
 layout(binding = UNIT_INPUT + 2) uniform sampler2D sum_rest;
 #endif
 
+uniform vec2 even_light;  // ambient and diffuse of paint that light falls straight on everywhere; 1 0 where shading follows
+
 bool filter_pixel(ivec2 pixel) {
 #if defined(PAINT_NEAREST) || defined(PAINT_LISTED)
   uvec4 fragment = nearest_fragment(pixel);
@@ -53,8 +55,9 @@ bool filter_pixel(ivec2 pixel) {
   float size = length(n);
   // What is left of the light below half a percent is not worth another stroke: the pixel counts as covered.
   float alpha = color.a < 0.005 ? 1.0 : weight;
-  out_0 = vec4(color.rgb * (alpha / weight), alpha);
+  float shadow = normal.w / weight;
+  out_0 = vec4(color.rgb * (alpha / weight) * (even_light.x + even_light.y * shadow), alpha);
   out_1 = vec4(t / weight / length(slope));
-  out_2 = vec4(size > 1e-3 * weight ? n / size : vec3(0.0), normal.w / weight);
+  out_2 = vec4(size > 1e-3 * weight ? n / size : vec3(0.0), shadow);
   return true;
 }

@@ -9,7 +9,7 @@ uniform float relief;
 struct Paint {
   vec3 color;
   float alpha;
-  vec3 normal;  // eye, facing the camera, bent by the relief
+  vec3 normal;  // eye, facing the camera
   float shadow;
   float t;
 };
@@ -41,7 +41,8 @@ Paint paint_of(uvec4 fragment, ivec2 pixel) {
     vec2 rise = unpackSnorm4x8(fragment.z).zw * relief * 5.0;
     vec3 along = normalize(uintBitsToFloat(texelFetch(strokes, at + 1).xyz));
     vec3 across = normalize(uintBitsToFloat(texelFetch(strokes, at + 2).xyz));
-    p.normal = normalize(p.normal - rise.x * along - rise.y * across);
+    // Light from the upper left, as on a painting on a wall. Rise and fall of a stroke cancel: on the whole the colour stays.
+    p.color *= clamp(1.0 - dot(rise.x * along + rise.y * across, vec3(-0.5, 0.6, 0.62)), 0.6, 1.5);
   }
   return p;
 }

@@ -4,13 +4,17 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
+#include "analysis/stroke_attributes.h"
 #include "passes/bindings.h"
 
 namespace sfumato::strokes {
 namespace {
+
+constexpr float largest_half = 65504;
 
 std::uint64_t mix(std::uint64_t x) {  // splitmix64
   x += 0x9e3779b97f4a7c15u;
@@ -58,18 +62,31 @@ double seed_quantum(double median_spacing, double before) {
   return std::exp2(std::round(std::log2(target)));
 }
 
+std::vector<std::uint32_t> dense_labels(const std::vector<float>& labels) {
+  // By bits, so that a NaN is a label like another. Few are unlike the one before.
+  std::vector<std::uint32_t> out(labels.size());
+  std::unordered_map<std::uint32_t, std::uint32_t> names;
+  std::uint32_t before = 0, name = 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(labels[i]);
+    if (i == 0 || bits != before) name = names.try_emplace(bits, std::uint32_t(names.size())).first->second;
+    before = bits;
+    out[i] = name;
+  }
+  return out;
+}
+
 std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vector<Rgba8>& colors,
-                                         const std::vector<float>& labels, const std::vector<float>& sizes) {
+                                         const std::vector<std::uint32_t>& labels, const std::vector<float>& sizes) {
   struct Sum {
     std::uint64_t points = 0, r = 0, g = 0, b = 0;  // whole numbers: the order of the points does not matter
     double area = 0;
     dvec3 p{0};
     glm::dmat3 pp{0};
   };
-  const float largest = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end());
-  std::vector<Sum> sums(std::size_t(std::max(largest, 0.0f)) + 1);
+  std::vector<Sum> sums(labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + std::size_t(1));
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    Sum& sum = sums[std::size_t(std::max(labels[i], 0.0f))];
+    Sum& sum = sums[labels[i]];
     const dvec3 p(cloud.positions[i]);
     ++sum.points;
     sum.r += colors[i].r, sum.g += colors[i].g, sum.b += colors[i].b;
@@ -100,15 +117,17 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
   chunks_.clear();
   serial_ = 0;
   if (!points.empty()) {
-    const std::vector<float>& labels = points.scalar("cluster")->values;
+    const std::vector<std::uint32_t> labels = dense_labels(points.scalar("cluster")->values);
     const std::vector<float>& sizes = points.scalar("stroke_size")->values;
     const std::vector<float>& rooms = points.scalar("stroke_room")->values;
+    const std::vector<float>& axes = points.scalar("stroke_axis")->values;
+    const std::vector<float>& details = points.scalar("stroke_detail")->values;
     const std::vector<ClusterShape> shapes = cluster_shapes(points, cloud.colors(), labels, sizes);
     const std::vector<vec3> wide =
         tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
     quantum_ = seed_quantum(cloud.median_spacing(), quantum_);
-    // Isolated points must not become the largest strokes of the picture; eight times the median still closes what is
-    // 64 times as sparse.
+    // What has no support was capped (analysis/stroke_attributes.h). Sparse ends of a scan: eight times the median still
+    // closes what is 64 times as sparse.
     std::vector<float> sorted = sizes;
     const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
@@ -122,13 +141,16 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
       for (std::uint32_t k = 0; k < chunk.count; ++k) {
         const std::size_t i = chunk.first + k;
         const vec3 n = points.normals[i];
-        const TangentFrame frame = tangent == Tangent::householder ? householder_frame(n)
+        const auto axis = tangent == Tangent::automatic ? analysis::unpack_axis(axes[i]) : std::nullopt;
+        const TangentFrame frame = axis ? frame_along(n, *axis)
+                                   : tangent == Tangent::automatic || tangent == Tangent::householder ? householder_frame(n)
                                    : tangent == Tangent::eberly    ? eberly_frame(n)
                                                                    : frame_along(n, wide[i]);
         tangents[k] = vec4(frame.along, std::min(sizes[i], most));
-        const ClusterShape& shape = shapes[std::size_t(std::max(labels[i], 0.0f))];
+        const ClusterShape& shape = shapes[labels[i]];
         traits[k] = {seed_of(points.world(i), quantum_), std::bit_cast<std::uint32_t>(shape.mean),
-                     std::bit_cast<std::uint32_t>(shape.extent), std::bit_cast<std::uint32_t>(rooms[i])};
+                     std::bit_cast<std::uint32_t>(shape.extent),
+                     glm::packHalf2x16(glm::min(vec2(rooms[i], details[i]) / tangents[k].w, largest_half))};
       }
       chunks_.push_back({gl::TextureBuffer("stroke tangents", GL_RGBA32F, std::span<const vec4>(tangents)),
                          gl::TextureBuffer("stroke traits", GL_RGBA32UI, std::span<const glm::uvec4>(traits))});

@@ -25,7 +25,9 @@ struct ClusterShape {
   Rgba8 mean;               ///< mean colour
 };
 std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vector<Rgba8>& colors,
-                                         const std::vector<float>& labels, const std::vector<float>& sizes);
+                                         const std::vector<std::uint32_t>& labels, const std::vector<float>& sizes);
+/// Labels of any values, as a file brings them, numbered 0, 1, 2 ... as they appear.
+std::vector<std::uint32_t> dense_labels(const std::vector<float>& labels);
 
 class StrokeData {
  public:
@@ -37,11 +39,11 @@ class StrokeData {
  private:
   struct Chunk {
     gl::TextureBuffer tangents;  // RGBA32F: t in the cloud's space, s
-    gl::TextureBuffer traits;    // RGBA32UI: seed, mean colour and elongation, extent, room (float bits)
+    gl::TextureBuffer traits;    // RGBA32UI: seed, mean colour and elongation, extent, halves of room / s and detail / s
   };
   std::vector<Chunk> chunks_;
   std::uint64_t serial_ = 0;
-  Tangent tangent_ = Tangent::householder;
+  Tangent tangent_ = Tangent::automatic;
   double quantum_ = 0;
 };
 

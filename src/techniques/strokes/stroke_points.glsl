@@ -4,13 +4,16 @@
 #include "hash.glsl"
 
 layout(binding = UNIT_INPUT) uniform samplerBuffer stroke_tangents;  // t in cloud space, s
-layout(binding = UNIT_INPUT + 1) uniform usamplerBuffer stroke_traits;  // seed, mean colour and elongation, extent, room
+layout(binding = UNIT_INPUT + 1) uniform usamplerBuffer stroke_traits;  // seed, mean colour and elongation, extent, room and detail by s
 
 uniform float stroke_aspect;   // length / width of the quad
 uniform float stroke_share;    // of the quad that is painted
 uniform float least_length;    // half length of the quad, of the image's height
 uniform float coverage;        // strokes over a point
+uniform float detail;          // 0: strokes follow neither detail nor borders
 uniform bool two_layers;
+
+const float least_coverage = 1.6;  // of strokes as small as the spacing allows; what they leave open is underpainted
 
 struct StrokeSize {
   float half_length, half_width;  // of the quad, scene units
@@ -24,19 +27,28 @@ StrokeSize stroke_size(int i, float depth) {
   uvec4 traits = texelFetch(stroke_traits, i);
   float s = texelFetch(stroke_tangents, i).w;
   float area = 0.5 * s * s;  // of surface per point: a square grid of spacing h has s = sqrt(2) h
-  // Not shorter than the spacing allows: with every point a stroke, `coverage` of them lie over a point.
-  float sparse = sqrt(coverage * area * stroke_aspect / (4.0 * stroke_share));
-  float wanted = least_length * frame.image_size.y / pixels_at(depth);
-  float extent = uintBitsToFloat(traits.z), room = uintBitsToFloat(traits.w);
-  // A cluster smaller than a stroke is painted with smaller ones (dos Anjos 2017, Sec. 3.1), and so are the borders
-  // of clusters and creases: the painted half of a stroke is about sqrt(share) of its quad's.
-  float fit_cluster = 0.5 * extent / wanted, fit_room = 1.2 * room / (sqrt(stroke_share) * wanted);
-  float fit = clamp(min(fit_cluster, fit_room), 0.28, 1.0);
-  float length = max(wanted * fit, sparse) * mix(0.75, 1.25, traits_random(traits.x, 1u));
+  // The painted half of a stroke is about sqrt(share) of its quad's.
+  float painted = sqrt(stroke_share), to_spacing = area / (4.0 * stroke_share);
+  float wanted = max(least_length * frame.image_size.y / pixels_at(depth), sqrt(coverage * to_spacing * stroke_aspect));
+  float extent = uintBitsToFloat(traits.z);
+  vec2 reach = s * unpackHalf2x16(traits.w);  // room, detail
+  // A cluster smaller than a stroke is painted with smaller ones (dos Anjos 2017, Sec. 3.2.1), and so are borders of
+  // clusters, creases, ends of the points, and whatever a stroke of one colour would paint over.
+  float fit_cluster = 0.5 * extent / wanted, fit_room = 0.9 * reach.x / (painted * wanted);
+  float fit_detail = 0.5 * reach.y / (max(detail, 1e-3) * painted * wanted);
+  float fit = clamp(min(fit_cluster, min(fit_room, fit_detail)), 0.0, 1.0), covered = fit;
+  if (detail == 0.0) fit = least_length > 0.0 ? clamp(fit_cluster, 0.28, 1.0) : 1.0, covered = 1.0;
+  // Rounder brushes (Sec. 3.3.2) where strokes are as small as points: there direction says little; in compact clusters.
+  uint elongation = (traits.y >> 24u) % 3u;
+  float aspect = mix(min(stroke_aspect, 1.3), stroke_aspect, fit);
+  if (elongation == 0u && fit_cluster < 1.0) aspect = min(aspect, mix(1.4, stroke_aspect, fit_cluster));
+  // Not shorter than the spacing allows: with every point a stroke, so many of them lie over a point.
+  float sparse = sqrt(mix(min(coverage, least_coverage), coverage, covered) * to_spacing * aspect);
+  float length = max(wanted * fit, sparse) * (1.0 + 0.5 * fit * (traits_random(traits.x, 1u) - 0.5));
   StrokeSize size;
-  size.chance = coverage * area * stroke_aspect / (4.0 * stroke_share * length * length);
+  size.chance = coverage * to_spacing * aspect / (length * length);
   size.small_cluster = two_layers && fit_cluster < 0.7;
-  size.half_width = length / stroke_aspect;
-  size.half_length = length * (1.0 + vec3(0.0, 0.25, 0.6)[(traits.y >> 24u) % 3u]);  // longer in elongated clusters
+  size.half_width = length / aspect;
+  size.half_length = length * (1.0 + fit * vec3(0.0, 0.25, 0.6)[elongation]);  // longer in elongated clusters
   return size;
 }

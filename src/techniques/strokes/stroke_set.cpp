@@ -97,7 +97,7 @@ BrushPicture::Reach BrushPicture::reach(float alpha) const {
 
 void StrokeSet::set_sizes(gl::Program& program) const {
   program.set("stroke_aspect", look_.aspect).set("stroke_share", share_).set("coverage", look_.coverage);
-  program.set("least_length", least_half_length(look_, share_)).set("two_layers", two_layers_);
+  program.set("least_length", least_half_length(look_, share_)).set("two_layers", two_layers_).set("detail", look_.detail);
 }
 
 std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData& data, const View& view) {
@@ -120,7 +120,7 @@ std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData
 }
 
 void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look,
-                       const BrushPicture& brush, float noise_deg, bool two_layers, bool lit) {
+                       const BrushPicture& brush, float noise_deg, bool two_layers, bool strict) {
   look_ = look;
   share_ = brush.share();
   two_layers_ = two_layers;
@@ -154,8 +154,9 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     keys_.bind_storage(1);
     set_sizes(setup_);
     setup_.set("stroke_count", int(count)).set("first_record", int(count_)).set("noise", glm::radians(noise_deg));
-    setup_.set("opacity", look.opacity).set("variation", lit ? look.variation : 0.0f);
-    setup_.set("saturation", lit || look.saturation == 0 ? look.saturation : 1.0f).set("flatten", look.flatten);
+    setup_.set("opacity", look.opacity).set("variation", strict ? 0.0f : look.variation);
+    setup_.set("saturation", strict ? 1.0f : look.saturation);
+    setup_.set("flatten", strict ? 0.0f : look.flatten).set("second_lightness", strict ? 0.0f : 0.08f);
     setup_.set("has_shadow", cloud.has_shadow());
     setup_.dispatch((count + 63) / 64);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -47,9 +47,9 @@ class BrushPicture {
 
 class StrokeSet {
  public:
-  /// Chooses and sets up the strokes that `view` sees. Colours are changed only where `lit`.
+  /// Chooses and sets up the strokes that `view` sees. `strict`: in the colours of the cloud, whatever the look.
   void update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look, const BrushPicture& brush,
-              float noise_deg, bool two_layers, bool lit);
+              float noise_deg, bool two_layers, bool strict);
   std::uint32_t count() const { return count_; }
   const gl::TextureBuffer& records() const { return records_; }
   /// R32UI: strokes from near to far.

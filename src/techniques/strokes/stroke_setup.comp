@@ -14,6 +14,7 @@ uniform float opacity;
 uniform float variation;
 uniform float saturation;
 uniform float flatten;
+uniform float second_lightness;  // the second layer is lighter by this
 uniform bool has_shadow;
 
 vec3 unpack_mean(uint code) { return linear_from_srgb(unpackUnorm4x8(code).rgb); }
@@ -40,7 +41,7 @@ void main() {
   float scale = second ? 0.5 : 1.0;  // the second texture has half the sigma
 
   vec3 color = mix(point_color(i), unpack_mean(traits.y), flatten);
-  float light = 1.0 + variation * (traits_random(traits.x, layer + 3u) - 0.5) + (second ? 0.5 * variation : 0.0);
+  float light = 1.0 + variation * (traits_random(traits.x, layer + 3u) - 0.5) + (second ? second_lightness : 0.0);
   float grey = dot(color, vec3(0.2126, 0.7152, 0.0722));
   color = clamp(mix(vec3(grey), color, saturation) * light, 0.0, 1.0);
 

@@ -1,6 +1,6 @@
 // Stroke-based splatting: a scan becomes a painting.
 //
-// R. K. dos Anjos, C. S. Ribeiro, P. Lopes, J. Madeiras Pereira, "Stroke-based splatting: an efficient multi-resolution
+// R. K. dos Anjos, C. S. Ribeiro, D. Simões Lopes, J. Madeiras Pereira, "Stroke-based splatting: an efficient multi-resolution
 // point cloud visualization technique", 2017: every point is a brush stroke in its tangent plane, a sum of Gaussians
 // whose columns turn at random; strokes follow the clusters of the cloud; they are blurred while the picture moves and
 // sorted in an A-buffer when it stands still.
@@ -39,9 +39,10 @@ class Strokes final : public Technique {
       auto timing = frame.timers.scope("set up strokes");
       brush_.update(parameters_.resolve_brush());
       look_ = parameters_.resolve_look();
+      if (strict(frame)) look_.relief = 0;
       data_.update(frame.cloud, parameters_.tangent, frame.progress);
       strokes_.update(frame.cloud, data_, view, look_, brush_, parameters_.orientation_noise.value(),
-                      parameters_.two_layers, frame.settings.shading == Shading::lit);
+                      parameters_.two_layers, strict(frame));
     }
     notes_.push_back(std::to_string(strokes_.count()) + " strokes");
     if (parameters_.blend != BlendMode::a_buffer) {
@@ -52,7 +53,7 @@ class Strokes final : public Technique {
     if (parameters_.refine == Refine::at_once || lists_.bands() > 1) {
       auto timing = frame.timers.scope("sort and mix");
       lists_.sort_all(view, strokes_, brush_, look_.relief);
-      finish(frame, view);
+      finish(frame, view, true);
       return true;
     }
     // The frame that builds the lists shows the blurred picture; sorting starts with the next.
@@ -64,6 +65,21 @@ class Strokes final : public Technique {
   std::vector<std::string> notes() const override { return notes_; }
 
  private:
+  /// Anything but the lit picture shows the cloud's own colours, or no colours.
+  static bool strict(const Frame& frame) { return frame.settings.shading != Shading::lit; }
+
+  /// Light when the colours show an attribute; a scan's own were lit when it was taken, and no material is known
+  /// (dos Anjos 2017, Sec. 5.2).
+  bool lit(const Frame& frame) {
+    if (frame.settings.shading != Shading::lit) return false;
+    if (parameters_.lighting != Lighting::automatic) return parameters_.lighting == Lighting::on;
+    if (judged_ != frame.cloud.serial()) {
+      own_colors_ = frame.cloud.colors() == frame.cloud.prepared().cloud.colors;
+      judged_ = frame.cloud.serial();
+    }
+    return !own_colors_;
+  }
+
   void build(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("list fragments");
     lists_.build(view, strokes_, brush_, parameters_.stroke_order, std::uint64_t(parameters_.fragment_memory) << 20);
@@ -76,24 +92,52 @@ class Strokes final : public Technique {
     auto timing = frame.timers.scope("sort and mix");
     const bool done = lists_.sort_some(view, strokes_, look_.relief, parameters_.sort_steps);
     steps_ += parameters_.sort_steps;
-    if (done || steps_ >= parameters_.min_sorted) finish(frame, view);
+    if (done || steps_ >= parameters_.min_sorted) finish(frame, view, done);
     refining_ = !done;
     return done;
   }
 
   /// The picture so far: sums to a surface, lit.
-  void finish(Frame& frame, const View& view) {
+  void finish(Frame& frame, const View& view, bool is_final) {
     if (!finish_) finish_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
     gl::ensure(albedo_, "albedo", GL_RGBA32F, view.width(), view.height());
     view.bind();
     const StrokeLists::Sums& sums = lists_.sums();
+    set_even_light(frame, finish_);
     finish_.run({&sums.color, &sums.normal, &sums.rest}, {&albedo_, &frame.target.depth, &frame.target.normal});
+    if (parameters_.underpainting && is_final) underpaint(frame, view);
     shade(frame, view);
+  }
+
+  void set_even_light(const Frame& frame, ScreenPass& pass) {
+    const Phong& phong = frame.settings.phong;
+    const bool even = frame.settings.shading == Shading::lit && !lit(frame);
+    pass.set("even_light", even ? vec2(phong.ambient, phong.diffuse) : vec2(1, 0));
+  }
+
+  void underpaint(Frame& frame, const View& view) {
+    auto timing = frame.timers.scope("underpaint");
+    const int width = view.width(), height = view.height();
+    if (!underpaint_) underpaint_ = ScreenPass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+    gl::ensure(under_albedo_, "underpainted albedo", GL_RGBA32F, width, height);
+    gl::ensure(under_depth_, "underpainted depth", GL_R32F, width, height);
+    gl::ensure(under_normal_, "underpainted normals", GL_RGBA32F, width, height);
+    const float stroke_width = 0.01f * look_.length_percent * float(height) / std::max(look_.aspect, 1.0f);
+    underpaint_.set("reach", std::clamp(int(std::lround(stroke_width)), 3, 12));
+    underpaint_.set("spacing", frame.cloud.median_spacing());
+    view.bind();
+    underpaint_.run({&albedo_, &frame.target.depth, &frame.target.normal}, {&under_albedo_, &under_depth_, &under_normal_});
+    std::swap(albedo_, under_albedo_);
+    std::swap(frame.target.depth, under_depth_);
+    std::swap(frame.target.normal, under_normal_);
   }
 
   void shade(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("shade");
-    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+    RenderSettings settings = frame.settings;
+    settings.phong.specular = parameters_.gloss;
+    if (settings.shading == Shading::lit && !lit(frame)) settings.shading = Shading::albedo;  // set_even_light
+    shade_.run(view, settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
   }
 
@@ -140,6 +184,7 @@ class Strokes final : public Technique {
       auto timing = frame.timers.scope("nearest to paint");
       gl::ensure(albedo_, "albedo", GL_RGBA32F, view.width(), view.height());
       finish_pass.set("relief", look_.relief);
+      set_even_light(frame, finish_pass);
       strokes_.records().bind(binding::input);
       view.bind();
       finish_pass.run({}, {&albedo_, &frame.target.depth, &frame.target.normal});
@@ -188,7 +233,10 @@ class Strokes final : public Technique {
   StrokeLists lists_;
   gl::Program nearest_program_[2];
   gl::Texture albedo_, nearest_, nearest_depth_, blurred_albedo_, blurred_normal_;
-  ScreenPass finish_, finish_nearest_, finish_listed_, blur_;
+  ScreenPass finish_, finish_nearest_, finish_listed_, blur_, underpaint_;
+  gl::Texture under_albedo_, under_depth_, under_normal_;
+  std::uint64_t judged_ = 0;  ///< the cloud whose colours are its own, or not
+  bool own_colors_ = false;
   Shade shade_;
   std::vector<std::string> notes_;
   bool refining_ = false;

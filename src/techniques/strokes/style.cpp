@@ -12,17 +12,17 @@ struct StyleValues {
 };
 
 /// In the order of `Style`. Gaussians: kind, rows, columns, A, dev, lambda, sigma_x, sigma_y, noise, bristles.
-/// Look: aspect, length, coverage, opacity, relief, variation, saturation, flatten.
+/// Look: aspect, length, coverage, opacity, relief, variation, saturation, flatten, detail.
 const StyleValues style_values[] = {
-    {{BrushKind::gaussians, 4, 4, 3, 0.13f, 3, 0.12f, 0.085f, 12, 0.75f}, {3.2f, 3.2f, 6, 1, 0.35f, 0.16f, 1.15f, 0.2f}},
-    {{BrushKind::gaussians, 3, 3, 4, 0.12f, 2.4f, 0.13f, 0.1f, 30, 0.5f}, {2.2f, 4, 6, 1, 0.4f, 0.3f, 1.3f, 0.1f}},
-    {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 2, 5, 1, 0.25f, 0.35f, 1.35f, 0}},
-    {{BrushKind::gaussians, 3, 4, 1, 0.16f, 2.6f, 0.15f, 0.13f, 25, 0.35f}, {1.8f, 9, 9, 0.45f, 0, 0.12f, 0.9f, 0.4f}},
-    {{BrushKind::gaussians, 5, 4, 1.3f, 0.14f, 2.4f, 0.14f, 0.05f, 6, 1}, {4.5f, 5, 6, 0.75f, 0, 0.5f, 0, 0}},
-    // The three brushes of Figure 4, quads as wide as long.
-    {{BrushKind::gaussians, 3, 3, 8, 0.03f, 3, 0.114f, 0.0989f, 15, 0}, {1, 4, 6, 1, 0, 0, 1, 0}},
-    {{BrushKind::gaussians, 3, 3, 1, 0.38f, 2.7f, 0.142f, 0.071f, 15, 0}, {1, 4, 8, 1, 0, 0, 1, 0}},
-    {{BrushKind::gaussians, 2, 3, 2.27f, 0.3f, 2.4f, 0.099f, 0.1259f, 15, 0}, {1, 4, 8, 1, 0, 0, 1, 0}},
+    {{BrushKind::gaussians, 4, 4, 3, 0.13f, 3, 0.12f, 0.085f, 12, 0.75f}, {3.2f, 3.2f, 6, 1, 0.35f, 0.06f, 1, 0, 1}},
+    {{BrushKind::gaussians, 3, 3, 4, 0.12f, 2.4f, 0.13f, 0.1f, 30, 0.5f}, {2.2f, 4, 6, 1, 0.4f, 0.2f, 1.1f, 0, 0.6f}},
+    {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 2, 5, 1, 0.25f, 0.15f, 1, 0, 1}},
+    {{BrushKind::gaussians, 3, 4, 1, 0.16f, 2.6f, 0.15f, 0.13f, 25, 0.35f}, {1.8f, 9, 9, 0.45f, 0, 0.12f, 0.9f, 0.4f, 0.5f}},
+    {{BrushKind::gaussians, 5, 4, 1.3f, 0.14f, 2.4f, 0.14f, 0.05f, 6, 1}, {4.5f, 5, 6, 0.75f, 0, 0.3f, 0, 0, 1}},
+    // The three brushes of Figure 4, quads as wide as long; every point is a stroke of its own size s.
+    {{BrushKind::gaussians, 3, 3, 8, 0.03f, 3, 0.114f, 0.0989f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
+    {{BrushKind::gaussians, 3, 3, 1, 0.38f, 2.7f, 0.142f, 0.071f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
+    {{BrushKind::gaussians, 2, 3, 2.27f, 0.3f, 2.4f, 0.099f, 0.1259f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
 };
 
 }  // namespace
@@ -30,8 +30,8 @@ const StyleValues style_values[] = {
 void Parameters::describe(ParamList& p) {
   p.add("style", style, {"oil", "impressionist", "pointillist", "watercolor", "charcoal", "figure_4b", "figure_4c", "figure_4d"})
       .help("sets brush and look together; parameters given besides win; the last three are the paper's brushes");
-  p.add("tangent", tangent, {"householder", "eberly", "covariance"})
-      .help("direction of strokes: from the normal, or along the neighbourhood's longest axis")
+  p.add("tangent", tangent, {"auto", "householder", "eberly", "covariance"})
+      .help("direction of strokes: from the normal, but along strips, poles and folds; from the normal; along the neighbourhood's longest axis")
       .paper("dos Anjos 2017, Alg. 1 and Fig. 3");
   p.add("brush", brush, {"gaussians", "ellipse"}).help("a stroke, or a plain ellipse to compare with").paper("dos Anjos 2017, Fig. 7");
   p.add("brush_rows", brush_rows).range(1, 5).help("Gaussians across the stroke");
@@ -49,11 +49,17 @@ void Parameters::describe(ParamList& p) {
       .help("length of strokes where points are dense enough; 0: as short as the spacing allows");
   p.add("coverage", coverage).range(0.5, 32).help("strokes that lie over a point of the surface");
   p.add("opacity", opacity).range(0.05, 1).help("of the paint");
-  p.add("relief", relief).range(0, 2).help("thickness of the paint, seen by the light");
-  p.add("variation", variation).range(0, 1).help("how much the lightness of strokes differs (lit pictures)");
-  p.add("saturation", saturation).range(0, 2).help("of the paint (lit pictures); 0 is grey");
+  p.add("relief", relief).range(0, 2).help("thickness of the paint, in a light from the upper left");
+  p.add("variation", variation).range(0, 1).help("how much the lightness of strokes differs");
+  p.add("saturation", saturation).range(0, 2).help("of the paint; 0 is grey");
   p.add("flatten", flatten).range(0, 1).help("share of the cluster's mean in the colour of a stroke");
-  p.add("two_layers", two_layers).help("small clusters get a second, finer stroke on top").paper("dos Anjos 2017, Sec. 3.1");
+  p.add("detail", detail).range(0, 4).help("how much strokes shrink where colours or the surface change; 0: not even at borders");
+  p.add("lighting", lighting, {"auto", "on", "off"})
+      .help("light on the paint; auto: off where colours are the scan's own, which were lit when it was taken")
+      .paper("dos Anjos 2017, Sec. 5.2");
+  p.add("gloss", gloss).range(0, 1).help("strength of highlights on lit paint, in place of `specular`");
+  p.add("underpainting", underpainting).help("paints what strokes leave open within a surface (sorted pictures)");
+  p.add("two_layers", two_layers).help("small clusters get a second, finer stroke on top").paper("dos Anjos 2017, Sec. 3.2.1");
   p.add("blend", blend, {"a_buffer", "blur", "z_buffer"})
       .help("sorted fragments; nearest fragment and a weighted blur (fast); nearest fragment").paper("dos Anjos 2017, Sec. 3.3");
   p.add("stroke_order", stroke_order, {"stroke", "fragment"})
@@ -91,6 +97,7 @@ Look Parameters::resolve_look() {
   l.variation = variation.resolve(l.variation);
   l.saturation = saturation.resolve(l.saturation);
   l.flatten = flatten.resolve(l.flatten);
+  l.detail = detail.resolve(l.detail);
   return l;
 }
 

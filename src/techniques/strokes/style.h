@@ -10,6 +10,8 @@ enum class Style { oil, impressionist, pointillist, watercolor, charcoal, figure
 enum class BrushKind { gaussians, ellipse };
 enum class BlendMode { a_buffer, blur, z_buffer };
 enum class Refine { at_once, per_frame };
+/// `automatic`: light where colours show an attribute, none where they are the scan's own.
+enum class Lighting { automatic, on, off };
 enum class StrokeOrder { stroke, fragment };
 
 /// A brush with nothing left to choose (dos Anjos 2017, Sec. 3.2; symbols in Parameters::describe).
@@ -29,16 +31,20 @@ struct Look {
   float length_percent = 4;   ///< length of the painted part, of the image's height
   float coverage = 5;         ///< strokes over a point of the surface
   float opacity = 1, relief = 0, variation = 0, saturation = 1, flatten = 0;
+  float detail = 1;           ///< how much strokes shrink for it
 };
 
 /// Every value that a style chooses is `auto`: what the user sets wins.
 struct Parameters {
   Style style = Style::oil;
-  Tangent tangent = Tangent::householder;
+  Tangent tangent = Tangent::automatic;
   BrushKind brush = BrushKind::gaussians;
   Auto<int> brush_rows, brush_columns;
   Auto<float> amplitude, center_separation, shape_exponent, sigma_x, sigma_y, orientation_noise, bristles;
-  Auto<float> stroke_aspect, stroke_length, coverage, opacity, relief, variation, saturation, flatten;
+  Auto<float> stroke_aspect, stroke_length, coverage, opacity, relief, variation, saturation, flatten, detail;
+  Lighting lighting = Lighting::automatic;
+  float gloss = 0;
+  bool underpainting = true;
   bool two_layers = true;
   BlendMode blend = BlendMode::a_buffer;
   StrokeOrder stroke_order = StrokeOrder::stroke;

@@ -5,7 +5,8 @@
 
 namespace sfumato::strokes {
 
-enum class Tangent { householder, eberly, covariance };
+/// `automatic`: along strips, poles and folds, else as Householder.
+enum class Tangent { automatic, householder, eberly, covariance };
 
 struct TangentFrame {
   vec3 along{1, 0, 0};   ///< t: the direction of the stroke

@@ -1,6 +1,8 @@
 // Region growing, stroke sizes and normals of clusters.
 #include "analysis/clusters.h"
 
+#include "analysis/stroke_attributes.h"
+
 #include <gtest/gtest.h>
 
 #include <numeric>
