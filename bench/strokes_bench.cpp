@@ -136,6 +136,9 @@ const bool registered = [] {
   name("blur", [](benchmark::State& s) { whole_frames(s, "strokes", {{"blend", "blur"}}); }, table_2);
   name("splats", [](benchmark::State& s) { whole_frames(s, "splats", {}); }, table_2);
   name("a_buffer", [](benchmark::State& s) { whole_frames(s, "strokes", {}); }, table_2);
+  // As in the paper, every point is a stroke of its own size.
+  name("every_point_blur", [](benchmark::State& s) { whole_frames(s, "strokes", {{"style", "figure_4b"}, {"blend", "blur"}}); }, table_2);
+  name("every_point_a_buffer", [](benchmark::State& s) { whole_frames(s, "strokes", {{"style", "figure_4b"}}); }, table_2);
   name("list_frame", [](benchmark::State& s) { refinement(s, true); }, table_2);
   name("refine_frame", [](benchmark::State& s) { refinement(s, false); }, table_2);
   benchmark::RegisterBenchmark("strokes/clusters", clusters)->UseRealTime()->Iterations(1)->Unit(benchmark::kMillisecond);

@@ -14,8 +14,8 @@
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
 #include "analysis/range_image.h"
-#include "analysis/support.h"
 #include "analysis/stroke_attributes.h"
+#include "analysis/support.h"
 
 namespace sfumato::analysis {
 namespace {

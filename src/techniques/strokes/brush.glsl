@@ -1,7 +1,7 @@
 // The brush as a picture: `tiles` x `tiles` variants that differ in how their columns turn. STEP 0 writes alpha and
 // the height of the paint, STEP 1 adds the slopes of the height.
 #include "bindings.glsl"
-#include "hash.glsl"
+#include "techniques/strokes/noise.glsl"
 
 #if STEP == 0
 uniform int brush_kind;         // 0 Gaussians, 1 ellipse
@@ -13,18 +13,6 @@ uniform vec2 sigma;
 uniform float noise;            // radians
 uniform float bristles;
 uniform int tile_size;
-
-float smooth_noise(vec2 at, uint seed) {
-  ivec2 cell = ivec2(floor(at));
-  vec2 f = at - vec2(cell);
-  f = f * f * (3.0 - 2.0 * f);
-  float v[4];
-  for (int k = 0; k < 4; ++k) {
-    ivec2 corner = cell + ivec2(k & 1, k >> 1);
-    v[k] = unit_from_hash(hash_of(uvec3(uint(corner.x), uint(corner.y), seed)));
-  }
-  return mix(mix(v[0], v[1], f.x), mix(v[2], v[3], f.x), f.y);
-}
 
 bool filter_pixel(ivec2 pixel) {
   ivec2 tile = pixel / tile_size;

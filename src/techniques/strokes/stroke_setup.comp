@@ -14,6 +14,7 @@ uniform float opacity;
 uniform float variation;
 uniform float saturation;
 uniform float flatten;
+uniform float divided_color;
 uniform float second_lightness;  // the second layer is lighter by this
 uniform bool has_shadow;
 
@@ -44,6 +45,11 @@ void main() {
   float light = 1.0 + variation * (traits_random(traits.x, layer + 3u) - 0.5) + (second ? second_lightness : 0.0);
   float grey = dot(color, vec3(0.2126, 0.7152, 0.0722));
   color = clamp(mix(vec3(grey), color, saturation) * light, 0.0, 1.0);
+  // Three leanings that cancel, as far as the brightest channel has room.
+  vec3 lean = vec3(-0.5);
+  lean[int(3.0 * traits_random(traits.x, layer + 5u)) % 3] = 1.0;
+  float brightest = max(max(color.r, color.g), max(color.b, 1e-3));
+  color *= 1.0 + min(divided_color, 1.0 / brightest - 1.0) * lean;
 
   // One order for the whole stroke: its distance, shuffled among strokes that overlap. The second lies on top.
   float distance = frame.orthographic != 0 ? -center.z : length(center);

@@ -139,6 +139,18 @@ class Strokes final : public Technique {
     if (settings.shading == Shading::lit && !lit(frame)) settings.shading = Shading::albedo;  // set_even_light
     shade_.run(view, settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
+    if (frame.settings.shading == Shading::lit && (look_.medium != Medium::paint || look_.canvas > 0)) put_on_ground(frame, view);
+  }
+
+  void put_on_ground(Frame& frame, const View& view) {
+    if (!medium_) medium_ = ScreenPass("techniques/strokes/medium.glsl", {GL_RGBA32F});
+    gl::ensure(on_ground_, "painting on its ground", GL_RGBA32F, view.width(), view.height());
+    const vec3 ground = frame.settings.transparent ? vec3(1) : frame.settings.background;
+    medium_.set("medium", int(look_.medium) - int(Medium::paint)).set("canvas", look_.canvas);
+    medium_.set("scale", float(view.height()) / 720).set("ground", ground);
+    view.bind();
+    medium_.run({&frame.target.color, &frame.target.depth}, {&on_ground_});
+    std::swap(frame.target.color, on_ground_);
   }
 
   /// Z-buffer, and the weighted blur of the moving picture (dos Anjos 2017, Sec. 3.3).
@@ -233,8 +245,8 @@ class Strokes final : public Technique {
   StrokeLists lists_;
   gl::Program nearest_program_[2];
   gl::Texture albedo_, nearest_, nearest_depth_, blurred_albedo_, blurred_normal_;
-  ScreenPass finish_, finish_nearest_, finish_listed_, blur_, underpaint_;
-  gl::Texture under_albedo_, under_depth_, under_normal_;
+  ScreenPass finish_, finish_nearest_, finish_listed_, blur_, underpaint_, medium_;
+  gl::Texture under_albedo_, under_depth_, under_normal_, on_ground_;
   std::uint64_t judged_ = 0;  ///< the cloud whose colours are its own, or not
   bool own_colors_ = false;
   Shade shade_;

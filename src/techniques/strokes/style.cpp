@@ -12,13 +12,14 @@ struct StyleValues {
 };
 
 /// In the order of `Style`. Gaussians: kind, rows, columns, A, dev, lambda, sigma_x, sigma_y, noise, bristles.
-/// Look: aspect, length, coverage, opacity, relief, variation, saturation, flatten, detail.
+/// Look: aspect, length, coverage, opacity, relief, variation, saturation, flatten, detail, divided colour, canvas,
+/// medium.
 const StyleValues style_values[] = {
     {{BrushKind::gaussians, 4, 4, 3, 0.13f, 3, 0.12f, 0.085f, 12, 0.75f}, {3.2f, 3.2f, 6, 1, 0.35f, 0.06f, 1, 0, 1}},
     {{BrushKind::gaussians, 3, 3, 4, 0.12f, 2.4f, 0.13f, 0.1f, 30, 0.5f}, {2.2f, 4, 6, 1, 0.4f, 0.2f, 1.1f, 0, 0.6f}},
-    {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 2, 5, 1, 0.25f, 0.15f, 1, 0, 1}},
-    {{BrushKind::gaussians, 3, 4, 1, 0.16f, 2.6f, 0.15f, 0.13f, 25, 0.35f}, {1.8f, 9, 9, 0.45f, 0, 0.12f, 0.9f, 0.4f, 0.5f}},
-    {{BrushKind::gaussians, 5, 4, 1.3f, 0.14f, 2.4f, 0.14f, 0.05f, 6, 1}, {4.5f, 5, 6, 0.75f, 0, 0.3f, 0, 0, 1}},
+    {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 1.6f, 5, 1, 0.25f, 0.1f, 1, 0, 0.7f, 0.6f}},
+    {{BrushKind::gaussians, 3, 4, 1, 0.16f, 2.6f, 0.15f, 0.13f, 25, 0.35f}, {1.8f, 7, 9, 0.45f, 0, 0.1f, 1, 0.3f, 0.6f, 0, 0.5f, Medium::watercolor}},
+    {{BrushKind::gaussians, 5, 4, 1.3f, 0.14f, 2.4f, 0.14f, 0.05f, 6, 1}, {4.5f, 5, 6, 1, 0.3f, 0.25f, 0, 0, 0.7f, 0, 0.7f, Medium::charcoal}},
     // The three brushes of Figure 4, quads as wide as long; every point is a stroke of its own size s.
     {{BrushKind::gaussians, 3, 3, 8, 0.03f, 3, 0.114f, 0.0989f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
     {{BrushKind::gaussians, 3, 3, 1, 0.38f, 2.7f, 0.142f, 0.071f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
@@ -54,6 +55,11 @@ void Parameters::describe(ParamList& p) {
   p.add("saturation", saturation).range(0, 2).help("of the paint; 0 is grey");
   p.add("flatten", flatten).range(0, 1).help("share of the cluster's mean in the colour of a stroke");
   p.add("detail", detail).range(0, 4).help("how much strokes shrink where colours or the surface change; 0: not even at borders");
+  p.add("divided_color", divided_color).range(0, 1)
+      .help("strokes lean towards red, green or blue by chance, so that the eye mixes their colours again");
+  p.add("medium", medium, {"auto", "paint", "charcoal", "watercolor"})
+      .help("paint, charcoal on paper (the background), or washes whose pigment gathers at edges; auto: by style");
+  p.add("canvas", canvas).range(0, 1).help("how much the weave of canvas or the grain of paper shows");
   p.add("lighting", lighting, {"auto", "on", "off"})
       .help("light on the paint; auto: off where colours are the scan's own, which were lit when it was taken")
       .paper("dos Anjos 2017, Sec. 5.2");
@@ -98,6 +104,9 @@ Look Parameters::resolve_look() {
   l.saturation = saturation.resolve(l.saturation);
   l.flatten = flatten.resolve(l.flatten);
   l.detail = detail.resolve(l.detail);
+  l.divided_color = divided_color.resolve(l.divided_color);
+  l.canvas = canvas.resolve(l.canvas);
+  if (medium != Medium::automatic) l.medium = medium;
   return l;
 }
 

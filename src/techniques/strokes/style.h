@@ -12,6 +12,8 @@ enum class BlendMode { a_buffer, blur, z_buffer };
 enum class Refine { at_once, per_frame };
 /// `automatic`: light where colours show an attribute, none where they are the scan's own.
 enum class Lighting { automatic, on, off };
+/// What happens to the finished paint on its ground; `automatic` by style.
+enum class Medium { automatic, paint, charcoal, watercolor };
 enum class StrokeOrder { stroke, fragment };
 
 /// A brush with nothing left to choose (dos Anjos 2017, Sec. 3.2; symbols in Parameters::describe).
@@ -32,6 +34,8 @@ struct Look {
   float coverage = 5;         ///< strokes over a point of the surface
   float opacity = 1, relief = 0, variation = 0, saturation = 1, flatten = 0;
   float detail = 1;           ///< how much strokes shrink for it
+  float divided_color = 0, canvas = 0;
+  Medium medium = Medium::paint;
 };
 
 /// Every value that a style chooses is `auto`: what the user sets wins.
@@ -41,7 +45,8 @@ struct Parameters {
   BrushKind brush = BrushKind::gaussians;
   Auto<int> brush_rows, brush_columns;
   Auto<float> amplitude, center_separation, shape_exponent, sigma_x, sigma_y, orientation_noise, bristles;
-  Auto<float> stroke_aspect, stroke_length, coverage, opacity, relief, variation, saturation, flatten, detail;
+  Auto<float> stroke_aspect, stroke_length, coverage, opacity, relief, variation, saturation, flatten, detail, divided_color, canvas;
+  Medium medium = Medium::automatic;
   Lighting lighting = Lighting::automatic;
   float gloss = 0;
   bool underpainting = true;

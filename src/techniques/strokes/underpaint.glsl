@@ -15,7 +15,7 @@ struct Side {
   int away;  // px; 0: nothing found, -1: the picture ends before
 };
 
-// The nearest pixel that is all paint.
+// The nearest pixel that is mostly paint.
 Side look(ivec2 pixel, ivec2 direction, ivec2 size) {
   Side side = Side(vec4(0.0), vec4(0.0), 0.0, 0);
   for (int k = 1; k <= most_reach; k += k < 8 ? 1 : 2) {
@@ -25,12 +25,12 @@ Side look(ivec2 pixel, ivec2 direction, ivec2 size) {
       return side;
     }
     vec4 color = texelFetch(albedo, at, 0);
-    if (color.a < 0.98) {
+    if (color.a < 0.7) {
       if (k >= reach && spacing <= 0.0) return side;
       continue;
     }
     float depth = texelFetch(depths, at, 0).x;
-    if (k <= max(reach, int(2.5 * spacing * pixels_at(depth)))) side = Side(color, texelFetch(normals, at, 0), depth, k);
+    if (k <= max(reach, int(2.5 * spacing * pixels_at(depth)))) side = Side(color / color.a, texelFetch(normals, at, 0), depth, k);
     return side;
   }
   return side;
