@@ -223,6 +223,7 @@ TEST_F(StrokesTest, SortedStrokesAreTheFoldOfTheFormula) {
     studio.set("stroke_length", "45");
     studio.set("opacity", "0.7");
     studio.set("two_layers", "false");
+    studio.set("underpainting", "false");  // translucent strokes alone
     ASSERT_TRUE(studio.step());
     const Image<vec4> picture = studio.picture();
 
