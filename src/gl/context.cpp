@@ -21,20 +21,17 @@ Limits current_limits;
 const char* const advice =
     "; install an OpenGL 4.5 driver (on Debian: libegl1 libgl1-mesa-dri libopengl0, or the GPU vendor's)";
 
-// Without memory a driver fails like a missing one. As much is asked for, not touched, as Mesa's libraries map.
-bool memory_is_short() {
-  constexpr std::size_t least = 256 << 20;
-  void* probe = ::mmap(nullptr, least, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (probe == MAP_FAILED) return true;
-  ::munmap(probe, least);
-  return false;
-}
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::no_gl, what + advice); }
 
-[[noreturn]] void fail(const std::string& what) {
-  if (memory_is_short())
-    throw Error(ErrorCode::out_of_memory, "out of memory while starting OpenGL (" + what +
-                                              "); raise the limit of memory, or use fewer points (--max-points)");
-  throw Error(ErrorCode::no_gl, what + advice);
+// Mesa takes 0.4 GB of address space before the first picture, and where it gets less it crashes or seems missing.
+// So much is asked for first, and not touched.
+void require_memory() {
+  constexpr std::size_t least = 512 << 20;
+  void* probe = ::mmap(nullptr, least, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (probe == MAP_FAILED)
+    throw Error(ErrorCode::out_of_memory, "out of memory: OpenGL needs 512 MB of address space beside the points; "
+                                          "raise the limit (ulimit -v) or use fewer points (--max-points)");
+  ::munmap(probe, least);
 }
 
 bool has_extension(const char* list, const char* name) {
@@ -98,6 +95,7 @@ void Context::Egl::close() {
 }
 
 std::unique_ptr<Context> Context::create_headless() {
+  require_memory();
   // epoxy aborts the process where a library is missing, so look for them first.
   for (const char* library : {"libEGL.so.1", "libOpenGL.so.0"})
     if (!dlopen(library, RTLD_LAZY | RTLD_GLOBAL)) fail(std::string("no OpenGL: ") + library + " is not installed");
