@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "analysis/attributes.h"
+#include "analysis/coincident.h"
 #include "analysis/morton.h"
 #include "analysis/range_image.h"
 #include "analysis/spacing.h"
@@ -81,6 +82,7 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
   prepared.views = view_places(prepared.cloud, order);
   reorder(prepared.cloud, std::move(order));
   progress.check();
+  thin_places(prepared);
   prepared.batches = cut_batches(prepared.cloud.positions);
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);

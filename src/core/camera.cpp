@@ -87,8 +87,11 @@ void Camera::fit_depth_range(const Bounds& box) {
   if (far_plane <= near_plane) far_plane = 2 * near_plane;
 }
 
-Camera frame(const Bounds& box, UpAxis up_axis, int width, int height, double azimuth, double elevation,
+Camera frame(const Bounds& subject, UpAxis up_axis, int width, int height, double azimuth, double elevation,
              double fov_y, Projection projection) {
+  // Points in one place have a spacing of 1 (analysis/spacing.cpp): they are seen as a dot, not from within.
+  Bounds box = subject;
+  if (box.diagonal() == 0) box = {subject.min - dvec3(25), subject.max + dvec3(25)};
   const dvec3 up = up_vector(up_axis);
   // Front: the direction one looks from at azimuth 0. Z up: from -Y; Y up: from +Z; X up: from -Y.
   const dvec3 front = std::abs(up.y) > 0.5 ? dvec3(0, 0, 1) : dvec3(0, -1, 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -331,9 +332,31 @@ void CloudBuilder::close_gaps(const std::vector<Cursor>& cursors) {
   for (Field& field : fields_) close(field.narrow), close(field.wide);
 }
 
+namespace {
+
+/// The quantiles 2 % and 98 % of a coordinate, from a sample.
+std::pair<double, double> middle_of(const std::vector<dvec3>& points, int axis) {
+  std::vector<double> sample;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 10'000) sample.push_back(points[i][axis]);
+  if (sample.empty()) return {0, 0};
+  const auto quantile = [&](std::size_t place) {
+    std::nth_element(sample.begin(), sample.begin() + std::ptrdiff_t(place), sample.end());
+    return sample[place];
+  };
+  const std::size_t last = sample.size() - 1;
+  return {quantile(last / 50), quantile(last - last / 50)};
+}
+
+}  // namespace
+
 void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, PointCloud& cloud) {
   cloud.origin = choose_origin(min, max, !wide_positions_);
   if (wide_positions_) {
+    // A stray point far off must not take the digits of all others: then the origin is where most points are.
+    dvec3 low = min, high = max;
+    for (int k = 0; k < 3; ++k) std::tie(low[k], high[k]) = middle_of(world_, k);
+    const auto extent = [](const dvec3& a, const dvec3& b) { return std::max({b.x - a.x, b.y - a.y, b.z - a.z}); };
+    if (extent(min, max) > 1000 * extent(low, high)) cloud.origin = choose_origin(low, high, false);
     allocate(cloud.positions, world_.size());
     for (std::size_t i = 0; i < world_.size(); ++i) cloud.positions[i] = vec3(world_[i] - cloud.origin);
     world_ = {};

@@ -12,7 +12,7 @@
 namespace sfumato::io {
 
 using ReadFunction = ReadResult (*)(const std::filesystem::path&, const ReadOptions&, Progress&);
-using WriteFunction = void (*)(const std::filesystem::path&, const PointCloud&, Progress&);
+using WriteFunction = WriteReport (*)(const std::filesystem::path&, const PointCloud&, Progress&);
 using MeshFunction = Mesh (*)(const std::filesystem::path&, Progress&);
 /// Whether a file that begins with `head` (its first 4096 bytes, or all of it) has this format.
 using SniffFunction = bool (*)(std::string_view head);
@@ -37,11 +37,11 @@ struct Format {
 bool is_ply(std::string_view head);
 ReadResult read_ply(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 Mesh read_ply_mesh(const std::filesystem::path& file, Progress& progress);
-void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 bool is_pcd(std::string_view head);
 ReadResult read_pcd(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
-void write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 bool is_obj(std::string_view head);
 ReadResult read_obj(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
@@ -49,9 +49,9 @@ Mesh read_obj_mesh(const std::filesystem::path& file, Progress& progress);
 
 bool is_text(std::string_view head);
 ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
-void write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+WriteReport write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
-void write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+WriteReport write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 /// The triangles of a polygon whose corners are record numbers, as a fan. `vertex_of` maps records to kept
 /// vertices, -1 for dropped ones, whose triangles are left out. False when a corner names no record.

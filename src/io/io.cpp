@@ -59,10 +59,15 @@ const Format& find_format(const std::filesystem::path& file) {
   if (opened.size() == 0)
     throw Error(ErrorCode::bad_input,
                 file.string() + ": byte 0: the file is empty; fetch or export it again");
-  const std::string head = opened.read_text(0, 4096);
+  const std::string head = opened.read_text(0, 4096), name = lower_name(file);
+  // Any lines of numbers look like text: a file that is called otherwise is that, damaged, and its reader says where.
+  const auto is_called_otherwise = [&](const Format& format) {
+    return format.sniff == is_text && !has_extension(format, name) &&
+           std::any_of(table().begin(), table().end(),
+                       [&](const Format& other) { return other.sniff && has_extension(other, name); });
+  };
   for (const Format& format : table())
-    if (format.read && format.sniff && format.sniff(head)) return format;
-  const std::string name = lower_name(file);
+    if (format.read && format.sniff && format.sniff(head) && !is_called_otherwise(format)) return format;
   for (const Format& format : table())
     if (format.read && has_extension(format, name)) return format;
   throw Error(
@@ -93,7 +98,7 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
               file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
 }
 
-void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   const std::string name = is_standard_output(file) ? "-.ply" : lower_name(file);
   for (const Format& format : table())
     if (format.write && has_extension(format, name)) return format.write(file, cloud, progress);

@@ -51,9 +51,14 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options = 
 /// Vertices and triangles of a PLY or OBJ file (polygons are fanned).
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress = no_progress());
 
-/// Writes .las, .laz, .ply or .pcd (binary), .xyz .txt .asc .csv or .npy, by extension; `-` is PLY; file order and every attribute kept. The file appears under
-/// its name only when it is complete. Throws Error(usage) for an extension that cannot be written.
-void write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress = no_progress());
+struct WriteReport {
+  std::vector<std::string> notes;  ///< what the file cannot hold as it was, one line each
+};
+
+/// Writes .las, .laz, .ply or .pcd (binary), .xyz .txt .asc .csv or .npy, by extension; `-` is PLY; file order and
+/// every attribute kept. The file appears under its name only when it is complete. Throws Error(usage) for an extension
+/// that cannot be written, and for coordinates that the format cannot hold.
+WriteReport write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress = no_progress());
 
 /// Whether `write` knows the extension.
 bool can_write(const std::filesystem::path& file);

@@ -24,8 +24,8 @@ ReadResult read_las(const std::filesystem::path& file, const ReadOptions& option
 
 /// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the values
 /// fit, else the least format that holds them and steps of about a float's precision.
-void write_las(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+WriteReport write_las(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 /// The same, compressed by LASzip.
-void write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
+WriteReport write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 }  // namespace sfumato::io

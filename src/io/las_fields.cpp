@@ -1,12 +1,14 @@
 #include "io/las_fields.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 namespace sfumato::io::las {
 namespace {
 
 constexpr std::size_t descriptor_size = 192, longest_name = 32;
+// Files have a few; a record of 65535 bytes could name as many, each with an array of its own.
+constexpr std::size_t most_extra_fields = 1024, most_notes = 16;
 // Types of extra bytes 1 to 10 in the order of LAS 1.4 R15, table 24.
 constexpr StoredType extra_types[] = {StoredType::uint8,  StoredType::int8,   StoredType::uint16, StoredType::int16,
                                       StoredType::uint32, StoredType::int32,  StoredType::uint64, StoredType::int64,
@@ -86,12 +88,16 @@ std::vector<Field> standard_fields(int format) {
 
 std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& notes) {
   std::vector<Field> fields;
-  std::set<std::string> names;
+  std::map<std::string, int> names;  // and how often each came: equal names are numbered without trying all numbers
   std::size_t byte = min_record_length[std::size_t(header.format)];
   auto add = [&](std::string name, StoredType type, double scale, double offset) {
     if (name.empty()) name = "extra";
     std::string unique = name;
-    for (int i = 2; !names.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
+    int& count = names[name];
+    if (count++ > 0)
+      for (unique = name + "_" + std::to_string(count); names.contains(unique);)
+        unique = name + "_" + std::to_string(++count);
+    names.emplace(unique, 1);
     fields.push_back({unique, type, std::uint16_t(byte), 0, 0, scale, offset, false, true});
     byte += size_of(type);
   };
@@ -100,6 +106,10 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
     for (std::size_t at = 0; at + descriptor_size <= vlr.data.size(); at += descriptor_size) {
       const std::uint8_t* d = vlr.data.data() + at;
       const int type = d[2], options = d[3];
+      if (fields.size() >= most_extra_fields || notes.size() >= most_notes) {
+        notes.push_back("extra bytes beyond the first " + std::to_string(fields.size()) + " fields are left out");
+        return fields;
+      }
       if (type == 0 || type > 30) {  // undocumented bytes, as many as the options say
         byte += std::size_t(type == 0 ? options : 0);
         notes.push_back("extra bytes " + descriptor_name(d) + " have no documented type and are left out");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <set>
@@ -9,7 +10,13 @@
 namespace sfumato::io::las {
 namespace {
 
-constexpr double int32_reach = 2147483647.0;
+constexpr double int32_reach = 2147483647.0, largest_coordinate = 1e15;  // the latter as in las_header.cpp
+
+std::string text_of(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
 
 struct Range {
   double low = 0, high = 0;
@@ -121,12 +128,28 @@ void choose_scaling(const PointCloud& cloud, WriteLayout& layout) {
                      std::abs(layout.scale[axis]) * (int32_reach - 1);
     if (reaches) return;
   }
-  const dvec3 size = box.size();
-  const double extent = std::max({size.x, size.y, size.z, 1e-9});
-  // 2^23 steps over the cloud: a float relative to its centre is no finer.
-  layout.scale = dvec3(std::pow(10, std::floor(std::log10(extent / 8388608.0))));
-  for (int axis = 0; axis < 3; ++axis)
-    layout.offset[axis] = std::round(box.center()[axis] / layout.scale[axis]) * layout.scale[axis];
+  // 2^23 steps over the cloud: a float relative to its centre is no finer. The cloud is where most points are: one that
+  // strays far off makes the step only as coarse as 2^32 steps over everything must be, and on its own axis.
+  const Bounds most = robust_bounds(cloud);
+  const auto extent_of = [](const Bounds& b) { return std::max({b.size().x, b.size().y, b.size().z}); };
+  const double extent = extent_of(most) > 0 ? extent_of(most) : std::max(extent_of(box), 1e-9);
+  const double wanted = std::pow(10, std::floor(std::log10(extent / 8388608.0)));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double needed = box.size()[axis] / (2 * (int32_reach - 2));
+    double& scale = layout.scale[axis];
+    scale = needed > wanted ? std::pow(10, std::ceil(std::log10(needed))) : wanted;
+    layout.offset[axis] = std::round(box.center()[axis] / scale) * scale;
+    if (!(scale * 2147483648.0 + std::abs(layout.offset[axis]) < largest_coordinate))
+      throw Error(ErrorCode::usage, "the cloud reaches " + text_of(box.max[axis]) + ", and LAS coordinates end at 1e15; "
+                                                                                    "leave stray points out or write .ply");
+    if (scale > extent / 1024)
+      throw Error(ErrorCode::usage, "stray points reach " + text_of(box.size()[axis]) + " along " + "xyz"[axis] +
+                                        ", so that LAS would need steps of " + text_of(scale) + " for a cloud of " +
+                                        text_of(extent) + "; leave stray points out or write .ply");
+  }
+  const double step = std::max({layout.scale.x, layout.scale.y, layout.scale.z});
+  layout.notes.push_back("coordinates are written in steps of " + text_of(step) +
+                         (step > wanted ? ", as stray points lie far off: places move by up to half of that" : ""));
 }
 
 std::vector<Source> sources_of(const PointCloud& cloud) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/point_cloud.h"
@@ -28,6 +29,7 @@ struct WriteLayout {
   bool colors_shifted = false, colors_16bit = true;
   std::vector<Source> sources;  ///< fields that get values; the others stay zero
   std::vector<Field> extra;     ///< those of them in the extra bytes, in order
+  std::vector<std::string> notes;  ///< what the user should know of the choice
 
   /// The coordinates of point `i` in steps of `scale` from `offset`.
   std::array<std::int32_t, 3> steps(const PointCloud& cloud, std::size_t i) const;
@@ -36,7 +38,8 @@ struct WriteLayout {
 };
 
 /// The cloud's own format and scaling where they hold its values; every scalar finds a place. Throws Error(usage)
-/// when a record would be longer than 65535 bytes.
+/// when a record would be longer than 65535 bytes, and when the coordinates do not fit: a step must be no coarser than a
+/// thousandth of the cloud, or its shape would be gone, and our reader must take what we write.
 WriteLayout choose_layout(const PointCloud& cloud);
 
 }  // namespace sfumato::io::las

@@ -233,6 +233,14 @@ ReadResult PointCollector::finish(const std::vector<Stats>& parts, Progress& pro
   return result;
 }
 
+std::int32_t PointCollector::median_step(int axis) const {
+  std::vector<std::int32_t> sample;
+  for (std::size_t i = 0; i < positions_.size(); i += 1 + positions_.size() / 10'000)
+    sample.push_back(std::bit_cast<std::int32_t>(positions_[i][axis]));
+  std::nth_element(sample.begin(), sample.begin() + std::ptrdiff_t(sample.size() / 2), sample.end());
+  return sample[sample.size() / 2];
+}
+
 void PointCollector::place_points(ReadResult& result, const Stats& total, Progress& progress) {
   PointCloud& cloud = result.cloud;
   if (!positions_.empty()) {
@@ -242,10 +250,12 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
       result.report.bounds_min[axis] = std::min(a, b);
       result.report.bounds_max[axis] = std::max(a, b);
       cloud.origin[axis] = round_center(std::min(a, b), std::max(a, b));
-      // A float holds 2^24 steps; beyond that the file's last digits are lost.
-      if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > 15e6)
+      // A float holds 2^24 steps; beyond that the file's last digits are lost, least where most points are.
+      if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > 15e6) {
+        cloud.origin[axis] = header_.scale[axis] * median_step(axis) + header_.offset[axis];
         result.report.notes.push_back(std::string("the ") + "xyz"[axis] +
                                       " coordinates have more digits than a float holds and are rounded");
+      }
     }
   }
   const dvec3 scale = header_.scale, shift = header_.offset, origin = cloud.origin;

@@ -50,6 +50,7 @@ class PointCollector {
   template <class T>
   void unpack_values(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
                      FieldStats& stats);
+  std::int32_t median_step(int axis) const;
   void place_points(ReadResult& result, const Stats& total, Progress& progress);
   void place_colors(ReadResult& result, const Stats& total, Progress& progress);
   void place_scalars(ReadResult& result, const Stats& total);

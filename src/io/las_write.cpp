@@ -200,7 +200,7 @@ class LazWriter {
 }  // namespace
 }  // namespace las
 
-void write_las(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write_las(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   const las::WriteLayout layout = las::choose_layout(cloud);
   bool is_wkt = false;
   const std::vector<las::OutVlr> vlrs = las::vlrs_of(file, cloud, layout, is_wkt);
@@ -211,9 +211,10 @@ void write_las(const std::filesystem::path& file, const PointCloud& cloud, Progr
   las::write_records(cloud, layout, progress,
                      [&](std::span<const std::uint8_t> records) { writer.write(std::as_bytes(records)); });
   writer.commit();
+  return {layout.notes};
 }
 
-void write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   if (file.filename().string().ends_with(".copc.laz"))
     throw Error(ErrorCode::usage, file.string() + ": COPC is not written; name a .laz without .copc");
   const las::WriteLayout layout = las::choose_layout(cloud);
@@ -228,6 +229,7 @@ void write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progr
     laz.close();
   }
   writer.commit();
+  return {layout.notes};
 }
 
 }  // namespace sfumato::io

@@ -36,7 +36,7 @@ std::string without(std::string text, std::string_view unwanted) {
 
 }  // namespace
 
-void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   const bool floats = positions_fit_floats(cloud);
   bool alpha = false;
   for (const Rgba8& c : cloud.colors) alpha = alpha || c.a != 255;
@@ -84,6 +84,7 @@ void write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progr
     out.write(record);
   }
   out.commit();
+  return {};
 }
 
 }  // namespace sfumato::io

@@ -65,7 +65,7 @@ void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector
 
 }  // namespace
 
-void write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   using Source = OutColumn::Source;
   const std::vector<OutColumn> columns = columns_to_write(cloud);
   const bool alpha = std::any_of(columns.begin(), columns.end(),
@@ -95,9 +95,10 @@ void write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progr
             "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n");
   write_records(out, cloud, columns, true, progress);
   out.commit();
+  return {};
 }
 
-void write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   const std::vector<OutColumn> columns = columns_to_write(cloud);
   std::string header = "{'descr': [";
   for (const OutColumn& column : columns) {
@@ -118,6 +119,7 @@ void write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud,
   out.write(header);
   write_records(out, cloud, columns, false, progress);
   out.commit();
+  return {};
 }
 
 }  // namespace sfumato::io

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t sample_lines = 100;
 constexpr std::size_t most_columns = 256;
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 bool is_separator(char c) {
   return c == ',' || c == ';';
@@ -106,7 +107,10 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
   while (found.rows.size() < sample_lines && looked++ < 10 * sample_lines && lines.next(line)) {
     const std::uint64_t here = at;
     at += line.size() + 1;
-    if (here == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);  // byte order mark
+    if (here == 0 && line.starts_with(byte_order_mark)) {
+      line.remove_prefix(byte_order_mark.size());
+      found.begin = byte_order_mark.size();
+    }
     std::vector<std::string_view> words = split(line);
     if (words.empty()) continue;
     std::optional<std::vector<double>> numbers = is_comment(line) ? std::nullopt : to_numbers(words, columns);
@@ -278,6 +282,7 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
 bool is_text(std::string_view head) {
   // Printable as far as we see, and a line that starts with three numbers somewhere. Two counts of one number
   // each on top are the grid of a PTX scan, whose pose would pass for points.
+  if (head.starts_with(byte_order_mark)) head.remove_prefix(byte_order_mark.size());
   const auto is_control = [](char c) {
     return static_cast<unsigned char>(c) < 32 && c != '\n' && !is_blank(c);
   };

@@ -72,6 +72,30 @@ void for_each_block(const File& file, const std::vector<TextBlocks::Block>& bloc
 
 }  // namespace
 
+namespace {
+
+/// Whether a well formed number is below 1, however many digits it has.
+bool is_tiny(const char* at, const char* end) {
+  long long place = 0, written = 0;  // the exponent of the first digit that is not 0
+  bool seen = false, behind_point = false;
+  for (; at < end && *at != 'e' && *at != 'E'; ++at) {
+    if (*at == '.') behind_point = true;
+    if (*at < '0' || *at > '9') continue;
+    if (!seen && *at != '0') {
+      seen = true;
+      place = behind_point ? place - 1 : 0;
+    } else if (seen ? !behind_point : behind_point) {
+      place += seen ? 1 : -1;
+    }
+  }
+  if (at < end && ++at < end && *at == '+') ++at;
+  const bool negative = at < end && *at == '-';
+  if (std::from_chars(at, end, written).ec == std::errc::result_out_of_range) return negative;
+  return place + written < 0;
+}
+
+}  // namespace
+
 const char* parse_number(const char* at, const char* end, double& value) {
   static constexpr double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -109,9 +133,10 @@ const char* parse_number(const char* at, const char* end, double& value) {
   }
   const auto [behind, error] = std::from_chars(begin, end, value);
   if (error == std::errc::invalid_argument) return nullptr;
-  // Beyond double: such a number is not a coordinate; the point is dropped like any that is not finite.
+  // Beyond double: too large a number is no coordinate, and its point is dropped like any that is not finite; one too
+  // small is 0. Which it is shows in the place of its first digit that is not 0.
   if (error == std::errc::result_out_of_range)
-    value = exponent < 0 ? 0 : std::numeric_limits<double>::infinity();
+    value = is_tiny(begin, behind) ? 0 : std::numeric_limits<double>::infinity();
   return behind;
 }
 

@@ -7,7 +7,7 @@
 
 namespace sfumato::io {
 
-void write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+WriteReport write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return char(std::tolower(c)); });
@@ -36,6 +36,7 @@ void write_text(const std::filesystem::path& file, const PointCloud& cloud, Prog
     out.write(line);
   }
   out.commit();
+  return {};
 }
 
 }  // namespace sfumato::io

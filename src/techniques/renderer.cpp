@@ -46,9 +46,23 @@ Camera jittered(const Camera& camera, int sample, int samples) {
 
 }  // namespace
 
+namespace {
+
+/// What depth is resolved for: everything within a hundred diagonals of most points, so that one stray point a billion
+/// times farther out costs nobody else.
+Bounds depth_bounds(const PointCloud& cloud) {
+  const Bounds all = bounds(cloud), most = robust_bounds(cloud);
+  const double reach = 100 * most.diagonal();
+  if (reach == 0) return all;  // most points in one place have no size to measure by
+  return {glm::max(all.min, most.min - reach), glm::min(all.max, most.max + reach)};
+}
+
+}  // namespace
+
 struct Renderer::State {
   gl::Context& context;
   PreparedCloud prepared;
+  Bounds depth_bounds;
   std::unique_ptr<GpuCloud> cloud;
   Attributes uploaded;
   Target target;
@@ -130,6 +144,7 @@ Renderer::~Renderer() = default;
 void Renderer::set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points) {
   state_->cloud.reset();
   state_->prepared = std::move(cloud);
+  state_->depth_bounds = depth_bounds(state_->prepared.cloud);
   state_->cloud = std::make_unique<GpuCloud>(state_->prepared, std::move(colors), max_chunk_points);
   state_->uploaded = state_->prepared.available;
 }
@@ -150,7 +165,10 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   }
   s.cloud->show_to(technique.needs());
   Camera camera = asked;
-  camera.fit_depth_range(s.cloud->bounds());
+  // Who looks at a stray point gets its depth as well.
+  const Bounds all = s.cloud->bounds();
+  const dvec3 target = glm::clamp(camera.target, all.min, all.max);
+  camera.fit_depth_range({glm::min(s.depth_bounds.min, target), glm::max(s.depth_bounds.max, target)});
   if (!s.target.color || s.target.color.width() != camera.width || s.target.color.height() != camera.height)
     s.target = Target(camera.width, camera.height);
 

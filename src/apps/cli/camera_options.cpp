@@ -38,7 +38,8 @@ double degrees_in(const char* option, const std::string& text, double low, doubl
 /// of 6 %: a point at (x, y) and z towards the camera is inside when |y - y_camera| <= tan (z_camera - z), x
 /// alike.
 void fit(Camera& camera, const std::vector<dvec3>& points) {
-  if (points.empty()) return;
+  // Points in one place have no extent to fit: `frame` has chosen one.
+  if (std::all_of(points.begin(), points.end(), [&](const dvec3& p) { return p == points[0]; })) return;
   const dmat4 to_eye = camera.view(), to_world = camera.inverse_view();
   const double shown = 0.94, target_z = -glm::length(camera.target - camera.position);
   const double tan_y = std::tan(0.5 * camera.fov_y) * shown, tan_x = tan_y * camera.width / camera.height;

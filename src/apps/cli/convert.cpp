@@ -55,7 +55,8 @@ int convert_command(const Words& words) {
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())
     console.say("sfumato: " + note);
-  io::write(output, scene.cloud, console);
+  for (const std::string& note : io::write(output, scene.cloud, console).notes)
+    console.say("sfumato: " + output + ": " + note);
   if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
     console.say("sfumato: " + output + ": files of this format are taken as +Z up, this cloud is " +
                 to_string(scene.cloud.up) + " up: render it with --up " + to_string(scene.cloud.up));
