@@ -16,12 +16,12 @@ Role role_of(std::string name) {
       {Role::x, {"x"}},
       {Role::y, {"y"}},
       {Role::z, {"z"}},
-      {Role::nx, {"nx", "normal_x", "normalx"}},
-      {Role::ny, {"ny", "normal_y", "normaly"}},
-      {Role::nz, {"nz", "normal_z", "normalz"}},
-      {Role::red, {"red", "r", "diffuse_red", "rf"}},
-      {Role::green, {"green", "g", "diffuse_green", "gf"}},
-      {Role::blue, {"blue", "b", "diffuse_blue", "bf"}},
+      {Role::nx, {"nx", "normal_x", "normalx", "nor:normalx"}},
+      {Role::ny, {"ny", "normal_y", "normaly", "nor:normaly"}},
+      {Role::nz, {"nz", "normal_z", "normalz", "nor:normalz"}},
+      {Role::red, {"red", "r", "diffuse_red", "rf", "colorred"}},
+      {Role::green, {"green", "g", "diffuse_green", "gf", "colorgreen"}},
+      {Role::blue, {"blue", "b", "diffuse_blue", "bf", "colorblue"}},
       {Role::alpha, {"alpha", "a", "diffuse_alpha"}},
       {Role::radius, {"radius"}}};
   for (const auto& [role, words] : names)

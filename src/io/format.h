@@ -47,6 +47,22 @@ bool is_obj(std::string_view head);
 ReadResult read_obj(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 Mesh read_obj_mesh(const std::filesystem::path& file, Progress& progress);
 
+bool is_e57(std::string_view head);
+ReadResult read_e57(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+bool is_ptx(std::string_view head);
+ReadResult read_ptx(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+bool is_npy(std::string_view head);
+ReadResult read_npy_points(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+ReadResult read_kitti(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+bool is_depth_image(std::string_view head);
+ReadResult read_depth_image(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+/// Names for `width` columns of numbers without names, by what the values in `rows` look like.
+std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width);
+
 bool is_text(std::string_view head);
 ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 WriteReport write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);

@@ -21,7 +21,11 @@ const std::vector<Format>& table() {
       {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz},
       {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las},
       {"pts", {".pts"}, "lines of numbers behind their count", nullptr, read_text},
-      {"npy", {".npy"}, "NumPy array with one named field for each number", nullptr, nullptr, write_npy_cloud},
+      {"npy", {".npy"}, "NumPy array, a row or a record a point", is_npy, read_npy_points, write_npy_cloud},
+      {"e57", {".e57"}, "ASTM E2807, all scans", is_e57, read_e57},
+      {"ptx", {".ptx"}, "Leica PTX, all scans", is_ptx, read_ptx},
+      {"depth", {".json"}, "depth image (16-bit PNG) and its camera as JSON", is_depth_image, read_depth_image},
+      {"kitti", {".bin"}, "KITTI, x y z intensity as floats", nullptr, read_kitti},
       // Last: any lines of numbers are text.
       {"text",
        {".xyz", ".txt", ".csv", ".asc"},

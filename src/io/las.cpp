@@ -11,12 +11,12 @@ namespace sfumato::io {
 namespace las {
 namespace {
 
-// Points per task of uncompressed files, and per step of a sequential read.
-constexpr std::size_t block_size = 1 << 16;
-// Compressed points that are stored without their file having proved them byte by byte: below this a wrong count
-// costs little; above it the cloud grows only as the chunks come out right.
-constexpr std::uint64_t trusted_points = 1 << 22;
-constexpr std::uint64_t trusted_ratio = 64;
+// Points per task of uncompressed files, and per step of a sequential read; fewer where a point is long.
+constexpr std::size_t block_size = 1 << 16, block_bytes = 8 << 20;
+std::size_t block_of(std::size_t record_length) { return std::clamp<std::size_t>(block_bytes / record_length, 1, block_size); }
+// Memory that is taken on the word of a compressed file: so much costs little when the word is wrong. Beyond it, and
+// beyond what compresses 64-fold, the cloud grows only as points come out.
+constexpr std::uint64_t trusted_bytes = 16 << 20, trusted_ratio = 64;
 
 using Stats = PointCollector::Stats;
 
@@ -30,10 +30,10 @@ std::vector<std::uint8_t> first_record(const InputFile& file, const Header& head
 ReadResult read_uncompressed(const InputFile& file, const Header& header, Progress& progress) {
   PointCollector points(header, first_record(file, header, header.point_data));
   points.resize(header.count);  // the header check has seen that the file holds them
-  const std::size_t blocks = (header.count + block_size - 1) / block_size;
+  const std::size_t block = block_of(header.record_length), blocks = (header.count + block - 1) / block;
   std::vector<Stats> stats(blocks, points.empty_stats());
   parallel_tasks(blocks, progress, "reading points", [&](std::size_t i) {
-    const std::size_t first = i * block_size, count = std::min<std::size_t>(block_size, header.count - first);
+    const std::size_t first = i * block, count = std::min<std::size_t>(block, header.count - first);
     std::vector<std::uint8_t> records(count * header.record_length);
     file.read(header.point_data + first * header.record_length, records.data(), records.size());
     points.unpack(first, records.data(), count, stats[i]);
@@ -45,31 +45,27 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
                        const std::vector<LazChunk>& chunks, Progress& progress) {
   PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
   const std::uint64_t total = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
-  const bool is_trusted =
-      total <= trusted_points || total * points.bytes_per_point() <= trusted_ratio * file.size();
-  if (is_trusted) points.reserve(total);
+  const bool is_trusted = total * points.bytes_per_point() <= std::max(trusted_bytes, trusted_ratio * file.size());
+  if (is_trusted) points.resize(total);
   std::vector<Stats> stats(chunks.size(), points.empty_stats());
-  for (std::size_t begin = 0, end = 0; begin < chunks.size(); begin = end) {
-    std::uint64_t last_point = chunks[begin].first;
-    while (end < chunks.size() && (end == begin || is_trusted || last_point - chunks[begin].first < trusted_points)) {
-      last_point += chunks[end].count;
-      ++end;
+  const auto decode = [&](std::size_t i) {
+    const LazChunk& chunk = chunks[i];
+    LazDecoder decoder(file, layout, chunk);
+    std::vector<std::uint8_t> records;
+    for (std::size_t done = 0; done < chunk.count;) {
+      progress.check();
+      const std::size_t count = std::min<std::size_t>(block_of(layout.record_length), chunk.count - done);
+      records.resize(count * layout.record_length);
+      decoder.decode(records.data(), count);
+      if (!is_trusted) points.resize(chunk.first + done + count);
+      points.unpack(chunk.first + done, records.data(), count, stats[i]);
+      done += count;
     }
-    points.resize(last_point);
-    parallel_tasks(end - begin, progress, "decoding points", [&](std::size_t task) {
-      const LazChunk& chunk = chunks[begin + task];
-      LazDecoder decoder(file, layout, chunk);
-      std::vector<std::uint8_t> records;
-      for (std::size_t done = 0; done < chunk.count;) {
-        progress.check();
-        const std::size_t count = std::min<std::size_t>(block_size, chunk.count - done);
-        records.resize(count * layout.record_length);
-        decoder.decode(records.data(), count);
-        points.unpack(chunk.first + done, records.data(), count, stats[begin + task]);
-        done += count;
-      }
-    });
-  }
+  };
+  if (is_trusted)
+    parallel_tasks(chunks.size(), progress, "decoding points", decode);
+  else  // one after the other, as the cloud grows
+    for (std::size_t i = 0; i < chunks.size(); ++i) decode(i);
   return points.finish(stats, progress);
 }
 
@@ -83,10 +79,10 @@ ReadResult read_run(const InputFile& file, const Header& header, const LazLayout
   LazDecoder decoder(file, layout, {byte, file.size() - std::min(byte, file.size()), 0, std::uint32_t(header.count)},
                      true);
   Stats stats = points.empty_stats();
-  std::vector<std::uint8_t> records(block_size * header.record_length);
+  std::vector<std::uint8_t> records(block_of(header.record_length) * header.record_length);
   for (std::uint64_t done = 0; done < header.count;) {
     progress.check();
-    const std::size_t count = std::min<std::uint64_t>(block_size, header.count - done);
+    const std::size_t count = std::min<std::uint64_t>(block_of(header.record_length), header.count - done);
     decoder.decode(records.data(), count);
     points.resize(done + count);
     points.unpack(done, records.data(), count, stats);

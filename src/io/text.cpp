@@ -164,37 +164,6 @@ class Sample {
   const std::vector<std::vector<double>>& rows_;
 };
 
-std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width) {
-  const Sample sample(rows);
-  std::vector<std::string> names = {"x", "y", "z"};
-  bool color = false, normal = false, intensity = false;
-  const auto add = [&](std::initializer_list<const char*> group) {
-    names.insert(names.end(), group.begin(), group.end());
-  };
-  while (names.size() < width) {
-    const std::size_t at = names.size(), left = width - at;
-    // x y z i r g b: three bytes behind one more column are the colour, and the column is the intensity.
-    const bool shifted =
-        left >= 4 && !intensity && sample.are_bytes(at + 1) && (left == 4 || !sample.are_bytes(at));
-    if (left >= 3 && !color && !shifted && sample.are_bytes(at)) {
-      add({"red", "green", "blue"});
-      color = true;
-    } else if (left >= 3 && !normal && sample.are_normals(at)) {
-      add({"nx", "ny", "nz"});
-      normal = true;
-    } else if (left >= 3 && !color && !shifted && sample.are_fractions(at)) {
-      add({"red", "green", "blue"});
-      color = true;
-    } else if (!intensity) {
-      add({"intensity"});
-      intensity = true;
-    } else {
-      names.push_back("column_" + std::to_string(at + 1));
-    }
-  }
-  return names;
-}
-
 std::string join(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
@@ -271,6 +240,14 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
       return beginning.header;
     }
   }
+  // A count on top makes it a PTS, whose columns are fixed: x y z [intensity] [r g b].
+  if (beginning.has_count && (width == 4 || width == 6 || width == 7)) {
+    std::vector<std::string> names = {"x", "y", "z"};
+    if (width != 6) names.push_back("intensity");
+    if (width != 4) names.insert(names.end(), {"red", "green", "blue"});
+    notes.push_back("columns of a PTS: " + join(names) + " (--columns names them otherwise)");
+    return names;
+  }
   std::vector<std::string> names = guess_columns(beginning.rows, width);
   notes.push_back("columns guessed from the first " + std::to_string(beginning.rows.size()) +
                   " lines: " + join(names) + " (--columns names them otherwise)");
@@ -278,6 +255,37 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
 }
 
 }  // namespace
+
+std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width) {
+  const Sample sample(rows);
+  std::vector<std::string> names = {"x", "y", "z"};
+  bool color = false, normal = false, intensity = false;
+  const auto add = [&](std::initializer_list<const char*> group) {
+    names.insert(names.end(), group.begin(), group.end());
+  };
+  while (names.size() < width) {
+    const std::size_t at = names.size(), left = width - at;
+    // x y z i r g b: three bytes behind one more column are the colour, and the column is the intensity.
+    const bool shifted =
+        left >= 4 && !intensity && sample.are_bytes(at + 1) && (left == 4 || !sample.are_bytes(at));
+    if (left >= 3 && !color && !shifted && sample.are_bytes(at)) {
+      add({"red", "green", "blue"});
+      color = true;
+    } else if (left >= 3 && !normal && sample.are_normals(at)) {
+      add({"nx", "ny", "nz"});
+      normal = true;
+    } else if (left >= 3 && !color && !shifted && sample.are_fractions(at)) {
+      add({"red", "green", "blue"});
+      color = true;
+    } else if (!intensity) {
+      add({"intensity"});
+      intensity = true;
+    } else {
+      names.push_back("column_" + std::to_string(at + 1));
+    }
+  }
+  return names;
+}
 
 bool is_text(std::string_view head) {
   // Printable as far as we see, and a line that starts with three numbers somewhere. Two counts of one number

@@ -60,7 +60,7 @@ TEST(TextTest, APtxGridIsNotTakenForPoints) {
     FAIL() << "the rows of the pose became points";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::bad_input);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("not a point cloud format"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("ends inside a grid"));
   }
 }
 

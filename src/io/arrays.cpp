@@ -1,0 +1,214 @@
+// Bare arrays: NumPy's .npy (a row a point, or records with names) and KITTI's .bin (x y z intensity as floats).
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "io/columns.h"
+#include "io/file.h"
+#include "io/format.h"
+
+namespace sfumato::io {
+namespace {
+
+struct Array {
+  std::vector<Column> columns;
+  std::uint64_t begin = 0, rows = 0, record = 0;  ///< bytes, points, bytes a point
+  bool big_endian = false, by_column = false;
+};
+
+std::optional<StoredType> type_of(std::string_view text) {
+  static const std::pair<std::string_view, StoredType> types[] = {
+      {"f4", StoredType::float32}, {"f8", StoredType::float64}, {"u1", StoredType::uint8},  {"i1", StoredType::int8},
+      {"u2", StoredType::uint16},  {"i2", StoredType::int16},   {"u4", StoredType::uint32}, {"i4", StoredType::int32},
+      {"u8", StoredType::uint64},  {"i8", StoredType::int64},   {"b1", StoredType::uint8}};
+  for (const auto& [name, type] : types)
+    if (text == name) return type;
+  return std::nullopt;
+}
+
+/// The header of an NPY file: a Python dictionary with descr, fortran_order and shape.
+class NpyHeader {
+ public:
+  NpyHeader(const File& file, const ReadOptions& options) : file_(file), options_(options) {}
+
+  Array parse() {
+    const std::string head = file_.read_text(0, 12);
+    if (head.size() < 12) fail("the file ends inside its header; it is cut short, fetch it again");
+    const auto byte = [&](std::size_t i) { return std::uint64_t(static_cast<unsigned char>(head[i])); };
+    const bool is_long = byte(6) >= 2;
+    const std::uint64_t at = is_long ? 12 : 10;
+    const std::uint64_t size = byte(8) | byte(9) << 8 | (is_long ? byte(10) << 16 | byte(11) << 24 : 0);
+    array_.begin = at + size;
+    if (size > (1 << 20) || array_.begin > file_.size()) fail("found a header of " + std::to_string(size) + " bytes; the file is damaged");
+    text_ = file_.read_text(at, std::size_t(size));
+    array_.by_column = value_of("fortran_order").starts_with("True");
+    read_shape();
+    read_types();
+    const std::uint64_t held = (file_.size() - array_.begin) / std::max<std::uint64_t>(1, array_.record);
+    if (array_.rows > held)
+      fail("the file ends after " + std::to_string(held) + " rows, expected " + std::to_string(array_.rows) +
+           "; it is cut short, fetch it again");
+    return array_;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { bad_input(file_.path(), "header", what); }
+
+  std::string_view value_of(const std::string& key) const {
+    std::size_t at = text_.find("'" + key + "'");
+    if (at == std::string::npos) fail("the header lacks '" + key + "'; this is no NPY file");
+    at = text_.find(':', at);
+    if (at == std::string::npos) fail("the header is no dictionary; this is no NPY file");
+    at = text_.find_first_not_of(' ', at + 1);
+    return at == std::string::npos ? std::string_view() : std::string_view(text_).substr(at);
+  }
+
+  void read_shape() {
+    std::string_view text = value_of("shape");
+    text = text.substr(0, text.find(')'));
+    while (!text.empty()) {
+      std::uint64_t size = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+      if (error == std::errc()) shape_.push_back(size);
+      text.remove_prefix(error == std::errc() ? std::size_t(end - text.data()) : 1);
+    }
+    if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull || (shape_.size() == 2 && shape_[1] > 256))
+      fail("found an array of another shape than (points, columns); save the points as rows");
+    array_.rows = shape_[0];
+  }
+
+  void read_types() {
+    const std::string_view descr = value_of("descr");
+    if (descr.starts_with('\'')) {
+      const StoredType type = element(descr.substr(1, descr.find('\'', 1) - 1));
+      if (shape_.size() != 2) fail("found a list of numbers, expected (points, columns)");
+      const std::vector<std::string> names = names_of(std::size_t(shape_[1]), type);
+      const std::size_t size = size_of(type);
+      for (std::size_t k = 0; k < names.size(); ++k)
+        array_.columns.push_back({names[k], type, type, array_.by_column ? k * size * std::size_t(array_.rows) : k * size,
+                                  array_.by_column ? size : size * names.size()});
+      array_.record = size * names.size();
+    } else {
+      read_records(descr);
+    }
+    if (!assign_roles(array_.columns)) fail("the columns lack x, y or z; name them with --columns");
+  }
+
+  void read_records(std::string_view descr) {
+    if (shape_.size() != 1) fail("found a grid of records, expected a list of them");
+    // [('x', '<f4'), ('y', '<f4'), ...]: names and types alternate.
+    descr = descr.substr(0, descr.find(']'));
+    std::vector<std::string_view> words;
+    for (std::size_t at = descr.find('\''); at != std::string_view::npos && words.size() < 1024;) {
+      const std::size_t end = descr.find('\'', at + 1);
+      if (end == std::string_view::npos) break;
+      words.push_back(descr.substr(at + 1, end - at - 1));
+      at = descr.find('\'', end + 1);
+    }
+    for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
+      const StoredType type = element(words[i + 1]);
+      array_.columns.push_back({std::string(words[i]), type, type, std::size_t(array_.record), 0});
+      array_.record += size_of(type);
+    }
+    for (Column& column : array_.columns) column.stride = std::size_t(array_.record);
+    array_.by_column = false;
+  }
+
+  StoredType element(std::string_view text) {
+    if (text.empty()) fail("found no type of numbers; the file is damaged");
+    const bool big = text[0] == '>';
+    const auto type = type_of(text.substr(1));
+    if (!type || (big && seen_little_)) fail("found numbers of type '" + std::string(text.substr(0, 20)) + "', which are not read; save floats");
+    seen_little_ = seen_little_ || (!big && size_of(*type) > 1);
+    array_.big_endian = array_.big_endian || big;
+    return *type;
+  }
+
+  std::vector<std::string> names_of(std::size_t width, StoredType type) const {
+    if (!options_.columns.empty()) {
+      if (options_.columns.size() != width)
+        throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(width) + " columns, --columns names " +
+                                          std::to_string(options_.columns.size()));
+      return options_.columns;
+    }
+    if (width < 3) fail("found " + std::to_string(width) + " columns, expected x y z and more");
+    // The same guess as for text, from the first rows.
+    std::vector<std::vector<double>> rows;
+    if (!array_.by_column && !array_.big_endian && (type == StoredType::float32 || type == StoredType::float64)) {
+      const std::size_t size = size_of(type);
+      const std::string bytes = file_.read_text(array_.begin, 100 * size * width);
+      for (std::size_t at = 0; at + size * width <= bytes.size(); at += size * width) {
+        std::vector<double>& row = rows.emplace_back();
+        for (std::size_t k = 0; k < width; ++k) {
+          float narrow = 0;
+          double wide = 0;
+          std::memcpy(size == 4 ? static_cast<void*>(&narrow) : &wide, bytes.data() + at + k * size, size);
+          row.push_back(size == 4 ? double(narrow) : wide);
+        }
+      }
+    }
+    return guess_columns(rows, width);
+  }
+
+  const File& file_;
+  const ReadOptions& options_;
+  std::string text_;
+  std::vector<std::uint64_t> shape_;
+  bool seen_little_ = false;
+  Array array_;
+};
+
+ReadResult read_array(const File& file, const Array& array, Progress& progress) {
+  const std::size_t rows = std::size_t(array.rows), step = array.by_column ? std::max<std::size_t>(rows, 1) : 1 << 16;
+  CloudBuilder builder(array.columns, rows, array.big_endian);
+  std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, rows)};
+  std::vector<std::byte> block;
+  for (std::size_t first = 0; first < rows; first += step) {
+    progress.check();
+    const std::size_t count = std::min(step, rows - first);
+    block.resize(count * std::size_t(array.record));
+    file.read(array.begin + first * array.record, block);
+    builder.decode(cursors[0], block.data(), 0, count, first);
+    progress.update(double(first + count) / double(rows), "reading");
+  }
+  ReadResult result;
+  builder.finish(cursors, result);
+  return result;
+}
+
+}  // namespace
+
+bool is_npy(std::string_view head) { return head.starts_with("\x93NUMPY"); }
+
+ReadResult read_npy_points(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+  const File file(path);
+  return read_array(file, NpyHeader(file, options).parse(), progress);
+}
+
+ReadResult read_kitti(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+  const File file(path);
+  constexpr std::uint64_t record = 16;
+  if (file.size() % record != 0)
+    bad_input(path, "byte " + std::to_string(file.size()),
+              "the file ends inside a point, expected records of 4 floats (KITTI); it is cut short or of another layout");
+  Array array;
+  const char* names[] = {"x", "y", "z", "intensity"};
+  for (std::size_t k = 0; k < 4; ++k)
+    array.columns.push_back({names[k], StoredType::float32, StoredType::float32, 4 * k, std::size_t(record)});
+  assign_roles(array.columns);
+  array.record = record;
+  array.rows = file.size() / record;
+  ReadResult result = read_array(file, array, progress);
+  // Bytes of anything pass for floats: coordinates of a vehicle's scanner lie within some hundred metres.
+  const double reach = std::max(glm::length(result.report.bounds_min), glm::length(result.report.bounds_max));
+  if (result.report.points_finite == 0 || reach > 1e5)
+    bad_input(path, "byte 0", "the numbers are no points of a vehicle's scanner (4 floats each); name the format by its extension");
+  result.cloud.scanners.push_back(dvec3(0));
+  result.report.notes.push_back("taken as KITTI: x y z intensity as floats, the scanner at 0 0 0");
+  return result;
+}
+
+}  // namespace sfumato::io

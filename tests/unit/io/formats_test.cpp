@@ -1,0 +1,334 @@
+// E57, PTX, PTS, NPY and KITTI files made here byte by byte: what they mean, and that damage is an error.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "io/e57_file.h"
+#include "unit/io/files.h"
+
+namespace sfumato {
+namespace {
+
+std::string le(std::uint64_t value, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i) text += char(value >> (8 * i));
+  return text;
+}
+
+/// Bits, least significant first.
+class Bits {
+ public:
+  void add(std::uint64_t value, int bits) {
+    for (int i = 0; i < bits; ++i, ++count_) {
+      if (count_ % 8 == 0) bytes_ += '\0';
+      bytes_.back() = char(bytes_.back() | char((value >> i & 1) << (count_ % 8)));
+    }
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  int count_ = 0;
+};
+
+/// An E57 file of 1024-byte pages: sections of points, then the XML, whose %0, %1 become the sections' offsets.
+std::string e57(const std::vector<std::vector<std::string>>& sections, std::string xml, std::size_t packet = 40) {
+  const auto physical = [](std::size_t logical) { return logical / 1020 * 1024 + logical % 1020; };
+  std::string logical(48, '\0');
+  for (std::size_t s = 0; s < sections.size(); ++s) {
+    while (logical.size() % 4) logical += '\0';
+    const std::size_t begin = logical.size();
+    // Each packet takes up to `packet` bytes of every stream, so that values run across packets.
+    std::string packets;
+    std::size_t longest = 0;
+    for (const std::string& stream : sections[s]) longest = std::max(longest, stream.size());
+    for (std::size_t at = 0; at < longest; at += packet) {
+      std::string lengths, bytes;
+      for (const std::string& stream : sections[s]) {
+        const std::string part = stream.substr(std::min(at, stream.size()), packet);
+        lengths += le(part.size(), 2);
+        bytes += part;
+      }
+      std::string one = lengths + bytes;
+      while ((one.size() + 6) % 4) one += '\0';
+      packets += le(1, 1) + le(0, 1) + le(one.size() + 6 - 1, 2) + le(sections[s].size(), 2) + one;
+      if (at == 0) packets += le(2, 1) + le(0, 1) + le(8 - 1, 2) + le(0, 4);  // an empty packet
+    }
+    logical += le(1, 1) + std::string(7, '\0') + le(32 + packets.size(), 8) + le(physical(begin + 32), 8) + le(0, 8) + packets;
+    const std::string mark = "%" + std::to_string(s);
+    xml.replace(xml.find(mark), mark.size(), std::to_string(physical(begin)));
+  }
+  const std::size_t xml_at = logical.size();
+  logical += xml;
+  while (logical.size() % 1020) logical += '\0';
+  const std::string head = "ASTM-E57" + le(1, 4) + le(0, 4) + le(logical.size() / 1020 * 1024, 8) + le(physical(xml_at), 8) +
+                           le(xml.size(), 8) + le(1024, 8);
+  logical.replace(0, 48, head);
+  std::string file;
+  for (std::size_t at = 0; at < logical.size(); at += 1020) {
+    const std::string page = logical.substr(at, 1020);
+    const std::uint32_t crc = io::crc32c(reinterpret_cast<const std::byte*>(page.data()), page.size());
+    file += page;
+    for (int i = 3; i >= 0; --i) file += char(crc >> (8 * i));  // big-endian
+  }
+  return file;
+}
+
+/// One cartesian scan of scaled integers, moved and turned; one spherical scan of floats with invalid cells.
+std::string two_scans() {
+  Bits x, y, z, red, empty;
+  for (int i = 0; i < 100; ++i) {
+    x.add(std::uint64_t(i), 7);  // minimum -50, 7 bits
+    y.add(std::uint64_t(2 * i), 11);
+    z.add(std::uint64_t(i % 2), 1);
+    red.add(std::uint64_t(i), 8);
+  }
+  std::string range, azimuth, elevation;
+  Bits invalid;
+  for (int i = 0; i < 30; ++i) {
+    range += test::bytes_of(2.0f);
+    azimuth += test::bytes_of(std::numbers::pi / 2);
+    elevation += test::bytes_of(i == 29 ? std::numbers::pi / 2 : 0.0);
+    invalid.add(i < 10 ? 2 : 0, 2);
+  }
+  const std::string xml = R"(<?xml version="1.0"?><e57Root type="Structure"><data3D type="Vector">
+<vectorChild type="Structure"><pose type="Structure"><rotation type="Structure"><w type="Float">0.7071067811865476</w>
+<x type="Float">0</x><y type="Float"/><z type="Float">0.7071067811865476</z></rotation>
+<translation type="Structure"><x type="Float">1e3</x><y type="Float">200</y><z type="Float"/></translation></pose>
+<points type="CompressedVector" fileOffset="%0" recordCount="100"><prototype type="Structure">
+<cartesianX type="ScaledInteger" minimum="-50" maximum="49" scale="0.5" offset="1"/>
+<cartesianY type="Integer" minimum="0" maximum="2047"/><cartesianZ type="Integer" minimum="5" maximum="6"/>
+<colorRed type="Integer" minimum="0" maximum="255"/><colorGreen type="Integer" minimum="7" maximum="7"/>
+<colorBlue type="Integer" minimum="0" maximum="0"/></prototype></points></vectorChild>
+<vectorChild type="Structure"><points type="CompressedVector" fileOffset="%1" recordCount="30"><prototype type="Structure">
+<sphericalRange type="Float" precision="single"/><sphericalAzimuth type="Float"/><sphericalElevation type="Float"/>
+<sphericalInvalidState type="Integer" minimum="0" maximum="2"/></prototype></points></vectorChild></data3D></e57Root>)";
+  return e57({{x.bytes(), y.bytes(), z.bytes(), red.bytes(), "", ""}, {range, azimuth, elevation, invalid.bytes()}}, xml);
+}
+
+TEST(E57, ChecksumIsCrc32c) {
+  const std::string text = "123456789";  // the check value of the polynomial, RFC 3720
+  EXPECT_EQ(io::crc32c(reinterpret_cast<const std::byte*>(text.data()), text.size()), 0xE3069283u);
+}
+
+TEST(E57, ScansOfEveryCodecWithTheirPoses) {
+  const io::ReadResult result = io::read(test::write_file("a.e57", two_scans()));
+  const PointCloud& cloud = result.cloud;
+  EXPECT_EQ(result.report.points, 130u);
+  EXPECT_EQ(result.report.points_dropped, 10u) << "invalid cells";
+  ASSERT_EQ(cloud.size(), 120u);
+  for (std::size_t i = 0; i < 100; ++i) {
+    // A quarter turn about z takes (x, y) to (-y, x).
+    const dvec3 local(0.5 * (double(i) - 50) + 1, 2.0 * double(i), 5.0 + double(i % 2));
+    const dvec3 expected(1000 - local.y, 200 + local.x, local.z);
+    for (int k = 0; k < 3; ++k) ASSERT_NEAR(cloud.world(i)[k], expected[k], 1e-4) << i;  // floats about 1000: 6e-5
+    EXPECT_EQ(cloud.colors[i].g, 7);
+    EXPECT_EQ(cloud.colors[i].r, i);
+  }
+  EXPECT_NEAR(cloud.world(100).y, 2, 1e-4) << "azimuth of a quarter turn looks along y";
+  EXPECT_NEAR(cloud.world(119).z, 2, 1e-4) << "elevation of a quarter turn looks up";
+  ASSERT_EQ(cloud.scanners.size(), 2u);
+  EXPECT_EQ(cloud.scanners[0], dvec3(1000, 200, 0));
+  ASSERT_TRUE(cloud.scalar("scanner"));
+  EXPECT_EQ(cloud.scalar("scanner")->value(119), 1);
+}
+
+TEST(E57, DamageIsAnError) {
+  const std::string bytes = two_scans();
+  std::mt19937 random(3);
+  for (int run = 0; run < 400; ++run) {
+    std::string damaged = bytes;
+    if (run % 2) damaged.resize(random() % damaged.size());
+    else damaged[random() % damaged.size()] ^= char(1 << random() % 8);
+    const std::optional<Error> error = test::error_of(test::write_file("a.e57", damaged));
+    ASSERT_TRUE(error) << run << ": every byte is under a checksum";
+    EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
+  }
+  // Whole pages with right checksums and wrong contents.
+  for (int run = 0; run < 2000; ++run) {
+    std::string damaged = bytes;
+    for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = char(random());
+    for (std::size_t at = 0; at + 1024 <= damaged.size(); at += 1024) {
+      const std::uint32_t crc = io::crc32c(reinterpret_cast<const std::byte*>(damaged.data() + at), 1020);
+      for (int i = 0; i < 4; ++i) damaged[at + 1020 + std::size_t(i)] = char(crc >> (8 * (3 - i)));
+    }
+    const std::optional<Error> error = test::error_of(test::write_file("a.e57", damaged));
+    if (error) EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
+  }
+}
+
+const char* const ptx_head = "10 20 30\n1 0 0\n0 1 0\n0 0 1\n";
+
+TEST(Ptx, ScansWithPosesAndMissingCells) {
+  const std::string file = std::string("2\n3\n") + ptx_head + "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n" +
+                           "1 0 0 0.5\n0 0 0 0.5\n3 0 0 0.25\n4 0 0 1\n5 0 0 1\n0 0 0 0.5\n" + "1\n1\n" + ptx_head +
+                           "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" + "7 8 9 0.5 255 0 1\n";
+  const io::ReadResult result = io::read(test::write_file("a.ptx", file));
+  EXPECT_EQ(result.report.format, "ptx");
+  EXPECT_EQ(result.report.points, 7u);
+  EXPECT_EQ(result.report.points_dropped, 2u);
+  const PointCloud& cloud = result.cloud;
+  ASSERT_EQ(cloud.size(), 5u);
+  EXPECT_EQ(cloud.world(0), dvec3(10, 21, 30));  // the row vector (1 0 0 1) times the matrix
+  EXPECT_EQ(cloud.world(1), dvec3(10, 23, 30));
+  EXPECT_EQ(cloud.world(4), dvec3(7, 8, 9));
+  EXPECT_EQ(cloud.colors.at(4).b, 1);
+  ASSERT_EQ(cloud.grids.size(), 2u);
+  EXPECT_EQ(cloud.grids[0].count, 4u);
+  EXPECT_EQ(cloud.grids[0].width, 2u);
+  EXPECT_EQ(cloud.grid_index, (std::vector<std::uint32_t>{0, 4, 1, 3, 0}));  // column after column in the file
+  EXPECT_EQ(cloud.scanners.at(0), dvec3(10, 20, 30));
+  ASSERT_TRUE(cloud.scalar("scanner"));
+}
+
+TEST(Ptx, DamageIsAnError) {
+  const std::string file = std::string("2\n2\n") + ptx_head + "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" +
+                           "1 0 0 0.5\n2 0 0 0.5\n3 0 0 0.25\n4 0 0 1\n";
+  test::expect_cuts_are_safe("a.ptx", file, 4);
+  test::expect_changes_are_safe("a.ptx", file);
+  const std::optional<Error> error = test::error_of(test::write_file("a.ptx", "2000000000\n2000000000\n" + file.substr(4)));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), ErrorCode::bad_input);
+}
+
+TEST(Pts, ColumnsAreFixed) {
+  // Intensities that look like bytes, and colours of zeros, deceive a guess; the count on top says that it is a PTS.
+  const PointCloud cloud = io::read(test::write_file("a.pts", "2\n1 2 3 100 0 0 0\n4 5 6 -2000 9 0 0\n")).cloud;
+  ASSERT_TRUE(cloud.scalar("intensity"));
+  EXPECT_EQ(cloud.scalar("intensity")->value(1), -2000);
+  EXPECT_EQ(cloud.colors.at(1).r, 9);
+  EXPECT_EQ(io::read(test::write_file("b.pts", "1\n1 2 3 0.5\n")).cloud.scalar("intensity")->value(0), 0.5);
+}
+
+std::string npy(const std::string& descr, const std::string& shape, const std::string& body, bool fortran = false) {
+  std::string head = "{'descr': " + descr + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': (" + shape + "), }\n";
+  return std::string("\x93NUMPY\x01\x00", 8) + le(head.size(), 2) + head + body;
+}
+
+TEST(Npy, RowsColumnsAndRecords) {
+  const std::string rows = test::bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f);
+  EXPECT_EQ(io::read(test::write_file("a.npy", npy("'<f4'", "2, 3", rows))).cloud.positions.at(1), vec3(4, 5, 6));
+  EXPECT_EQ(io::read(test::write_file("b.npy", npy("'<f4'", "2, 3", rows, true))).cloud.positions.at(1), vec3(2, 4, 6));
+  EXPECT_EQ(io::read(test::write_file("c.npy", npy("'>f8'", "1, 3", test::reversed_bytes_of(1.0, 2.0, 3.0)))).cloud.world(0),
+            dvec3(1, 2, 3));
+  const PointCloud records =
+      io::read(test::write_file("d.npy", npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('ring', '|u1')]", "2,",
+                                             test::bytes_of(1.0f, 2.0f, 3.0f) + "\x05" + test::bytes_of(4.0f, 5.0f, 6.0f) + "\x06")))
+          .cloud;
+  EXPECT_EQ(records.positions.at(1), vec3(4, 5, 6));
+  EXPECT_EQ(records.scalar("ring")->value(1), 6);
+  const std::string file = npy("'<f4'", "2, 3", rows);
+  test::expect_cuts_are_safe("a.npy", file, 2);
+  test::expect_changes_are_safe("a.npy", file);
+}
+
+TEST(Kitti, FloatsByExtension) {
+  const io::ReadResult result = io::read(test::write_file("000000.bin", test::bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f)));
+  EXPECT_EQ(result.report.format, "kitti");
+  EXPECT_EQ(result.cloud.positions.at(1), vec3(4, 5, 6));
+  EXPECT_EQ(result.cloud.scalar("intensity")->value(0), 0.5);
+  EXPECT_TRUE(test::error_of(test::write_file("a.bin", std::string(20, 'x'))));
+  EXPECT_TRUE(test::error_of(test::write_file("b.bin", std::string(1600, 'x')))) << "1e21 m is no street";
+}
+
+/// A grey PNG of 16 bits, stored without compression.
+std::string png16(std::uint32_t width, std::uint32_t height, const std::vector<std::uint16_t>& samples) {
+  const auto be = [](std::uint64_t value, int bytes) {
+    std::string text = le(value, bytes);
+    return std::string(text.rbegin(), text.rend());
+  };
+  const auto crc32 = [](const std::string& text) {
+    std::uint32_t crc = ~0u;
+    for (unsigned char c : text) {
+      crc ^= c;
+      for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) ? 0xEDB88320u : 0);
+    }
+    return ~crc;
+  };
+  const auto chunk = [&](const std::string& type, const std::string& data) {
+    return be(data.size(), 4) + type + data + be(crc32(type + data), 4);
+  };
+  std::string raw;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    raw += '\0';
+    for (std::uint32_t x = 0; x < width; ++x) raw += be(samples[y * width + x], 2);
+  }
+  std::uint32_t a = 1, b = 0;
+  for (unsigned char c : raw) a = (a + c) % 65521, b = (b + a) % 65521;
+  const std::string packed = std::string("\x78\x01\x01", 3) + le(raw.size(), 2) + le(~raw.size() & 0xFFFF, 2) + raw + be(b << 16 | a, 4);
+  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", be(width, 4) + be(height, 4) + std::string("\x10\0\0\0\0", 5)) +
+         chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+TEST(DepthImage, IsAnOrganisedCloud) {
+  const std::string picture = png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500});
+  const std::filesystem::path png = test::write_file("d.png", picture);
+  const std::string json = "{\"depth\": \"" + png.filename().string() + "\", \"fx\": 2, \"fy\": 4, \"cx\": 1, \"cy\": 0";
+  const io::ReadResult result = io::read(test::write_file("a.json", json + "}"));
+  EXPECT_EQ(result.report.points, 6u);
+  EXPECT_EQ(result.report.points_dropped, 1u);
+  const PointCloud& cloud = result.cloud;
+  ASSERT_EQ(cloud.size(), 5u);
+  EXPECT_EQ(cloud.world(0), dvec3(-0.5, 0, 1));
+  EXPECT_EQ(cloud.world(1), dvec3(1, 0, 2));
+  EXPECT_EQ(cloud.world(4), dvec3(0.25, 0.125, 0.5));
+  EXPECT_EQ(cloud.grid_index, (std::vector<std::uint32_t>{0, 2, 3, 4, 5}));
+  EXPECT_EQ(cloud.grids.at(0).width, 3u);
+  // A quarter turn about z takes (x, y) to (-y, x).
+  const PointCloud moved = io::read(test::write_file("b.json", json + ", \"pose\": [10, 0, 0, 0, 0, 0.70710678, 0.70710678]}")).cloud;
+  EXPECT_NEAR(moved.world(4).x, 10 - 0.125, 1e-6);
+  EXPECT_NEAR(moved.world(4).y, 0.25, 1e-6);
+  EXPECT_EQ(moved.scanners.at(0), dvec3(10, 0, 0));
+  for (const char* bad : {", \"pose\": [1]}", ", \"zoom\": 1}", ", \"depth_scale\": 0}", ", \"color\": \"none.png\"}"})
+    EXPECT_TRUE(test::error_of(test::write_file("c.json", json + bad))) << bad;
+  for (std::size_t length = 0; length < picture.size(); length += 3) {
+    test::write_file("d.png", picture.substr(0, length));
+    const std::optional<Error> error = test::error_of(test::write_file("a.json", json + "}"));
+    if (length < picture.size() - 30) EXPECT_TRUE(error) << length;  // the checksums at the end nobody needs
+  }
+}
+
+#ifndef __SANITIZE_ADDRESS__
+TEST(Laz, TakesNoMemoryOnTheWordOfAHeader) {
+  // One point that claims to be four million, with eight scalars: 4e6 points would take 300 MB and more.
+  PointCloud cloud;
+  cloud.positions = {vec3(1, 2, 3)};
+  for (int k = 0; k < 16; ++k) cloud.set_scalar({"extra" + std::to_string(k), 0, {0.5f}, StoredType::float32});
+  const std::filesystem::path file = test::temp_file("a.laz");
+  io::write(file, cloud);
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const std::string count = le(4'000'000, 4);
+  bytes.replace(107, 4, count);
+  bytes.replace(247, 4, count);
+  const std::size_t vlr = bytes.find("laszip encoded") - 2 + 54;
+  bytes.replace(vlr + 12, 4, le(8'000'000, 4));  // points a chunk
+  const std::filesystem::path damaged = test::write_file("b.laz", bytes);
+  const pid_t child = fork();
+  if (child == 0) {
+    struct rlimit limit {};
+    limit.rlim_cur = limit.rlim_max = rlim_t(256) << 20;  // what the program itself maps included
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      io::read(damaged);
+    } catch (const Error& error) {
+      _exit(int(error.code()));
+    } catch (...) {
+      _exit(99);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), int(ErrorCode::bad_input));
+}
+#endif
+
+}  // namespace
+}  // namespace sfumato
