@@ -103,9 +103,12 @@ class Completion {
   void shrink_in_clutter(std::vector<float> flatness, std::vector<float>& radii) {
     if (std::none_of(flatness.begin(), flatness.end(), [](float f) { return f < 1; })) return;
     const std::vector<float> surface = surface_shares(cloud_.positions, std::move(flatness), int(k_), progress_);
+    prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i)
-        radii[i] *= std::lerp(options_.clutter_radius, 1.0f, surface[i]);
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        prepared_.shrunk[i] = std::lerp(options_.clutter_radius, 1.0f, surface[i]);
+        radii[i] *= prepared_.shrunk[i];
+      }
     });
   }
 

@@ -60,6 +60,7 @@ struct PreparedCloud {
   Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
+  std::vector<float> shrunk;    ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
   int neighbors = 24;           ///< that computed attributes were measured from
   ViewPlaces views;             ///< empty unless normals or radii may still come from RGB-D views
 };

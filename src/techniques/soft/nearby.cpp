@@ -81,7 +81,9 @@ void limit_isolated(std::span<const vec3> positions, const Nearby& nearby, std::
 }
 
 std::vector<float> scale_free_uncertainty(const PreparedCloud& prepared, const Nearby& nearby) {
-  const std::vector<float>& radii = prepared.cloud.radii;
+  // As uncertainty was measured: by the radii that points in clutter would have on a surface.
+  std::vector<float> radii = prepared.cloud.radii;
+  for (std::size_t i = 0; i < prepared.shrunk.size(); ++i) radii[i] /= prepared.shrunk[i];
   const std::vector<float>& uncertainty = prepared.cloud.scalar("uncertainty")->values;
   const std::vector<float> around = nearby.expected_radii(prepared.cloud.positions, radii);
   std::vector<float> values(radii.size());
