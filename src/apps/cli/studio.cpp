@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "analysis/coincident.h"
 #include "analysis/survey.h"
 #include "core/version.h"
 #include "io/camera_json.h"
@@ -71,7 +72,8 @@ void Studio::set_scene(scene::Scene scene) {
   const std::size_t given = scene.cloud.size();
   PreparedCloud prepared = analysis::prepare_by_shape(std::move(scene.cloud), needs_of, choice_.prepare, console_);
   if (const std::size_t left_out = given - prepared.cloud.size(); left_out > 0)
-    console_.say(fmt::format("{} points share their places with 64 others and are left out", left_out));
+    console_.say(fmt::format("{} points share their places with {} others and are left out", left_out,
+                             analysis::most_in_one_place));
   for (const auto& chosen : choice_.techniques)
     resolve_shadow_sizes(chosen->settings, bounds(prepared.cloud), prepared.median_spacing);
   ColorSettings color = options_.color;
