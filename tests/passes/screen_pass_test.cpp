@@ -158,8 +158,8 @@ TEST_F(Passes, PointsToPixelsKeepsTheNearestPoint) {
           ASSERT_EQ(colors.at(x, y), vec4(0, 0, 0, 1));
           continue;
         }
-        const double z = depth.at(x, y);
-        const dvec3 at((x + 0.5 - k.cx) / k.fx * z, -(y + 0.5 - k.cy) / k.fy * z, -z);
+        // The point itself, not the middle of its pixel.
+        const dvec3 at(v * glm::dvec4(dvec3(file.positions[source]), 1));
         for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(positions.at(x, y)[axis], at[axis], 3e-6);  // roundings near 4
         const auto& order = prepared.cloud.source_index;
         const auto place = std::size_t(std::find(order.begin(), order.end(), source) - order.begin());
