@@ -44,10 +44,6 @@ Camera jittered(const Camera& camera, int sample, int samples) {
   return out;
 }
 
-}  // namespace
-
-namespace {
-
 /// What depth is resolved for: everything within a hundred diagonals of most points, so that one stray point a billion
 /// times farther out costs nobody else.
 Bounds depth_bounds(const PointCloud& cloud) {
@@ -114,7 +110,8 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   }
 
   Frame frame{*cloud, camera, settings, light, target, shot.wants_normal, shot.timers, shot.progress};
-  if (shot.may_finish && !shot.with_edl && !shot.with_smooth_outlines && !(has_shadows && settings.ground)) frame.finished = &rgba8;
+  const bool is_followed = shot.with_edl || shot.with_smooth_outlines || (has_shadows && settings.ground);
+  if (shot.may_finish && !is_followed) frame.finished = &rgba8;
   while (!shot.technique.render(frame)) shot.progress.check();
   shot.is_finished = frame.is_finished;
 
