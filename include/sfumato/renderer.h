@@ -38,7 +38,8 @@ class HeadlessRenderer {
   /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without points,
   /// Error(usage) for a colour source that it does not have.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {}, Progress& progress = no_progress());
-  /// The view from azimuth -45 and elevation 30 degrees that frames all but stray points.
+  /// The view of the command: from azimuth -45 and elevation 30 degrees, or what suits the scan, it shows all but stray
+  /// points.
   Camera first_view(int width, int height) const;
   /// `background` is sRGB 0..1, or nothing for a transparent picture. What the technique needs and the cloud
   /// lacks is computed on the first call and kept. Throws Error(usage) for an unknown technique or parameter

@@ -88,6 +88,7 @@ class ParamList {
 
   /// By name, underscores or dashes; null when there is none.
   Param* find(std::string_view name);
+  const Param* find(std::string_view name) const { return const_cast<ParamList*>(this)->find(name); }
   const std::vector<Param>& all() const { return params_; }
   std::vector<Param>& all() { return params_; }
 

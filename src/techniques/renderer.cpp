@@ -148,7 +148,10 @@ void Renderer::set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::ui
 
 void Renderer::set_colors(std::vector<Rgba8> colors) { state_->cloud->set_colors(std::move(colors)); }
 
+const std::vector<Rgba8>& Renderer::colors() const { return state_->cloud->colors(); }
+
 PreparedCloud& Renderer::prepared() { return state_->prepared; }
+const PreparedCloud& Renderer::prepared() const { return state_->prepared; }
 
 RenderOutput Renderer::render(Technique& technique, const Camera& asked, const RenderSettings& settings,
                               const RenderWants& wants, Progress& progress) {

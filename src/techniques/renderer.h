@@ -47,7 +47,9 @@ class Renderer {
   /// `max_chunk_points` limits the points per GPU buffer (tests); 0 means the driver's limit.
   void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
   void set_colors(std::vector<Rgba8> colors);
+  const std::vector<Rgba8>& colors() const;
   PreparedCloud& prepared();
+  const PreparedCloud& prepared() const;
 
   /// Renders until the technique says the image is final. The camera's near and far planes are fitted here.
   RenderOutput render(Technique& technique, const Camera& camera, const RenderSettings& settings,

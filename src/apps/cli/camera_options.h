@@ -7,19 +7,9 @@
 
 #include "command_line.h"
 #include "core/camera.h"
+#include "session/first_view.h"
 
 namespace sfumato::cli {
-
-/// What the first view shows.
-struct Subject {
-  Bounds box;
-  std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
-};
-
-/// The 2-98 % box and up to 50,000 of the points inside. A side grows to the full box where that is at most a
-/// third of the diagonal further out: stray points do not decide the view, and neither the tower of a flat
-/// site nor the tip of a wedge is cut.
-Subject subject_of(const PointCloud& cloud);
 
 struct CameraOptions {
   std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg,
@@ -45,11 +35,5 @@ struct CameraOptions {
   void magnify(Camera& camera) const;
   std::optional<dvec3> vector(const char* option, const std::optional<std::string>& text) const;
 };
-
-/// Full turn (or `degrees`) of `start` about its up axis through the target; the first frame is `start`
-/// itself.
-std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees);
-/// A smooth path through the key cameras (Catmull-Rom on positions, targets, angles), first to last key.
-std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames);
 
 }  // namespace sfumato::cli

@@ -38,12 +38,6 @@ void explain_foreign(const std::string& word, const std::string& chosen) {
 
 }  // namespace
 
-ChosenTechnique::ChosenTechnique(const TechniqueInfo& info) : name(info.name), technique(info.create()) {
-  technique->describe(parameters);
-  own_count = parameters.all().size();
-  settings.describe(parameters);
-}
-
 Choice::Choice(const std::string& names) {
   for (const std::string& name : split(names, ',')) {
     const auto add = [&](const TechniqueInfo& info, bool candidate) {
@@ -97,6 +91,12 @@ void Choice::settle(const TechniqueChoice& found) {
     std::erase(techniques, nullptr);
   }
   techniques = std::move(kept);
+}
+
+std::vector<const Look*> Choice::looks() const {
+  std::vector<const Look*> looks;
+  for (const auto& chosen : techniques) looks.push_back(chosen.get());
+  return looks;
 }
 
 std::vector<Param*> Choice::find(const std::string& name) {
@@ -170,16 +170,6 @@ std::string describe_values(const Param& param) {
     if (param.can_be_auto) text += "|auto";
   }
   return text + " (" + param.default_text + ")";
-}
-
-const char* kind_name(ParamKind kind) {
-  static const char* names[] = {"bool", "int", "float", "choice", "string", "float_list", "vec3"};
-  return names[int(kind)];
-}
-
-std::string with_dashes(std::string name) {
-  std::replace(name.begin(), name.end(), '_', '-');
-  return name;
 }
 
 }  // namespace sfumato::cli

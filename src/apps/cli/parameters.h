@@ -7,26 +7,18 @@
 
 #include "analysis/prepare.h"
 #include "command_line.h"
+#include "session/look.h"
 #include "techniques/choose.h"
-#include "techniques/technique.h"
 
 namespace sfumato::cli {
 
-/// One technique with its own settings, and one list of all its parameters: its own, then the shared ones.
-struct ChosenTechnique {
-  explicit ChosenTechnique(const TechniqueInfo& info);
-  ChosenTechnique(const ChosenTechnique&) = delete;
-  ChosenTechnique& operator=(const ChosenTechnique&) = delete;
-
-  std::string name;
+/// A technique of the command line.
+struct ChosenTechnique : Look {
+  using Look::Look;
   std::size_t place = 0;   ///< in the list on the command line
   bool candidate = false;  ///< of `auto`: one of several with the same place, until `settle`
   std::string reason;      ///< why `auto` chose it
   float surface_share = 1, line_share = 0;  ///< what it saw
-  std::unique_ptr<Technique> technique;
-  RenderSettings settings;
-  ParamList parameters;
-  std::size_t own_count = 0;  ///< the first of `parameters` that are the technique's own
 };
 
 struct Choice {
@@ -41,6 +33,7 @@ struct Choice {
   /// --parameter and --technique.parameter for every parameter.
   void declare(CommandLine& line);
   bool automatic() const { return techniques.size() != count; }
+  std::vector<const Look*> looks() const;
   /// Leaves of `auto` the technique that suits the scan, among those that have all parameters `given` on the line.
   void settle(const TechniqueChoice& found);
 
@@ -55,8 +48,5 @@ void declare_parameter(CommandLine& line, const Param& param, const std::string&
                        std::function<void(const std::string&)> apply);
 /// "FLOAT [0.1, 64] = 1": kind, range or choices, default.
 std::string describe_values(const Param& param);
-/// bool, int, float, choice, string, float_list, vec3.
-const char* kind_name(ParamKind kind);
-std::string with_dashes(std::string name);
 
 }  // namespace sfumato::cli

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "analysis/upright.h"
 #include "batch.h"
 #include "commands.h"
 #include "console.h"
@@ -12,11 +11,10 @@
 #include "help.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"
-#include "io/says_up.h"
 #include "passes/shadows.h"
-#include "preset.h"
 #include "render_options.h"
 #include "report.h"
+#include "session/preset.h"
 #include "studio.h"
 
 namespace sfumato::cli {
@@ -37,21 +35,24 @@ scene::Scene read(const Words& files, const RenderOptions& options, RenderReport
 }
 
 /// Which way is up, and from where to look, unless the user or the file says so.
-void stand_upright(scene::Scene& scene, const std::string& file, RenderOptions& options, RenderReport& report,
-                   Console& console) {
+Pose pose_of(scene::Scene& scene, const std::string& file, RenderOptions& options, RenderReport& report,
+             Console& console) {
   const UpAxis custom = scene.cloud.up;
-  analysis::Upright upright;
-  if (options.input.scene.up)
-    upright = {*options.input.scene.up, "--up"};
-  else if (io::says_up(file))
-    upright = {custom, "the file says so"};
-  else
-    upright = analysis::guess_upright(scene.cloud);
+  Pose pose = stand_upright(scene, file, options.input.scene.up);
+  const analysis::Upright& upright = pose.upright;
   if (upright.up != custom)
     console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason, to_string(custom)));
-  scene.cloud.up = upright.up;
   report.up = to_string(upright.up), report.up_reason = upright.reason;
   options.camera.first_azimuth_deg = upright.azimuth_deg, options.camera.first_elevation_deg = upright.elevation_deg;
+  return pose;
+}
+
+/// The parameters and options of a preset as words of a command line.
+Words words_of(const Preset& preset, const Choice& choice) {
+  Words words;
+  for (const auto& values : {preset.options, preset.parameters_for(choice.looks(), choice.prepare_parameters)})
+    for (const auto& [name, value] : values) words.push_back("--" + name + "=" + value);
+  return words;
 }
 
 /// Refuses outputs that would replace an input or each other, before anything is read.
@@ -83,8 +84,8 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
 }
 
 /// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
-Camera view_of(const RenderOptions& options, const PointCloud& cloud) {
-  Camera camera = options.camera.resolve(subject_of(cloud), cloud.up);
+Camera view_of(const RenderOptions& options, const Subject& subject, const PointCloud& cloud) {
+  Camera camera = options.camera.resolve(subject, cloud.up);
   if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset) return camera;
   const dvec3 direction = camera.direction();
   camera.position = bounds(cloud).center();
@@ -161,12 +162,12 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
     batch.run(options.files[n], [&] {
       console.set_step("file", n, options.files.size());
       scene::Scene scene = read({options.files[n]}, options, report, console);
-      stand_upright(scene, options.files[n], options, report, console);
+      Pose pose = pose_of(scene, options.files[n], options, report, console);
       watch.lap("read");
       box = bounds(scene.cloud);
-      camera = view_of(options, scene.cloud);
+      camera = view_of(options, pose.subject, scene.cloud);
       if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
-      studio->set_scene(std::move(scene));
+      studio->set_scene(std::move(scene), std::move(pose));
       watch.lap("prepare");
       studio->shoot(camera, int(n), watch);
       ++report.frames;
@@ -204,18 +205,14 @@ int render_command(const Words& words) {
   if (peek(words, 't', "technique").empty()) line.short_help(short_help);
   if (CommandLine::listener) return line.parse({}), 0;
   // A layer each: what comes later wins, also over names qualified by a technique.
-  for (const Words& layer : {defaults.words_for(choice), preset.words_for(choice)})
+  for (const Words& layer : {words_of(defaults, choice), words_of(preset, choice)})
     if (!layer.empty()) line.parse(layer);
   if (!line.parse(words)) return 0;
   options.technique = names;
   options.camera.preset = preset.camera;
   choice.given = line.given();
   options.check(choice.count);
-  for (const auto& chosen : choice.techniques) {
-    Light::parse(chosen->settings.light_text);
-    if (chosen->settings.ground && chosen->settings.shadows == Shadows::off)
-      throw Error(ErrorCode::usage, "--ground shows the shadow that falls on it: add --shadows soft, or hard");
-  }
+  for (const auto& chosen : choice.techniques) chosen->check();
   // A wrong camera file should not cost the time of reading a large scan.
   options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
   options.expand_files();
@@ -230,24 +227,24 @@ int render_command(const Words& words) {
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
   scene::Scene scene = read(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
-  stand_upright(scene, options.files[0], options, report, console);
+  Pose pose = pose_of(scene, options.files[0], options, report, console);
   watch.lap("read");
   const Bounds box = bounds(scene.cloud);
-  const Camera camera = view_of(options, scene.cloud);
+  const Camera camera = view_of(options, pose.subject, scene.cloud);
   const std::vector<Camera> cameras = cameras_of(options, camera, scene.cloud.up);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
   if (report.frames > 1)
     for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.cloud.up);
 
   Studio studio(options, choice, report, quote(command), console);
-  studio.set_scene(std::move(scene));
+  studio.set_scene(std::move(scene), pose);
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     if (options.sequence && n > 0) {
       scene::Scene next = read({options.files[std::size_t(n)]}, options, report, console);
-      next.cloud.up = *parse_up_axis(report.up);
-      studio.set_scene(std::move(next));
+      next.cloud.up = pose.upright.up;
+      studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
     }
     studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);
@@ -255,7 +252,7 @@ int render_command(const Words& words) {
   if (!options.save_preset.empty()) {
     std::optional<Camera> kept = preset.camera;
     if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
-    save_preset(options.save_preset, choice, line.given(), kept);
+    save_preset(options.save_preset, choice.looks(), choice.prepare_parameters, line.given(), kept);
     report.outputs.push_back(options.save_preset);
   }
   tell(report, options, choice, box, console);

@@ -5,15 +5,12 @@
 #include <algorithm>
 
 #include "analysis/coincident.h"
-#include "analysis/survey.h"
 #include "core/version.h"
 #include "io/camera_json.h"
 #include "io/image_exr.h"
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "legend.h"
-#include "passes/shadows.h"
-#include "techniques/panorama.h"
 
 namespace sfumato::cli {
 
@@ -37,7 +34,7 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
       command_(std::move(command)),
       console_(console),
       context_(gl::Context::create_headless()),
-      renderer_(*context_) {
+      session_(*context_) {
   report_.techniques.resize(choice_.count);
   const std::string extension = extension_of(options_.output);
   wants_.color_linear = extension == ".exr" || extension == ".npy";
@@ -45,12 +42,7 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
   wants_.depth = extension == ".exr" || !options_.output_depth.empty();
   wants_.normal = extension == ".exr" || !options_.output_normal.empty();
   wants_.timings = options_.timings || options_.json;
-  for (const auto& chosen : choice_.techniques) {
-    chosen->settings.transparent = options_.no_background;
-    chosen->settings.edl.resolve(chosen->technique->wants_edl());
-    chosen->settings.smooth_outlines.resolve(chosen->settings.samples == 1 &&
-                                             !chosen->technique->has_soft_edges());
-  }
+  for (const auto& chosen : choice_.techniques) chosen->settings.transparent = options_.no_background;
 }
 
 // What techniques hold on the GPU goes before its context does.
@@ -58,46 +50,36 @@ Studio::~Studio() {
   for (const auto& chosen : choice_.techniques) chosen->technique.reset();
 }
 
-void Studio::set_scene(scene::Scene scene) {
-  up_ = scene.cloud.up;
+void Studio::set_scene(scene::Scene scene, Pose pose) {
   bool settled = false;
-  const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
+  const auto needs_of = [&](const Session::Suggest& suggest) {
     settled = choice_.automatic();
-    if (settled) choice_.settle(choose_technique(sorted, tree));
+    if (settled) choice_.settle(suggest());
     Attributes needs;
     for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
-    if (options_.color.color_by == "normal") needs = needs | Attribute::normal;
     return needs;
   };
-  const std::size_t given = scene.cloud.size();
-  PreparedCloud prepared = analysis::prepare_by_shape(std::move(scene.cloud), needs_of, choice_.prepare, console_);
-  if (const std::size_t left_out = given - prepared.cloud.size(); left_out > 0)
-    console_.say(fmt::format("{} points share their places with {} others and are left out", left_out,
+  SessionOptions wanted{choice_.prepare, options_.color, {}};
+  if (!options_.background_color.empty()) wanted.background = options_.background;
+  session_.set_scene(std::move(scene), std::move(pose), wanted, needs_of, console_);
+  if (session_.left_out() > 0)
+    console_.say(fmt::format("{} points share their places with {} others and are left out", session_.left_out(),
                              analysis::most_in_one_place));
-  for (const auto& chosen : choice_.techniques)
-    resolve_shadow_sizes(chosen->settings, bounds(prepared.cloud), prepared.median_spacing);
-  ColorSettings color = options_.color;
-  color.file_names = scene.file_names;
-  coloring_ = color_points(prepared.cloud, color);
-  report_.color_by = coloring_.source;
+  const Coloring& coloring = session_.coloring();
+  report_.color_by = coloring.source;
+  report_.background = session_.background();
   for (const auto& chosen : choice_.techniques)
     if (settled && !chosen->reason.empty())
       console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
-  background_ = options_.background_color.empty() ? contrasting_background(coloring_.colors) : options_.background;
-  report_.background = background_;
-  for (const auto& chosen : choice_.techniques) chosen->settings.background = background_;
-  for (const std::string& note : coloring_.notes) console_.say("sfumato: " + note);
-  if (options_.legend && coloring_.kind != ColorKind::scalar && coloring_.swatches.empty())
-    console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring_.source +
+  for (const std::string& note : coloring.notes) console_.say("sfumato: " + note);
+  if (options_.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())
+    console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring.source +
                  ", which explains itself");
-  renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
 }
 
 RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
-  if (options_.camera.panorama)
-    return render_panorama(renderer_, *chosen.technique, camera, up_vector(up_), chosen.settings, wants_,
-                           console_);
-  return renderer_.render(*chosen.technique, camera, chosen.settings, wants_, console_);
+  if (options_.camera.panorama) return session_.render_panorama(chosen, camera, wants_, console_);
+  return session_.render(chosen, camera, wants_, console_);
 }
 
 void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
@@ -127,10 +109,10 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("render");
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
   if (panels.size() > 1) {
-    if (options_.legend) draw_legend(panels.back().image, coloring_, background_);
-    if (wants_.color) out.rgba8 = contact_sheet(panels, background_, options_.no_background);
+    if (options_.legend) draw_legend(panels.back().image, session_.coloring(), session_.background());
+    if (wants_.color) out.rgba8 = contact_sheet(panels, session_.background(), options_.no_background);
   } else if (options_.legend && wants_.color) {
-    draw_legend(out.rgba8, coloring_, background_);
+    draw_legend(out.rgba8, session_.coloring(), session_.background());
   }
   write(out, camera, n);
   watch.lap("write");
@@ -163,7 +145,7 @@ void Studio::write_panels(const std::vector<Panel>& panels, const Camera& camera
   for (const Panel& panel : panels) {
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
-    if (options_.legend) draw_legend(image, coloring_, background_);
+    if (options_.legend) draw_legend(image, session_.coloring(), session_.background());
     write_picture(name, image, camera);
   }
 }

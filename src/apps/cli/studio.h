@@ -11,8 +11,7 @@
 #include "parameters.h"
 #include "render_options.h"
 #include "report.h"
-#include "scene/scene.h"
-#include "techniques/renderer.h"
+#include "session/session.h"
 
 namespace sfumato::cli {
 
@@ -35,7 +34,7 @@ class Studio {
          Console& console);
   ~Studio();
 
-  void set_scene(scene::Scene scene);
+  void set_scene(scene::Scene scene, Pose pose);
   /// Renders one view with every technique and writes its files. `n` fills the names of pictures.
   void shoot(const Camera& camera, int n, Stopwatch& watch);
 
@@ -54,11 +53,8 @@ class Studio {
   std::string command_;
   Console& console_;
   std::unique_ptr<gl::Context> context_;
-  Renderer renderer_;
+  Session session_;
   RenderWants wants_;
-  Coloring coloring_;
-  UpAxis up_ = UpAxis::pos_z;
-  vec3 background_{1};
 };
 
 }  // namespace sfumato::cli

@@ -1,4 +1,4 @@
-#include "preset.h"
+#include "session/preset.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,7 +11,7 @@
 #include "io/bounded_json.h"
 #include "io/camera_json.h"
 
-namespace sfumato::cli {
+namespace sfumato {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -70,7 +70,7 @@ Preset load_preset(const std::filesystem::path& file) {
                  with_dashes(name) + " to the command");
         const bool repeated = name == "filter" && setting.is_array();
         for (const Json& one : repeated ? setting : Json::array({setting}))
-          preset.options.push_back("--" + with_dashes(name) + "=" + spell(one));
+          preset.options.emplace_back(with_dashes(name), spell(one));
       }
     } else if (key == "camera" && value.is_object()) {
       preset.camera = io::camera_from_json(value.dump(), file.string());
@@ -81,32 +81,29 @@ Preset load_preset(const std::filesystem::path& file) {
   return preset;
 }
 
-Words Preset::words_for(const Choice& choice) const {
-  Words words = options;
-  const auto take = [&](const std::string& name, const std::string& value) {
-    words.push_back("--" + with_dashes(name) + "=" + value);
-  };
+NamesAndValues Preset::parameters_for(std::span<const Look* const> looks, const ParamList& analysis) const {
+  NamesAndValues found;
   for (const auto& [name, value] : parameters) {
     const std::size_t dot = name.find('.');
     const std::string owner = dot == std::string::npos ? "" : name.substr(0, dot),
                       own = name.substr(owner.empty() ? 0 : dot + 1);
-    bool known = false, chosen_has = false;
+    bool known = false, is_wanted = false;
     for (const TechniqueInfo& info : all_techniques()) {
       if (!owner.empty() && info.name != owner) continue;
-      ChosenTechnique other(info);
+      Look other(info);
       known = known || other.parameters.find(own);
     }
-    for (const auto& chosen : choice.techniques)
-      chosen_has = chosen_has || ((owner.empty() || chosen->name == owner) && chosen->parameters.find(own));
-    for (const Param& param : choice.prepare_parameters.all())
-      if (owner.empty() && with_dashes(param.name) == with_dashes(own)) known = chosen_has = true;
-    if (chosen_has)
-      take(name, value);
+    for (const Look* look : looks)
+      is_wanted = is_wanted || ((owner.empty() || look->name == owner) && look->parameters.find(own));
+    for (const Param& param : analysis.all())
+      if (owner.empty() && with_dashes(param.name) == with_dashes(own)) known = is_wanted = true;
+    if (is_wanted)
+      found.emplace_back(with_dashes(name), value);
     else if (!known)  // not of another technique either, which would wait for its turn
       throw Error(ErrorCode::bad_input, file + ": parameters: no technique has '" + name +
                                             "' (sfumato techniques NAME lists them)");
   }
-  return words;
+  return found;
 }
 
 Preset load_config() {
@@ -121,36 +118,35 @@ Preset load_config() {
   return fs::exists(file, error) ? load_preset(file) : Preset{};
 }
 
-void save_preset(const std::filesystem::path& file, const Choice& choice,
-                 const std::vector<std::pair<std::string, std::string>>& given,
-                 const std::optional<Camera>& camera) {
+void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
+                 const NamesAndValues& given, const std::optional<Camera>& camera) {
   Json json;
   json["sfumato"] = version();
   std::string names;
-  for (const auto& chosen : choice.techniques) names += (names.empty() ? "" : ",") + chosen->name;
+  for (const Look* chosen : looks) names += (names.empty() ? "" : ",") + chosen->name;
   json["technique"] = names;
   json["parameters"] = Json::object();
   // A parameter that all chosen techniques share stands once, so that it also holds for others.
-  const auto& first = choice.techniques.front();
-  for (std::size_t k = first->own_count; k < first->parameters.all().size(); ++k) {
-    const Param& param = first->parameters.all()[k];
+  const Look& first = *looks.front();
+  for (std::size_t k = first.own_count; k < first.parameters.all().size(); ++k) {
+    const Param& param = first.parameters.all()[k];
     const bool agreed =
-        std::all_of(choice.techniques.begin(), choice.techniques.end(), [&](const auto& chosen) {
+        std::all_of(looks.begin(), looks.end(), [&](const Look* chosen) {
           const Param* theirs = chosen->parameters.find(param.name);
           return theirs && theirs->get() == param.get();
         });
     if (agreed) json["parameters"][param.name] = param.get();
   }
-  for (const Param& param : choice.prepare_parameters.all()) json["parameters"][param.name] = param.get();
-  for (const auto& chosen : choice.techniques)
+  for (const Param& param : analysis.all()) json["parameters"][param.name] = param.get();
+  for (const Look* chosen : looks)
     for (const Param& param : chosen->parameters.all())
       if (!json["parameters"].contains(param.name))
         json["parameters"][chosen->name][param.name] = param.get();
   json["options"] = Json::object();
   for (const auto& [name, value] : given) {
     bool is_parameter = name.find('.') != std::string::npos;  // saved above
-    for (const auto& chosen : choice.techniques) is_parameter |= chosen->parameters.find(name) != nullptr;
-    for (const Param& param : choice.prepare_parameters.all())
+    for (const Look* chosen : looks) is_parameter |= chosen->parameters.find(name) != nullptr;
+    for (const Param& param : analysis.all())
       is_parameter |= with_dashes(param.name) == name;
     if (!is_look(name) || is_parameter) continue;
     Json& kept = json["options"];
@@ -167,4 +163,4 @@ void save_preset(const std::filesystem::path& file, const Choice& choice,
   writer.commit();
 }
 
-}  // namespace sfumato::cli
+}  // namespace sfumato

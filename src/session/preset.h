@@ -10,24 +10,28 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "command_line.h"
 #include "core/camera.h"
-#include "parameters.h"
+#include "session/look.h"
 
-namespace sfumato::cli {
+namespace sfumato {
+
+using NamesAndValues = std::vector<std::pair<std::string, std::string>>;
 
 struct Preset {
-  std::string technique;  ///< empty: the preset names none
-  Words options;          ///< as words of a command line
-  std::vector<std::pair<std::string, std::string>> parameters;  ///< names, maybe qualified, and values
+  std::string technique;      ///< empty: the preset names none
+  NamesAndValues options;     ///< with dashes; values as on a command line
+  NamesAndValues parameters;  ///< names, maybe qualified, and values
   std::optional<Camera> camera;
   std::string file;  ///< for messages
 
-  /// Options, and the parameters that the chosen techniques have. Throws Error(bad_input) for a parameter that no
+  /// The parameters that the looks have, and those of the analysis. Throws Error(bad_input) for a parameter that no
   /// technique has.
-  Words words_for(const Choice& choice) const;
+  NamesAndValues parameters_for(std::span<const Look* const> looks, const ParamList& analysis) const;
 };
 
 /// Throws Error(bad_input) that names file and key.
@@ -39,8 +43,7 @@ Preset load_config();
 /// `given`: the options of the command line (and of a preset it loaded); those that name files are left out.
 /// Every parameter is written, also those at their default, so that the picture outlives a change of
 /// defaults.
-void save_preset(const std::filesystem::path& file, const Choice& choice,
-                 const std::vector<std::pair<std::string, std::string>>& given,
-                 const std::optional<Camera>& camera);
+void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
+                 const NamesAndValues& given, const std::optional<Camera>& camera);
 
-}  // namespace sfumato::cli
+}  // namespace sfumato

@@ -1,0 +1,110 @@
+#include "session/first_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sfumato {
+
+Compass::Compass(UpAxis axis)
+    : up(up_vector(axis)),
+      front(std::abs(up.y) > 0.5 ? dvec3(0, 0, 1) : dvec3(0, -1, 0)),
+      right(glm::cross(up, front)) {}
+
+double Compass::azimuth(const dvec3& from) const {
+  return std::atan2(glm::dot(from, right), glm::dot(from, front));
+}
+
+double Compass::elevation(const dvec3& from) const {
+  return std::asin(std::clamp(glm::dot(from, up), -1.0, 1.0));
+}
+
+dvec3 Compass::from(double azimuth, double elevation) const {
+  return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) +
+         std::sin(elevation) * up;
+}
+
+// A point at (x, y) and z towards the camera is inside when |y - y_camera| <= tan (z_camera - z), x alike.
+void fit(Camera& camera, const std::vector<dvec3>& points) {
+  if (std::all_of(points.begin(), points.end(), [&](const dvec3& p) { return p == points[0]; })) return;
+  const dmat4 to_eye = camera.view(), to_world = camera.inverse_view();
+  const double shown = 0.94, target_z = -glm::length(camera.target - camera.position);
+  const double tan_y = std::tan(0.5 * camera.fov_y) * shown, tan_x = tan_y * camera.width / camera.height;
+  const double slope_x = camera.orthographic() ? 0 : tan_x, slope_y = camera.orthographic() ? 0 : tan_y;
+  double left = -1e300, right = -1e300, bottom = -1e300, top = -1e300;
+  for (const dvec3& world : points) {
+    const dvec3 p(to_eye * glm::dvec4(world, 1));
+    right = std::max(right, p.x + slope_x * p.z);
+    left = std::max(left, -p.x + slope_x * p.z);
+    top = std::max(top, p.y + slope_y * p.z);
+    bottom = std::max(bottom, -p.y + slope_y * p.z);
+  }
+  dvec3 eye(0.5 * (right - left), 0.5 * (top - bottom), 0);
+  if (camera.orthographic()) {
+    camera.height_world =
+        std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / shown;
+  } else {
+    eye.z = std::max({0.5 * (right + left) / tan_x, 0.5 * (top + bottom) / tan_y, 0.95 * target_z});
+  }
+  camera.position = dvec3(to_world * glm::dvec4(eye, 1));
+  camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
+}
+
+std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees) {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < frames; ++i) {
+    // A full turn does not repeat its first frame; an arc includes both ends.
+    const bool closed = std::abs(std::fmod(degrees, 360.0)) < 1e-9;
+    const double share = frames == 1 ? 0 : double(i) / (closed ? frames : frames - 1);
+    const dmat4 turn = glm::rotate(dmat4(1), glm::radians(degrees * share), up);
+    Camera camera = start;
+    camera.position = start.target + dvec3(turn * glm::dvec4(start.position - start.target, 0));
+    camera.up = dvec3(turn * glm::dvec4(start.up, 0));
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
+  auto key = [&](std::ptrdiff_t i) -> const Camera& {
+    return keys[std::size_t(std::clamp<std::ptrdiff_t>(i, 0, std::ptrdiff_t(keys.size()) - 1))];
+  };
+  std::vector<Camera> cameras;
+  for (int i = 0; i < frames; ++i) {
+    const double place = frames == 1 ? 0 : double(i) / (frames - 1) * double(keys.size() - 1);
+    const std::ptrdiff_t k =
+        std::min(std::ptrdiff_t(place), std::max<std::ptrdiff_t>(0, std::ptrdiff_t(keys.size()) - 2));
+    const double t = place - double(k);
+    auto blend = [&](const auto& a, const auto& b, const auto& c, const auto& d) {
+      return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) +
+                    t * t * t * (3.0 * b - a - 3.0 * c + d));
+    };
+    Camera camera = key(k);
+    camera.position = blend(key(k - 1).position, key(k).position, key(k + 1).position, key(k + 2).position);
+    camera.target = blend(key(k - 1).target, key(k).target, key(k + 1).target, key(k + 2).target);
+    camera.up = glm::normalize(glm::mix(key(k).up, key(k + 1).up, t));
+    camera.fov_y = glm::mix(key(k).fov_y, key(k + 1).fov_y, t);
+    camera.height_world = glm::mix(key(k).height_world, key(k + 1).height_world, t);
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+Subject subject_of(const PointCloud& cloud) {
+  const Bounds full = bounds(cloud);
+  Bounds box = robust_bounds(cloud);
+  const double room = box.diagonal() / 3;
+  for (int k = 0; k < 3; ++k) {
+    if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
+    if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];
+  }
+  Subject subject{box, {}};
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const dvec3 p = cloud.world(i);
+    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max)))
+      subject.points.push_back(p);
+  }
+  return subject;
+}
+
+}  // namespace sfumato

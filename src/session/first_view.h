@@ -1,0 +1,42 @@
+// From where a scan is looked at: the first view, and cameras that move.
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/point_cloud.h"
+
+namespace sfumato {
+
+/// The frame that azimuth and elevation are measured in, as in core/camera.cpp: azimuth 0 looks from the front. Radians.
+struct Compass {
+  dvec3 up, front, right;
+  explicit Compass(UpAxis axis);
+  /// Of a unit direction from the target to the camera.
+  double azimuth(const dvec3& from) const;
+  double elevation(const dvec3& from) const;
+  dvec3 from(double azimuth, double elevation) const;
+};
+
+/// What the first view shows.
+struct Subject {
+  Bounds box;
+  std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
+};
+
+/// The 2-98 % box and up to 50,000 of the points inside. A side grows to the full box where that is at most a
+/// third of the diagonal further out: stray points do not decide the view, and neither the tower of a flat
+/// site nor the tip of a wedge is cut.
+Subject subject_of(const PointCloud& cloud);
+
+/// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points with a margin
+/// of 6 %. Points in one place have no extent to fit: the camera stays.
+void fit(Camera& camera, const std::vector<dvec3>& points);
+
+/// Full turn (or `degrees`) of `start` about its up axis through the target; the first frame is `start`
+/// itself.
+std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees);
+/// A smooth path through the key cameras (Catmull-Rom on positions, targets, angles), first to last key.
+std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames);
+
+}  // namespace sfumato

@@ -1,0 +1,86 @@
+// From a scene that was read to pictures of it: which way is up, the first view, analysis, colours and what is automatic,
+// the same for every front end, so that the same wishes give the same bytes everywhere.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/prepare.h"
+#include "analysis/upright.h"
+#include "core/coloring.h"
+#include "scene/scene.h"
+#include "session/first_view.h"
+#include "session/look.h"
+#include "techniques/choose.h"
+#include "techniques/renderer.h"
+
+namespace sfumato {
+
+struct SessionOptions {
+  analysis::PrepareOptions prepare;
+  ColorSettings color;
+  std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
+};
+
+/// How a scene presents itself: which way is up, from which side to look first, and what the first view shows.
+struct Pose {
+  analysis::Upright upright;
+  Subject subject;
+};
+
+/// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says. `file` is the first
+/// of the scene, empty for points from elsewhere.
+Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked = {});
+/// The view from the side that suits the scan, which shows all but stray points.
+Camera first_view(const Pose& pose, int width, int height);
+
+/// One scene on one context. Use it on the thread of its context.
+class Session {
+ public:
+  explicit Session(gl::Context& context) : renderer_(context) {}
+
+  /// What suits the points (techniques/choose.h); costs a moment, so it is found when asked for.
+  using Suggest = std::function<TechniqueChoice()>;
+  /// Called when the points lie sorted: says which attributes the techniques need that will be drawn.
+  using ChooseNeeds = std::function<Attributes(const Suggest&)>;
+  /// Sorts and measures the points of a scene and colours them. Throws Error(usage) for a colour source that they do not
+  /// have and Cancelled when `progress` asks for it.
+  void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
+                 Progress& progress = no_progress());
+  /// Other colours for the same points. A background that contrasts with them is found anew.
+  void set_color(const ColorSettings& color);
+  void set_background(const std::optional<vec3>& background);
+
+  Camera first_view(int width, int height) const { return sfumato::first_view(pose_, width, height); }
+  /// Draws until the picture is final. What the technique needs and the cloud lacks is computed and kept. The first call
+  /// settles in `look.settings` what is automatic.
+  RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {}, Progress& progress = no_progress());
+  /// Everything around the camera's position (techniques/panorama.h).
+  RenderOutput render_panorama(Look& look, const Camera& camera, const RenderWants& wants = {},
+                               Progress& progress = no_progress());
+
+  const PointCloud& cloud() const { return prepared().cloud; }   ///< in prepared order
+  const PreparedCloud& prepared() const { return renderer_.prepared(); }
+  const Coloring& coloring() const { return coloring_; }         ///< without `colors`
+  const Pose& pose() const { return pose_; }
+  vec3 background() const { return background_; }
+  std::size_t left_out() const { return left_out_; }   ///< points beyond those that one place holds
+  bool empty() const { return is_empty_; }
+
+ private:
+  /// What follows from scene and technique together.
+  void settle(Look& look, Progress& progress);
+
+  Renderer renderer_;
+  SessionOptions options_;
+  std::vector<std::string> file_names_;
+  Coloring coloring_;
+  Pose pose_;
+  vec3 background_{1};
+  std::size_t left_out_ = 0;
+  bool is_empty_ = true;
+};
+
+}  // namespace sfumato
