@@ -40,6 +40,12 @@ bool complete_for_all(const std::vector<T>& values) {
                                 std::logical_and<>());
 }
 
+/// The largest radius of a disc that stands for this neighbourhood: half the width of an evenly filled ellipse of its
+/// variances, for a branch is no plank, but at least what joins the points of a line.
+float width_of(const LocalFrame& frame, std::size_t neighbors) {
+  return std::max(2 * std::sqrt(frame.variance.y), 2 * std::sqrt(3 * frame.variance.z) / float(neighbors));
+}
+
 /// The same K neighbours for every point, in one array.
 class KeptNeighbors {
  public:
@@ -72,6 +78,7 @@ class Completion {
     const Orientation orientation(cloud_);
     const bool shrink = radii && options_.clutter_radius < 1;
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
+    std::vector<float> narrow(flatness.size(), 1.0f);
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
     const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
     if (normals || radii || keep)
@@ -84,7 +91,10 @@ class Completion {
             if (own_radius) {
               const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
               new_radii[i] = farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
-              if (shrink && frame) flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, farthest);
+              if (shrink && frame) {
+                flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, farthest);
+                narrow[i] = std::min(1.0f, width_of(*frame, ids.size()) / new_radii[i]);
+              }
             }
             if (keep) kept.keep(i, ids);
           },
@@ -94,19 +104,20 @@ class Completion {
                                             radii ? new_radii : cloud_.radii, keep ? &kept : nullptr));
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
-    if (shrink) shrink_in_clutter(std::move(flatness), new_radii);
+    if (shrink) shrink_in_clutter(std::move(flatness), narrow, new_radii);
     if (normals) cloud_.normals = std::move(new_normals);
     if (radii) cloud_.radii = std::move(new_radii);
   }
 
  private:
-  void shrink_in_clutter(std::vector<float> flatness, std::vector<float>& radii) {
-    if (std::none_of(flatness.begin(), flatness.end(), [](float f) { return f < 1; })) return;
+  void shrink_in_clutter(std::vector<float> flatness, const std::vector<float>& narrow, std::vector<float>& radii) {
+    const auto less = [](float f) { return f < 1; };
+    if (std::none_of(flatness.begin(), flatness.end(), less) && std::none_of(narrow.begin(), narrow.end(), less)) return;
     const std::vector<float> surface = surface_shares(cloud_.positions, std::move(flatness), int(k_), progress_);
     prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        prepared_.shrunk[i] = std::lerp(options_.clutter_radius, 1.0f, surface[i]);
+        prepared_.shrunk[i] = std::max(options_.clutter_radius, std::min(std::lerp(options_.clutter_radius, 1.0f, surface[i]), narrow[i]));
         radii[i] *= prepared_.shrunk[i];
       }
     });

@@ -19,7 +19,8 @@ float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::spa
 /// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge from a
 /// leaf, nor noise from grass, but what surrounds it and what is seen from farther away do. A point is on a surface
 /// when most of those around it are flat, or some and itself, or when the wider neighbourhoods of every 8th or every
-/// 64th point are flat, which reach as far as 192 and 1536 of all points.
+/// 64th point are flat, which reach as far as 192 and 1536 of all points, and the point lies in what is flat there.
+/// Flat neighbourhoods that no other one agrees with are chance, and do not count.
 std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
                                   Progress& progress);
 
