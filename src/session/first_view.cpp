@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
+#include "core/param.h"
+
 namespace sfumato {
 
 Compass::Compass(UpAxis axis)
@@ -47,6 +50,57 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
   }
   camera.position = dvec3(to_world * glm::dvec4(eye, 1));
   camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
+}
+
+const NamedView& find_view(std::string_view wanted, const std::string& who) {
+  // The front is what azimuth 0 shows; iso sees three sides of a cube at equal angles (atan(1 / sqrt 2)).
+  static constexpr NamedView views[] = {{"front", 0, 0},  {"back", 180, 0},    {"left", -90, 0},
+                                        {"right", 90, 0}, {"top", 0, 90},      {"bottom", 0, -90},
+                                        {"iso", -45, 35.26438968275465}};
+  std::vector<std::string> names;
+  std::string all;
+  for (const NamedView& view : views) {
+    if (wanted == view.name) return view;
+    names.push_back(view.name);
+    all += (all.empty() ? "" : ", ") + names.back();
+  }
+  const std::string near = nearest_word(wanted, names);
+  throw Error(ErrorCode::usage, who + ": '" + std::string(wanted) + "' is not one of " + all +
+                                    (near.empty() ? "" : "; did you mean " + near + "?"));
+}
+
+void look_from(Camera& camera, UpAxis axis, std::optional<double> azimuth, std::optional<double> elevation,
+               bool upright) {
+  const Compass compass(axis);
+  const dvec3 from = -camera.direction();
+  const double turn = azimuth ? *azimuth : compass.azimuth(from);
+  const double height = elevation ? *elevation : compass.elevation(from);
+  camera.position = camera.target + compass.from(turn, height) * glm::length(camera.target - camera.position);
+  // Straight down has no upright picture of its own: it is what a steep view comes to.
+  if (std::abs(std::sin(height)) > 1 - 1e-12)
+    camera.up = (height > 0 ? -1.0 : 1.0) * compass.from(turn, 0);
+  else if (upright)
+    camera.up = compass.up;
+}
+
+void magnify(Camera& camera, double factor) {
+  if (camera.custom_intrinsics) {
+    camera.custom_intrinsics->fx *= factor;
+    camera.custom_intrinsics->fy *= factor;
+  }
+  camera.height_world /= factor;
+  camera.fov_y = 2 * std::atan(std::tan(0.5 * camera.fov_y) / factor);
+}
+
+void roll(Camera& camera, double angle) {
+  const dmat4 upright = camera.inverse_view();
+  camera.up = std::cos(angle) * dvec3(upright[1]) - std::sin(angle) * dvec3(upright[0]);
+}
+
+void make_orthographic(Camera& camera) {
+  if (camera.orthographic()) return;
+  camera.projection = Projection::orthographic;
+  camera.height_world = 2 * std::tan(0.5 * camera.fov_y) * glm::length(camera.target - camera.position);
 }
 
 std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees) {

@@ -1,6 +1,9 @@
 // From where a scan is looked at: the first view, and cameras that move.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/camera.h"
@@ -32,6 +35,25 @@ Subject subject_of(const PointCloud& cloud);
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points with a margin
 /// of 6 %. Points in one place have no extent to fit: the camera stays.
 void fit(Camera& camera, const std::vector<dvec3>& points);
+
+/// The sides that have a name.
+struct NamedView {
+  const char* name;
+  double azimuth_deg, elevation_deg;
+};
+/// front, back, left, right, top, bottom or iso. Throws Error(usage) that names `who` asked and the nearest.
+const NamedView& find_view(std::string_view name, const std::string& who);
+
+/// Turns the camera about its target to where azimuth and elevation (radians) say; what is not given stays. Straight up and
+/// down it gets an up of its own; elsewhere it keeps its up, or stands `upright`.
+void look_from(Camera& camera, UpAxis axis, std::optional<double> azimuth, std::optional<double> elevation,
+               bool upright = false);
+/// Shows things `factor` times as large, from the same place.
+void magnify(Camera& camera, double factor);
+/// Turns the camera about its direction of view, counter-clockwise; radians.
+void roll(Camera& camera, double angle);
+/// Parallel projection; the plane through the target keeps its size in the picture.
+void make_orthographic(Camera& camera);
 
 /// Full turn (or `degrees`) of `start` about its up axis through the target; the first frame is `start`
 /// itself.

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/param.h"
 #include "io/camera_json.h"
 
 namespace sfumato::cli {
@@ -18,18 +17,6 @@ double degrees_in(const char* option, const std::string& text, double low, doubl
     throw Error(ErrorCode::usage, fmt::format("{}: {} degrees is outside [{}, {}]", option, text, low, high));
   return glm::radians(value);
 }
-
-struct NamedView {
-  const char *name, *azimuth, *elevation;
-};
-/// The front is what azimuth 0 shows; iso sees three sides of a cube at equal angles (atan(1 / sqrt 2)).
-constexpr NamedView named_views[] = {{"front", "0", "0"},
-                                     {"back", "180", "0"},
-                                     {"left", "-90", "0"},
-                                     {"right", "90", "0"},
-                                     {"top", "0", "90"},
-                                     {"bottom", "0", "-90"},
-                                     {"iso", "-45", "35.26438968275465"}};
 
 double positive(const char* option, const std::string& text) {
   const double value = parse_number(option, text);
@@ -84,17 +71,8 @@ void CameraOptions::check() {
     refuse_pair(azimuth_deg || elevation_deg, "--view and --camera-azimuth-angle / --camera-elevation-angle");
     refuse_pair(position.has_value(), "--view and --camera-position");
     refuse_pair(direction.has_value(), "--view and --camera-direction");
-    Words names;
-    std::string all;
-    for (const NamedView& named : named_views) {
-      names.push_back(named.name);
-      all += (all.empty() ? "" : ", ") + names.back();
-      if (*view == named.name) azimuth_deg = named.azimuth, elevation_deg = named.elevation;
-    }
-    const std::string near = nearest_word(*view, names);
-    if (!azimuth_deg)
-      throw Error(ErrorCode::usage, "--view: '" + *view + "' is not one of " + all +
-                                        (near.empty() ? "" : "; did you mean " + near + "?"));
+    const NamedView& side = find_view(*view, "--view");
+    azimuth_deg = fmt::format("{}", side.azimuth_deg), elevation_deg = fmt::format("{}", side.elevation_deg);
   }
   refuse_pair(look_at && focal_point, "--look-at and --camera-focal-point");
   refuse_pair(look_at && position, "--look-at and --camera-position");
@@ -157,19 +135,10 @@ void CameraOptions::aim(Camera& camera, UpAxis up) const {
       camera.position = camera.target - d * reach;
   }
   if (azimuth_deg || elevation_deg) {
-    const Compass compass(up);
-    const dvec3 from = -camera.direction();
-    const double azimuth = azimuth_deg ? glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg))
-                                       : compass.azimuth(from);
-    const double elevation = elevation_deg ? degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90)
-                                           : compass.elevation(from);
-    camera.position =
-        camera.target + compass.from(azimuth, elevation) * glm::length(camera.target - camera.position);
-    // Straight down has no upright picture of its own: it is what a steep view comes to.
-    if (std::abs(std::sin(elevation)) > 1 - 1e-12)
-      camera.up = (elevation > 0 ? -1.0 : 1.0) * compass.from(azimuth, 0);
-    else if (view)
-      camera.up = compass.up;
+    std::optional<double> azimuth, elevation;
+    if (azimuth_deg) azimuth = glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg));
+    if (elevation_deg) elevation = degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
+    look_from(camera, up, azimuth, elevation, view.has_value());
   }
   if (distance) {
     const double reach = positive("--distance", *distance),
@@ -188,20 +157,8 @@ bool CameraOptions::moves_camera() const {
 }
 
 void CameraOptions::magnify(Camera& camera) const {
-  if (zoom) {
-    const double factor = positive("--zoom", *zoom);
-    if (camera.custom_intrinsics) {
-      camera.custom_intrinsics->fx *= factor;
-      camera.custom_intrinsics->fy *= factor;
-    }
-    camera.height_world /= factor;
-    camera.fov_y = 2 * std::atan(std::tan(0.5 * camera.fov_y) / factor);
-  }
-  if (roll_deg) {
-    const dmat4 upright = camera.inverse_view();
-    const double angle = glm::radians(parse_number("--roll", *roll_deg));
-    camera.up = std::cos(angle) * dvec3(upright[1]) - std::sin(angle) * dvec3(upright[0]);
-  }
+  if (zoom) sfumato::magnify(camera, positive("--zoom", *zoom));
+  if (roll_deg) roll(camera, glm::radians(parse_number("--roll", *roll_deg)));
 }
 
 Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
@@ -238,11 +195,7 @@ Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
     if (angle) camera.fov_y = *angle;  // from where 45 degrees show everything: a smaller angle zooms in
   }
   aim(camera, up);
-  if (orthographic && !camera.orthographic()) {
-    // The plane through the target keeps its size in the picture.
-    camera.projection = Projection::orthographic;
-    camera.height_world = 2 * std::tan(0.5 * camera.fov_y) * glm::length(camera.target - camera.position);
-  }
+  if (orthographic) make_orthographic(camera);
   magnify(camera);
   return camera;
 }

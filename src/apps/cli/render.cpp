@@ -199,7 +199,7 @@ int render_command(const Words& words) {
   RenderOptions options;
   CommandLine line("sfumato", "Renders point clouds to pictures.");
   options.declare(line);
-  choice.declare(line);
+  declare(choice, line);
   line.usage("sfumato FILE... [-t TECHNIQUE] -o PICTURE");
   // Who asks about a technique wants its parameters.
   if (peek(words, 't', "technique").empty()) line.short_help(short_help);
