@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <functional>
 
-#include "io/copc_hierarchy.h"
 #include "io/las_points.h"
-#include "io/laz_table.h"
+#include "io/las_records.h"
 
 namespace sfumato::io {
 namespace las {
 namespace {
 
-// Points per task of uncompressed files, and per step of a sequential read; fewer where a point is long.
-constexpr std::size_t block_size = 1 << 16, block_bytes = 8 << 20;
-std::size_t block_of(std::size_t record_length) { return std::clamp<std::size_t>(block_bytes / record_length, 1, block_size); }
 // Memory that is taken on the word of a compressed file: so much costs little when the word is wrong. Beyond it, and
 // beyond what compresses 64-fold, the cloud grows only as points come out.
 constexpr std::uint64_t trusted_bytes = 16 << 20, trusted_ratio = 64;
@@ -30,7 +26,7 @@ std::vector<std::uint8_t> first_record(const InputFile& file, const Header& head
 ReadResult read_uncompressed(const InputFile& file, const Header& header, Progress& progress) {
   PointCollector points(header, first_record(file, header, header.point_data));
   points.resize(header.count);  // the header check has seen that the file holds them
-  const std::size_t block = block_of(header.record_length), blocks = (header.count + block - 1) / block;
+  const std::size_t block = records_at_a_time(header.record_length), blocks = (header.count + block - 1) / block;
   std::vector<Stats> stats(blocks, points.empty_stats());
   parallel_tasks(blocks, progress, "reading points", [&](std::size_t i) {
     const std::size_t first = i * block, count = std::min<std::size_t>(block, header.count - first);
@@ -54,7 +50,7 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
     std::vector<std::uint8_t> records;
     for (std::size_t done = 0; done < chunk.count;) {
       progress.check();
-      const std::size_t count = std::min<std::size_t>(block_of(layout.record_length), chunk.count - done);
+      const std::size_t count = std::min<std::size_t>(records_at_a_time(layout.record_length), chunk.count - done);
       records.resize(count * layout.record_length);
       decoder.decode(records.data(), count);
       if (!is_trusted) points.resize(chunk.first + done + count);
@@ -69,20 +65,17 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
   return points.finish(stats, progress);
 }
 
-// Without a chunk table the chunks of point formats 0 to 5 can only be found by decoding one after the other.
-ReadResult read_run(const InputFile& file, const Header& header, const LazLayout& layout, Progress& progress) {
-  if (layout.is_chunked && layout.chunk_size == variable_chunks)
-    file.fail(header.point_data, "found no chunk table, expected one in a file of chunks of varying size; "
-                                 "the file is truncated or damaged, fetch it again");
-  const std::uint64_t byte = header.point_data + (layout.is_chunked ? 8 : 0);
-  PointCollector points(header, first_record(file, header, byte));
-  LazDecoder decoder(file, layout, {byte, file.size() - std::min(byte, file.size()), 0, std::uint32_t(header.count)},
-                     true);
+// One decoder from the first point to the last.
+ReadResult read_run(const InputFile& file, const Header& header, const LazLayout& layout, const LazChunk& run,
+                    Progress& progress) {
+  PointCollector points(header, first_record(file, header, run.byte));
+  LazDecoder decoder(file, layout, run, true);
   Stats stats = points.empty_stats();
-  std::vector<std::uint8_t> records(block_of(header.record_length) * header.record_length);
+  const std::size_t block = records_at_a_time(header.record_length);
+  std::vector<std::uint8_t> records(block * header.record_length);
   for (std::uint64_t done = 0; done < header.count;) {
     progress.check();
-    const std::size_t count = std::min<std::uint64_t>(block_of(header.record_length), header.count - done);
+    const std::size_t count = std::min<std::uint64_t>(block, header.count - done);
     decoder.decode(records.data(), count);
     points.resize(done + count);
     points.unpack(done, records.data(), count, stats);
@@ -93,23 +86,10 @@ ReadResult read_run(const InputFile& file, const Header& header, const LazLayout
 }
 
 ReadResult read_compressed(const InputFile& file, const Header& header, Progress& progress) {
-  const LazLayout layout = read_laz_layout(file, header);
-  if (header.count == 0) return read_chunks(file, header, layout, {}, progress);
-  if (header.is_copc()) {
-    const std::vector<LazChunk> nodes = read_copc_nodes(file, header, layout);
-    const std::uint64_t points = nodes.empty() ? 0 : nodes.back().first + nodes.back().count;
-    if (points != header.count)
-      file.fail(247, "found " + std::to_string(header.count) + " points in the header, expected the " +
-                         std::to_string(points) + " of the octree; the file is truncated or damaged");
-    return read_chunks(file, header, layout, nodes, progress);
-  }
-  std::string reason;
-  if (auto chunks = read_chunk_table(file, header, layout, reason))
-    return read_chunks(file, header, layout, *chunks, progress);
-  ReadResult result = layout.is_layered
-                          ? read_chunks(file, header, layout, walk_layered_chunks(file, header, layout), progress)
-                          : read_run(file, header, layout, progress);
-  result.report.notes.push_back(reason + "; the points were found without it");
+  const LazChunks found = find_chunks(file, header);
+  ReadResult result = found.is_run ? read_run(file, header, found.layout, found.chunks.front(), progress)
+                                   : read_chunks(file, header, found.layout, found.chunks, progress);
+  if (!found.note.empty()) result.report.notes.push_back(found.note);
   return result;
 }
 

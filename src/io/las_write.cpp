@@ -216,7 +216,7 @@ WriteReport write_las(const std::filesystem::path& file, const PointCloud& cloud
 
 WriteReport write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   if (file.filename().string().ends_with(".copc.laz"))
-    throw Error(ErrorCode::usage, file.string() + ": COPC is not written; name a .laz without .copc");
+    throw Error(ErrorCode::usage, file.string() + ": COPC is written by sfumato build IN... -o OUT.copc.laz; here name a .laz without .copc");
   const las::WriteLayout layout = las::choose_layout(cloud);
   bool is_wkt = false;
   const std::vector<las::OutVlr> vlrs = las::vlrs_of(file, cloud, layout, is_wkt);

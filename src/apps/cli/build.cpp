@@ -1,0 +1,86 @@
+// sfumato build: files of any size to one COPC file with levels of detail.
+#include "copc/build.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "commands.h"
+#include "common_options.h"
+#include "console.h"
+#include "core/error.h"
+#include "io/atomic_writer.h"
+#include "io/file_names.h"
+#include "scene/scene.h"
+
+namespace sfumato::cli {
+namespace {
+
+constexpr const char* usage = "sfumato build IN... -o OUT.copc.laz";
+
+Bounds parse_box(const std::string& text) {
+  const std::vector<double> v = parse_numbers("--box", text, 6);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (v[k] > v[k + 3])
+      throw Error(ErrorCode::usage, "--box: '" + text + "' is empty along " + std::string(1, "xyz"[k]) +
+                                        "; write X0,Y0,Z0,X1,Y1,Z1 with the smaller numbers first");
+  return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+}
+
+}  // namespace
+
+int build_command(const Words& words) {
+  std::string output, memory = "4G";
+  std::optional<std::string> box, max_points;
+  Words inputs;
+  CommonOptions common;
+  CommandLine line(
+      "sfumato build",
+      "Builds one COPC file (Cloud Optimized Point Cloud 1.0, a LAZ with levels of detail) of files of any "
+      "size. Every attribute and the coordinate system are kept; LAS, LAZ and COPC are read in parts, other "
+      "formats a file at a time. Temporaries lie beside the output.");
+  line.positionals("IN", inputs, "point clouds, folders or patterns");
+  line.text("-o,--output", output, "OUT.copc.laz", "the file to write");
+  line.text("--memory", memory, "BYTES", "memory that the build may take, at least 256M (4G)");
+  line.text("--max-points", max_points, "N",
+            "an even subset of so many points, the same one every time (1e6, 250k, 2M)");
+  line.text("--box", box, "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates");
+  common.declare(line);
+  line.usage(usage);
+  if (!line.parse(words)) return 0;
+  common.apply();
+  if (inputs.empty() || output.empty())
+    throw Error(ErrorCode::usage,
+                std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT.copc.laz") +
+                    "; usage: " + usage);
+  if (!output.ends_with(".copc.laz") || io::is_standard_output(output))
+    throw Error(ErrorCode::usage, "-o " + output + ": build writes COPC: name a file that ends in .copc.laz");
+  copc::BuildOptions options;
+  options.memory = std::uint64_t(parse_whole("--memory", memory, long(copc::least_memory)));
+  if (max_points) options.max_points = std::uint64_t(parse_whole("--max-points", *max_points, 1));
+  if (box) options.box = parse_box(*box);
+
+  inputs = scene::expand_inputs(inputs);
+  io::FileNames names;
+  for (const std::string& file : inputs) {
+    if (file == "-")
+      throw Error(ErrorCode::usage,
+                  "-: build reads files in parts, and standard input has none; name a file");
+    names.input("the input", file);
+  }
+  names.output("-o", output);
+  Console console(common);
+  const auto began = std::chrono::steady_clock::now();
+  const copc::BuildReport report = copc::build({inputs.begin(), inputs.end()}, output, options, console);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  for (const std::string& note : report.notes) console.say("sfumato: " + note);
+  const std::string of =
+      report.points == report.points_read ? "" : " of " + std::to_string(report.points_read);
+  console.say(fmt::format("wrote {} ({}{} points, {} nodes in {} levels, {:.3g} MB)", output, report.points,
+                          of, report.nodes, report.levels, double(report.bytes) / 1e6));
+  console.tell(fmt::format("spacing {:.6g} at the root; {:.1f} s, {:.2f} million points a second",
+                           report.spacing, seconds, double(report.points_read) / 1e6 / seconds));
+  return 0;
+}
+
+}  // namespace sfumato::cli
