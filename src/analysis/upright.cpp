@@ -81,7 +81,7 @@ struct Sample {
 /// Of one picture, from about where it was taken: farther round, all that it hid would gape.
 Upright camera_view(UpAxis up, const char* reason) {
   const bool sideways = up == UpAxis::neg_y;  // azimuth 0 of -Y looks from +z, i.e. from behind
-  return {up, reason, sideways ? 165.0 : -15.0, 10};
+  return {up, reason, sideways ? 165.0 : -15.0, 10, true};
 }
 
 }  // namespace

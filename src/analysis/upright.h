@@ -12,6 +12,7 @@ struct Upright {
   std::string reason;         ///< what speaks for it: "a camera's view: y down"
   double azimuth_deg = -45;   ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
+  bool is_camera_view = false;  ///< the scan is a picture, best seen from about where it was taken
 };
 
 /// From the shape of a sample of at most 65,536 points; `cloud.up` is the custom of the file's format, which stays

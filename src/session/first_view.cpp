@@ -30,12 +30,15 @@ dvec3 Compass::from(double azimuth, double elevation) const {
 void fit(Camera& camera, const std::vector<dvec3>& points) {
   if (std::all_of(points.begin(), points.end(), [&](const dvec3& p) { return p == points[0]; })) return;
   const dmat4 to_eye = camera.view(), to_world = camera.inverse_view();
-  const double shown = 0.94, target_z = -glm::length(camera.target - camera.position);
+  const double shown = 0.92, target_z = -glm::length(camera.target - camera.position);
   const double tan_y = std::tan(0.5 * camera.fov_y) * shown, tan_x = tan_y * camera.width / camera.height;
   const double slope_x = camera.orthographic() ? 0 : tan_x, slope_y = camera.orthographic() ? 0 : tan_y;
   double left = -1e300, right = -1e300, bottom = -1e300, top = -1e300;
+  std::vector<dvec3> seen;
+  seen.reserve(points.size());
   for (const dvec3& world : points) {
     const dvec3 p(to_eye * glm::dvec4(world, 1));
+    seen.push_back(p);
     right = std::max(right, p.x + slope_x * p.z);
     left = std::max(left, -p.x + slope_x * p.z);
     top = std::max(top, p.y + slope_y * p.z);
@@ -47,6 +50,23 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
         std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / shown;
   } else {
     eye.z = std::max({0.5 * (right + left) / tan_x, 0.5 * (top + bottom) / tan_y, 0.95 * target_z});
+  }
+  if (!camera.orthographic()) {
+    // Where one direction decides the distance, the margins of the other are made equal on the screen, not in the scene:
+    // what is near moves more.
+    for (int axis : {0, 1}) {
+      double low = eye[axis] - (axis == 0 ? tan_x : tan_y) * std::abs(target_z), high = 2 * eye[axis] - low;
+      for (int step = 0; step < 24; ++step) {
+        const double middle = 0.5 * (low + high);
+        double over = -1e300, under = -1e300;
+        for (const dvec3& p : seen) {
+          const double slope = (p[axis] - middle) / (eye.z - p.z);
+          over = std::max(over, slope), under = std::max(under, -slope);
+        }
+        (over > under ? low : high) = middle;
+      }
+      eye[axis] = 0.5 * (low + high);
+    }
   }
   camera.position = dvec3(to_world * glm::dvec4(eye, 1));
   camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
@@ -143,20 +163,50 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
   return cameras;
 }
 
+namespace {
+
+/// The distance from the middle, across up, within which 85 % of the points lie, where they thin out as around a scanner
+/// that stands on a street: half of them within 0.42 of that. 0 where they do not: a square tile has 0.73, a strip 0.59.
+double near_reach(const PointCloud& cloud, const dvec3& middle, std::size_t stride) {
+  const dvec3 up = up_vector(cloud.up);
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const dvec3 way = cloud.world(i) - middle;
+    distances.push_back(glm::length(way - glm::dot(way, up) * up));
+  }
+  const auto quantile = [&](double q) {
+    const auto nth = distances.begin() + std::ptrdiff_t(q * double(distances.size() - 1));
+    std::nth_element(distances.begin(), nth, distances.end());
+    return *nth;
+  };
+  const double half = quantile(0.5), most = quantile(0.85);
+  return half < 0.42 * most ? most : 0;
+}
+
+}  // namespace
+
 Subject subject_of(const PointCloud& cloud) {
   const Bounds full = bounds(cloud);
   Bounds box = robust_bounds(cloud);
   const double room = box.diagonal() / 3;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
+  const dvec3 middle = robust_bounds(cloud, 0.5, 0.5).center(), up = up_vector(cloud.up);
+  const double reach = cloud.empty() ? 0 : near_reach(cloud, middle, stride);
   for (int k = 0; k < 3; ++k) {
     if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];
   }
-  Subject subject{box, {}};
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
+  Subject subject{box, {}, reach > 0};
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 p = cloud.world(i);
+    const dvec3 p = cloud.world(i), way = p - middle;
+    if (reach > 0 && glm::length(way - glm::dot(way, up) * up) > reach) continue;
     if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max)))
       subject.points.push_back(p);
+  }
+  if (reach > 0 && !subject.points.empty()) {
+    subject.box = {subject.points[0], subject.points[0]};
+    for (const dvec3& p : subject.points)
+      subject.box = {glm::min(subject.box.min, p), glm::max(subject.box.max, p)};
   }
   return subject;
 }

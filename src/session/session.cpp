@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "io/says_up.h"
 #include "passes/shadows.h"
+#include "session/standpoint.h"
 #include "techniques/panorama.h"
 
 namespace sfumato {
@@ -17,7 +18,12 @@ Pose stand_upright(scene::Scene& scene, const std::string& file, const std::opti
   else
     upright = analysis::guess_upright(scene.cloud);
   scene.cloud.up = upright.up;
-  return {upright, subject_of(scene.cloud)};
+  Pose pose{upright, subject_of(scene.cloud)};
+  if (!upright.is_camera_view) {
+    const Standpoint from = standpoint_for(pose.subject, upright.up);
+    pose.upright.azimuth_deg = from.azimuth_deg, pose.upright.elevation_deg = from.elevation_deg;
+  }
+  return pose;
 }
 
 Camera first_view(const Pose& pose, int width, int height) {

@@ -7,8 +7,9 @@
 namespace sfumato {
 namespace {
 
-/// Fewer points than this have too few neighbours each for normals that mean something.
-constexpr std::size_t few = 1000;
+/// Fewer points than this have too few neighbours each for normals that mean something, and discs that meet would be
+/// 50 pixels wide in a picture that they fill.
+constexpr std::size_t few = 2000;
 /// From here on a scan is made of lines, between which nothing is known: discs would be beads on them.
 constexpr float lined = 0.25f;
 /// From here on clutter makes the picture.

@@ -53,11 +53,12 @@ TEST_F(RenderTest, FirstViewFramesTheCloudInItsColours) {
   const Rgba8 low = image.at(64, 86), high = image.at(64, 25);
   EXPECT_GT(low.r, low.g + 50) << "red below";
   EXPECT_GT(high.g, high.r + 50) << "green above: z is up and the first row on top";
-  // Azimuth -45, elevation 30: the camera stands at -x, -y, above.
-  const Json eye = json["camera"]["position"];
-  EXPECT_LT(eye[0].get<double>(), 0);
-  EXPECT_NEAR(eye[0].get<double>(), eye[1].get<double>(), 1e-6);
-  EXPECT_GT(eye[2].get<double>(), 1);
+  // What stands is seen from azimuth -30, elevation 14: the camera is at -x, farther at -y, a little above.
+  const Json eye = json["camera"]["position"], target = json["camera"]["target"];
+  const auto way = [&](int axis) { return eye[axis].get<double>() - target[axis].get<double>(); };
+  EXPECT_LT(way(0), 0);
+  EXPECT_NEAR(way(0) / way(1), std::tan(glm::radians(30.0)), 1e-6);
+  EXPECT_NEAR(way(2) / std::hypot(way(0), way(1)), std::tan(glm::radians(14.0)), 1e-6);
 }
 
 TEST_F(RenderTest, ReportHasItsFields) {
@@ -174,7 +175,7 @@ TEST_F(RenderTest, CameraFileAndSingleOptions) {
   const Json down = camera({"--camera-direction", "0,0,-1"});
   EXPECT_NEAR(down["position"][0].get<double>(), 0.5, 1e-3);
   EXPECT_GT(down["position"][2].get<double>(), 2);
-  EXPECT_GT(camera({"--up", "+Y"})["position"][1].get<double>(), 1);
+  EXPECT_GT(camera({"--up", "+Y"})["position"][1].get<double>(), 0.5 + 0.2);
 
   write("pinhole.json", R"({"position": [0.5, -2, 0.5], "target": [0.5, 0, 0.5], "up": [0, 0, 1],
                             "fx": 50, "fy": 50, "cx": 30, "cy": 24, "width": 64, "height": 48})");

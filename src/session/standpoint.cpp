@@ -1,0 +1,58 @@
+#include "session/standpoint.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+
+namespace sfumato {
+namespace {
+
+/// Height over the side of a square of the same ground: below the first all lies flat, above the second it stands.
+constexpr double lies = 0.35, stands = 0.8;
+constexpr double elevation_lying = 32, elevation_standing = 14, elevation_amid = 50;
+/// By how much another side must fill more of the picture than the custom one.
+constexpr double gain = 1.12;
+constexpr int columns = 64, rows = 36;
+
+double height_over_width(const Bounds& box, UpAxis up) {
+  const dvec3 size = box.size(), axis = glm::abs(up_vector(up));
+  double area = 1;
+  for (int k = 0; k < 3; ++k)
+    if (axis[k] < 0.5) area *= size[k];
+  return area > 0 ? glm::dot(size, axis) / std::sqrt(area) : stands;
+}
+
+/// The share of the picture's cells that hold a point.
+double filled(const Subject& subject, UpAxis up, const Standpoint& from) {
+  Camera camera = frame(subject.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg), glm::radians(from.elevation_deg));
+  fit(camera, subject.points);
+  const dmat4 to_eye = camera.view();
+  const double tan_y = std::tan(0.5 * camera.fov_y), tan_x = tan_y * camera.width / camera.height;
+  std::bitset<std::size_t(columns* rows)> cells;
+  for (const dvec3& world : subject.points) {
+    const dvec3 p(to_eye * glm::dvec4(world, 1));
+    const int x = int((p.x / (-p.z * tan_x) + 1) * 0.5 * columns), y = int((p.y / (-p.z * tan_y) + 1) * 0.5 * rows);
+    if (p.z < 0 && x >= 0 && y >= 0 && x < columns && y < rows) cells.set(std::size_t(y * columns + x));
+  }
+  return double(cells.count()) / (columns * rows);
+}
+
+}  // namespace
+
+Standpoint standpoint_for(const Subject& subject, UpAxis up) {
+  const double steep = height_over_width(subject.box, up);
+  const double upright = std::clamp((steep - lies) / (stands - lies), 0.0, 1.0);
+  // Amid what thins out, farther things would stand before the camera.
+  if (subject.thins_out) return {-30, elevation_amid};
+  Standpoint best{-30, std::lerp(elevation_lying, elevation_standing, upright)};
+  if (upright > 0) return best;
+  double most = gain * filled(subject, up, best);
+  for (double azimuth : {30, 60, -60, 120, -120, 150, -150}) {
+    const Standpoint other{azimuth, best.elevation_deg};
+    const double share = filled(subject, up, other);
+    if (share > most) most = share, best = other;
+  }
+  return best;
+}
+
+}  // namespace sfumato

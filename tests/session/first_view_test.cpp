@@ -1,0 +1,104 @@
+// From where a scan is looked at first, and what of it fills the picture.
+#include "session/first_view.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "session/session.h"
+#include "synth/synth.h"
+
+using namespace sfumato;
+
+namespace {
+
+Pose pose_of(PointCloud cloud) {
+  scene::Scene scene;
+  scene.cloud = std::move(cloud);
+  return stand_upright(scene, "", UpAxis::pos_z);
+}
+
+PointCloud box_of(const dvec3& size, int points = 20'000) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (int i = 0; i < points; ++i) {
+    dvec3 p(unit(random), unit(random), unit(random));
+    p[i % 3] = i / 3 % 2;
+    cloud.positions.push_back(vec3(p * size));
+  }
+  return cloud;
+}
+
+/// The range of the points' places in the picture: -1 to 1 is its edges.
+std::pair<dvec3, dvec3> extent(const std::vector<dvec3>& points, const Camera& camera) {
+  const dmat4 clip = camera.projection_matrix() * camera.view();
+  dvec3 low(1e9), high(-1e9);
+  for (const dvec3& point : points) {
+    const glm::dvec4 c = clip * glm::dvec4(point, 1);
+    low = glm::min(low, dvec3(c) / c.w), high = glm::max(high, dvec3(c) / c.w);
+  }
+  return {low, high};
+}
+
+TEST(FirstView, MarginsAreEqualAndNothingIsCut) {
+  for (const dvec3& size : {dvec3(1, 1, 2), dvec3(4, 9, 0.3), dvec3(9, 2, 1), dvec3(0.1, 0.1, 5)})
+    for (const auto& [width, height] : {std::pair(1280, 720), {300, 900}}) {
+      const Pose pose = pose_of(box_of(size));
+      const auto [low, high] = extent(pose.subject.points, first_view(pose, width, height));
+      EXPECT_NEAR(low.x, -high.x, 1e-3) << size.x;
+      EXPECT_NEAR(low.y, -high.y, 1e-3) << size.x;
+      EXPECT_NEAR(std::max(high.x, high.y), 0.92, 0.01) << size.x << ": as large as the margin allows";
+    }
+}
+
+TEST(FirstView, WhatStandsIsSeenFromItsHeightAndWhatLiesFromAbove) {
+  EXPECT_NEAR(pose_of(box_of({1, 1, 2})).upright.elevation_deg, 14, 1e-9);
+  EXPECT_NEAR(pose_of(box_of({8, 8, 0.5})).upright.elevation_deg, 32, 1e-9);
+}
+
+/// The share of a picture of 16 to 9 in 32 x 18 cells that hold a point.
+double filled(const Pose& pose) {
+  const Camera camera = first_view(pose, 1280, 720);
+  const dmat4 clip = camera.projection_matrix() * camera.view();
+  std::set<int> cells;
+  for (const dvec3& point : pose.subject.points) {
+    const glm::dvec4 c = clip * glm::dvec4(point, 1);
+    cells.insert(int((c.x / c.w + 1) * 16) * 18 + int((c.y / c.w + 1) * 9));
+  }
+  return double(cells.size()) / (32 * 18);
+}
+
+TEST(FirstView, LandIsSeenFromWhereItFillsThePicture) {
+  for (const dvec3& size : {dvec3(12, 2, 0.2), dvec3(2, 12, 0.2), dvec3(8, 8, 0.2)}) {
+    PointCloud wedge = box_of(size);
+    std::erase_if(wedge.positions, [&](const vec3& p) { return p.x / size.x + p.y / size.y > 1.05; });
+    Pose pose = pose_of(wedge);
+    const double chosen = filled(pose);
+    double most = 0;
+    for (double azimuth : {-150, -120, -60, -30, 30, 60, 120, 150})
+      pose.upright.azimuth_deg = azimuth, most = std::max(most, filled(pose));
+    EXPECT_GT(chosen, 0.85 * most) << size.x << " by " << size.y;
+  }
+}
+
+TEST(FirstView, AroundAScannerOnAStreetOneLooksFromAbove) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (int i = 0; i < 30'000; ++i) {  // as many on each decade of distance, which is what rings of equal angles do
+    const double r = std::pow(10.0, 2 * unit(random)), angle = 6.2832 * unit(random);
+    cloud.positions.push_back(vec3(r * std::cos(angle), r * std::sin(angle), unit(random) * std::min(r, 5.0)));
+  }
+  const Pose pose = pose_of(cloud);
+  EXPECT_TRUE(pose.subject.thins_out);
+  EXPECT_GT(pose.upright.elevation_deg, 40);
+  EXPECT_LT(pose.subject.box.size().x, 120) << "of 200";
+  const PointCloud tile = box_of({50, 50, 1});
+  EXPECT_FALSE(pose_of(tile).subject.thins_out);
+}
+
+}  // namespace
