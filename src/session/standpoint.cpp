@@ -12,7 +12,7 @@ constexpr double lies = 0.35, stands = 0.8;
 constexpr double elevation_lying = 32, elevation_standing = 14, elevation_amid = 50;
 /// By how much another side must fill more of the picture than the custom one.
 constexpr double gain = 1.12;
-constexpr int columns = 64, rows = 36;
+constexpr int columns = 32, rows = 18;  // coarse enough for a few thousand points to fill
 
 double height_over_width(const Bounds& box, UpAxis up) {
   const dvec3 size = box.size(), axis = glm::abs(up_vector(up));
