@@ -24,9 +24,10 @@ PointCloud box_of(const dvec3& size, int points = 20'000) {
   std::uniform_real_distribution<double> unit(0, 1);
   PointCloud cloud;
   cloud.up = UpAxis::pos_z;
+  std::discrete_distribution<int> face({size.y * size.z, size.z * size.x, size.x * size.y});
   for (int i = 0; i < points; ++i) {
     dvec3 p(unit(random), unit(random), unit(random));
-    p[i % 3] = i / 3 % 2;
+    p[face(random)] = i % 2;
     cloud.positions.push_back(vec3(p * size));
   }
   return cloud;
