@@ -24,7 +24,7 @@ struct Page {
 
 }  // namespace
 
-std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& header, const LazLayout& layout) {
+std::vector<CopcNode> read_copc_tree(const InputFile& file, const Header& header, const LazLayout& layout) {
   const Vlr& info = *header.vlr("copc", 1);
   if (info.data.size() < info_size)
     file.fail(info.byte, "found a COPC record of " + std::to_string(info.data.size()) +
@@ -33,7 +33,7 @@ std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& heade
                            get<std::uint64_t>(info.data.data() + root_page_field + 8)}};
   std::set<std::uint64_t> seen_pages;
   std::set<Key> seen_keys;
-  std::vector<LazChunk> nodes;
+  std::vector<CopcNode> nodes;
   std::uint64_t points = 0, pages_size = 0;
   while (!pages.empty()) {
     const Page page = pages.back();
@@ -69,12 +69,13 @@ std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& heade
               "a node outside the file's points");
       points += std::uint64_t(count);
       require(points <= header.count, "more points than the header's " + std::to_string(header.count));
-      nodes.push_back({byte, std::uint64_t(size), 0, std::uint32_t(count)});
+      nodes.push_back({key[0], key[1], key[2], key[3], {byte, std::uint64_t(size), 0, std::uint32_t(count)}});
     }
   }
-  std::sort(nodes.begin(), nodes.end(), [](const LazChunk& a, const LazChunk& b) { return a.byte < b.byte; });
+  std::sort(nodes.begin(), nodes.end(), [](const CopcNode& a, const CopcNode& b) { return a.chunk.byte < b.chunk.byte; });
   std::uint64_t first = 0, end = 0;
-  for (LazChunk& node : nodes) {
+  for (CopcNode& one : nodes) {
+    LazChunk& node = one.chunk;
     if (node.byte < end)
       file.fail(node.byte, "found two octree nodes that overlap, expected one behind the other; the file is damaged");
     end = node.byte + node.size;
@@ -82,6 +83,12 @@ std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& heade
     first += node.count;
   }
   return nodes;
+}
+
+std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& header, const LazLayout& layout) {
+  std::vector<LazChunk> chunks;
+  for (const CopcNode& node : read_copc_tree(file, header, layout)) chunks.push_back(node.chunk);
+  return chunks;
 }
 
 }  // namespace sfumato::io::las

@@ -38,13 +38,14 @@ ReadResult read_uncompressed(const InputFile& file, const Header& header, Progre
 }
 
 ReadResult read_chunks(const InputFile& file, const Header& header, const LazLayout& layout,
-                       const std::vector<LazChunk>& chunks, Progress& progress) {
+                       const std::vector<LazChunk>& chunks, Progress& progress,
+                       std::vector<std::string>* damage = nullptr) {  // when given: a place for each chunk's error
   PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
   const std::uint64_t total = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
   const bool is_trusted = total * points.bytes_per_point() <= std::max(trusted_bytes, trusted_ratio * file.size());
   if (is_trusted) points.resize(total);
   std::vector<Stats> stats(chunks.size(), points.empty_stats());
-  const auto decode = [&](std::size_t i) {
+  const auto decode_all = [&](std::size_t i) {
     const LazChunk& chunk = chunks[i];
     LazDecoder decoder(file, layout, chunk);
     std::vector<std::uint8_t> records;
@@ -56,6 +57,14 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
       if (!is_trusted) points.resize(chunk.first + done + count);
       points.unpack(chunk.first + done, records.data(), count, stats[i]);
       done += count;
+    }
+  };
+  const auto decode = [&](std::size_t i) {
+    try {
+      decode_all(i);
+    } catch (const Error& error) {
+      if (!damage || error.code() != ErrorCode::bad_input) throw;
+      (*damage)[i] = error.what();
     }
   };
   if (is_trusted)
@@ -122,6 +131,29 @@ ReadResult read_las(const std::filesystem::path& path, const ReadOptions& option
                     [&](const AttributeStats& attribute) { return attribute.name == name; }))
       result.cloud.set_scalar({name, 0, std::vector<float>(result.cloud.size(), 0.0f), type});
   return result;
+}
+
+ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks,
+                           std::vector<std::string>& damage, Progress& progress) {
+  const las::InputFile file(path);
+  const las::Header header = las::read_header(file);
+  const las::LazLayout layout = las::read_laz_layout(file, header);
+  std::vector<las::LazChunk> wanted = chunks;
+  while (true) {
+    std::uint64_t first = 0;
+    for (las::LazChunk& chunk : wanted) chunk.first = first, first += chunk.count;
+    std::vector<std::string> errors(wanted.size());
+    ReadResult result = las::read_chunks(file, header, layout, wanted, progress, &errors);
+    std::vector<las::LazChunk> whole;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (errors[i].empty()) whole.push_back(wanted[i]);
+      else damage.push_back(errors[i]);
+    }
+    result.report.file = path;
+    result.report.format = "copc";
+    if (whole.size() == wanted.size()) return result;
+    wanted = std::move(whole);  // once more without them: damage is rare
+  }
 }
 
 }  // namespace sfumato::io

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "io/io.h"
+#include "io/laz_chunk.h"
 
 namespace sfumato::io {
 
@@ -21,6 +22,11 @@ bool is_copc(std::string_view head);
 /// Reads any of the three, decoding on all cores (SFUMATO_THREADS sets the number of threads).
 /// Throws Error(bad_input) with byte, found, expected, what to do.
 ReadResult read_las(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+/// Reads only these chunks of a compressed file, in their order. Chunks that are damaged are left out; their errors go to
+/// `damage`, one line each.
+ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks,
+                           std::vector<std::string>& damage, Progress& progress);
 
 /// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the values
 /// fit, else the least format that holds them and steps of about a float's precision.

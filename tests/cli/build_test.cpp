@@ -13,7 +13,17 @@ TEST_F(Build, WritesAFileThatInfoConvertAndRenderingRead) {
   const Outcome built = run({"build", "cube.ply", "-o", "cube.copc.laz"});
   ASSERT_EQ(built.code, 0) << built.err;
   EXPECT_THAT(built.err, HasSubstr("wrote cube.copc.laz (21600 points, 1 nodes in 1 levels"));
-  EXPECT_EQ(run_json({"info", "cube.copc.laz", "--json"})["points"], 21600);
+  // Header and hierarchy answer; with --stats the points do.
+  const nlohmann::json info = run_json({"info", "cube.copc.laz", "--json"});
+  EXPECT_EQ(info["points"], 21600);
+  EXPECT_TRUE(info["median_spacing"].is_null() && info["attributes"]["red"].is_null());
+  ASSERT_EQ(info["levels"].size(), 1u);
+  EXPECT_EQ(info["levels"][0]["points"], 21600);
+  const nlohmann::json stats = run_json({"info", "cube.copc.laz", "--json", "--stats"});
+  EXPECT_EQ(stats["bounds_max"], info["bounds_max"]);
+  EXPECT_EQ(stats["attributes"]["red"]["max"], 65535);
+  EXPECT_GT(stats["median_spacing"], 0);
+  EXPECT_THAT(run({"info", "cube.copc.laz"}).out, HasSubstr("(--stats reads their"));
   ASSERT_EQ(run({"convert", "cube.copc.laz", "-o", "back.ply"}).code, 0);
   ASSERT_EQ(run({"cube.copc.laz", "-t", "points", "--resolution", "64x48", "-o", "cube.png"}).code, 0);
   // Built again of itself, and of two files.

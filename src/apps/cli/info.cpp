@@ -9,6 +9,8 @@
 #include "commands.h"
 #include "common_options.h"
 #include "console.h"
+#include "copc/tree.h"
+#include "help_text.h"
 #include "report.h"
 #include "scene/scene.h"
 
@@ -45,7 +47,7 @@ std::string break_wkt(const std::string& crs, int indent) {
   return text;
 }
 
-std::string info_text(const io::ReadReport& r, double spacing) {
+std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
   std::string text;
   auto row = [&](const char* key, const std::string& value) {
     text += fmt::format("{:<16}{}\n", key, value);
@@ -61,30 +63,54 @@ std::string info_text(const io::ReadReport& r, double spacing) {
   row("bounds_max", r.points_finite ? point(r.bounds_max) : "-");
   row("extent", r.points_finite ? fmt::format("{:.6g} x {:.6g} x {:.6g}", size.x, size.y, size.z) : "-");
   row("crs", r.crs.empty() ? "-" : break_wkt(r.crs, 16));
-  row("median_spacing", r.points_finite ? fmt::format("{:.6g}", spacing) : "-");
+  row("median_spacing", r.points_finite && spacing ? fmt::format("{:.6g}", *spacing) : "-");
   text += fmt::format("{:<24}{:>16}{:>16}{:>16}\n", "attributes", "min", "max", "mean");
   for (const io::AttributeStats& a : r.attributes)
     text += fmt::format("  {:<22}{:>16.10g}{:>16.10g}{:>16.10g}\n", a.name, a.min, a.max, a.mean);
   return text;
 }
 
-std::string table_row(const io::ReadReport& r, double spacing) {
+std::string table_row(const io::ReadReport& r, std::optional<double> spacing) {
   const dvec3 size = r.bounds_max - r.bounds_min;
   return fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", r.format, count(r.points),
                      r.points_finite ? fmt::format("{:.5g} x {:.5g} x {:.5g}", size.x, size.y, size.z) : "-",
-                     r.points_finite ? fmt::format("{:.4g}", spacing) : "-", r.file.string());
+                     r.points_finite && spacing ? fmt::format("{:.4g}", *spacing) : "-", r.file.string());
+}
+
+/// What header and hierarchy of a COPC file tell, without its points.
+io::ReadReport report_of(const copc::Tree& tree) {
+  io::ReadReport report;
+  report.file = tree.file;
+  report.format = "copc";
+  report.points = report.points_finite = tree.points;
+  report.bounds_min = tree.bounds.min, report.bounds_max = tree.bounds.max;
+  report.crs = tree.crs;
+  return report;
+}
+
+std::string tree_text(const copc::Tree& tree) {
+  // The table of attributes needs the points: names stand in its place.
+  std::string text = info_text(report_of(tree), std::nullopt);
+  text.erase(text.rfind("attributes"));
+  text += fmt::format("{:<8}{:>10}{:>16}{:>16}\n", "levels", "nodes", "points", "spacing");
+  for (const copc::LevelFacts& level : levels_of(tree))
+    text += fmt::format("  {:<6}{:>10}{:>16}{:>16.6g}\n", level.level, level.nodes, level.points, level.spacing);
+  std::string names;
+  for (const std::string& name : tree.attributes) names += (names.empty() ? "" : " ") + name;
+  return text + fmt::format("{:<16}{}\n", "attributes", wrap(names + " (--stats reads their values)", terminal_width(), 16));
 }
 
 }  // namespace
 
 int info_command(const Words& words) {
   Words files;
-  bool json = false;
+  bool json = false, stats = false;
   std::optional<std::string> columns;
   CommonOptions common;
   CommandLine line("sfumato info", "Prints what a point cloud file holds; several files give a table.");
   line.positionals("FILE", files, "point clouds, folders or patterns; - is standard input");
   line.flag("--json", json, "machine-readable");
+  line.flag("--stats", stats, "COPC: read every point for attributes' values and the spacing; others always are");
   line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
   common.declare(line);
   if (!line.parse(words)) return 0;
@@ -102,6 +128,12 @@ int info_command(const Words& words) {
   for (std::size_t i = 0; i < files.size(); ++i)
     batch.run(files[i], [&] {
       console.set_step("file", i, files.size());
+      if (!stats && files[i] != "-" && copc::is_tree(files[i])) {
+        const copc::Tree tree = copc::read_tree(files[i]);
+        if (json) list.push_back(nlohmann::ordered_json::parse(tree_json(tree)));
+        else text += several ? table_row(report_of(tree), std::nullopt) : tree_text(tree);
+        return;
+      }
       io::ReadResult result = scene::read_file(files[i], options.read, console);
       for (const std::string& note : result.report.notes) console.say("sfumato: " + files[i] + ": " + note);
       if (columns && result.report.format != "text" && result.report.format != "pts")

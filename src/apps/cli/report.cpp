@@ -98,6 +98,25 @@ std::string info_json(const io::ReadReport& report, double median_spacing) {
   return json.dump(2) + "\n";
 }
 
+std::string tree_json(const copc::Tree& tree) {
+  Json json;
+  json["file"] = tree.file.string();
+  json["format"] = "copc";
+  json["points"] = tree.points;
+  json["points_finite"] = tree.points;
+  json["points_dropped"] = 0;
+  json["bounds_min"] = list(tree.bounds.min);
+  json["bounds_max"] = list(tree.bounds.max);
+  json["attributes"] = Json::object();
+  for (const std::string& name : tree.attributes) json["attributes"][name] = nullptr;
+  json["crs"] = tree.crs;
+  json["median_spacing"] = nullptr;
+  json["levels"] = Json::array();
+  for (const copc::LevelFacts& level : levels_of(tree))
+    json["levels"].push_back({{"level", level.level}, {"nodes", level.nodes}, {"points", level.points}, {"spacing", level.spacing}});
+  return json.dump(2) + "\n";
+}
+
 std::string techniques_json(const std::string& name) {
   if (!name.empty()) return describe(find_technique(name)).dump(2) + "\n";
   Json json = Json::array();

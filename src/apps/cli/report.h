@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "copc/tree.h"
 #include "io/io.h"
 #include "parameters.h"
 #include "techniques/renderer.h"
@@ -12,6 +13,9 @@
 namespace sfumato::cli {
 
 std::string info_json(const io::ReadReport& report, double median_spacing);
+
+/// Of a COPC file, without reading its points: no values of attributes, no median spacing, but levels.
+std::string tree_json(const copc::Tree& tree);
 
 /// One technique as an object when `name` is given, else the list of all.
 std::string techniques_json(const std::string& name);

@@ -1,0 +1,193 @@
+#include "copc/select.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <unordered_map>
+
+namespace sfumato::copc {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// How wide lengths in a box are on the screen.
+class Projector {
+ public:
+  Projector(const View& view, const SelectOptions& options)
+      : view_(view),
+        to_eye_(view.camera.view()),
+        lens_(view.camera.intrinsics()),
+        margin_(options.margin_px),
+        outside_(options.outside) {}
+
+  /// Pixels per scene unit at the nearest place of the box; 0 when it is out of view and that does not count.
+  double scale(const Bounds& box) const {
+    const Camera& camera = view_.camera;
+    if (view_.panorama)  // a full turn of the widest row
+      return camera.width / (2 * M_PI) / std::max(distance(box), std::numeric_limits<double>::min());
+    const double weight = is_in_view(box) ? 1 : outside_;
+    if (weight == 0) return 0;
+    if (camera.orthographic()) return weight * lens_.fy;
+    return weight * lens_.fy / std::max(distance(box), std::numeric_limits<double>::min());
+  }
+
+ private:
+  double distance(const Bounds& box) const {
+    const dvec3 nearest = glm::clamp(view_.camera.position, box.min, box.max);
+    return glm::length(nearest - view_.camera.position);
+  }
+
+  /// False only when all of the box lies beyond one side of the picture.
+  bool is_in_view(const Bounds& box) const {
+    std::array<int, 5> beyond{};
+    const Camera& camera = view_.camera;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const dvec3 world(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                        corner & 4 ? box.max.z : box.min.z);
+      const dvec3 eye(to_eye_ * glm::dvec4(world, 1));
+      // Pixel coordinates times depth, so that places behind the camera need no care.
+      const double w = camera.orthographic() ? 1 : -eye.z;
+      const double x = lens_.fx * eye.x + lens_.cx * w, y = -lens_.fy * eye.y + lens_.cy * w;
+      beyond[0] += x < -margin_ * w;
+      beyond[1] += x > (camera.width + margin_) * w;
+      beyond[2] += y < -margin_ * w;
+      beyond[3] += y > (camera.height + margin_) * w;
+      beyond[4] += eye.z > 0;
+    }
+    return std::none_of(beyond.begin(), beyond.end(), [](int corners) { return corners == 8; });
+  }
+
+  const View& view_;
+  dmat4 to_eye_;
+  Intrinsics lens_;
+  double margin_, outside_;
+};
+
+bool overlap(const Bounds& a, const Bounds& b) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (a.min[axis] > b.max[axis] || a.max[axis] < b.min[axis]) return false;
+  return true;
+}
+
+/// Nodes by their keys, with those on the way to them that hold no point.
+class Places {
+ public:
+  explicit Places(const Tree& tree) {
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+      Key key = tree.nodes[i].key;
+      numbers_[key] = i;
+      while (key.level > 0) {
+        key = key.parent();
+        if (!numbers_.try_emplace(key, none).second) break;
+      }
+    }
+  }
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  bool contains(const Key& key) const { return numbers_.contains(key); }
+  /// `none` for a node without points.
+  std::size_t operator[](const Key& key) const { return numbers_.at(key); }
+
+ private:
+  std::unordered_map<Key, std::size_t, KeyHash> numbers_;
+};
+
+struct Candidate {
+  double px;  ///< of the spacing of the node's parent
+  std::size_t tree;
+  Key key;
+  /// The widest first; the order of the files and of the octree settles the rest.
+  bool operator<(const Candidate& other) const {
+    if (px != other.px) return px < other.px;
+    if (tree != other.tree) return tree > other.tree;
+    return key > other.key;
+  }
+};
+
+NodeSelection empty_selection(std::span<const Tree> trees) {
+  NodeSelection selection;
+  selection.nodes.resize(trees.size());
+  for (const Tree& tree : trees) {
+    selection.points_in_files += tree.points;
+    selection.nodes_in_files += tree.nodes.size();
+  }
+  return selection;
+}
+
+}  // namespace
+
+NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> views,
+                           const SelectOptions& options) {
+  std::vector<Projector> projectors;
+  for (const View& view : views) projectors.emplace_back(view, options);
+  std::vector<Places> places;
+  for (const Tree& tree : trees) places.emplace_back(tree);
+  NodeSelection selection = empty_selection(trees);
+  std::priority_queue<Candidate> queue;
+  const auto consider = [&](std::size_t t, const Key& key) {
+    const Bounds box = trees[t].box(key);
+    if (options.box && !overlap(box, *options.box)) return;
+    double scale = 0;
+    for (const Projector& projector : projectors) scale = std::max(scale, projector.scale(box));
+    // Roots are read in any case: they tell where everything is, and cost little.
+    const double px = key.level == 0 ? infinite : scale * trees[t].spacing_of(key.level - 1);
+    if (px >= options.least_px) queue.push({px, t, key});
+  };
+  for (std::size_t t = 0; t < trees.size(); ++t)
+    if (!trees[t].nodes.empty()) consider(t, Key{});
+  bool is_full = false;
+  while (!queue.empty()) {
+    const Candidate next = queue.top();
+    queue.pop();
+    if (const std::size_t i = places[next.tree][next.key]; i != Places::none) {
+      const std::uint64_t count = trees[next.tree].nodes[i].chunk.count;
+      selection.points_needed += count;
+      ++selection.nodes_needed;
+      // The first node is read whatever the budget. The first that does not fit ends the reading: what
+      // follows would be finer detail of other places.
+      if (!is_full && selection.points > 0 && selection.points + count > options.budget) {
+        is_full = true;
+        selection.widest_px = next.px;
+      }
+      if (!is_full) {
+        selection.nodes[next.tree].push_back(i);
+        selection.points += count;
+        ++selection.nodes_read;
+      }
+    }
+    for (unsigned octant = 0; octant < 8; ++octant)
+      if (const Key child = next.key.child(octant); places[next.tree].contains(child))
+        consider(next.tree, child);
+  }
+  for (auto& nodes : selection.nodes) std::sort(nodes.begin(), nodes.end());
+  return selection;
+}
+
+NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget) {
+  struct Level {
+    double spacing;
+    std::size_t tree, node;
+  };
+  std::vector<Level> all;
+  for (std::size_t t = 0; t < trees.size(); ++t)
+    for (std::size_t i = 0; i < trees[t].nodes.size(); ++i)
+      all.push_back({trees[t].spacing_of(trees[t].nodes[i].key.level), t, i});
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Level& a, const Level& b) { return a.spacing > b.spacing; });
+  NodeSelection selection = empty_selection(trees);
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    std::uint64_t points = 0;
+    for (; end < all.size() && all[end].spacing == all[begin].spacing; ++end)
+      points += trees[all[end].tree].nodes[all[end].node].chunk.count;
+    if (selection.points > 0 && selection.points + points > budget) break;
+    for (std::size_t i = begin; i < end; ++i) selection.nodes[all[i].tree].push_back(all[i].node);
+    selection.points += points;
+    selection.nodes_read += end - begin;
+  }
+  selection.points_needed = selection.points;
+  selection.nodes_needed = selection.nodes_read;
+  return selection;
+}
+
+}  // namespace sfumato::copc

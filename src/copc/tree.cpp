@@ -1,0 +1,93 @@
+#include "copc/tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/copc_hierarchy.h"
+#include "io/las.h"
+#include "io/las_fields.h"
+#include "io/las_records.h"
+
+namespace sfumato::copc {
+
+Bounds Tree::box(const Key& key) const {
+  const double size = std::ldexp(cube.size, -key.level);
+  Bounds cell;
+  cell.min = cube.min + size * dvec3(key.x, key.y, key.z);
+  cell.max = cell.min + size;
+  // Roundings may put a point a little outside either box: nothing that a pixel shows.
+  cell.min = glm::clamp(cell.min, bounds.min, bounds.max);
+  cell.max = glm::clamp(cell.max, bounds.min, bounds.max);
+  return cell;
+}
+
+std::vector<LevelFacts> levels_of(const Tree& tree) {
+  std::vector<LevelFacts> levels;
+  for (const TreeNode& node : tree.nodes) {
+    while (int(levels.size()) <= node.key.level)
+      levels.push_back({int(levels.size()), 0, 0, tree.spacing_of(int(levels.size()))});
+    LevelFacts& level = levels[std::size_t(node.key.level)];
+    ++level.nodes;
+    level.points += node.chunk.count;
+  }
+  return levels;
+}
+
+bool is_tree(const std::filesystem::path& file) {
+  try {
+    return io::is_copc(io::File(file).read_text(0, 512));
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+Tree read_tree(const std::filesystem::path& path) {
+  const io::las::InputFile file(path);
+  const io::las::Header header = io::las::read_header(file);
+  const io::las::LazLayout layout = io::las::read_laz_layout(file, header);
+  const io::las::Vlr* info = header.vlr("copc", 1);
+  if (!info)
+    file.fail(375, "found no COPC record, expected one behind the header; build one with sfumato build");
+  Tree tree;
+  tree.file = path;
+  tree.points = header.count;
+  for (const io::las::CopcNode& node : io::las::read_copc_tree(file, header, layout))
+    tree.nodes.push_back(
+        {{node.level, std::uint32_t(node.x), std::uint32_t(node.y), std::uint32_t(node.z)}, node.chunk});
+  std::uint64_t held = 0;
+  for (const TreeNode& node : tree.nodes) held += node.chunk.count;
+  if (held != header.count)
+    file.fail(247, "found " + std::to_string(header.count) + " points in the header, expected the " +
+                       std::to_string(held) + " of the octree; the file is truncated or damaged");
+  // The record's size was checked with the hierarchy.
+  dvec3 center;
+  for (int axis = 0; axis < 3; ++axis) center[axis] = io::las::get<double>(info->data.data() + 8 * axis);
+  const auto half_size = io::las::get<double>(info->data.data() + 24);
+  tree.spacing = io::las::get<double>(info->data.data() + 32);
+  const bool is_cube =
+      std::isfinite(center.x + center.y + center.z) && std::isfinite(half_size) && half_size > 0;
+  if (!is_cube || !(tree.spacing > 0) || !std::isfinite(tree.spacing))
+    file.fail(info->byte, "found an octree of half size " + std::to_string(half_size) + " and spacing " +
+                              std::to_string(tree.spacing) +
+                              ", expected numbers above 0; the file is damaged");
+  tree.cube = {center - half_size, 2 * half_size};
+  const io::las::RecordFile records(path);
+  tree.bounds = records.bounds().value_or(Bounds{tree.cube.min, tree.cube.min + tree.cube.size});
+  tree.crs = io::las::read_crs(header);
+  std::vector<std::string> notes;
+  for (const auto& fields : {io::las::standard_fields(header.format), io::las::extra_fields(header, notes)})
+    for (const io::las::Field& field : fields)
+      if (!field.optional) tree.attributes.push_back(field.name);
+  return tree;
+}
+
+io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
+                          std::vector<std::string>& damage, Progress& progress) {
+  std::vector<std::size_t> in_order = nodes;
+  std::sort(in_order.begin(), in_order.end());
+  std::vector<io::las::LazChunk> chunks;
+  for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);
+  return io::read_las_chunks(tree.file, chunks, damage, progress);
+}
+
+}  // namespace sfumato::copc

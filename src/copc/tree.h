@@ -1,0 +1,56 @@
+// The octree of a COPC file, known from its header and hierarchy: what is where, before any point is read.
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "copc/octree.h"
+#include "io/io.h"
+#include "io/laz_chunk.h"
+
+namespace sfumato::copc {
+
+struct TreeNode {
+  Key key;
+  io::las::LazChunk chunk;
+};
+
+struct Tree {
+  std::filesystem::path file;
+  std::uint64_t points = 0;
+  Cube cube;
+  double spacing = 0;           ///< of the root; each level halves it
+  Bounds bounds;                ///< what the header says of the points
+  std::vector<TreeNode> nodes;  ///< those with points, in file order
+  std::string crs;
+  std::vector<std::string> attributes;  ///< names, as the reader gives them
+
+  /// The part of the node's cell that can hold points, world.
+  Bounds box(const Key& key) const;
+  double spacing_of(int level) const { return std::ldexp(spacing, -level); }
+};
+
+struct LevelFacts {
+  int level = 0;
+  std::size_t nodes = 0;
+  std::uint64_t points = 0;
+  double spacing = 0;
+};
+/// From the root down.
+std::vector<LevelFacts> levels_of(const Tree& tree);
+
+/// Whether the file is COPC, by its first bytes. False when it cannot be opened.
+bool is_tree(const std::filesystem::path& file);
+
+/// Reads header and hierarchy. Throws Error(bad_input) when they are damaged.
+Tree read_tree(const std::filesystem::path& file);
+
+/// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. `damage`: one line for each
+/// node that cannot be decoded and is left out.
+io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
+                          std::vector<std::string>& damage, Progress& progress = no_progress());
+
+}  // namespace sfumato::copc
