@@ -81,7 +81,14 @@ class Completion {
     std::vector<float> narrow(flatness.size(), 1.0f);
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
     const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
-    if (normals || radii || keep)
+    // Radii that were shrunk before for another technique, as they were.
+    std::vector<float> whole_radii;
+    if (uncertainty && !radii && !prepared_.shrunk.empty()) whole_radii = cloud_.radii;
+    const auto radius_in = [&](std::span<const std::uint32_t> ids, std::span<const float> distances2) {
+      const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
+      return farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
+    };
+    if (normals || radii || keep || !whole_radii.empty())
       for_each_neighborhood(
           tree_, int(k_),
           [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
@@ -89,19 +96,20 @@ class Completion {
             const auto frame = own_normal || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
             if (own_normal) new_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
             if (own_radius) {
-              const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
-              new_radii[i] = farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
+              new_radii[i] = radius_in(ids, distances2);
               if (shrink && frame) {
-                flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, farthest);
+                flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, std::sqrt(distances2.back()));
                 narrow[i] = std::min(1.0f, width_of(*frame, ids.size()) / new_radii[i]);
               }
             }
+            if (!whole_radii.empty() && prepared_.shrunk[i] < 1) whole_radii[i] = radius_in(ids, distances2);
             if (keep) kept.keep(i, ids);
           },
           normals ? "normals" : "radii", progress_);
     if (uncertainty)
       cloud_.set_scalar(measure_uncertainty(normals ? new_normals : cloud_.normals,
-                                            radii ? new_radii : cloud_.radii, keep ? &kept : nullptr));
+                                            radii ? new_radii : whole_radii.empty() ? cloud_.radii : whole_radii,
+                                            keep ? &kept : nullptr));
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
     if (shrink) shrink_in_clutter(std::move(flatness), narrow, new_radii);
