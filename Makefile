@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command demo test bench eval-denoise eval-shadows eval-surface asan format install uninstall clean help
+.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan format install uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -23,6 +23,10 @@ release:  ## build/release, all of it
 
 command:  ## build/release/bin/sfumato
 	@$(call configure,release) && cmake --build build/release --target sfumato
+
+python:  ## the package in build/release/python
+	@$(call configure,release) -DSFUMATO_PYTHON=ON && cmake --build build/release --target python
+	@echo "export PYTHONPATH=$(CURDIR)/build/release/python"
 
 demo: command  ## every technique on a synthetic scan, or on FILE
 	@scripts/demo "$$FILE"
@@ -57,7 +61,7 @@ asan:  ## every test under the address and undefined behaviour sanitizers
 format:  ## clang-format over the C++
 	@find src tests bench examples include -name '*.cpp' -o -name '*.h' 2>/dev/null | xargs clang-format -i
 
-install: release  ## command, manual page, completions, documentation and CMake package below PREFIX
+install: release  ## command, manual page, completions, Python and CMake packages, documentation below PREFIX
 	@cmake --install build/release --prefix "$(PREFIX)"
 
 uninstall:  ## removes what the last install put into place

@@ -1,0 +1,116 @@
+#include <cmath>
+#include <limits>
+
+#include "analysis/clusters.h"
+#include "analysis/prepare.h"
+#include "cloud.h"
+#include "core/error.h"
+#include "run.h"
+
+namespace sfumato::python {
+namespace {
+
+using CloudPtr = std::shared_ptr<Cloud>;
+
+/// A copy of the points with their own numbers, sorted and measured.
+PreparedCloud prepare(const Cloud& cloud, Attributes needs, Attributes anew, const Settings& settings,
+                      Progress& progress) {
+  analysis::PrepareOptions options;
+  ParamList parameters;
+  options.describe(parameters);
+  std::vector<std::string> names;
+  for (const Param& param : parameters.all()) names.push_back(param.name);
+  for (const auto& [name, value] : settings) {
+    Param* param = parameters.find(name);
+    if (!param) refuse_name("the analysis has no parameter", name, names);
+    param->set(value);
+  }
+  PointCloud points = cloud.scene.cloud;
+  if (points.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points");
+  points.source_index = {};
+  if (anew.has(Attribute::normal)) points.normals = {};
+  if (anew.has(Attribute::radius)) points.radii = {};
+  if (anew.has(Attribute::uncertainty))
+    std::erase_if(points.scalars, [](const auto& s) { return s.name == "uncertainty"; });
+  return analysis::prepare(std::move(points), needs, options, progress);
+}
+
+/// Values in the order of the cloud; `nothing` for points that share a place with too many others.
+template <class T>
+py::array_t<T> in_order(const Cloud& cloud, const PreparedCloud& prepared, py::ssize_t width, T nothing,
+                        const auto& value) {
+  const auto count = py::ssize_t(cloud.scene.cloud.size());
+  py::array_t<T> out(width == 1 ? std::vector<py::ssize_t>{count} : std::vector<py::ssize_t>{count, width});
+  T* to = out.mutable_data();
+  std::fill(to, to + count * width, nothing);
+  for (std::size_t i = 0; i < prepared.cloud.size(); ++i)
+    for (py::ssize_t k = 0; k < width; ++k)
+      to[py::ssize_t(prepared.cloud.source_index[i]) * width + k] = value(i, k);
+  return out;
+}
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+py::object normals(const CloudPtr& cloud, const Settings& settings, const py::object& progress) {
+  PreparedCloud prepared;
+  run([&](Progress& p) { prepared = prepare(*cloud, Attribute::normal, Attribute::normal, settings, p); },
+      progress);
+  return in_order<float>(*cloud, prepared, 3, nan,
+                         [&](std::size_t i, py::ssize_t k) { return prepared.cloud.normals[i][int(k)]; });
+}
+
+py::object uncertainty(const CloudPtr& cloud, const Settings& settings, const py::object& progress) {
+  PreparedCloud prepared;
+  run(
+      [&](Progress& p) {
+        prepared =
+            prepare(*cloud, Attribute::uncertainty, Attribute::uncertainty | Attribute::radius, settings, p);
+      },
+      progress);
+  const ScalarField& field = *prepared.cloud.scalar("uncertainty");
+  return in_order<float>(*cloud, prepared, 1, nan,
+                         [&](std::size_t i, py::ssize_t) { return float(field.value(i)); });
+}
+
+double spacing(const CloudPtr& cloud, const py::object& progress) {
+  double found = 0;
+  run([&](Progress& p) { found = double(prepare(*cloud, {}, {}, {}, p).median_spacing); }, progress);
+  return found;
+}
+
+py::object clusters(const CloudPtr& cloud, const py::dict& wishes, const py::object& progress) {
+  analysis::ClusterOptions options;
+  if (wishes.contains("neighbors")) options.neighbors = wishes["neighbors"].cast<int>();
+  if (wishes.contains("point_threshold")) options.point_threshold = wishes["point_threshold"].cast<float>();
+  if (wishes.contains("region_threshold"))
+    options.region_threshold = wishes["region_threshold"].cast<float>();
+  if (wishes.contains("gap")) options.gap = wishes["gap"].cast<float>();
+  if (wishes.contains("min_size")) options.min_size = wishes["min_size"].cast<int>();
+  if (wishes.contains("angle")) options.angle_deg = wishes["angle"].cast<float>();
+  if (wishes.contains("bend")) options.bend_deg = wishes["bend"].cast<float>();
+  if (options.neighbors < 1 || options.min_size < 1)
+    throw Error(ErrorCode::usage, "neighbors and min_size are at least 1");
+  PreparedCloud prepared;
+  analysis::Clusters found;
+  run(
+      [&](Progress& p) {
+        const bool colored = !cloud->scene.cloud.colors.empty();
+        prepared = prepare(*cloud, colored ? Attributes() : Attributes(Attribute::normal), {}, {}, p);
+        const analysis::NeighborGraph graph(prepared.cloud.positions, options.neighbors, p);
+        found = analysis::grow_clusters(prepared.cloud, graph, prepared.median_spacing, options, p);
+      },
+      progress);
+  return in_order<std::int32_t>(*cloud, prepared, 1, -1,
+                                [&](std::size_t i, py::ssize_t) { return std::int32_t(found.label[i]); });
+}
+
+}  // namespace
+
+void bind_analysis(py::module_& module) {
+  module.def("normals", &normals);
+  module.def("uncertainty", &uncertainty);
+  module.def("spacing", &spacing);
+  module.def("clusters", &clusters);
+}
+
+}  // namespace sfumato::python

@@ -1,0 +1,346 @@
+#include <memory>
+
+#include "core/color.h"
+#include "core/colormap.h"
+#include "core/error.h"
+#include "core/version.h"
+#include "io/camera_json.h"
+#include "io/image_exr.h"
+#include "io/image_file.h"
+#include "io/image_png.h"
+#include "io/npy.h"
+#include "stage.h"
+
+namespace sfumato::python {
+namespace {
+
+/// Frees what it holds on the thread that it lives on.
+struct StageHandle {
+  std::shared_ptr<Stage> stage;
+  explicit StageHandle(std::shared_ptr<Stage> s) : stage(std::move(s)) {}
+  StageHandle(const StageHandle&) = delete;
+  StageHandle& operator=(const StageHandle&) = delete;
+  ~StageHandle() { close(); }
+  void close() {
+    if (stage) free_gl(std::move(stage));
+    stage.reset();
+  }
+  Stage& get() const {
+    if (!stage) throw Error(ErrorCode::usage, "the renderer is closed");
+    return *stage;
+  }
+};
+
+vec3 color_of(const char* what, const std::string& text) {
+  if (const auto color = parse_color(text)) return *color;
+  const std::string near = nearest_color(text);
+  throw Error(ErrorCode::usage,
+              std::string(what) + ": '" + text + "' is no colour" +
+                  (near.empty() ? "" : "; did you mean " + near + "?") +
+                  " Write a name (steelblue), #hex (#4682b4) or R,G,B in 0..1 (0.27,0.51,0.71)");
+}
+
+std::optional<std::string> text_in(const py::dict& wishes, const char* key) {
+  if (!wishes.contains(key) || wishes[key].is_none()) return std::nullopt;
+  return wishes[key].cast<std::string>();
+}
+
+ColorSettings colors_of(const py::dict& wishes) {
+  ColorSettings color;
+  if (const auto name = text_in(wishes, "color_by")) color.color_by = *name;
+  if (const auto name = text_in(wishes, "colormap")) Colormap::named(color.colormap = *name);
+  if (wishes.contains("range")) {
+    const auto range = wishes["range"].cast<std::array<double, 2>>();
+    if (range[0] == range[1]) throw Error(ErrorCode::usage, "range: it is empty");
+    color.range = range;
+  }
+  if (const auto name = text_in(wishes, "color")) {
+    if (color.color_by != "auto")
+      throw Error(ErrorCode::usage, "color and color_by contradict each other: give one of them");
+    if (!color.colormap.empty() || color.range)
+      throw Error(ErrorCode::usage, "colormap and range do not go with one colour for all points");
+    color.solid = to_rgba8(color_of("color", *name));
+  }
+  return color;
+}
+
+std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take,
+                                  const std::string& technique, const Settings& parameters,
+                                  const py::dict& wishes, const py::object& progress) {
+  StageOptions options;
+  options.technique = technique;
+  options.parameters = parameters;
+  options.color = colors_of(wishes);
+  options.selection = selection_of(wishes);
+  if (const auto text = text_in(wishes, "background"); text == "transparent")
+    options.transparent = true;
+  else if (text && text != "auto")
+    options.background = color_of("background", *text);
+  options.up = up_axis(text_in(wishes, "up"));
+  if (!options.up) options.up = cloud->up;
+  auto stage = std::make_shared<Stage>(std::move(options));
+  run_gl(
+      [&](gl::Context& context, Progress& reporter) {
+        keep_gl(stage);
+        // What nobody else sees is handed over; a cloud of the user is copied, for rendering sorts its
+        // points.
+        scene::Scene scene = take ? std::move(cloud->scene) : cloud->scene;
+        try {
+          stage->open(context, std::move(scene), cloud->file, reporter);
+        } catch (...) {
+          stage->clear();
+          throw;
+        }
+      },
+      progress);
+  return std::make_unique<StageHandle>(std::move(stage));
+}
+
+ViewWishes view_wishes(const py::dict& wishes) {
+  ViewWishes out;
+  const auto number = [&](const char* key, std::optional<double>& to) {
+    if (wishes.contains(key)) to = wishes[key].cast<double>();
+  };
+  number("azimuth", out.azimuth), number("elevation", out.elevation), number("fov", out.fov),
+      number("distance", out.distance);
+  if (out.elevation && std::abs(*out.elevation) > 90)
+    throw Error(ErrorCode::usage, "elevation: it is outside [-90, 90] degrees");
+  if (out.fov && !(*out.fov >= 0.001 && *out.fov <= 179))
+    throw Error(ErrorCode::usage, "fov: it is outside [0.001, 179] degrees");
+  if (out.distance && !(*out.distance > 0)) throw Error(ErrorCode::usage, "distance: it is not more than 0");
+  if (wishes.contains("look_at")) {
+    const auto v = wishes["look_at"].cast<std::array<double, 3>>();
+    out.look_at = dvec3(v[0], v[1], v[2]);
+  }
+  if (wishes.contains("zoom")) out.zoom = wishes["zoom"].cast<double>();
+  if (!(out.zoom > 0)) throw Error(ErrorCode::usage, "zoom: it is not more than 0");
+  if (wishes.contains("roll")) out.roll = wishes["roll"].cast<double>();
+  if (wishes.contains("orthographic")) out.orthographic = wishes["orthographic"].cast<bool>();
+  if (wishes.contains("upright")) out.upright = wishes["upright"].cast<bool>();
+  if (wishes.contains("size")) std::tie(out.width, out.height) = wishes["size"].cast<std::pair<int, int>>();
+  return out;
+}
+
+py::dict resolved(const ParamList& parameters) {
+  py::dict out;
+  for (const Param& param : parameters.all()) out[py::str(param.name)] = value_of(param, param.resolved());
+  return out;
+}
+
+std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera>& camera,
+                             const std::pair<int, int>& size, const std::optional<std::string>& technique,
+                             const Settings& parameters, const std::vector<std::string>& outputs,
+                             const std::optional<Camera>& light_from, const py::object& progress) {
+  ShotRequest request{camera, size.first, size.second, technique, parameters, light_from, {}};
+  if (size.first < 1 || size.second < 1)
+    throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
+  request.wants.color = false;
+  for (const std::string& output : outputs) {
+    if (output == "rgba")
+      request.wants.color = true;
+    else if (output == "linear")
+      request.wants.color_linear = true;
+    else if (output == "depth")
+      request.wants.depth = true;
+    else if (output == "normal")
+      request.wants.normal = true;
+    else
+      refuse_name("there is no output", output, {"rgba", "linear", "depth", "normal"});
+  }
+  Stage& stage = self.get();
+  auto shot = std::make_shared<Shot>();
+  ChosenTechnique* look = nullptr;
+  run_gl([&](gl::Context& context,
+             Progress& reporter) { look = &stage.render(context, request, *shot, reporter); },
+         progress);
+  shot->parameters = resolved(look->parameters);
+  shot->analysis_parameters = resolved(stage.choice().prepare_parameters);
+  return shot;
+}
+
+template <class T>
+py::object image(Image<T>& values, std::vector<py::ssize_t> shape, auto* first, const py::object& owner) {
+  if (values.empty()) return py::none();
+  return view(first, std::move(shape), owner);
+}
+
+/// Formats by extension, as the command writes them.
+void save(Shot& shot, const std::string& file, const std::string& extension, int quality) {
+  const RenderOutput& images = shot.images;
+  const bool is_linear = extension == ".exr" || extension == ".npy";
+  if ((is_linear ? images.color_linear.empty() : images.rgba8.empty()))
+    throw Error(ErrorCode::usage, file + ": the picture has no " + (is_linear ? "linear" : "rgba") +
+                                      " image; name it in outputs when rendering");
+  const std::string made_by = std::string("sfumato ") + version();
+  const py::gil_scoped_release release;
+  if (extension == ".png")
+    io::write_png(
+        file, images.rgba8, shot.transparent,
+        {{"Software", made_by}, {"Technique", shot.technique}, {"Camera", io::camera_to_json(shot.camera)}});
+  else if (extension == ".jpg" || extension == ".jpeg")
+    io::write_jpeg(file, images.rgba8, quality);
+  else if (extension == ".webp")
+    io::write_webp(file, images.rgba8, shot.transparent, quality);
+  else if (extension == ".exr")
+    io::write_exr(file, images.color_linear, images.depth, images.normal, made_by);
+  else if (extension == ".npy")
+    io::write_npy(file, images.color_linear);
+  else
+    throw Error(ErrorCode::usage, file + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
+}
+
+py::dict describe(const TechniqueInfo& info) {
+  const Look look(info);
+  py::dict out;
+  out["name"] = info.name;
+  out["summary"] = info.summary;
+  py::list needs, own, shared;
+  const Attributes attributes = look.technique->needs();
+  if (attributes.has(Attribute::normal)) needs.append("normal");
+  if (attributes.has(Attribute::radius)) needs.append("radius");
+  if (attributes.has(Attribute::uncertainty)) needs.append("uncertainty");
+  if (attributes.has(Attribute::cluster)) needs.append("cluster");
+  const auto& all = look.parameters.all();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (i < look.own_count ? own : shared).append(python::describe(all[i]));
+  out["needs"] = needs, out["parameters"] = own, out["shared_parameters"] = shared;
+  return out;
+}
+
+}  // namespace
+
+py::object value_of(const Param& param, const std::string& text) {
+  const auto number = [](const std::string& word) { return py::float_(py::str(word)); };
+  if (text == "auto" && param.can_be_auto) return py::str(text);
+  switch (param.kind) {
+    case ParamKind::boolean:
+      return py::bool_(text == "true");
+    case ParamKind::integer:
+      return py::int_(py::str(text));
+    case ParamKind::real:
+      return number(text);
+    case ParamKind::real_list:
+    case ParamKind::vector3: {
+      py::list values;
+      for (std::size_t at = 0; !text.empty() && at <= text.size();) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        values.append(number(text.substr(at, end - at)));
+        at = end + 1;
+      }
+      return py::tuple(values);
+    }
+    default:
+      return py::str(text);
+  }
+}
+
+py::dict describe(const Param& param) {
+  py::dict out;
+  out["name"] = param.name;
+  out["kind"] = kind_name(param.kind);
+  out["default"] = value_of(param, param.default_text);
+  out["choices"] = py::tuple(py::cast(param.choices));
+  out["range"] = param.min || param.max ? py::object(py::make_tuple(param.min, param.max)) : py::none();
+  out["auto"] = param.can_be_auto;
+  out["unit"] = param.unit_text, out["help"] = param.help_text, out["paper"] = param.paper_text;
+  return out;
+}
+
+void refuse_name(const std::string& what, const std::string& name, const std::vector<std::string>& names) {
+  const std::string near = nearest_word(name, names);
+  std::string all;
+  for (const std::string& each : names) all += (all.empty() ? "" : ", ") + each;
+  throw Error(ErrorCode::usage, what + " '" + name + "'" +
+                                    (!near.empty()        ? "; did you mean '" + near + "'?"
+                                     : names.size() <= 12 ? "; there are: " + (all.empty() ? "none" : all)
+                                                          : ""));
+}
+
+void bind_stage(py::module_& module) {
+  py::class_<StageHandle>(module, "Stage")
+      .def(py::init(&open))
+      .def("render", &render)
+      .def("view", [](const StageHandle& self,
+                      const py::dict& wishes) { return view_of(self.get().pose(), view_wishes(wishes)); })
+      .def("first_view", [](const StageHandle& self, int width,
+                            int height) { return first_view(self.get().pose(), width, height); })
+      .def("set_color",
+           [](const StageHandle& self, const py::dict& wishes) {
+             const ColorSettings color = colors_of(wishes);
+             Stage& stage = self.get();
+             run_gl([&](gl::Context&, Progress&) { stage.set_color(color); }, py::none());
+           })
+      .def("close", &StageHandle::close)
+      .def_property_readonly(
+          "technique", [](const StageHandle& self) { return self.get().choice().techniques.front()->name; })
+      .def_property_readonly("up",
+                             [](const StageHandle& self) { return to_string(self.get().pose().upright.up); })
+      .def_property_readonly("up_vector",
+                             [](const StageHandle& self) {
+                               const dvec3 up = up_vector(self.get().pose().upright.up);
+                               return py::make_tuple(up.x, up.y, up.z);
+                             })
+      .def("__len__", [](const StageHandle& self) { return self.get().points(); });
+
+  py::class_<Shot, std::shared_ptr<Shot>>(module, "Shot")
+      .def("rgba",
+           [](const py::object& self) {
+             auto& i = self.cast<Shot&>().images.rgba8;
+             return image(i, {i.height(), i.width(), 4}, &i.data()->r, self);
+           })
+      .def("linear",
+           [](const py::object& self) {
+             auto& i = self.cast<Shot&>().images.color_linear;
+             return image(i, {i.height(), i.width(), 4}, &i.data()->x, self);
+           })
+      .def("depth",
+           [](const py::object& self) {
+             auto& i = self.cast<Shot&>().images.depth;
+             return image(i, {i.height(), i.width()}, i.data(), self);
+           })
+      .def("normal",
+           [](const py::object& self) {
+             auto& i = self.cast<Shot&>().images.normal;
+             return image(i, {i.height(), i.width(), 3}, &i.data()->x, self);
+           })
+      .def("save", &save)
+      .def_readonly("camera", &Shot::camera)
+      .def_readonly("transparent", &Shot::transparent)
+      .def_readonly("technique", &Shot::technique)
+      .def_readonly("reason", &Shot::reason)
+      .def_readonly("parameters", &Shot::parameters)
+      .def_readonly("analysis_parameters", &Shot::analysis_parameters)
+      .def_readonly("color_by", &Shot::color_by)
+      .def_readonly("notes", &Shot::notes)
+      .def_property_readonly(
+          "background",
+          [](const Shot& s) { return py::make_tuple(s.background.x, s.background.y, s.background.z); })
+      .def_property_readonly("points_drawn", [](const Shot& s) { return s.images.points_drawn; });
+
+  module.def("techniques", [] {
+    py::list rows;
+    for (const TechniqueInfo& info : all_techniques()) rows.append(describe(info));
+    return rows;
+  });
+  module.def("find_technique", [](const std::string& name) { return find_technique(name).name; });
+  module.def("analysis_parameters", [] {
+    analysis::PrepareOptions options;
+    ParamList parameters;
+    options.describe(parameters);
+    py::list rows;
+    for (const Param& param : parameters.all()) rows.append(describe(param));
+    return rows;
+  });
+  module.def("colormap_names", &Colormap::names);
+  module.def("nearest_word", [](const std::string& word, const std::vector<std::string>& candidates) {
+    return nearest_word(word, candidates);
+  });
+  module.def("write_png",
+             [](const std::string& file, const py::array_t<std::uint8_t, py::array::c_style>& rgba) {
+               Image<Rgba8> out(int(rgba.shape(1)), int(rgba.shape(0)));
+               std::copy(rgba.data(), rgba.data() + rgba.size(), &out.data()->r);
+               io::write_png(file, out, true);
+             });
+}
+
+}  // namespace sfumato::python

@@ -1,0 +1,39 @@
+// What the parts of the module add to it, and what they share.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/param.h"
+
+namespace sfumato::python {
+
+namespace py = pybind11;
+
+void bind_camera(py::module_& module);
+void bind_cloud(py::module_& module);
+void bind_analysis(py::module_& module);
+void bind_stage(py::module_& module);
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+/// The value of a parameter as Python's own kind of value.
+py::object value_of(const Param& param, const std::string& text);
+/// name, kind, default, choices, range, auto, unit, help, paper.
+py::dict describe(const Param& param);
+/// Throws Error(usage) that names the nearest of `names`.
+[[noreturn]] void refuse_name(const std::string& what, const std::string& name,
+                              const std::vector<std::string>& names);
+
+/// A view of memory that `owner` keeps.
+template <class T>
+py::array view(T* data, std::vector<py::ssize_t> shape, const py::object& owner) {
+  return py::array(py::dtype::of<T>(), std::move(shape), data, owner);
+}
+
+}  // namespace sfumato::python

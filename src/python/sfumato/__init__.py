@@ -1,0 +1,23 @@
+"""sfumato: point clouds to pictures.
+
+>>> import sfumato
+>>> sfumato.render("scan.laz").save("scan.png")
+>>> sfumato.render(xyz, rgb, technique="surface", shadows="soft").save("points.png")
+
+No display and no GPU needed: what draws is OpenGL 4.5, also in software. docs/python.md is the guide.
+"""
+import atexit as _atexit
+
+from . import _engine, analysis
+from ._camera import Camera, orbit, path
+from ._cloud import Cloud, Scalars, formats, read, synth, write
+from ._error import Error
+from ._render import Picture, Renderer, colormaps, render
+from ._techniques import Parameter, Technique, analysis_parameters, techniques
+
+__version__ = _engine.version()
+__all__ = ["Camera", "Cloud", "Error", "Parameter", "Picture", "Renderer", "Scalars", "Technique", "analysis",
+           "analysis_parameters", "colormaps", "formats", "orbit", "path", "read", "render", "synth", "techniques", "write"]
+
+# The driver wants its context closed before the process ends.
+_atexit.register(_engine.stop)

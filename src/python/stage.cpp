@@ -1,0 +1,187 @@
+#include "stage.h"
+
+#include <algorithm>
+
+#include "analysis/neighbors.h"
+#include "core/error.h"
+#include "passes/shadows.h"
+
+namespace sfumato::python {
+namespace {
+
+/// The names that a parameter may have been meant to be.
+std::vector<std::string> names_of(Choice& choice) {
+  std::vector<std::string> names;
+  for (const auto& look : choice.techniques)
+    for (const Param& param : look->parameters.all()) names.push_back(param.name);
+  for (const Param& param : choice.prepare_parameters.all()) names.push_back(param.name);
+  return names;
+}
+
+[[noreturn]] void refuse_parameter(const std::string& name, const std::string& technique,
+                                   const std::vector<std::string>& names) {
+  if (const std::string owners = techniques_with(name); !owners.empty())
+    throw Error(ErrorCode::usage, name + " is a parameter of " + owners + ", not of " + technique);
+  refuse_name(technique == automatic_technique ? "no technique has a parameter"
+                                               : "the technique " + technique + " has no parameter",
+              name, names);
+}
+
+/// "points.size" of the technique points is its "size"; of other techniques, nothing.
+std::optional<std::string> own_name(const std::string& name, const std::string& technique) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos) return name;
+  if (name.substr(0, dot) != technique) return std::nullopt;
+  return name.substr(dot + 1);
+}
+
+}  // namespace
+
+Camera view_of(const Pose& pose, const ViewWishes& wishes) {
+  const UpAxis up = pose.upright.up;
+  const double azimuth = glm::radians(wishes.azimuth.value_or(pose.upright.azimuth_deg));
+  const double elevation = glm::radians(wishes.elevation.value_or(pose.upright.elevation_deg));
+  Camera camera =
+      frame(pose.subject.box, up, wishes.width, wishes.height, azimuth, elevation, glm::radians(45.0),
+            wishes.orthographic ? Projection::orthographic : Projection::perspective);
+  fit(camera, pose.subject.points);
+  if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
+  if (wishes.look_at) {
+    camera.position += *wishes.look_at - camera.target;
+    camera.target = *wishes.look_at;
+  }
+  if (wishes.azimuth || wishes.elevation)
+    look_from(camera, up, wishes.azimuth ? std::optional(azimuth) : std::nullopt,
+              wishes.elevation ? std::optional(elevation) : std::nullopt, wishes.upright);
+  if (wishes.distance) {
+    const double before = glm::length(camera.target - camera.position);
+    camera.position = camera.target - camera.direction() * *wishes.distance;
+    camera.height_world *= *wishes.distance / before;
+  }
+  if (wishes.zoom != 1) magnify(camera, wishes.zoom);
+  if (wishes.roll != 0) roll(camera, glm::radians(wishes.roll));
+  return camera;
+}
+
+Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(options_.technique) {
+  if (choice_.count != 1)
+    throw Error(ErrorCode::usage,
+                "technique: '" + options_.technique + "' names several; render them one by one");
+  for (const auto& [name, value] : options_.parameters) {
+    std::vector<Param*> found = choice_.find(name);
+    for (const auto& look : choice_.techniques)
+      if (const auto own = own_name(name, look->name); own && *own != name)
+        if (Param* param = look->parameters.find(*own)) found.push_back(param);
+    if (found.empty()) refuse_parameter(name, options_.technique, names_of(choice_));
+    for (Param* param : found) param->set(value);
+  }
+  choice_.given = options_.parameters;
+  for (const auto& look : choice_.techniques) look->check();
+}
+
+void Stage::open(gl::Context& context, scene::Scene scene, const std::string& file, Progress& progress) {
+  if (scene.cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
+  scene.selected = apply(options_.selection, scene.cloud);
+  notes_ = scene.notes;
+  notes_.insert(notes_.end(), scene.selected.notes.begin(), scene.selected.notes.end());
+  if (scene.selected.hidden > 0)
+    notes_.push_back(std::to_string(scene.selected.hidden) +
+                     " points are withheld or of a hidden class (hide_classes=() shows them)");
+  const UpAxis custom = scene.cloud.up;
+  pose_ = stand_upright(scene, file, options_.up);
+  if (pose_.upright.up != custom && !options_.up)
+    notes_.push_back("up: " + to_string(pose_.upright.up) + " (" + pose_.upright.reason + "); up=\"" +
+                     to_string(custom) + "\" turns it back");
+  session_ = std::make_unique<Session>(context);
+  const auto needs_of = [&](const Session::Suggest& suggest) {
+    if (choice_.automatic()) choice_.settle(suggest());
+    return choice_.techniques.front()->technique->needs();
+  };
+  session_->set_scene(std::move(scene), pose_, {choice_.prepare, options_.color, options_.background},
+                      needs_of, progress);
+  ChosenTechnique& chosen = *choice_.techniques.front();
+  if (!chosen.reason.empty())
+    notes_.push_back("technique: " + chosen.name + " (" + chosen.reason +
+                     "); technique=\"NAME\" chooses another");
+  if (session_->left_out() > 0)
+    notes_.push_back(std::to_string(session_->left_out()) +
+                     " points share their places with others and are left out");
+  points_ = session_->cloud().size();
+}
+
+void Stage::set_color(const ColorSettings& color) {
+  session_->set_color(color);
+}
+
+void Stage::clear() {
+  looks_.clear();
+  // What techniques hold on the GPU goes before its context does.
+  for (const auto& look : choice_.techniques) look->technique.reset();
+  session_.reset();
+}
+
+void Stage::set(ChosenTechnique& look, const std::string& name, const std::string& value) const {
+  if (const auto own = own_name(name, look.name))
+    if (Param* param = look.parameters.find(*own)) return param->set(value);
+  if (choice_.prepare_parameters.find(name))
+    throw Error(ErrorCode::usage,
+                name + " says how points are measured before rendering; give it to Renderer(...)");
+  std::vector<std::string> names;
+  for (const Param& param : look.parameters.all()) names.push_back(param.name);
+  refuse_parameter(name, look.name, names);
+}
+
+ChosenTechnique& Stage::look_for(const ShotRequest& request) {
+  ChosenTechnique& first = *choice_.techniques.front();
+  std::string name = request.technique.value_or(first.name);
+  if (name == automatic_technique) {
+    if (first.reason.empty())
+      name = choose_technique(session_->prepared(), analysis::NeighborTree(session_->cloud().positions))
+                 .technique;
+    else
+      name = first.name;
+  }
+  ChosenTechnique* look = name == first.name ? &first : nullptr;
+  if (!look) {
+    auto& other = looks_[name];
+    if (!other) other = std::make_unique<ChosenTechnique>(find_technique(name));
+    look = other.get();
+  }
+  look->reset();
+  for (const auto& [key, value] : options_.parameters) {
+    // What was given to the stage for its own technique is not meant for another one that lacks it.
+    const auto own = own_name(key, look->name);
+    if (Param* param = own ? look->parameters.find(*own) : nullptr) param->set(value);
+  }
+  for (const auto& [key, value] : request.parameters) set(*look, key, value);
+  look->check();
+  look->settings.transparent = options_.transparent;
+  return *look;
+}
+
+ChosenTechnique& Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot,
+                               Progress& progress) {
+  if (!session_) throw Error(ErrorCode::usage, "the renderer is closed");
+  ChosenTechnique& look = look_for(request);
+  shot.camera = request.camera.value_or(first_view(pose_, request.width, request.height));
+  const int limit = context.limits().max_texture_size;
+  if (shot.camera.width > limit || shot.camera.height > limit)
+    throw Error(ErrorCode::usage, std::to_string(shot.camera.width) + "x" +
+                                      std::to_string(shot.camera.height) +
+                                      " is beyond the largest picture of this driver (" +
+                                      std::to_string(limit) + " px a side): give a smaller size");
+  if (request.light_from) fix_light(look.settings, *request.light_from, pose_.upright.up);
+  progress.update(0, "rendering " + look.name);
+  shot.images = session_->render(look, shot.camera, request.wants, progress);
+  shot.transparent = options_.transparent;
+  shot.technique = look.name;
+  shot.reason = look.reason;
+  shot.color_by = session_->coloring().source;
+  shot.background = session_->background();
+  shot.notes = notes_;
+  for (const std::string& note : session_->coloring().notes) shot.notes.push_back(note);
+  for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
+  return look;
+}
+
+}  // namespace sfumato::python
