@@ -20,3 +20,4 @@
 #define IMAGE_FRAGMENTS 5         // RG32UI; RGBA32UI where they are linked
 
 #define BLOCK_FRAME 0
+#define BLOCK_CUT 1

@@ -12,6 +12,18 @@ layout(binding = UNIT_SHADOW) uniform samplerBuffer cloud_shadow;
 layout(binding = UNIT_CASTERS) uniform samplerBuffer cloud_casters;
 layout(binding = UNIT_BATCHES) uniform usamplerBuffer cloud_batches;
 
+// Half spaces of the cloud's space that are left out of the picture, as the walls before a room are.
+layout(std140, binding = BLOCK_CUT) uniform Cut {
+  vec4 planes[6];  // a point p is left out where dot(xyz, p) + w > 0
+  int count;
+} cut;
+
+bool is_cut(vec3 position) {
+  for (int k = 0; k < cut.count; ++k)
+    if (dot(cut.planes[k].xyz, position) + cut.planes[k].w > 0.0) return true;
+  return false;
+}
+
 vec3 point_position(int i) { return texelFetch(cloud_positions, i).xyz; }
 uint point_source_index(int i) { return texelFetch(cloud_source_index, i).x; }
 vec3 point_color(int i) { return linear_from_srgb(texelFetch(cloud_colors, i).rgb); }

@@ -10,14 +10,16 @@ uniform float splat_field_threshold;
 uniform bool splat_field_above;
 #endif
 
-// Radius 0 where the filter leaves the point out. A point without a normal faces the camera.
+// Radius 0 where the filter or a cut leaves the point out. A point without a normal faces the camera.
 Splat cloud_splat(int i) {
-  vec3 center = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
+  vec3 position = point_position(i);
+  vec3 center = (frame.eye_from_cloud * vec4(position, 1.0)).xyz;
   vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
   if (dot(normal, normal) < 0.25) normal = to_camera(center);
   float radius = min(point_radius(i), splat_radius_limit) * splat_radius_scale;
 #ifdef SPLAT_FIELD
   if ((point_field(i) > splat_field_threshold) != splat_field_above) radius = 0.0;
 #endif
+  if (is_cut(position)) radius = 0.0;
   return Splat(center, normal, radius);
 }

@@ -14,6 +14,6 @@ enum Unit {
   tiles = 21,   ///< one texel a tile of the image
 };
 enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
-enum Block { frame = 0 };
+enum Block { frame = 0, cut = 1 };
 
 }  // namespace sfumato::binding

@@ -52,6 +52,7 @@ GpuCloud::GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std
     max_chunk_points = std::uint32_t(std::min<std::uint64_t>(
         std::uint64_t(gl::limits().max_texture_buffer_size), bytes_limit));
   }
+  set_cut({});
   Chunk chunk;
   auto close = [&] {
     if (chunk.count == 0) return;
@@ -103,6 +104,21 @@ void GpuCloud::bind_geometry(const Chunk& chunk) const {
   chunk.positions.bind(binding::positions);
   chunk.source_index.bind(binding::source_index);
   chunk.batches.bind(binding::batches);
+  cut_block_.bind_uniform(binding::cut);
+}
+
+void GpuCloud::set_cut(std::vector<vec4> planes) {
+  struct Block {  // std140, as in shaders/cloud.glsl
+    vec4 planes[6];
+    int count;
+    int padding[3];
+  } block{};
+  block.count = int(std::min(planes.size(), std::size(block.planes)));
+  std::copy_n(planes.begin(), block.count, block.planes);
+  if (cut_block_ && planes == cut_) return;
+  if (cut_block_) serial_ = next_serial();
+  cut_ = std::move(planes);
+  cut_block_ = gl::Buffer("cut", sizeof block, &block);
 }
 
 void GpuCloud::bind_colors(Chunk& chunk) {

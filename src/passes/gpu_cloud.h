@@ -79,6 +79,9 @@ class GpuCloud {
   bool has_casters() const { return has_casters_; }
   float see_through_spacing() const { return see_through_spacing_; }
   void bind_casters(const Chunk& chunk) const;
+  /// Half spaces of cloud space, at most 6, whose points are left out: where dot(xyz, p) + w > 0. Shadows and other
+  /// things that follow from the cloud are made anew when they change.
+  void set_cut(std::vector<vec4> planes);
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
   /// Makes room for shadow factors, which a pass then gives every point (image unit access to `Chunk::shadow`).
@@ -111,6 +114,8 @@ class GpuCloud {
   float see_through_spacing_ = 0;
   std::uint64_t serial_ = next_serial();
   Attributes shown_ = Attribute::normal | Attribute::radius | Attribute::uncertainty | Attribute::cluster;
+  std::vector<vec4> cut_;
+  gl::Buffer cut_block_;
   static std::uint64_t next_serial();
   std::vector<float> largest_radii_;
 };

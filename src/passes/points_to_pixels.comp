@@ -76,7 +76,9 @@ void main() {
   if (!(stopped >= caster_range.x && stopped < caster_range.y)) return;
 #endif
 
-  precise vec3 eye = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
+  vec3 position = point_position(i);
+  if (is_cut(position)) return;
+  precise vec3 eye = (frame.eye_from_cloud * vec4(position, 1.0)).xyz;
   precise float depth = -eye.z;
   if (!(depth >= frame.near_plane)) return;
   precise vec2 center = pixel_from_eye(eye);

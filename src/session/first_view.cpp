@@ -124,6 +124,15 @@ void make_orthographic(Camera& camera) {
   camera.height_world = 2 * std::tan(0.5 * camera.fov_y) * glm::length(camera.target - camera.position);
 }
 
+void fit(Camera& camera, const Subject& subject) {
+  if (!subject.room) return fit(camera, subject.points);
+  const std::vector<glm::dvec4> walls = walls_before(*subject.room, camera);
+  std::vector<dvec3> drawn;
+  for (const dvec3& point : subject.points)
+    if (!is_behind(walls, point)) drawn.push_back(point);
+  fit(camera, drawn.empty() ? subject.points : drawn);
+}
+
 std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees) {
   std::vector<Camera> cameras;
   for (int i = 0; i < frames; ++i) {
@@ -218,7 +227,7 @@ Subject subject_of(const PointCloud& cloud) {
     if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];
   }
-  Subject subject{box, {}, reach > 0};
+  Subject subject{box, {}, {}, reach > 0};
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
     const dvec3 p = cloud.world(i), way = p - middle;
     if (reach > 0 && glm::length(way - glm::dot(way, up) * up) > reach) continue;

@@ -4,10 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <optional>
 #include <vector>
 
 #include "core/camera.h"
 #include "core/point_cloud.h"
+#include "core/room.h"
 
 namespace sfumato {
 
@@ -25,6 +27,7 @@ struct Compass {
 struct Subject {
   Bounds box;
   std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
+  std::optional<Room> room;   ///< seen from within: walls between it and the camera are not drawn
   bool thins_out = false;     ///< as around a scanner on a street: the box holds the nearer 85 % only
 };
 
@@ -36,6 +39,8 @@ Subject subject_of(const PointCloud& cloud);
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points with a margin
 /// of 8 %, in which the discs of the outermost have room. Points in one place have no extent to fit: the camera stays.
 void fit(Camera& camera, const std::vector<dvec3>& points);
+/// Likewise the points of a subject that are drawn for who looks from this side.
+void fit(Camera& camera, const Subject& subject);
 
 /// The sides that have a name.
 struct NamedView {

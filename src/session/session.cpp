@@ -1,5 +1,6 @@
 #include "session/session.h"
 
+#include "analysis/find_room.h"
 #include "analysis/survey.h"
 #include "core/error.h"
 #include "io/says_up.h"
@@ -9,7 +10,7 @@
 
 namespace sfumato {
 
-Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked) {
+Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked, bool cutaway) {
   analysis::Upright upright;
   if (asked)
     upright = {*asked, "--up"};
@@ -20,6 +21,7 @@ Pose stand_upright(scene::Scene& scene, const std::string& file, const std::opti
   scene.cloud.up = upright.up;
   Pose pose{upright, subject_of(scene.cloud)};
   if (!upright.is_camera_view) {
+    if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
     const Standpoint from = standpoint_for(pose.subject, upright.up);
     pose.upright.azimuth_deg = from.azimuth_deg, pose.upright.elevation_deg = from.elevation_deg;
   }
@@ -29,7 +31,7 @@ Pose stand_upright(scene::Scene& scene, const std::string& file, const std::opti
 Camera first_view(const Pose& pose, int width, int height) {
   Camera camera = frame(pose.subject.box, pose.upright.up, width, height, glm::radians(pose.upright.azimuth_deg),
                         glm::radians(pose.upright.elevation_deg));
-  fit(camera, pose.subject.points);
+  fit(camera, pose.subject);
   return camera;
 }
 
@@ -52,6 +54,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   coloring_ = color_points(prepared.cloud, color);
   background_ = options.background.value_or(contrasting_background(coloring_.colors));
   renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
+  renderer_.set_room(pose_.subject.room);
   coloring_.colors.clear();
   is_empty_ = false;
 }

@@ -58,6 +58,7 @@ Bounds depth_bounds(const PointCloud& cloud) {
 struct Renderer::State {
   gl::Context& context;
   PreparedCloud prepared;
+  std::optional<Room> room;
   Bounds depth_bounds;
   std::unique_ptr<GpuCloud> cloud;
   Attributes uploaded;
@@ -140,11 +141,14 @@ Renderer::~Renderer() = default;
 
 void Renderer::set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points) {
   state_->cloud.reset();
+  state_->room.reset();
   state_->prepared = std::move(cloud);
   state_->depth_bounds = depth_bounds(state_->prepared.cloud);
   state_->cloud = std::make_unique<GpuCloud>(state_->prepared, std::move(colors), max_chunk_points);
   state_->uploaded = state_->prepared.available;
 }
+
+void Renderer::set_room(std::optional<Room> room) { state_->room = std::move(room); }
 
 void Renderer::set_colors(std::vector<Rgba8> colors) { state_->cloud->set_colors(std::move(colors)); }
 
@@ -165,6 +169,11 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   }
   s.cloud->show_to(technique.needs());
   Camera camera = asked;
+  std::vector<vec4> cut;
+  if (s.room)
+    for (const glm::dvec4& wall : walls_before(*s.room, camera))
+      cut.push_back(vec4(dvec3(wall), wall.w + glm::dot(dvec3(wall), s.prepared.cloud.origin)));
+  s.cloud->set_cut(std::move(cut));
   // Who looks at a stray point gets its depth as well.
   const Bounds all = s.cloud->bounds();
   const dvec3 target = glm::clamp(camera.target, all.min, all.max);

@@ -9,6 +9,7 @@
 #include "core/image.h"
 #include "core/prepared_cloud.h"
 #include "core/progress.h"
+#include "core/room.h"
 #include "gl/context.h"
 #include "techniques/technique.h"
 
@@ -47,6 +48,8 @@ class Renderer {
   /// `max_chunk_points` limits the points per GPU buffer (tests); 0 means the driver's limit.
   void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
   void set_colors(std::vector<Rgba8> colors);
+  /// A room is drawn without the walls behind which the camera stands; nothing: all is drawn.
+  void set_room(std::optional<Room> room);
   const std::vector<Rgba8>& colors() const;
   PreparedCloud& prepared();
   const PreparedCloud& prepared() const;

@@ -102,4 +102,42 @@ TEST(FirstView, AroundAScannerOnAStreetOneLooksFromAbove) {
   EXPECT_FALSE(pose_of(tile).subject.thins_out);
 }
 
+PointCloud scan(const std::string& scene, synth::Sampling sampling, int points) {
+  synth::SampleOptions options;
+  options.points = points;
+  options.sampling = sampling;
+  return synth::sample(synth::make_scene(scene), options);
+}
+
+TEST(FirstView, RoomsAreSeenThroughTheWallsBeforeThem) {
+  for (synth::Sampling sampling : {synth::Sampling::area, synth::Sampling::cameras})
+    for (double turn : {0.0, 33.0}) {
+      PointCloud cloud = scan("room", sampling, 200'000);
+      const dmat4 turned = glm::rotate(dmat4(1), glm::radians(turn), dvec3(0, 0, 1));
+      for (vec3& p : cloud.positions) p = vec3(turned * glm::dvec4(p, 1));
+      const Pose pose = pose_of(cloud);
+      ASSERT_TRUE(pose.subject.room) << int(sampling);
+      const Camera camera = first_view(pose, 1280, 720);
+      const std::vector<glm::dvec4> walls = walls_before(*pose.subject.room, camera);
+      EXPECT_GE(walls.size(), 2u) << "the ceiling and a wall";
+      // What is left out is the shell: most of the scan is still there, and the floor in the middle is not hidden.
+      const auto drawn = std::count_if(pose.subject.points.begin(), pose.subject.points.end(),
+                                       [&](const dvec3& p) { return !is_behind(walls, p); });
+      EXPECT_GT(double(drawn), 0.4 * double(pose.subject.points.size()));
+      EXPECT_LT(double(drawn), 0.9 * double(pose.subject.points.size()));
+      Camera inside = camera;
+      inside.position = pose.subject.box.center();
+      EXPECT_TRUE(walls_before(*pose.subject.room, inside).empty());
+    }
+}
+
+TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
+  for (const char* name : {"courtyard", "forest", "spheres", "tori"})
+    EXPECT_FALSE(pose_of(scan(name, synth::Sampling::automatic, 200'000)).subject.room) << name;
+  EXPECT_FALSE(pose_of(box_of({2, 3, 1}, 100'000)).subject.room) << "a box that holds nothing";
+  scene::Scene whole;
+  whole.cloud = scan("room", synth::Sampling::area, 100'000);
+  EXPECT_FALSE(stand_upright(whole, "", UpAxis::pos_z, false).subject.room);
+}
+
 }  // namespace

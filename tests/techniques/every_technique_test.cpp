@@ -50,6 +50,30 @@ TEST_P(EveryTechnique, SurvivesPoorClouds) {
   }
 }
 
+TEST_P(EveryTechnique, LeavesOutTheWallBeforeARoom) {
+  // A red sheet between the camera and a green one; from within, or without the room, nothing is left out.
+  PointCloud cloud;
+  for (int i = 0; i < 40'000; ++i) {
+    const bool wall = i % 2;
+    cloud.positions.push_back({float(i / 2 % 141) / 70 - 1, wall ? -1.0f : 1.0f, float(i / 2 / 141) / 70 - 1});
+    cloud.normals.push_back({0, wall ? 1.0f : -1.0f, 0});
+    cloud.colors.push_back(wall ? Rgba8{220, 20, 20, 255} : Rgba8{20, 220, 20, 255});
+  }
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, cloud, technique->needs());
+  const auto center = [&](double distance) {
+    const RenderOutput out = renderer.render(*technique, camera_at({0, -distance, 0}, 64, 64), settings(), all_outputs());
+    return out.color_linear.at(32, 32);
+  };
+  EXPECT_GT(center(4).r, center(4).g);
+  renderer.set_room(Room{{{0, -1, 0, -0.9}}});  // outside where y < -0.9
+  EXPECT_GT(center(4).g, center(4).r);
+  EXPECT_GT(center(0.5).g, center(0.5).r);
+  renderer.set_room(std::nullopt);
+  EXPECT_GT(center(4).r, center(4).g);
+}
+
 TEST_P(EveryTechnique, DrawsASphereAtEverySize) {
   Renderer renderer(context());
   auto technique = make();

@@ -38,6 +38,7 @@ void CameraOptions::declare(CommandLine& line) {
   line.text("--roll", roll_deg, "DEG", "turn the camera about its direction of view, counter-clockwise (0)");
   line.text("--look-at", look_at, "X,Y,Z", "look at this place from the same side");
   line.text("--distance", distance, "D", "how far from the place looked at, scene units");
+  line.flag("--whole", whole, "draw a room with the walls that hide it from outside");
   line.flag("--panorama", panorama,
             "all around --camera-position in one picture twice as wide as high (2048x1024, equirectangular)");
   line.group("Camera (single options win over --camera)");
@@ -191,7 +192,7 @@ Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
     camera = frame(subject.box, up, width, height, azimuth, elevation, glm::radians(45.0),
                    orthographic ? Projection::orthographic : Projection::perspective);
     if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
-    fit(camera, subject.points);
+    fit(camera, subject);
     if (angle) camera.fov_y = *angle;  // from where 45 degrees show everything: a smaller angle zooms in
   }
   aim(camera, up);

@@ -15,7 +15,7 @@ struct CameraOptions {
   std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg,
       view_angle_deg;
   std::optional<std::string> resolution, view, zoom, roll_deg, look_at, distance;
-  bool orthographic = false, panorama = false;
+  bool orthographic = false, panorama = false, whole = false;
   double first_azimuth_deg = -45, first_elevation_deg = 30;  ///< of the view that frames the scan
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
 

@@ -38,10 +38,13 @@ scene::Scene read(const Words& files, const RenderOptions& options, RenderReport
 Pose pose_of(scene::Scene& scene, const std::string& file, RenderOptions& options, RenderReport& report,
              Console& console) {
   const UpAxis custom = scene.cloud.up;
-  Pose pose = stand_upright(scene, file, options.input.scene.up);
+  Pose pose = stand_upright(scene, file, options.input.scene.up, !options.camera.whole);
   const analysis::Upright& upright = pose.upright;
   if (upright.up != custom)
     console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason, to_string(custom)));
+  if (pose.subject.room)
+    console.say("a room: ceiling and walls before it are left out; --whole draws them");
+  report.cutaway = pose.subject.room.has_value();
   report.up = to_string(upright.up), report.up_reason = upright.reason;
   options.camera.first_azimuth_deg = upright.azimuth_deg, options.camera.first_elevation_deg = upright.elevation_deg;
   return pose;

@@ -146,6 +146,7 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["color_by"] = report.color_by;
   json["background_color"] = list(report.background);
   json["up"] = report.up;
+  json["cutaway"] = report.cutaway;
   json["up_reason"] = report.up_reason;
   json["points_read"] = report.points_read;
   json["points_hidden"] = report.points_hidden;

@@ -35,6 +35,7 @@ struct RenderReport {
   int blank_pictures = 0;             ///< that show nothing but background
   std::string color_by;
   vec3 background{1};
+  bool cutaway = false;       ///< a room is drawn without the walls before it
   std::string up, up_reason;  ///< the axis and why it is that one
   int frames = 1;
   std::vector<TechniqueReport> techniques;                ///< in the order of the choice

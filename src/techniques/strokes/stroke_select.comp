@@ -11,9 +11,9 @@ void main() {
   uint strokes = 0u;
   if (k < batch.count) {
     int i = batch.first + k;
-    vec3 center = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
+    vec3 position = point_position(i), center = (frame.eye_from_cloud * vec4(position, 1.0)).xyz;
     float depth = -center.z;
-    if (depth > 1e-4 * frame.far_plane) {
+    if (depth > 1e-4 * frame.far_plane && !is_cut(position)) {
       StrokeSize size = stroke_size(i, depth);
       vec2 beyond = abs(pixel_from_eye(center) - 0.5 * frame.image_size) - 0.5 * frame.image_size;
       bool seen = max(beyond.x, beyond.y) < 1.5 * size.half_length * pixels_at(max(depth - size.half_length, 1e-4 * frame.far_plane));
