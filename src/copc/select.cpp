@@ -164,7 +164,8 @@ NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> vi
   return selection;
 }
 
-NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget) {
+NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget,
+                              const std::optional<Bounds>& box) {
   struct Level {
     double spacing;
     std::size_t tree, node;
@@ -172,7 +173,8 @@ NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget)
   std::vector<Level> all;
   for (std::size_t t = 0; t < trees.size(); ++t)
     for (std::size_t i = 0; i < trees[t].nodes.size(); ++i)
-      all.push_back({trees[t].spacing_of(trees[t].nodes[i].key.level), t, i});
+      if (!box || overlap(trees[t].box(trees[t].nodes[i].key), *box))
+        all.push_back({trees[t].spacing_of(trees[t].nodes[i].key.level), t, i});
   std::stable_sort(all.begin(), all.end(),
                    [](const Level& a, const Level& b) { return a.spacing > b.spacing; });
   NodeSelection selection = empty_selection(trees);

@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "scene/assemble.h"
+
 #include "core/error.h"
 
 namespace sfumato::scene {
@@ -20,20 +22,17 @@ io::ReadResult read_file(const std::string& file, const io::ReadOptions& options
   }
 }
 
-Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options, Progress& progress) {
+Scene assemble(const std::vector<std::string>& files, const SceneOptions& options,
+               const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
   Scene scene;
-  io::ReadOptions read = options.read;
-  // Whoever asks for a million points of a box wants them in the box.
-  const bool selects = options.selection.crop || options.selection.crop_share ||
-                       !options.selection.show_classes.empty() || !options.selection.filters.empty();
-  if (selects) read.max_points.reset();
-  for (const std::string& file : files) {
-    io::ReadResult result = read_file(file, read, progress);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string& file = files[i];
+    io::ReadResult result = read(i);
     const std::string name = result.report.file.filename().string();
     for (const std::string& note : result.report.notes) scene.notes.push_back(file + ": " + note);
     scene.points_read += result.report.points;
     scene.file_names.push_back(file == "-" ? "standard input" : name);
-    if (result.cloud.empty()) throw Error(ErrorCode::bad_input, file + ": there is no point in it");
+    if (result.cloud.empty() && !may_be_empty) throw Error(ErrorCode::bad_input, file + ": there is no point in it");
     scene.files.push_back(std::move(result.report));
     if (files.size() == 1) {
       scene.cloud = std::move(result.cloud);
@@ -53,6 +52,8 @@ Scene read_scene(const std::vector<std::string>& files, const SceneOptions& opti
     result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
     append(scene.cloud, result.cloud);
   }
+  if (scene.cloud.empty())
+    throw Error(ErrorCode::bad_input, files[0] + ": no point is left in what was read of it; sfumato info shows where points are");
   if (options.up) scene.cloud.up = *options.up;
   try {
     scene.selected = apply(options.selection, scene.cloud);
@@ -63,6 +64,15 @@ Scene read_scene(const std::vector<std::string>& files, const SceneOptions& opti
   if (options.read.max_points && scene.cloud.size() > *options.read.max_points)
     scene.cloud = subsample(scene.cloud, std::size_t(*options.read.max_points));
   return scene;
+}
+
+Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options, Progress& progress) {
+  io::ReadOptions read = options.read;
+  // Whoever asks for a million points of a box wants them in the box.
+  const bool selects = options.selection.crop || options.selection.crop_share ||
+                       !options.selection.show_classes.empty() || !options.selection.filters.empty();
+  if (selects) read.max_points.reset();
+  return assemble(files, options, [&](std::size_t i) { return read_file(files[i], read, progress); });
 }
 
 }  // namespace sfumato::scene

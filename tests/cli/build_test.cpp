@@ -1,4 +1,7 @@
 // sfumato build, as a user runs it.
+#include <algorithm>
+#include <cstring>
+
 #include "cli/command.h"
 
 using namespace sfumato::testing;
@@ -57,6 +60,123 @@ TEST_F(Build, LeavesNothingBehindWhenItIsInterrupted) {
   const Outcome interrupted = run({"build", "scan.las", "-o", "scan.copc.laz"}, 150);
   EXPECT_EQ(interrupted.code, 130) << interrupted.err;
   EXPECT_EQ(files(), std::vector<std::string>{"scan.las"});
+}
+
+/// A street scene with levels, and pictures of it.
+class Levels : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    ASSERT_EQ(run({"synth", "courtyard", "--points", "400000", "-o", "in.las", "--quiet"}).code, 0);
+    ASSERT_EQ(run({"build", "in.las", "-o", "scan.copc.laz", "--quiet"}).code, 0);
+    points_ = run_json({"info", "scan.copc.laz", "--json"})["points"];
+    ASSERT_GT(points_, 390000);
+  }
+  bool is_same(const std::string& a, const std::string& b) const {
+    const auto x = read_png(a), y = read_png(b);
+    for (int row = 0; row < x.height(); ++row)
+      for (int column = 0; column < x.width(); ++column)
+        if (!(x.at(column, row) == y.at(column, row))) return false;
+    return true;
+  }
+  Outcome picture(const std::string& name, std::vector<std::string> words) {
+    words.insert(words.begin(), {"scan.copc.laz", "--resolution", "160x120", "-o", name});
+    return run(words);
+  }
+
+  int points_ = 0;
+};
+
+TEST_F(Levels, ReadsWhatTheViewShowsAndTheBudgetHolds) {
+  // All of it fits: read as ever.
+  nlohmann::json all = nlohmann::json::parse(picture("all.png", {"-t", "points", "--json"}).out);
+  EXPECT_FALSE(all.contains("levels"));
+  EXPECT_EQ(all["points_read"], points_);
+  picture("same.png", {"-t", "points", "--max-points", std::to_string(points_), "--memory",
+                       std::to_string(100L * points_)});
+  EXPECT_TRUE(is_same("all.png", "same.png"));
+
+  // Small pictures need less than the file has.
+  const nlohmann::json some = nlohmann::json::parse(
+      picture("some.png", {"-t", "points", "--memory", std::to_string(100L * points_ - 1), "--json"}).out);
+  ASSERT_TRUE(some.contains("levels"));
+  EXPECT_EQ(some["levels"]["points_in_files"], points_);
+  EXPECT_EQ(some["levels"]["points_needed"], some["levels"]["points_read"]);
+  EXPECT_LT(some["levels"]["points_read"], points_);
+  EXPECT_EQ(some["points_read"], some["levels"]["points_read"]);
+
+  // And less is said to be left out.
+  const Outcome less = picture("less.png", {"-t", "points", "--max-points", "60k", "--json"});
+  ASSERT_EQ(less.code, 0) << less.err;
+  EXPECT_THAT(less.err, HasSubstr("that this view can show are left out"));
+  const nlohmann::json report = nlohmann::json::parse(less.out)["levels"];
+  EXPECT_LE(report["points_read"], 60000);
+  EXPECT_GT(report["points_needed"], report["points_read"]);
+  EXPECT_GT(report["widest_spacing_px"], 0.7);
+}
+
+TEST_F(Levels, ThePictureIsThatOfAllPoints) {
+  ASSERT_EQ(picture("camera.png", {"-t", "points", "--output-camera", "camera.json"}).code, 0);
+  for (const char* technique : {"points", "splats", "surface"}) {
+    const auto shoot = [&](const std::string& name, const std::string& memory) {
+      const Outcome outcome = picture(name, {"-t", technique, "--camera", "camera.json", "--background-color",
+                                             "0,0,0", "--no-background", "--memory", memory, "--json"});
+      EXPECT_EQ(outcome.code, 0) << outcome.err;
+      EXPECT_EQ(nlohmann::json::parse(outcome.out).contains("levels"), memory != "4G");
+      return read_png(name);
+    };
+    const auto whole = shoot("whole.png", "4G"), leveled = shoot("leveled.png", "39M");
+    double covered = 0, uncovered = 0, difference = 0;
+    for (int y = 0; y < whole.height(); ++y)
+      for (int x = 0; x < whole.width(); ++x) {
+        const auto a = whole.at(x, y), b = leveled.at(x, y);
+        uncovered += (a.a > 127) != (b.a > 127);
+        if (a.a <= 127 || b.a <= 127) continue;
+        ++covered;
+        difference += (std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b)) / 3.0;
+      }
+    // Points less than a pixel from others are left out: which of them shows changes textures and lit edges,
+    // and the outline, here some 5 % of the pixels, by a point's width. A node that lacks would open a hole.
+    EXPECT_LT(uncovered, 0.02 * covered) << technique;
+    EXPECT_LT(difference / covered, 12) << technique;
+  }
+}
+
+TEST_F(Levels, LeavesDamagedNodesOutAndSaysSo) {
+  std::string bytes = text("scan.copc.laz");
+  // The sizes of the layers of the first chunk, behind its first point: chunks begin 8 bytes behind the
+  // records.
+  std::uint32_t points_at = 0;
+  std::memcpy(&points_at, bytes.data() + 96, 4);
+  std::uint16_t record = 0;
+  std::memcpy(&record, bytes.data() + 105, 2);
+  std::memset(bytes.data() + points_at + 8 + record + 8, 0x7F, 4);
+  write("scan.copc.laz", bytes);
+  const Outcome outcome = picture(
+      "a.png", {"-t", "points", "--max-points", "390k", "--zoom", "0.5", "--resolution", "1600x1200"});
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("it is left out"));
+  EXPECT_TRUE(exists("a.png"));
+}
+
+TEST_F(Levels, GoWithPathsBoxesAndSeveralFiles) {
+  ASSERT_EQ(
+      picture("orbit_{n}.png", {"-t", "points", "--path", "orbit", "--frames", "3", "--max-points", "300k"})
+          .code,
+      0);
+  EXPECT_TRUE(exists("orbit_2.png"));
+  const Outcome two = run({"scan.copc.laz", "scan.copc.laz", "-t", "points", "--max-points", "500k",
+                           "--color-by", "file", "--resolution", "160x120", "-o", "two.png", "--json"});
+  ASSERT_EQ(two.code, 0) << two.err;
+  EXPECT_EQ(nlohmann::json::parse(two.out)["levels"]["points_in_files"], 2 * points_);
+  const Outcome box = picture(
+      "box.png", {"-t", "points", "--max-points", "300k", "--crop-relative", "0,0,0,0.3,0.3,1", "--json"});
+  ASSERT_EQ(box.code, 0) << box.err;
+  EXPECT_GT(nlohmann::json::parse(box.out)["points_rendered"], 1000);
+  const Outcome nothing =
+      picture("none.png", {"-t", "points", "--max-points", "300k", "--crop", "1e6,1e6,1e6,2e6,2e6,2e6"});
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_EQ(std::count(nothing.err.begin(), nothing.err.end(), '\n'), 1) << nothing.err;
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     return fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory, "out of memory; rendering takes less with --max-points N, else split the file");
+    return fail(ErrorCode::out_of_memory, "out of memory; rendering takes less with --max-points N, or with levels: sfumato build IN... -o OUT.copc.laz");
   } catch (const std::length_error&) {
     return fail(ErrorCode::out_of_memory, "a size is beyond what memory can hold; use fewer points or pixels");
   } catch (const std::filesystem::filesystem_error& error) {

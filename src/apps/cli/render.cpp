@@ -20,8 +20,8 @@
 namespace sfumato::cli {
 namespace {
 
-scene::Scene read(const Words& files, const RenderOptions& options, RenderReport& report, Console& console) {
-  scene::Scene scene = scene::read_scene(files, options.input.scene, console);
+/// Says what came of reading, and counts it.
+scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report, Console& console) {
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   if (const std::string note = unused_columns(scene, options.input.scene); !note.empty())
     console.say("sfumato: " + note);
@@ -31,7 +31,22 @@ scene::Scene read(const Words& files, const RenderOptions& options, RenderReport
   report.points_hidden += scene.selected.hidden;
   report.points_left_out += scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
   report.points_rendered = scene.cloud.size();
+  for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
+  report.is_partial |= !scene.damage.empty();
+  if ((report.levels = scene.levels)) {
+    const copc::NodeSelection& levels = *scene.levels;
+    console.tell(fmt::format("levels: read {} of {} points, {} of {} nodes", levels.points, levels.points_in_files,
+                             levels.nodes_read, levels.nodes_in_files));
+    if (!levels.is_complete())
+      console.say(fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
+                              "--memory or --max-points are used up",
+                              levels.points_needed - levels.points, levels.points_needed, levels.widest_px));
+  }
   return scene;
+}
+
+scene::Scene read(const Words& files, const RenderOptions& options, RenderReport& report, Console& console) {
+  return tell_reading(scene::read_scene(files, options.input.scene, console), options, report, console);
 }
 
 /// Which way is up, and from where to look, unless the user or the file says so.
@@ -102,6 +117,42 @@ Camera view_of(const RenderOptions& options, const Subject& subject, const Point
   return camera;
 }
 
+/// A scene and from where it is seen.
+struct Sight {
+  scene::Scene scene;
+  Pose pose;
+  Camera camera;
+  std::vector<Camera> cameras;
+};
+
+/// Of files with levels, what these cameras need; of others everything.
+scene::Scene read_seen(const Words& files, const std::vector<Camera>& cameras, const RenderOptions& options,
+                       const Choice& choice, RenderReport& report, Console& console) {
+  const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
+  if (!leveled) return read(files, options, report, console);
+  std::vector<copc::View> views;
+  for (const Camera& camera : cameras) views.push_back({camera, options.camera.panorama});
+  const bool has_shadows = std::any_of(choice.techniques.begin(), choice.techniques.end(), [](const auto& chosen) {
+    return chosen->settings.shadows != Shadows::off;
+  });
+  return tell_reading(leveled->read(views, has_shadows, console), options, report, console);
+}
+
+/// The view follows from the points, of files with levels from the coarse ones; what is read of those follows from the view.
+Sight see(const Words& files, RenderOptions& options, const Choice& choice, RenderReport& report, Console& console) {
+  const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
+  Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
+  sight.pose = pose_of(sight.scene, files[0], options, report, console);
+  sight.camera = view_of(options, sight.pose.subject, sight.scene.cloud);
+  sight.cameras = options.sequence || options.each ? std::vector{sight.camera}
+                                                   : cameras_of(options, sight.camera, sight.scene.cloud.up);
+  if (!leveled) return sight;
+  sight.scene = {};
+  sight.scene = read_seen(files, sight.cameras, options, choice, report, console);
+  sight.scene.cloud.up = sight.pose.upright.up;
+  return sight;
+}
+
 std::string timings_text(const RenderReport& report, const Choice& choice) {
   std::string text;
   for (std::size_t i = 0; i < report.techniques.size(); ++i) {
@@ -164,13 +215,12 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
   for (std::size_t n = 0; n < options.files.size(); ++n)
     batch.run(options.files[n], [&] {
       console.set_step("file", n, options.files.size());
-      scene::Scene scene = read({options.files[n]}, options, report, console);
-      Pose pose = pose_of(scene, options.files[n], options, report, console);
+      Sight sight = see({options.files[n]}, options, choice, report, console);
       watch.lap("read");
-      box = bounds(scene.cloud);
-      camera = view_of(options, pose.subject, scene.cloud);
+      box = bounds(sight.scene.cloud);
+      camera = sight.camera;
       if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
-      studio->set_scene(std::move(scene), std::move(pose));
+      studio->set_scene(std::move(sight.scene), std::move(sight.pose));
       watch.lap("prepare");
       studio->shoot(camera, int(n), watch);
       ++report.frames;
@@ -178,7 +228,7 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
   const int code = batch.exit_code();
   tell(report, options, choice, box, console);
   if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
-  return code;
+  return code == 0 && report.is_partial ? int(ErrorCode::partial) : code;
 }
 
 std::string all_technique_names() {
@@ -229,12 +279,10 @@ int render_command(const Words& words) {
   if (options.each) return render_each(options, choice, quote(command), report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  scene::Scene scene = read(options.sequence ? Words{options.files[0]} : options.files, options, report, console);
-  Pose pose = pose_of(scene, options.files[0], options, report, console);
+  auto [scene, pose, camera, cameras] =
+      see(options.sequence ? Words{options.files[0]} : options.files, options, choice, report, console);
   watch.lap("read");
   const Bounds box = bounds(scene.cloud);
-  const Camera camera = view_of(options, pose.subject, scene.cloud);
-  const std::vector<Camera> cameras = cameras_of(options, camera, scene.cloud.up);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
   if (report.frames > 1)
     for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.cloud.up);
@@ -245,7 +293,7 @@ int render_command(const Words& words) {
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     if (options.sequence && n > 0) {
-      scene::Scene next = read({options.files[std::size_t(n)]}, options, report, console);
+      scene::Scene next = read_seen({options.files[std::size_t(n)]}, {camera}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
@@ -260,7 +308,7 @@ int render_command(const Words& words) {
   }
   tell(report, options, choice, box, console);
   if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
-  return 0;
+  return report.is_partial ? int(ErrorCode::partial) : 0;
 }
 
 }  // namespace sfumato::cli

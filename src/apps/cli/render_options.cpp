@@ -55,6 +55,8 @@ void RenderOptions::declare(CommandLine& line) {
   common.declare(line);
   camera.declare(line);
   input.declare(line);
+  line.text("--memory", memory_text, "BYTES",
+            "what the points of COPC files may take; beyond it, or --max-points, only what the view shows is read (4G)");
   line.group("Colour");
   line.text("--color-by", color.color_by, "NAME",
             "auto, rgb, intensity, classification, elevation, normal, file, any scalar");
@@ -136,6 +138,7 @@ void RenderOptions::check(std::size_t technique_count) {
   check_outputs(technique_count);
   camera.check();
   input.check();
+  memory = std::uint64_t(parse_whole("--memory", memory_text, 1));
   if (sequence && each) refuse("--sequence and --each contradict each other: give one of them");
   if ((sequence || each) && !path.empty())
     refuse(std::string(sequence ? "--sequence shows its files from one camera"

@@ -32,12 +32,13 @@ struct RenderOptions {
   bool no_background = false, legend = false, timings = false, json = false;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
-  std::string path, frames, degrees, preset, save_preset;
+  std::string path, frames, degrees, preset, save_preset, memory_text = "4G";
 
   // Parsed by `check`.
   vec3 background{1};
   int frame_count = 1, quality = 90;
   double orbit_degrees = 360;
+  std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
 
   void declare(CommandLine& line);
   /// Everything that can be wrong before a file is opened. Throws Error(usage).

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "copc/tree.h"
+#include "copc/select.h"
 #include "io/io.h"
 #include "parameters.h"
 #include "techniques/renderer.h"
@@ -37,6 +37,8 @@ struct RenderReport {
   vec3 background{1};
   bool cutaway = false;       ///< a room is drawn without the walls before it
   std::string up, up_reason;  ///< the axis and why it is that one
+  std::optional<copc::NodeSelection> levels;  ///< of the last scene that was read by its levels
+  bool is_partial = false;                    ///< parts of files were damaged and left out
   int frames = 1;
   std::vector<TechniqueReport> techniques;                ///< in the order of the choice
   std::vector<std::pair<std::string, double>> stages_ms;  ///< wall time: read, prepare, render, write

@@ -1,0 +1,73 @@
+// Scenes of COPC files that are read by their levels.
+#include <algorithm>
+
+#include "core/error.h"
+#include "scene/assemble.h"
+#include "scene/scene.h"
+
+namespace sfumato::scene {
+namespace {
+
+// Points of the first look: enough to tell what the scan is, read in a moment.
+constexpr std::uint64_t overview_points = 300'000;
+// Of what is out of view only shadows are seen: their details are wider than those of the surface.
+constexpr double outside_with_shadows = 0.25;
+
+Bounds bounds_of(const std::vector<copc::Tree>& trees) {
+  Bounds all = trees[0].bounds;
+  for (const copc::Tree& tree : trees)
+    all.min = glm::min(all.min, tree.bounds.min), all.max = glm::max(all.max, tree.bounds.max);
+  return all;
+}
+
+}  // namespace
+
+std::optional<LeveledScene> LeveledScene::open(const std::vector<std::string>& files,
+                                               const SceneOptions& options, std::uint64_t memory) {
+  if (files.empty() || !std::all_of(files.begin(), files.end(), copc::is_tree)) return std::nullopt;
+  LeveledScene scene;
+  std::uint64_t points = 0;
+  for (const std::string& file : files) {
+    scene.trees_.push_back(copc::read_tree(file));
+    points += scene.trees_.back().points;
+  }
+  scene.budget_ = std::max<std::uint64_t>(1, memory / memory_of_point);
+  if (options.read.max_points) scene.budget_ = std::min(scene.budget_, *options.read.max_points);
+  if (points <= scene.budget_) return std::nullopt;
+  scene.files_ = files;
+  scene.options_ = options;
+  // Shares of a box mean that of the files, not that of the nodes which happen to be read.
+  Selection& selection = scene.options_.selection;
+  if (selection.crop_share) {
+    const Bounds all = bounds_of(scene.trees_), share = *selection.crop_share;
+    selection.crop = Bounds{all.min + share.min * all.size(), all.min + share.max * all.size()};
+    selection.crop_share.reset();
+  }
+  return scene;
+}
+
+Scene LeveledScene::overview(Progress& progress) const {
+  return read(copc::select_overview(trees_, std::min(budget_, overview_points), options_.selection.crop),
+              progress);
+}
+
+Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Progress& progress) const {
+  copc::SelectOptions wanted;
+  wanted.budget = budget_;
+  wanted.outside = has_shadows ? outside_with_shadows : 0;
+  wanted.box = options_.selection.crop;
+  return read(copc::select_nodes(trees_, views, wanted), progress);
+}
+
+Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progress) const {
+  std::vector<std::string> damage;
+  const auto read_one = [&](std::size_t i) {
+    return copc::read_nodes(trees_[i], selection.nodes[i], damage, progress);
+  };
+  Scene scene = assemble(files_, options_, read_one, true);
+  scene.damage = std::move(damage);
+  scene.levels = selection;
+  return scene;
+}
+
+}  // namespace sfumato::scene
