@@ -46,31 +46,41 @@ class RangeImage {
 
   float range(std::size_t cell) const { return range_[cell]; }
   float pitch(float range) const { return pixel_angle_ * range; }
+  /// From a point to the next on a surface of this normal (0: facing the camera). Where the next terrace of depths is
+  /// farther, half as much again, which closes most gaps between terraces and blurs little.
+  float spacing(std::size_t cell, const vec3& normal) const {
+    const float range = range_[cell], facing = normal == vec3(0) ? 1 : std::abs(glm::dot(normal, ray_[cell]));
+    const float terrace = std::min(1.5f, 0.6f * step_ * range / pixel_angle_);
+    return pitch(range) * std::max(1 / std::max(facing, 0.4f), terrace);
+  }
 
-  /// Gaussian in the picture, Gaussian in the ranges: noise averages out, edges stay (Tomasi, Manduchi 1998).
+  /// Gaussian in the picture, Gaussian in the ranges: noise averages out, edges stay (Tomasi, Manduchi 1998). In passes of
+  /// 5 x 5 pixels that are 1, 2, 4, 8 apart (a trous), which together reach 30 pixels.
   void smooth() {
     std::vector<float> smoothed(range_.size(), none);
-    tbb::parallel_for(0, height_, [&](int y) {
-      for (int x = 0; x < width_; ++x) {
-        const float center = range_[at(x, y)];
-        if (center == none) continue;
-        const float sigma = spread(center);
-        // The noisier, the more pixels: slopes are to be known to a fraction of the noise over the pitch.
-        const int reach = std::clamp(int(std::ceil(2 * noise(center) / pitch(center))), 2, 6);
-        const float across = 0.6f * float(reach);
-        float sum = 0, weights = 0;
-        for (int v = std::max(0, y - reach); v <= std::min(height_ - 1, y + reach); ++v)
-          for (int u = std::max(0, x - reach); u <= std::min(width_ - 1, x + reach); ++u) {
-            const float range = range_[at(u, v)];
-            if (range == none) continue;
-            const float d = (range - center) / sigma, s2 = float((u - x) * (u - x) + (v - y) * (v - y));
-            const float w = std::exp(-0.5f * (d * d + s2 / (across * across)));
-            sum += w * range, weights += w;
-          }
-        smoothed[at(x, y)] = sum / weights;
-      }
-    });
-    range_.swap(smoothed);
+    for (int step : {1, 2, 4, 8}) {
+      tbb::parallel_for(0, height_, [&](int y) {
+        for (int x = 0; x < width_; ++x) {
+          const float center = range_[at(x, y)];
+          smoothed[at(x, y)] = center;
+          // The noisier, the more pixels: slopes are to be known to a fraction of the noise over the pitch.
+          if (center == none || (step > 1 && 4 * noise(center) / pitch(center) < 2 * float(step))) continue;
+          const float sigma = spread(center);
+          float sum = 0, weights = 0;
+          for (int v = y - 2 * step; v <= y + 2 * step; v += step)
+            for (int u = x - 2 * step; u <= x + 2 * step; u += step) {
+              if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
+              const float range = range_[at(u, v)];
+              if (range == none) continue;
+              const float d = (range - center) / sigma, s2 = float((u - x) * (u - x) + (v - y) * (v - y)) / float(step * step);
+              const float w = std::exp(-0.5f * (d * d + s2 / (1.2f * 1.2f)));
+              sum += w * range, weights += w;
+            }
+          smoothed[at(x, y)] = sum / weights;
+        }
+      });
+      range_.swap(smoothed);
+    }
   }
 
   /// Unit normal towards the viewpoint, 0 where the neighbours do not tell.
@@ -117,15 +127,38 @@ class RangeImage {
       }
     if (angles.size() < 16) return false;
     pixel_angle_ = quantile(angles, 0.5);
+    step_ = depth_step();
     // Second differences of white noise have sqrt(6) times its deviation, which is the 68 % quantile of its size.
-    noise_ = quantile(bends, 0.68) / std::sqrt(6.0f);
+    noise_ = std::max(quantile(bends, 0.68) / std::sqrt(6.0f), 0.8f * step_);
     return pixel_angle_ > 0;
+  }
+
+  /// Of a camera that counts depths (Kinect: disparities), the least difference but 0 between neighbours, over the depth
+  /// squared; 0 of others. Most second differences are 0 there, and say nothing about the terraces that depths stand on.
+  float depth_step() const {
+    vec3 axis(0);
+    for (const vec3& ray : ray_) axis += ray;
+    axis = glm::normalize(axis);
+    std::vector<float> steps;
+    std::size_t pairs = 0;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x + 1 < width_; ++x) {
+        const std::size_t a = at(x, y), b = at(x + 1, y);
+        if (range_[a] == none || range_[b] == none) continue;
+        const float one = range_[a] * glm::dot(ray_[a], axis), other = range_[b] * glm::dot(ray_[b], axis);
+        ++pairs;
+        // Two floats of one depth differ by their rounding, and by that of the axis.
+        if (std::abs(one - other) > 2e-5f * one) steps.push_back(std::abs(one - other) / (one * one));
+      }
+    const bool is_counted = pairs > 0 && double(pairs - steps.size()) > 0.15 * double(pairs);
+    return is_counted && !steps.empty() ? quantile(steps, 0.3) : 0;
   }
 
   int width_ = 0, height_ = 0;
   std::vector<float> range_;  // scene units, `none` where the view is empty
   std::vector<vec3> ray_;     // unit
   float pixel_angle_ = 0;     // radians: 1 / focal length in pixels
+  float step_ = 0;             // of depths that are counted, over the depth squared; else 0
   float noise_ = 0;           // deviation of a range over the range squared, as stereo has it
 };
 
@@ -143,15 +176,13 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
     if (normals) cloud.normals.resize(cloud.size(), vec3(0));
     if (radii) cloud.radii.resize(cloud.size(), 0.0f);
     const std::size_t last = grid.first + grid.count;
-    if (radii)
-      for (std::size_t i = grid.first; i < last; ++i) {
-        const float range = image->range(cloud.grid_index[i]);
-        if (range != none) cloud.radii[i] = cover * image->pitch(range);
-      }
-    if (!normals) continue;
     image->smooth();
     tbb::parallel_for(grid.first, last, [&](std::size_t i) {
-      if (image->range(cloud.grid_index[i]) != none) cloud.normals[i] = image->normal(cloud.grid_index[i]);
+      const std::uint32_t cell = cloud.grid_index[i];
+      if (image->range(cell) == none) return;
+      const vec3 normal = image->normal(cell);
+      if (normals) cloud.normals[i] = normal;
+      if (radii) cloud.radii[i] = cover * image->spacing(cell, normal);
     });
   }
 }

@@ -148,6 +148,52 @@ void color_normals(const PointCloud& cloud, Coloring& out) {
   }
 }
 
+float linear_of(std::uint8_t code) {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> values;
+    for (int i = 0; i < 256; ++i) {
+      const float s = float(i) / 255;
+      values[std::size_t(i)] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+    }
+    return values;
+  }();
+  return table[code];
+}
+
+std::uint8_t code_of(float linear) {
+  const float s = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+  return std::uint8_t(std::clamp(s, 0.0f, 1.0f) * 255 + 0.5f);
+}
+
+/// A scan of which a tenth is lighter than this is light enough: sRGB 135 of its strongest channel.
+constexpr float light_enough = 0.24f, most_exposure = 4;
+
+/// Brings the colour that a tenth of the points exceed to `light_enough`.
+double automatic_exposure(const std::vector<Rgba8>& colors) {
+  const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
+  std::vector<std::uint8_t> strongest;
+  for (std::size_t i = 0; i < colors.size(); i += stride)
+    strongest.push_back(std::max({colors[i].r, colors[i].g, colors[i].b}));
+  const auto nth = strongest.begin() + std::ptrdiff_t(0.9 * double(strongest.size() - 1));
+  std::nth_element(strongest.begin(), nth, strongest.end());
+  const float light = linear_of(*nth);
+  if (!(light > 0) || light >= light_enough) return 1;
+  return std::min(most_exposure, light_enough * (1 - light) / (light * (1 - light_enough)));
+}
+
+/// m becomes e m / (1 + (e - 1) m): e times as much near black, 1 stays 1.
+void expose(std::vector<Rgba8>& colors, double exposure) {
+  std::array<std::array<std::uint8_t, 256>, 256> raised;  // of each strongest channel, each channel
+  for (int most = 0; most < 256; ++most) {
+    const float m = linear_of(std::uint8_t(most)), factor = float(exposure / (1 + (exposure - 1) * double(m)));
+    for (int c = 0; c <= most; ++c) raised[std::size_t(most)][std::size_t(c)] = code_of(factor * linear_of(std::uint8_t(c)));
+  }
+  for (Rgba8& c : colors) {
+    const auto& row = raised[std::max({c.r, c.g, c.b})];
+    c.r = row[c.r], c.g = row[c.g], c.b = row[c.b];
+  }
+}
+
 }  // namespace
 
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
@@ -184,6 +230,14 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   if (out.source == "rgb") {
     out.colors = cloud.colors;
     for (Rgba8& c : out.colors) c.a = 255;
+    out.exposure = settings.exposure.value_or(automatic_exposure(out.colors));
+    if (out.exposure != 1) expose(out.colors, out.exposure);
+    if (out.exposure != 1 && !settings.exposure) {
+      std::string times = std::to_string(out.exposure);
+      times.resize(times.find('.') + 2);
+      out.notes.push_back("the file's colours are dark and drawn up to " + times +
+                          " times as bright; --exposure 1 draws them as they are");
+    }
   } else if (out.source == "clay" && !cloud.scalar("clay")) {
     out.colors.assign(cloud.size(), clay);
   } else if (out.source == "normal") {

@@ -18,6 +18,7 @@ struct ColorSettings {
   std::string colormap;           ///< empty: gray for intensity, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: the 2-98 % percentiles
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
+  std::optional<double> exposure;              ///< brightness of the file's own colours; empty: dark ones are raised
   std::vector<std::string> file_names;         ///< what the numbers of the scalar `file` stand for, from 1
 };
 
@@ -44,6 +45,7 @@ struct Coloring {
   double low = 0, high = 1;         ///< scalar only: values at the ends of the colour map
   std::vector<ClassShare> classes;  ///< classes only: those that occur, ascending
   std::vector<Swatch> swatches;     ///< classes and files: what the legend lists, in its order
+  double exposure = 1;              ///< rgb only: how many times as bright the darkest of them became
   std::vector<std::string> notes;   ///< settings that have no effect on these colours
 };
 
@@ -54,6 +56,8 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 
 /// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.
 /// `normal` needs normals: Error(usage) without.
+/// Colours of the file whose lightest tenth is dark, as of a dim room, are raised: the dark ones by `exposure`, in linear
+/// light, the lighter the less, so that hues stay and white stays white. Categories and scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
 /// White, or nearly black where most of the colours are so light that white would swallow them. sRGB, 0..1.

@@ -65,6 +65,8 @@ void RenderOptions::declare(CommandLine& line) {
             join(Colormap::names()) + " (gray for intensity, else viridis)");
   line.text("--color-range", color_range, "A,B",
             "values at the ends of the colour map (2-98 % of the points)");
+  line.text("--exposure", exposure_text, "F",
+            "brightness of the file's own colours, 1: as they are (what suits them)");
   line.flag("--legend", legend, "explain the colours in the picture");
   line.text("--background-color", background_color, "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)");
   line.flag("--no-background", no_background, "transparent where nothing is");
@@ -183,6 +185,11 @@ void RenderOptions::check(std::size_t technique_count) {
     const std::vector<double> v = parse_numbers("--color-range", color_range, 2);
     if (v[0] == v[1]) refuse("--color-range: '" + color_range + "' is empty");
     color.range = {v[0], v[1]};
+  }
+  if (!exposure_text.empty()) {
+    color.exposure = parse_number("--exposure", exposure_text);
+    if (!(*color.exposure >= 0.1 && *color.exposure <= 100))
+      refuse("--exposure: '" + exposure_text + "' is outside [0.1, 100]");
   }
   if (!color.colormap.empty()) Colormap::named(color.colormap);
 }

@@ -27,7 +27,7 @@ struct RenderOptions {
   CameraOptions camera;
   InputOptions input{"7,18"};
   CommonOptions common;
-  std::string background_color, color_range, point_color, quality_text;
+  std::string background_color, color_range, exposure_text, point_color, quality_text;
   ColorSettings color;
   bool no_background = false, legend = false, timings = false, json = false;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first

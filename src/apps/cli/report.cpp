@@ -144,6 +144,7 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
                                      {"line_share", chosen->line_share}};
   json["analysis_parameters"] = resolved(choice.prepare_parameters);
   json["color_by"] = report.color_by;
+  json["exposure"] = report.exposure;
   json["background_color"] = list(report.background);
   json["up"] = report.up;
   json["cutaway"] = report.cutaway;

@@ -34,6 +34,7 @@ struct RenderReport {
   std::uint64_t points_left_out = 0;  ///< by crop, classes to show and filters
   int blank_pictures = 0;             ///< that show nothing but background
   std::string color_by;
+  double exposure = 1;  ///< of the file's colours
   vec3 background{1};
   bool cutaway = false;       ///< a room is drawn without the walls before it
   std::string up, up_reason;  ///< the axis and why it is that one

@@ -67,6 +67,7 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
                              analysis::most_in_one_place));
   const Coloring& coloring = session_.coloring();
   report_.color_by = coloring.source;
+  report_.exposure = coloring.exposure;
   report_.background = session_.background();
   for (const auto& chosen : choice_.techniques)
     if (settled && !chosen->reason.empty())

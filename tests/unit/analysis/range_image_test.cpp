@@ -65,6 +65,28 @@ TEST(RangeImage, PlanesWithAnEdgeBetweenThem) {
               0.2 * cloud.radii[middle]);
 }
 
+TEST(RangeImage, TerracesOfCountedDepthsAreNoShape) {
+  // Depths in steps of 0.003 z^2, as a Kinect counts them: 1.2 cm at 2 m, on a wall that turns by 10 degrees and so has
+  // terraces a few pixels wide.
+  const vec3 wall = glm::normalize(vec3(-0.17f, -1, 0.1f));
+  PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0);
+  for (vec3& p : cloud.positions) {
+    const vec3 way = p - vec3(eye);
+    const float steps = std::round(1 / (0.003f * way.y));
+    p = vec3(eye) + way * (1 / (0.003f * steps) / way.y);
+  }
+  complete_from_grids(cloud, Attribute::normal | Attribute::radius);
+  EXPECT_LT(worst_degrees(cloud, wall, wall, 0.9), 6) << "raw slopes are 0 or 25 degrees";
+}
+
+TEST(RangeImage, SlantedSurfacesGetLargerDiscs) {
+  const vec3 wall = glm::normalize(vec3(-1, -1, 0));
+  PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0), frontal = view_of({0, -1, 0}, {0, 2, 0}, {0, -1, 0}, {0, 2, 0}, 0);
+  for (PointCloud* each : {&cloud, &frontal}) complete_from_grids(*each, Attribute::radius);
+  const std::size_t middle = height / 2 * width + width / 2;
+  EXPECT_NEAR(cloud.radii[middle] / frontal.radii[middle], std::sqrt(2.0), 0.1);
+}
+
 TEST(RangeImage, NoiseIsSmoothedAway) {
   const vec3 left(0, -1, 0), right = glm::normalize(vec3(-0.5f, -1, 0.3f));
   // 2 cm of noise at 2 m, where a pixel is 2.9 cm wide: raw cross products are off by some 30 degrees.

@@ -188,6 +188,30 @@ TEST(Coloring, WrongNameNamesTheNearest) {
               ::testing::HasSubstr("no normals"));
 }
 
+TEST(Coloring, DarkColoursOfAFileAreRaisedAndOthersAreKept) {
+  PointCloud cloud = ramp(10);
+  const std::vector<Rgba8> light(10, Rgba8{40, 140, 90, 255});
+  cloud.colors = light;
+  EXPECT_EQ(color_points(cloud, {}).colors, light);
+  cloud.colors.assign(10, Rgba8{26, 80, 52, 255});
+  cloud.colors[0] = {255, 255, 255, 255}, cloud.colors[1] = {0, 0, 0, 255};
+  const Coloring raised = color_points(cloud, {});
+  EXPECT_NEAR(raised.colors[5].g, 134, 3) << "0.24 in linear light, which is what a tenth should exceed";
+  EXPECT_EQ(raised.colors[0], cloud.colors[0]) << "white stays white";
+  EXPECT_EQ(raised.colors[1], cloud.colors[1]);
+  // The same hue: channels keep their ratios in linear light.
+  const auto linear = [](int code) { return std::pow((double(code) / 255 + 0.055) / 1.055, 2.4); };
+  EXPECT_NEAR(linear(raised.colors[5].b) / linear(raised.colors[5].g), linear(52) / linear(80), 0.02);
+  ASSERT_EQ(raised.notes.size(), 1u);
+  ColorSettings as_they_are;
+  as_they_are.exposure = 1;
+  EXPECT_EQ(color_points(cloud, as_they_are).colors, cloud.colors);
+  EXPECT_TRUE(color_points(cloud, as_they_are).notes.empty());
+  // What stands for a value is never raised.
+  cloud.set_scalar(field("classification", std::vector<float>(10, 2)));
+  EXPECT_EQ(color_points(cloud, {"classification", "", std::nullopt}).colors[5], class_color(2));
+}
+
 TEST(Coloring, HidesNoiseClassesAndWithheldPoints) {
   PointCloud cloud = ramp(5);
   cloud.set_scalar(field("classification", {2, 7, 18, 6, 2}));
