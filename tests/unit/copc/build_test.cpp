@@ -254,6 +254,27 @@ TEST_F(CopcBuild, TakesOnePointEqualPointsAndPointsFarOff) {
   EXPECT_LT(file.nodes.size(), 200u);
 }
 
+TEST_F(CopcBuild, KeepsNodesSmallWherePointsFillSpace) {
+  PointCloud cloud = scan(500'000);
+  std::mt19937 random(9);
+  for (vec3& p : cloud.positions)
+    p = {float(random() % 100000) * 0.001f, float(random() % 100000) * 0.001f,
+         float(random() % 100000) * 0.001f};
+  build({write(cloud, "full.las")});
+  const CopcFile file = validated();
+  std::array<std::size_t, 8> octants{};  // of the root's points
+  for (const test::CopcNode& node : file.nodes) {
+    EXPECT_LE(node.count, 131072);
+    if (node.key[0] > 0) continue;
+    EXPECT_EQ(node.count, 131072);
+    for (std::size_t i = node.first; i < node.first + std::size_t(node.count); ++i)
+      ++octants[std::size_t((file.places[i][0] > file.center[0]) + 2 * (file.places[i][1] > file.center[1]) +
+                            4 * (file.places[i][2] > file.center[2]))];
+  }
+  // Even: 16384 expected in each, with a standard deviation of about 120.
+  for (std::size_t n : octants) EXPECT_NEAR(double(n), 16384, 700);
+}
+
 TEST_F(CopcBuild, RefusesEmptyAndDamagedFiles) {
   PointCloud none = scan(0);
   EXPECT_THAT(error_of({write(none, "none.laz")}), HasSubstr("there is no point in it"));
