@@ -4,6 +4,7 @@
 //
 // Points are scattered at random. The light shines straight down, so that the shadow is a disc.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -57,7 +58,7 @@ std::vector<float> factors(const PreparedCloud& prepared, double texel, int fill
   gl::Timers timers(false);
   ShadowMaps maps;
   maps.set_resolution(texel, fills);
-  maps.update(gpu, settings, Light::parse("dir:0,0,1"), timers, no_progress());
+  maps.update(std::array{&gpu}, settings, Light::parse("dir:0,0,1"), timers, no_progress());
   std::vector<float> all;
   for (GpuCloud::Chunk& chunk : gpu.chunks()) {
     std::vector<float> values(chunk.count);

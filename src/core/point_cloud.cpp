@@ -177,6 +177,25 @@ void append(PointCloud& cloud, const PointCloud& other) {
   cloud.scanners.insert(cloud.scanners.end(), other.scanners.begin(), other.scanners.end());
 }
 
+void transform(PointCloud& cloud, const dmat4& world_from_old) {
+  const auto moved = [&](const dvec3& p) { return dvec3(world_from_old * glm::dvec4(p, 1)); };
+  const glm::dmat3 turn(world_from_old), turn_normals = glm::transpose(glm::inverse(turn));
+  const dvec3 origin = moved(cloud.origin);
+  for (vec3& p : cloud.positions) p = vec3(turn * dvec3(p));
+  for (vec3& n : cloud.normals) {
+    const dvec3 turned = turn_normals * dvec3(n);
+    const double length = glm::length(turned);
+    n = length > 0 ? vec3(turned / length) : vec3(0);
+  }
+  const float scale = float(std::cbrt(std::abs(glm::determinant(turn))));
+  for (float& radius : cloud.radii) radius *= scale;
+  for (dvec3& scanner : cloud.scanners) scanner = moved(scanner);
+  for (Grid& grid : cloud.grids)
+    if (grid.viewpoint) grid.viewpoint = moved(*grid.viewpoint);
+  cloud.las.reset();  // its steps are those of the old coordinates
+  cloud.origin = origin;
+}
+
 PointCloud subsample(const PointCloud& cloud, std::size_t max_points) {
   if (cloud.size() <= max_points) return cloud;
   // One point out of each of max_points equal runs, at a place hashed from the run's number: files come in

@@ -101,6 +101,8 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ord
 /// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal 0,
 /// radius 0, white, NaN scalar.
 void append(PointCloud& cloud, const PointCloud& other);
+/// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow.
+void transform(PointCloud& cloud, const dmat4& world_from_old);
 /// Deterministic subsample of at most `max_points` points, in file order.
 PointCloud subsample(const PointCloud& cloud, std::size_t max_points);
 

@@ -8,6 +8,7 @@
 
 #include "core/coloring.h"
 #include "core/error.h"
+#include "core/numbers.h"
 #include "core/param.h"
 
 namespace sfumato {
@@ -25,40 +26,6 @@ std::string text_of(double value) {
 
 std::string text_of(const dvec3& v) {
   return text_of(v.x) + "," + text_of(v.y) + "," + text_of(v.z);
-}
-
-std::optional<double> number_of(std::string_view text) {
-  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || std::isnan(value)) return std::nullopt;
-  return value;
-}
-
-/// The number of point i under that name; empty when the cloud has none.
-std::function<double(std::size_t)> values_of(const PointCloud& cloud, const std::string& name) {
-  if (const ScalarField* field = cloud.scalar(name))
-    return [field](std::size_t i) { return field->value(i); };
-  const PointCloud* c = &cloud;
-  for (int k = 0; k < 3; ++k)
-    if (name == std::string(1, "xyz"[k])) return [c, k](std::size_t i) { return c->world(i)[k]; };
-  if (name == "elevation")
-    return [c, up = up_vector(cloud.up)](std::size_t i) { return glm::dot(up, c->world(i)); };
-  if (!cloud.colors.empty()) {
-    if (name == "red") return [c](std::size_t i) { return double(c->colors[i].r); };
-    if (name == "green") return [c](std::size_t i) { return double(c->colors[i].g); };
-    if (name == "blue") return [c](std::size_t i) { return double(c->colors[i].b); };
-  }
-  if (!cloud.radii.empty() && name == "radius") return [c](std::size_t i) { return double(c->radii[i]); };
-  return {};
-}
-
-std::vector<std::string> names_of(const PointCloud& cloud) {
-  std::vector<std::string> names = {"x", "y", "z", "elevation"};
-  if (!cloud.colors.empty()) names.insert(names.end(), {"red", "green", "blue"});
-  if (!cloud.radii.empty()) names.push_back("radius");
-  for (const ScalarField& field : cloud.scalars) names.push_back(field.name);
-  return names;
 }
 
 std::string list_classes(const std::map<int, std::size_t>& counts) {
@@ -116,15 +83,8 @@ void keep_classes(const Selection& selection, PointCloud& cloud, SelectionReport
 }
 
 void keep_filtered(const Filter& filter, PointCloud& cloud, SelectionReport& report) {
-  const auto value = values_of(cloud, filter.scalar);
-  if (!value) {
-    const std::vector<std::string> names = names_of(cloud);
-    std::string all;
-    for (const std::string& name : names) all += " " + name;
-    const std::string near = nearest_word(filter.scalar, names);
-    refuse("the points have no '" + filter.scalar + "' to filter by" +
-           (near.empty() ? "" : "; did you mean '" + near + "'?") + "; they have:" + all);
-  }
+  const auto value = numbers_of(cloud, filter.scalar);
+  if (!value) refuse(no_such_number(cloud, filter.scalar));
   double least = std::numeric_limits<double>::infinity(), most = -least;
   const std::size_t gone = keep(cloud, [&](std::size_t i) {
     const double v = value(i);
@@ -164,7 +124,7 @@ Filter parse_filter(std::string_view text) {
   if (range == ".." || filter.scalar.empty()) fail();
   for (const auto& [part, end] : {std::pair(from, &filter.low), std::pair(to, &filter.high)}) {
     if (part.empty() && dots != std::string_view::npos) continue;
-    const auto number = number_of(part);
+    const auto number = parse_real(part);
     if (!number) fail(" ('" + std::string(part) + "' is no number)");
     *end = *number;
   }

@@ -33,6 +33,9 @@ struct Frame {
   /// passes over float targets. Null otherwise.
   const gl::Texture* finished = nullptr;
   bool is_finished = false;
+  /// The opaque items of the scene, of the target's size, for techniques that let some of it through
+  /// (Technique::transparency): they blend over it and show nothing that lies behind it. Null: there is nothing.
+  const Target* behind = nullptr;
 };
 
 }  // namespace sfumato

@@ -42,6 +42,12 @@ std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, cons
                                          const CasterRange* casters) {
   gl::ensure(depth_bits, "nearest depth bits", GL_R32UI, view.width(), view.height());
   depth_bits.clear_uint(0xffffffffu);
+  return add_depth(cloud, view, footprint, depth_bits, reference, min_gap, casters);
+}
+
+std::uint64_t PointsToPixels::add_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                                        gl::Texture& depth_bits, const gl::Texture* reference, float min_gap,
+                                        const CasterRange* casters) {
   const std::uint64_t points = cloud.cull(view);
   visit(cloud, view, footprint, depth_bits, nullptr, reference, min_gap, casters);
   return points;

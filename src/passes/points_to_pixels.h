@@ -50,6 +50,10 @@ class PointsToPixels {
   std::uint64_t draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
                            gl::Texture& depth_bits, const gl::Texture* reference = nullptr, float min_gap = 0,
                            const CasterRange* casters = nullptr);
+  /// The same into bits that hold the points of other clouds already, of the view's size.
+  std::uint64_t add_depth(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
+                          const gl::Texture* reference = nullptr, float min_gap = 0,
+                          const CasterRange* casters = nullptr);
   /// Entries of a list below.
   static constexpr int list_length = 4;
   /// The nearest depths in each of the `list_length` nearest bins that a pixel has points in, and the lowest

@@ -108,65 +108,101 @@ void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float med
   settings.shadow_distance.resolve(3 * median_spacing);
 }
 
-void ShadowMaps::clear(GpuCloud& cloud) {
-  if (cloud.has_shadow()) cloud.set_shadow({});
-  key_.clear();
+bool ShadowMaps::Key::operator==(const Key& other) const {
+  return clouds == other.clouds && kind == other.kind && light == other.light && samples == other.samples &&
+         light_size == other.light_size && d_min.user == other.d_min.user;
 }
 
-void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& asked, const Light& light,
-                        gl::Timers& timers, Progress& progress, const View* ground_view, const Ground& ground,
+float ShadowMaps::d_min_of(const GpuCloud& cloud, const RenderSettings& settings) {
+  RenderSettings own = settings;
+  resolve_shadow_sizes(own, cloud.bounds(), cloud.median_spacing());
+  return own.shadow_distance.value();
+}
+
+void ShadowMaps::clear(Clouds clouds) {
+  for (GpuCloud* cloud : clouds)
+    if (cloud->has_shadow()) cloud->set_shadow({});
+  key_.reset();
+}
+
+void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& light, gl::Timers& timers,
+                        Progress& progress, const View* ground_view, const Ground& ground,
                         gl::Texture* ground_factor) {
-  const Bounds box = cloud.bounds();
+  std::vector<GpuCloud*> clouds;
+  for (GpuCloud* cloud : all)
+    if (cloud->size() > 0) clouds.push_back(cloud);
+  if (clouds.empty()) return clear(all);
+  Bounds box = clouds.front()->bounds();
+  float spacing = clouds.front()->median_spacing();
+  for (const GpuCloud* cloud : clouds) {
+    box = {glm::min(box.min, cloud->bounds().min), glm::max(box.max, cloud->bounds().max)};
+    spacing = std::min(spacing, cloud->median_spacing());
+  }
   RenderSettings settings = asked;
-  resolve_shadow_sizes(settings, box, cloud.median_spacing());
+  resolve_shadow_sizes(settings, box, spacing);
   const int count = settings.shadows == Shadows::soft ? settings.light_samples : 1;
   const double size = settings.light_size.value();
-  const float d_min = settings.shadow_distance.value();
-  std::string key = std::to_string(int(light.kind)) + "/" + std::to_string(count) + "/" +
-                    std::to_string(size) + "/" + std::to_string(d_min) + "/" +
-                    std::to_string(reinterpret_cast<std::uintptr_t>(&cloud)) + "/" +
-                    std::to_string(cloud.has_normals());
-  for (int axis = 0; axis < 3; ++axis) key += "/" + std::to_string(light.vector[axis]);
-  key += "/" + std::to_string(cloud.casters_stamp());
+  const float d_min = settings.shadow_distance.value();  // of the densest cloud
+  Key key{{}, light.kind, light.vector, std::size_t(count), size, asked.shadow_distance};
+  bool have_all = true, see_through = false;
+  for (const GpuCloud* cloud : clouds) {
+    key.clouds.push_back({cloud, cloud->casters_stamp(), cloud->has_normals()});
+    have_all = have_all && cloud->has_shadow();
+    see_through = see_through || cloud->see_through_spacing() > 0;
+  }
   // The ground depends on the camera as well, so it is always drawn anew.
-  if (key == key_ && cloud.has_shadow() && !ground_view) return;
-  key_.clear();  // who cancels leaves the factors half done
+  if (key_ == key && have_all && !ground_view) return;
+  key_.reset();  // who cancels leaves the factors half done
 
-  cloud.begin_shadow();
+  std::erase_if(passed_, [&](const auto& each) { return std::find(clouds.begin(), clouds.end(), each.first) == clouds.end(); });
+  const dvec3 origin = clouds.front()->prepared().cloud.origin;
+  for (GpuCloud* cloud : clouds) {
+    cloud->begin_shadow();
+    if (!see_through) continue;
+    std::vector<gl::TextureBuffer>& passed = passed_[cloud];
+    passed.resize(cloud->chunks().size());
+    for (std::size_t c = 0; c < passed.size(); ++c)
+      gl::grow(passed[c], "light passed", GL_R32F, cloud->chunks()[c].count * sizeof(float));
+  }
   std::optional<Catcher> catcher;
   if (ground_view && ground_factor) {
     ground_factor->clear(vec4(0));
-    catcher.emplace(Catcher{*ground_view, ground, cloud.prepared().cloud.origin, *ground_factor});
+    catcher.emplace(Catcher{*ground_view, ground, origin, *ground_factor});
   }
   const Catcher* caught = catcher ? &*catcher : nullptr;
-  const double texel = texel_ * std::max(double(cloud.median_spacing()), 1e-12);
-  // See-through casters are sparser than the cloud: their map is as much coarser, and so is d_min.
-  const float coarser = cloud.see_through_spacing() / std::max(cloud.median_spacing(), 1e-12f);
+  const auto texel_of = [&](float of) { return texel_ * std::max(double(of), 1e-12); };
   const std::vector<Light> samples = light_samples(light, box, size, count);
   const float share = 1.0f / float(samples.size());
-  const LitTest kind = coarser > 0 ? LitTest::behind_see_through : LitTest::solid;
+  const LitTest kind = see_through ? LitTest::behind_see_through : LitTest::solid;
   std::vector<View> views;  // of the light maps that wait for their test
   bool is_first = true;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     progress.update(double(i) / double(samples.size()), "shadows");
     progress.check();
-    const std::vector<Camera> cameras = light_cameras(samples[i], box, texel);
-    std::vector<Camera> coarse;
-    if (coarser > 0) coarse = light_cameras(samples[i], box, texel * coarser);
+    const std::vector<Camera> cameras = light_cameras(samples[i], box, texel_of(spacing));
     for (std::size_t face = 0; face < cameras.size(); ++face) {
-      if (coarser > 0) peel(cloud, coarse[face], d_min * coarser, timers, caught);
+      bool is_first_peel = true;
+      for (GpuCloud* cloud : clouds) {
+        // See-through casters are sparser than their cloud: their map is as much coarser, and so is d_min.
+        const float coarser = cloud->see_through_spacing() / std::max(cloud->median_spacing(), 1e-12f);
+        if (!(coarser > 0)) continue;
+        const std::vector<Camera> coarse = light_cameras(samples[i], box, texel_of(cloud->median_spacing()) * coarser);
+        peel(*cloud, clouds, coarse[face], d_min_of(*cloud, asked) * coarser, is_first_peel, timers, caught);
+        is_first_peel = false;
+      }
       // What see-through casters let pass is kept for one map only.
       const std::size_t most =
-          coarser > 0 ? 1 : maps_at_a_time(bytes_of_map(cameras[face]), samples.size() * cameras.size());
+          see_through ? 1 : maps_at_a_time(bytes_of_map(cameras[face]), samples.size() * cameras.size());
       maps_.resize(std::max(maps_.size(), most));
       gl::Texture& map = maps_[views.size()];
-      const View& view = views.emplace_back(cameras[face], cloud.prepared().cloud.origin);
-      draw_map(cloud, view, d_min, map, timers);
+      const View& view = views.emplace_back(cameras[face], origin);
+      draw_map(clouds, view, spacing, d_min, map, timers);
       auto timing = timers.scope("lit test");
-      if (caught) test_ground(*caught, coarser > 0, view, map, d_min, share);
+      if (caught) test_ground(*caught, see_through, view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
       if (views.size() < most && !is_last) continue;
-      test_points(cloud, kind, views, std::span(maps_).first(views.size()), d_min, is_first, share);
+      for (GpuCloud* cloud : clouds)
+        test_points(*cloud, kind, views, std::span(maps_).first(views.size()), d_min_of(*cloud, asked), is_first, share);
       views.clear();
       is_first = false;
     }
@@ -174,8 +210,8 @@ void ShadowMaps::update(GpuCloud& cloud, const RenderSettings& asked, const Ligh
   key_ = std::move(key);
 }
 
-void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers,
-                      const Catcher* catcher) {
+void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_camera, float d_min, bool is_first,
+                      gl::Timers& timers, const Catcher* catcher) {
   const dvec3 origin = cloud.prepared().cloud.origin;
   const View view(light_camera, origin);
   const int w = view.width(), h = view.height();
@@ -188,10 +224,7 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   for (gl::Texture* t : {&state_, &other_state_}) gl::ensure(*t, "light layer limit", GL_RG32F, w, h);
   gl::ensure(other_index_, "light layer index", GL_R32UI, w, h);
   state_.clear(vec4(0, 1, 0, 0));
-  passed_.resize(cloud.chunks().size());
-  for (std::size_t c = 0; c < passed_.size(); ++c)
-    gl::grow(passed_[c], "light passed", GL_R32F, cloud.chunks()[c].count * sizeof(float));
-  if (catcher) {
+  if (catcher && is_first) {
     gl::ensure(ground_passed_, "light passed to the ground", GL_R32F, catcher->view.width(),
                catcher->view.height());
     ground_passed_.clear(vec4(1));
@@ -199,7 +232,6 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   if (!layer_pass_) layer_pass_ = ScreenPass("passes/light_layer.glsl", {GL_RG32F, GL_R32F});
 
   std::size_t kept = 0;
-  bool is_first = true;
   for (int layer = 0; layer < most_layers; ++layer) {
     {
       auto timing = timers.scope("light map");
@@ -237,8 +269,9 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
     const bool is_last = !is_open || layer + 1 == most_layers;
     if (++kept == most || is_last) {
       for (std::size_t k = 0; k < kept; ++k) opacity_[k].bind(binding::input + int(kept + k));
-      test_points(cloud, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept),
-                  d_min, is_first);
+      for (GpuCloud* receiver : receivers)
+        test_points(*receiver, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept), d_min,
+                    is_first);
       kept = 0;
       is_first = false;
     }
@@ -246,12 +279,18 @@ void ShadowMaps::peel(GpuCloud& cloud, const Camera& light_camera, float d_min, 
   }
 }
 
-void ShadowMaps::draw_map(GpuCloud& cloud, const View& view, float d_min, gl::Texture& map, gl::Timers& timers) {
+void ShadowMaps::draw_map(Clouds clouds, const View& view, float spacing, float d_min, gl::Texture& map,
+                          gl::Timers& timers) {
   const CasterRange solid{solid_opacity};
   {
     auto timing = timers.scope("light map");
-    to_pixels_.draw_depth(cloud, view, {SizeMode::pixels, 1}, bits_, nullptr, 0,
-                          cloud.has_casters() ? &solid : nullptr);
+    gl::ensure(bits_, "nearest depth bits", GL_R32UI, view.width(), view.height());
+    bits_.clear_uint(0xffffffffu);
+    for (GpuCloud* cloud : clouds) {
+      const float texels = std::max(1.0f, std::round(cloud->median_spacing() / std::max(spacing, 1e-12f)));
+      to_pixels_.add_depth(*cloud, view, {SizeMode::pixels, texels}, bits_, nullptr, 0,
+                           cloud->has_casters() ? &solid : nullptr);
+    }
   }
   auto timing = timers.scope("light map fill");
   for (gl::Texture* t : {&map, &closed_}) gl::ensure(*t, "light map", GL_R32F, view.width(), view.height());
@@ -295,7 +334,7 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
     cloud.bind_normals(chunk);
     glBindImageTexture(0, chunk.shadow.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
     if (kind != LitTest::solid)
-      glBindImageTexture(1, passed_[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+      glBindImageTexture(1, passed_.at(&cloud)[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
     program.set("point_count", chunk.count).dispatch_rows((chunk.count + 127) / 128);
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);

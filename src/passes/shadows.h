@@ -5,8 +5,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
-#include <string>
 #include <tuple>
 #include <vector>
 
@@ -30,12 +30,14 @@ void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float med
 
 class ShadowMaps {
  public:
-  /// Gives the cloud its shadow factors; keeps them while cloud, light and settings stay. With `ground`, also
+  /// Clouds of one origin that darken themselves and each other.
+  using Clouds = std::span<GpuCloud* const>;
+  /// Gives the clouds their shadow factors; keeps them while clouds, light and settings stay. With `ground`, also
   /// fills `ground_factor` (R32F, the view's size): the shadow factor of the ground seen by each pixel.
-  void update(GpuCloud& cloud, const RenderSettings& settings, const Light& light, gl::Timers& timers,
+  void update(Clouds clouds, const RenderSettings& settings, const Light& light, gl::Timers& timers,
               Progress& progress, const View* ground_view = nullptr, const Ground& ground = {},
               gl::Texture* ground_factor = nullptr);
-  void clear(GpuCloud& cloud);
+  void clear(Clouds clouds);
 
   /// Cameras that see the whole cloud from the light: one, or six faces when it stands inside.
   static std::vector<Camera> light_cameras(const Light& light, const Bounds& box, double texel);
@@ -63,15 +65,35 @@ class ShadowMaps {
     gl::Texture& factor;
   };
   enum class LitTest { solid, see_through, behind_see_through };
-  /// What see-through casters let pass of one light sample, for every point (`passed_`) and the ground.
-  void peel(GpuCloud& cloud, const Camera& light_camera, float d_min, gl::Timers& timers,
+  /// What the factors depend on; equal: they stay.
+  struct Key {
+    struct Cloud {
+      const GpuCloud* cloud;
+      std::uint64_t casters;
+      bool has_normals;
+      bool operator==(const Cloud&) const = default;
+    };
+    std::vector<Cloud> clouds;
+    Light::Kind kind = Light::Kind::headlight;
+    dvec3 light{0};
+    std::size_t samples = 0;
+    double light_size = 0;
+    Auto<float> d_min;
+    bool operator==(const Key& other) const;
+  };
+  /// How far behind a light map a point of the cloud is dark.
+  static float d_min_of(const GpuCloud& cloud, const RenderSettings& settings);
+  /// What the see-through points of `caster` let pass of one light sample, for every point of the clouds (`passed_`) and
+  /// the ground. `is_first`: nothing has stopped any of it yet.
+  void peel(GpuCloud& caster, Clouds clouds, const Camera& light_camera, float d_min, bool is_first, gl::Timers& timers,
             const Catcher* catcher);
-  /// The closed light map of the solid points.
-  void draw_map(GpuCloud& cloud, const View& view, float d_min, gl::Texture& map, gl::Timers& timers);
-  /// Tests every point against all of `maps`: one view each, or layers of one view with their opacities bound
+  /// The closed light map of the solid points; those of a sparser cloud than the densest, whose spacing is `spacing`, cover
+  /// as many texels more.
+  void draw_map(Clouds clouds, const View& view, float spacing, float d_min, gl::Texture& map, gl::Timers& timers);
+  /// Tests every point of the cloud against all of `maps`: one view each, or layers of one view with their opacities bound
   /// behind. `is_first`: the points know nothing yet.
-  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
-                   std::span<const gl::Texture> maps, float d_min, bool is_first, float share = 0);
+  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views, std::span<const gl::Texture> maps,
+                   float d_min, bool is_first, float share = 0);
   void test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
                    float d_min, float share);
   void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
@@ -90,9 +112,10 @@ class ShadowMaps {
   PixelLayer layer_;
   std::vector<gl::Texture> layer_depth_, opacity_;  ///< of the layers that one visit tests
   gl::Texture other_depth_, other_index_, state_, other_state_, ground_passed_;
-  std::vector<gl::TextureBuffer> passed_;  ///< of each chunk: share of a light sample that reaches its points
+  /// Of each chunk of a cloud: share of a light sample that reaches its points.
+  std::map<const GpuCloud*, std::vector<gl::TextureBuffer>> passed_;
   Flag open_;
-  std::string key_;  ///< what the cloud's factors were computed for
+  std::optional<Key> key_;  ///< what the clouds' factors were computed for
 };
 
 }  // namespace sfumato

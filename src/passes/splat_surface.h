@@ -33,6 +33,7 @@ class SplatSurface {
 
   /// R32F: ray distance of the nearest hit of every pixel, +inf where nothing.
   const gl::Texture& nearest_t() const { return nearest_t_; }
+  gl::Texture& nearest_t() { return nearest_t_; }
   /// How the batches of the last draw were chosen.
   const SplatBatches& batches() const { return batches_; }
 

@@ -22,13 +22,14 @@ Bounds bounds_of(const std::vector<copc::Tree>& trees) {
 
 }  // namespace
 
-std::optional<LeveledScene> LeveledScene::open(const std::vector<std::string>& files,
+std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& files,
                                                const SceneOptions& options, std::uint64_t memory) {
-  if (files.empty() || !std::all_of(files.begin(), files.end(), copc::is_tree)) return std::nullopt;
+  const auto is_tree = [](const SceneFile& file) { return !file.transform && copc::is_tree(file.name); };
+  if (files.empty() || !std::all_of(files.begin(), files.end(), is_tree)) return std::nullopt;
   LeveledScene scene;
   std::uint64_t points = 0;
-  for (const std::string& file : files) {
-    scene.trees_.push_back(copc::read_tree(file));
+  for (const SceneFile& file : files) {
+    scene.trees_.push_back(copc::read_tree(file.name));
     points += scene.trees_.back().points;
   }
   scene.budget_ = std::max<std::uint64_t>(1, memory / memory_of_point);

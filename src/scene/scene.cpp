@@ -22,17 +22,18 @@ io::ReadResult read_file(const std::string& file, const io::ReadOptions& options
   }
 }
 
-Scene assemble(const std::vector<std::string>& files, const SceneOptions& options,
+Scene assemble(const std::vector<SceneFile>& files, const SceneOptions& options,
                const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
   Scene scene;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string& file = files[i];
+    const std::string& file = files[i].name;
     io::ReadResult result = read(i);
     const std::string name = result.report.file.filename().string();
     for (const std::string& note : result.report.notes) scene.notes.push_back(file + ": " + note);
     scene.points_read += result.report.points;
     scene.file_names.push_back(file == "-" ? "standard input" : name);
     if (result.cloud.empty() && !may_be_empty) throw Error(ErrorCode::bad_input, file + ": there is no point in it");
+    if (files[i].transform) transform(result.cloud, *files[i].transform);
     scene.files.push_back(std::move(result.report));
     if (files.size() == 1) {
       scene.cloud = std::move(result.cloud);
@@ -41,10 +42,10 @@ Scene assemble(const std::vector<std::string>& files, const SceneOptions& option
     if (scene.files.size() > 1) {
       if (result.cloud.up != scene.cloud.up && !options.up)
         scene.notes.push_back(file + ": " + to_string(result.cloud.up) + " is up in it, " +
-                              to_string(scene.cloud.up) + " in " + files[0] +
+                              to_string(scene.cloud.up) + " in " + files[0].name +
                               ", which decides (--up says otherwise)");
       if (result.cloud.crs != scene.cloud.crs && !result.cloud.crs.empty() && !scene.cloud.crs.empty())
-        scene.notes.push_back(file + ": its coordinate system is not that of " + files[0] +
+        scene.notes.push_back(file + ": its coordinate system is not that of " + files[0].name +
                               "; the numbers are put together as they are");
     }
     // Tells the files of a scene apart; counts from 1 in their order.
@@ -53,12 +54,13 @@ Scene assemble(const std::vector<std::string>& files, const SceneOptions& option
     append(scene.cloud, result.cloud);
   }
   if (scene.cloud.empty())
-    throw Error(ErrorCode::bad_input, files[0] + ": no point is left in what was read of it; sfumato info shows where points are");
+    throw Error(ErrorCode::bad_input,
+                files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
   if (options.up) scene.cloud.up = *options.up;
   try {
     scene.selected = apply(options.selection, scene.cloud);
   } catch (const Error& error) {
-    throw Error(error.code(), (files.size() == 1 ? files[0] + ": " : std::string()) + error.what());
+    throw Error(error.code(), (files.size() == 1 ? files[0].name + ": " : std::string()) + error.what());
   }
   scene.notes.insert(scene.notes.end(), scene.selected.notes.begin(), scene.selected.notes.end());
   if (options.read.max_points && scene.cloud.size() > *options.read.max_points)
@@ -66,13 +68,19 @@ Scene assemble(const std::vector<std::string>& files, const SceneOptions& option
   return scene;
 }
 
-Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options, Progress& progress) {
+Scene read_scene(const std::vector<std::string>& names, const SceneOptions& options, Progress& progress) {
+  std::vector<SceneFile> files;
+  for (const std::string& name : names) files.push_back({name, {}});
+  return read_scene(files, options, progress);
+}
+
+Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress) {
   io::ReadOptions read = options.read;
   // Whoever asks for a million points of a box wants them in the box.
   const bool selects = options.selection.crop || options.selection.crop_share ||
                        !options.selection.show_classes.empty() || !options.selection.filters.empty();
   if (selects) read.max_points.reset();
-  return assemble(files, options, [&](std::size_t i) { return read_file(files[i], read, progress); });
+  return assemble(files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); });
 }
 
 }  // namespace sfumato::scene

@@ -12,6 +12,12 @@
 
 namespace sfumato::scene {
 
+/// A file of a scene, and where its points go.
+struct SceneFile {
+  std::string name;
+  std::optional<dmat4> transform;  ///< world from file
+};
+
 struct SceneOptions {
   io::ReadOptions read;
   Selection selection;
@@ -35,14 +41,16 @@ io::ReadResult read_file(const std::string& file, const io::ReadOptions& options
 
 /// Several files get the origin of the first and the scalar `file`. `read.max_points` holds for the whole
 /// scene, after the selection. Throws Error(bad_input) when a file has no points or none is left.
+Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& options,
+                 Progress& progress = no_progress());
 Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options,
                  Progress& progress = no_progress());
 
 /// COPC files with more points than are read at once: seen from afar first, then as far as a view needs.
 class LeveledScene {
  public:
-  /// Nothing unless all files are COPC and have more points together than `read.max_points` and `memory` allow.
-  static std::optional<LeveledScene> open(const std::vector<std::string>& files, const SceneOptions& options,
+  /// Nothing unless all files are COPC, stand where their points say and have more points together than `read.max_points` and `memory` allow.
+  static std::optional<LeveledScene> open(const std::vector<SceneFile>& files, const SceneOptions& options,
                                           std::uint64_t memory);
 
   /// The coarse levels: from where to look follows from them.
@@ -53,7 +61,7 @@ class LeveledScene {
  private:
   Scene read(const copc::NodeSelection& selection, Progress& progress) const;
 
-  std::vector<std::string> files_;
+  std::vector<SceneFile> files_;
   std::vector<copc::Tree> trees_;
   SceneOptions options_;
   std::uint64_t budget_ = 0;

@@ -29,9 +29,10 @@ void Look::reset() {
     if (param.get() != param.default_text) param.set(param.default_text);
 }
 
-void Look::take_over(const Look& other) {
-  for (const auto& [parameter, value] : other.changed())
-    if (Param* param = parameters.find(parameter)) param->set(value);
+void Look::take_over(const Look& other, bool shared_only) {
+  const std::vector<Param>& theirs = other.parameters.all();
+  for (std::size_t i = shared_only ? other.own_count : 0; i < theirs.size(); ++i)
+    if (Param* param = parameters.find(theirs[i].name)) param->set(theirs[i].get());
 }
 
 std::vector<std::pair<std::string, std::string>> Look::changed() const {

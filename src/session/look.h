@@ -23,8 +23,9 @@ struct Look {
   void set(std::string_view parameter, std::string_view value);
   /// Every parameter at its default.
   void reset();
-  /// Values of `other` for every parameter that both have: another technique seen in the same light.
-  void take_over(const Look& other);
+  /// Values of `other` for every parameter that both have; `shared_only`: for those that all techniques share, so that
+  /// another technique is seen in the same light.
+  void take_over(const Look& other, bool shared_only = false);
   /// Those that are not at their defaults, as `set` takes them.
   std::vector<std::pair<std::string, std::string>> changed() const;
   /// Throws Error(usage) for values that contradict each other.

@@ -31,11 +31,45 @@ bool is_look(const std::string& option) {
   static const std::set<std::string> others = {
       "technique", "preset", "camera",  "path",    "frames", "degrees", "sequence",
       "timings",   "json",   "quiet",   "version", "help",   "strict",  "memory",
-      "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama"};
+      "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama", "scene"};
   const std::string name = with_dashes(option);
   const bool is_word =
       !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
   return is_word && !others.contains(name) && !name.starts_with("output") && !name.starts_with("save");
+}
+
+/// "a.las", or {"file": "a.las", "transform": [16 numbers, row by row]}.
+scene::SceneFile scene_file(const Json& json, const std::filesystem::path& preset) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::bad_input, preset.string() + ": files: " + what);
+  };
+  const Json& name = json.is_object() && json.contains("file") ? json["file"] : json;
+  if (!name.is_string()) refuse("each is a name, or {\"file\": name, \"transform\": [16 numbers, row by row]}");
+  scene::SceneFile file;
+  // A relative name is meant where the scene stands.
+  file.name = (preset.parent_path() / name.get<std::string>()).lexically_normal().string();
+  if (!json.is_object()) return file;
+  for (const auto& [key, value] : json.items()) {
+    if (key == "file") continue;
+    if (key != "transform") refuse("'" + key + "' is neither file nor transform");
+    const bool fits = value.is_array() && value.size() == 16 &&
+                      std::all_of(value.begin(), value.end(), [](const Json& each) { return each.is_number(); });
+    if (!fits) refuse("transform: 16 numbers, row by row, are wanted");
+    dmat4& matrix = file.transform.emplace();
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column)
+        matrix[column][row] = value[std::size_t(4 * row + column)].get<double>();
+    if (matrix[0][3] != 0 || matrix[1][3] != 0 || matrix[2][3] != 0 || matrix[3][3] != 1 ||
+        !(std::abs(glm::determinant(matrix)) > 1e-300))
+      refuse("transform: the last row of a transform is 0 0 0 1, and it flattens nothing");
+  }
+  return file;
+}
+
+/// Options that the camera of a scene has in it already.
+bool is_view(const std::string& option) {
+  static const std::set<std::string> views = {"view", "zoom", "roll", "look-at", "distance", "resolution"};
+  return views.contains(option) || option.starts_with("camera");
 }
 
 }  // namespace
@@ -68,14 +102,16 @@ Preset load_preset(const std::filesystem::path& file) {
         if (!is_look(name))
           refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
                  with_dashes(name) + " to the command");
-        const bool repeated = name == "filter" && setting.is_array();
+        const bool repeated = (name == "filter" || name == "draw") && setting.is_array();
         for (const Json& one : repeated ? setting : Json::array({setting}))
           preset.options.emplace_back(with_dashes(name), spell(one));
       }
+    } else if (key == "files" && value.is_array()) {
+      for (const Json& each : value) preset.files.push_back(scene_file(each, file));
     } else if (key == "camera" && value.is_object()) {
       preset.camera = io::camera_from_json(value.dump(), file.string());
     } else if (key != "sfumato") {
-      refuse("'" + key + "' is not technique, parameters, options or camera of the right kind");
+      refuse("'" + key + "' is not technique, parameters, options, files or camera of the right kind");
     }
   }
   return preset;
@@ -119,11 +155,24 @@ Preset load_config() {
 }
 
 void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
-                 const NamesAndValues& given, const std::optional<Camera>& camera) {
+                 const NamesAndValues& given, const std::optional<Camera>& camera,
+                 const std::vector<scene::SceneFile>& files) {
   Json json;
   json["sfumato"] = version();
   std::string names;
   for (const Look* chosen : looks) names += (names.empty() ? "" : ",") + chosen->name;
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  for (const scene::SceneFile& each : files) {
+    const std::string name = std::filesystem::absolute(each.name).lexically_relative(folder).generic_string();
+    if (!each.transform) {
+      json["files"].push_back(name);
+      continue;
+    }
+    Json rows = Json::array();
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) rows.push_back((*each.transform)[column][row]);
+    json["files"].push_back({{"file", name}, {"transform", rows}});
+  }
   json["technique"] = names;
   json["parameters"] = Json::object();
   // A parameter that all chosen techniques share stands once, so that it also holds for others.
@@ -148,7 +197,7 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
     for (const Look* chosen : looks) is_parameter |= chosen->parameters.find(name) != nullptr;
     for (const Param& param : analysis.all())
       is_parameter |= with_dashes(param.name) == name;
-    if (!is_look(name) || is_parameter) continue;
+    if (!is_look(name) || is_parameter || (!files.empty() && is_view(name))) continue;
     Json& kept = json["options"];
     if (!kept.contains(name))
       kept[name] = value;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "scene/scene.h"
 #include "session/look.h"
 
 namespace sfumato {
@@ -27,6 +28,7 @@ struct Preset {
   NamesAndValues options;     ///< with dashes; values as on a command line
   NamesAndValues parameters;  ///< names, maybe qualified, and values
   std::optional<Camera> camera;
+  std::vector<scene::SceneFile> files;  ///< of a scene; relative ones start at the folder of the preset
   std::string file;  ///< for messages
 
   /// The parameters that the looks have, and those of the analysis. Throws Error(bad_input) for a parameter that no
@@ -41,9 +43,11 @@ Preset load_preset(const std::filesystem::path& file);
 Preset load_config();
 
 /// `given`: the options of the command line (and of a preset it loaded); those that name files are left out.
+/// `files` make it a scene, their names relative to the folder of `file`.
 /// Every parameter is written, also those at their default, so that the picture outlives a change of
 /// defaults.
 void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
-                 const NamesAndValues& given, const std::optional<Camera>& camera);
+                 const NamesAndValues& given, const std::optional<Camera>& camera,
+                 const std::vector<scene::SceneFile>& files = {});
 
 }  // namespace sfumato

@@ -1,5 +1,8 @@
 #include "session/session.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "analysis/find_room.h"
 #include "analysis/survey.h"
 #include "core/error.h"
@@ -35,67 +38,166 @@ Camera first_view(const Pose& pose, int width, int height) {
   return camera;
 }
 
+std::vector<PointCloud> Session::cut(PointCloud cloud) {
+  parts_.clear();
+  std::vector<PointCloud> clouds;
+  const std::vector<DrawRule>& rules = options_.draw;
+  if (rules.empty()) {
+    parts_.push_back({{}, nullptr, nullptr, cloud.size()});
+    clouds.push_back(std::move(cloud));
+    return clouds;
+  }
+  const std::vector<std::uint32_t> matches = first_matches(rules, cloud);
+  std::vector<std::size_t> counts(rules.size() + 1);
+  for (std::uint32_t rule : matches) ++counts[rule];
+  // Rules that draw alike are one part, so that their fragments sort together.
+  std::vector<std::vector<std::uint32_t>> members;  // of each part, rules
+  if (counts.back() > 0) parts_.push_back({}), members.push_back({std::uint32_t(rules.size())});
+  for (std::uint32_t r = 0; r < rules.size(); ++r) {
+    if (counts[r] == 0) {
+      notes_.push_back("--draw \"" + rules[r].text + "\" draws no point: none is selected, or earlier rules draw them");
+      continue;
+    }
+    std::size_t k = 0;
+    while (k < parts_.size() && !(parts_[k].rule && parts_[k].rule->draws_like(rules[r]))) ++k;
+    if (k == parts_.size()) {
+      parts_.push_back({{}, &rules[r], rules[r].look(Look(rules[r].technique)), 0});
+      members.emplace_back();
+    }
+    parts_[k].rules.push_back(rules[r].text);
+    members[k].push_back(r);
+  }
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    std::vector<std::uint32_t> places;
+    for (std::size_t i = 0; i < matches.size(); ++i)
+      if (std::find(members[k].begin(), members[k].end(), matches[i]) != members[k].end())
+        places.push_back(std::uint32_t(i));
+    parts_[k].points = places.size();
+    clouds.push_back(select(cloud, places));
+    clouds.back().source_index.clear();  // each part counts from 0: tables by it are as long as the part
+  }
+  return clouds;
+}
+
+std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointCloud*>& clouds) {
+  ColorSettings settings = options_.color;
+  settings.file_names = file_names_;
+  std::vector<std::vector<Rgba8>> colors;
+  if (clouds.size() == 1) {
+    coloring_ = color_points(*clouds.front(), settings);
+    background_ = options_.background.value_or(contrasting_background(coloring_.colors));
+    colors.push_back(std::move(coloring_.colors));
+  } else {
+    PointCloud whole = *clouds.front();
+    for (std::size_t k = 1; k < clouds.size(); ++k) append(whole, *clouds[k]);
+    coloring_ = color_points(whole, settings);
+    background_ = options_.background.value_or(contrasting_background(coloring_.colors));
+    auto from = coloring_.colors.begin();
+    for (const PointCloud* cloud : clouds) {
+      colors.emplace_back(from, from + std::ptrdiff_t(cloud->size()));
+      from += std::ptrdiff_t(cloud->size());
+    }
+  }
+  coloring_.colors.clear();
+  return colors;
+}
+
 void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
                         Progress& progress) {
   options_ = options;
   pose_ = std::move(pose);
   file_names_ = std::move(scene.file_names);
-  const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
-    Attributes all = needs([&] { return choose_technique(sorted, tree); });
-    if (options.color.color_by == "normal") all = all | Attribute::normal;
-    return all;
-  };
-  const std::size_t given = scene.cloud.size();
-  PreparedCloud prepared =
-      analysis::prepare_by_shape(std::move(scene.cloud), needs_of, options.prepare, progress);
-  left_out_ = given - prepared.cloud.size();
-  ColorSettings color = options.color;
-  color.file_names = file_names_;
-  coloring_ = color_points(prepared.cloud, color);
-  background_ = options.background.value_or(contrasting_background(coloring_.colors));
-  renderer_.set_cloud(std::move(prepared), std::move(coloring_.colors));
+  notes_.clear();
+  box_ = bounds(scene.cloud);
+  const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
+  std::vector<PointCloud> clouds = cut(std::move(scene.cloud));
+  std::vector<ColoredCloud> prepared;
+  std::vector<const PointCloud*> in_order;
+  left_out_ = 0, spacing_ = std::numeric_limits<float>::infinity();
+  if (parts_.front().rule)  // nobody draws by the caller's look, who wants to hear of it all the same
+    needs([] { return TechniqueChoice{"points", "every point is drawn by a rule"}; });
+  for (std::size_t k = 0; k < clouds.size(); ++k) {
+    const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
+      if (parts_[k].look) return parts_[k].look->technique->needs() | shown;
+      return needs([&] { return choose_technique(sorted, tree); }) | shown;
+    };
+    const std::size_t given = clouds[k].size();
+    prepared.push_back({analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress), {}});
+    left_out_ += given - prepared.back().cloud.cloud.size();
+    spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
+  }
+  for (const ColoredCloud& each : prepared) in_order.push_back(&each.cloud.cloud);
+  std::vector<std::vector<Rgba8>> colors = color(in_order);
+  for (std::size_t k = 0; k < prepared.size(); ++k) prepared[k].colors = std::move(colors[k]);
+  renderer_.set_clouds(std::move(prepared));
   renderer_.set_room(pose_.subject.room);
-  coloring_.colors.clear();
   is_empty_ = false;
 }
 
-void Session::set_color(const ColorSettings& color) {
-  options_.color = color;
-  if (color.color_by == "normal")
-    analysis::complete(renderer_.prepared(), Attribute::normal, options_.prepare, no_progress());
-  ColorSettings named = color;
-  named.file_names = file_names_;
-  coloring_ = color_points(cloud(), named);
-  background_ = options_.background.value_or(contrasting_background(coloring_.colors));
-  renderer_.set_colors(std::move(coloring_.colors));
-  coloring_.colors.clear();
+void Session::set_color(const ColorSettings& wanted) {
+  options_.color = wanted;
+  std::vector<const PointCloud*> clouds;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    if (wanted.color_by == "normal")
+      analysis::complete(renderer_.prepared(k), Attribute::normal, options_.prepare, no_progress());
+    clouds.push_back(&cloud(k));
+  }
+  std::vector<std::vector<Rgba8>> colors = color(clouds);
+  for (std::size_t k = 0; k < parts_.size(); ++k) renderer_.set_colors(std::move(colors[k]), k);
 }
 
 void Session::set_background(const std::optional<vec3>& background) {
   options_.background = background;
-  background_ = background.value_or(contrasting_background(renderer_.colors()));
+  std::vector<Rgba8> all;
+  for (std::size_t k = 0; !background && k < parts_.size(); ++k)
+    all.insert(all.end(), renderer_.colors(k).begin(), renderer_.colors(k).end());
+  background_ = background.value_or(contrasting_background(all));
 }
 
-void Session::settle(Look& look, Progress& progress) {
+std::vector<Item> Session::settle(Look& look, Progress& progress) {
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
   RenderSettings& settings = look.settings;
+  std::vector<Item> items;
+  bool wants_edl = false, has_hard_edges = false;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    Look& own = parts_[k].look ? *parts_[k].look : look;
+    if (parts_[k].look) {
+      own.take_over(look, true);
+      for (const auto& [name, value] : parts_[k].rule->parameters) own.set(name, value);
+    }
+    analysis::complete(renderer_.prepared(k), own.technique->needs(), options_.prepare, progress);
+    wants_edl = wants_edl || own.technique->wants_edl();
+    has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
+    items.push_back({k, own.technique.get(), &own.settings});
+  }
   settings.background = background_;
-  settings.edl.resolve(look.technique->wants_edl());
-  settings.smooth_outlines.resolve(settings.samples == 1 && !look.technique->has_soft_edges());
-  resolve_shadow_sizes(settings, bounds(cloud()), prepared().median_spacing);
-  analysis::complete(renderer_.prepared(), look.technique->needs(), options_.prepare, progress);
+  settings.edl.resolve(wants_edl);
+  settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
+  resolve_shadow_sizes(settings, box_, spacing_);
+  return items;
+}
+
+void Session::name_notes(RenderOutput& out, const Look& look) const {
+  if (options_.draw.empty()) return;
+  out.notes.clear();
+  for (const Part& part : parts_) {
+    const Look& own = part.look ? *part.look : look;
+    for (const std::string& note : own.technique->notes()) out.notes.push_back(own.name + ": " + note);
+  }
 }
 
 RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants& wants, Progress& progress) {
-  settle(look, progress);
-  return renderer_.render(*look.technique, camera, look.settings, wants, progress);
+  RenderOutput out = renderer_.render(settle(look, progress), camera, look.settings, wants, progress);
+  name_notes(out, look);
+  return out;
 }
 
 RenderOutput Session::render_panorama(Look& look, const Camera& camera, const RenderWants& wants,
                                       Progress& progress) {
-  settle(look, progress);
-  return sfumato::render_panorama(renderer_, *look.technique, camera, up_vector(pose_.upright.up), look.settings, wants,
-                                  progress);
+  RenderOutput out = sfumato::render_panorama(renderer_, settle(look, progress), camera, up_vector(pose_.upright.up),
+                                              look.settings, wants, progress);
+  name_notes(out, look);
+  return out;
 }
 
 }  // namespace sfumato

@@ -11,6 +11,7 @@
 #include "analysis/upright.h"
 #include "core/coloring.h"
 #include "scene/scene.h"
+#include "session/draw_rule.h"
 #include "session/first_view.h"
 #include "session/look.h"
 #include "techniques/choose.h"
@@ -22,6 +23,7 @@ struct SessionOptions {
   analysis::PrepareOptions prepare;
   ColorSettings color;
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
+  std::vector<DrawRule> draw = {};  ///< the first that selects a point draws it; the others are drawn as the caller says
 };
 
 /// How a scene presents itself: which way is up, from which side to look first, and what the first view shows.
@@ -55,15 +57,27 @@ class Session {
   void set_background(const std::optional<vec3>& background);
 
   Camera first_view(int width, int height) const { return sfumato::first_view(pose_, width, height); }
-  /// Draws until the picture is final. What the technique needs and the cloud lacks is computed and kept. The first call
-  /// settles in `look.settings` what is automatic.
+  /// Draws until the picture is final: points that no rule selects with `look`, the others by their rules in its light. What
+  /// a technique needs and its points lack is computed and kept. What is automatic is settled in `look.settings`.
   RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {}, Progress& progress = no_progress());
   /// Everything around the camera's position (techniques/panorama.h).
   RenderOutput render_panorama(Look& look, const Camera& camera, const RenderWants& wants = {},
                                Progress& progress = no_progress());
 
-  const PointCloud& cloud() const { return prepared().cloud; }   ///< in prepared order
-  const PreparedCloud& prepared() const { return renderer_.prepared(); }
+  /// Points that are drawn alike: first those of no rule, when there are any, then those of each group of rules.
+  struct Part {
+    std::vector<std::string> rules;   ///< as they were written; none: the points of no rule
+    const DrawRule* rule = nullptr;   ///< the first of them
+    std::unique_ptr<Look> look;       ///< by the rule
+    std::size_t points = 0;
+  };
+  const std::vector<Part>& parts() const { return parts_; }
+  const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }
+  const PointCloud& cloud(std::size_t part = 0) const { return prepared(part).cloud; }   ///< in prepared order
+  /// Of all parts, world.
+  Bounds box() const { return box_; }
+  /// Lines on what the rules selected.
+  const std::vector<std::string>& notes() const { return notes_; }
   const Coloring& coloring() const { return coloring_; }         ///< without `colors`
   const Pose& pose() const { return pose_; }
   vec3 background() const { return background_; }
@@ -71,12 +85,21 @@ class Session {
   bool empty() const { return is_empty_; }
 
  private:
-  /// What follows from scene and technique together.
-  void settle(Look& look, Progress& progress);
+  /// Makes `parts_`, and a cloud for each.
+  std::vector<PointCloud> cut(PointCloud cloud);
+  /// Colours of all parts together, so that a value has one colour in the whole scene.
+  std::vector<std::vector<Rgba8>> color(const std::vector<const PointCloud*>& clouds);
+  /// Notes say which technique is meant where there are several.
+  void name_notes(RenderOutput& out, const Look& look) const;
+  /// What follows from scene and technique together; returns what is drawn.
+  std::vector<Item> settle(Look& look, Progress& progress);
 
   Renderer renderer_;
   SessionOptions options_;
-  std::vector<std::string> file_names_;
+  std::vector<std::string> file_names_, notes_;
+  std::vector<Part> parts_;
+  Bounds box_;
+  float spacing_ = 0;  ///< median of the densest part
   Coloring coloring_;
   Pose pose_;
   vec3 background_{1};

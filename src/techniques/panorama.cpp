@@ -67,7 +67,7 @@ vec4 sample(const Image<T>& image, const glm::dvec2& place, Get&& get) {
 
 }  // namespace
 
-RenderOutput render_panorama(Renderer& renderer, Technique& technique, const Camera& camera, const dvec3& up,
+RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, const Camera& camera, const dvec3& up,
                              const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
   const int width = camera.width, height = camera.height;
   if (width != 2 * height)
@@ -110,7 +110,7 @@ RenderOutput render_panorama(Renderer& renderer, Technique& technique, const Cam
     view.fov_y = std::numbers::pi / 2;
     view.width = view.height = side;
     face.camera = view.with_guard_band(overlap);
-    face.out = renderer.render(technique, face.camera, used, wants, progress);
+    face.out = renderer.render(items, face.camera, used, wants, progress);
     out.total_ms += face.out.total_ms;
     out.points_drawn += face.out.points_drawn;
     out.timings.insert(out.timings.end(), face.out.timings.begin(), face.out.timings.end());

@@ -1,10 +1,12 @@
 #include "techniques/renderer.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/error.h"
 #include "passes/finish.h"
 #include "passes/ground.h"
+#include "passes/merge.h"
 #include "passes/screen_pass.h"
 #include "passes/shadows.h"
 
@@ -13,8 +15,8 @@ namespace {
 
 /// What is drawn, and how, for each of the samples of a picture.
 struct Shot {
-  Technique& technique;
-  const RenderSettings& settings;
+  std::vector<Item> items;         ///< in the order of drawing
+  const RenderSettings& settings;  ///< of the scene
   gl::Timers& timers;
   Progress& progress;
   bool with_edl, with_smooth_outlines;
@@ -56,25 +58,37 @@ Bounds depth_bounds(const PointCloud& cloud) {
 }  // namespace
 
 struct Renderer::State {
+  /// The GPU's part refers to the prepared one.
+  struct Cloud {
+    PreparedCloud prepared;
+    Bounds depth_bounds;
+    std::unique_ptr<GpuCloud> gpu;
+    Attributes uploaded;
+  };
+
   gl::Context& context;
-  PreparedCloud prepared;
+  std::vector<std::unique_ptr<Cloud>> clouds;
   std::optional<Room> room;
-  Bounds depth_bounds;
-  std::unique_ptr<GpuCloud> cloud;
-  Attributes uploaded;
-  Target target;
+  Target target, item_target;
   gl::Texture finish_scratch, ground_factor, rgba8, linear;
   EyeDomeLighting edl;
   ShadowMaps shadows;
   GroundPlane ground;
+  Merge merge;
   SmoothOutlines outlines;
   Finish finish;
   ScreenPass add_sample;
   gl::Texture sum, averaged;
   explicit State(gl::Context& c) : context(c) {}
 
+  Cloud& cloud_of(const Item& item) { return *clouds.at(item.cloud); }
+  /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
+  Camera prepare(std::span<const Item> items, const Camera& asked);
+  Ground ground_below_all() const;
   /// One picture through pixel centres (of a camera that may be jittered) into `target`.
   void draw(Shot& shot, const Camera& camera);
+  /// One item into `into`; `behind`: what it lets through.
+  void draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light, Target& into, const Target* behind);
   /// Adds the target's colour, a share of the whole.
   void average(int sample, int samples, gl::Timers& timers);
 };
@@ -89,37 +103,109 @@ void Renderer::State::average(int sample, int samples, gl::Timers& timers) {
   if (sample + 1 < samples) std::swap(sum, averaged);
 }
 
+Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked) {
+  Bounds near, all;
+  bool is_first = true;
+  for (const Item& item : items) {
+    Cloud& cloud = cloud_of(item);
+    if (!(cloud.uploaded == cloud.prepared.available)) {
+      cloud.gpu->attributes_changed();
+      cloud.uploaded = cloud.prepared.available;
+    }
+    cloud.gpu->show_to(item.technique->needs());
+    if (!is_first && cloud.gpu->size() == 0) continue;
+    const Bounds box = cloud.gpu->bounds(), &depths = cloud.depth_bounds;
+    all = is_first ? box : Bounds{glm::min(all.min, box.min), glm::max(all.max, box.max)};
+    near = is_first ? depths : Bounds{glm::min(near.min, depths.min), glm::max(near.max, depths.max)};
+    is_first = cloud.gpu->size() == 0;
+  }
+  Camera camera = asked;
+  std::vector<vec4> cut;
+  const dvec3 origin = clouds.front()->prepared.cloud.origin;
+  if (room)
+    for (const glm::dvec4& wall : walls_before(*room, camera))
+      cut.push_back(vec4(dvec3(wall), wall.w + glm::dot(dvec3(wall), origin)));
+  for (const Item& item : items) cloud_of(item).gpu->set_cut(cut);
+  // Who looks at a stray point gets its depth as well.
+  const dvec3 looked_at = glm::clamp(camera.target, all.min, all.max);
+  camera.fit_depth_range({glm::min(near.min, looked_at), glm::max(near.max, looked_at)});
+  return camera;
+}
+
+Ground Renderer::State::ground_below_all() const {
+  if (clouds.size() == 1) return ground_below(clouds.front()->prepared.cloud);
+  // The lowest points of the scene, not of an item that may be nothing but a few outliers.
+  std::size_t points = 0;
+  for (const auto& cloud : clouds) points += cloud->prepared.cloud.size();
+  const std::size_t stride = std::max<std::size_t>(1, points / 1'000'000);
+  PointCloud sample;
+  for (const auto& cloud : clouds) {
+    const PointCloud& of = cloud->prepared.cloud;
+    sample.origin = of.origin, sample.up = of.up;
+    for (std::size_t i = 0; i < of.size(); i += stride) sample.positions.push_back(of.positions[i]);
+  }
+  return ground_below(sample);
+}
+
+void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light, Target& into,
+                                const Target* behind) {
+  Frame frame{*cloud_of(item).gpu, camera, *item.settings, light, into, shot.wants_normal, shot.timers, shot.progress};
+  frame.behind = behind;
+  if (shot.may_finish) frame.finished = &rgba8;
+  while (!item.technique->render(frame)) shot.progress.check();
+  shot.is_finished = frame.is_finished;
+}
+
 void Renderer::State::draw(Shot& shot, const Camera& camera) {
   const RenderSettings& settings = shot.settings;
-  const View view(camera, prepared.cloud.origin);
-  const bool has_shadows = settings.shadows != Shadows::off && !cloud->prepared().cloud.empty();
+  const PointCloud& first = clouds.front()->prepared.cloud;
+  const View view(camera, first.origin);
+  std::vector<GpuCloud*> all;
+  bool is_empty = true;
+  for (const Item& item : shot.items) {
+    all.push_back(cloud_of(item).gpu.get());
+    is_empty = is_empty && all.back()->size() == 0;
+  }
+  const bool has_shadows = settings.shadows != Shadows::off && !is_empty;
   Light light = Light::parse(settings.light_text);
   Ground ground_plane;
   if (has_shadows) {
     // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
-    if (light.kind == Light::Kind::headlight) light = key_light(camera, prepared.cloud.up);
-    shot.technique.cast(*cloud, shot.progress);
+    if (light.kind == Light::Kind::headlight) light = key_light(camera, first.up);
+    for (const Item& item : shot.items) item.technique->cast(*cloud_of(item).gpu, shot.progress);
     const bool on_ground = settings.ground;
     if (on_ground) {
-      ground_plane = ground_below(prepared.cloud);
+      ground_plane = ground_below_all();
       gl::ensure(ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
     }
-    shadows.update(*cloud, settings, light, shot.timers, shot.progress, on_ground ? &view : nullptr, ground_plane,
+    shadows.update(all, settings, light, shot.timers, shot.progress, on_ground ? &view : nullptr, ground_plane,
                    on_ground ? &ground_factor : nullptr);
   } else {
-    shadows.clear(*cloud);
+    shadows.clear(all);
   }
 
-  Frame frame{*cloud, camera, settings, light, target, shot.wants_normal, shot.timers, shot.progress};
   const bool is_followed = shot.with_edl || shot.with_smooth_outlines || (has_shadows && settings.ground);
-  if (shot.may_finish && !is_followed) frame.finished = &rgba8;
-  while (!shot.technique.render(frame)) shot.progress.check();
-  shot.is_finished = frame.is_finished;
+  shot.may_finish = shot.may_finish && !is_followed && shot.items.size() == 1;
+  draw_item(shot, shot.items.front(), camera, light, target, nullptr);
+  for (const Item& item : std::span(shot.items).subspan(1)) {
+    if (cloud_of(item).gpu->size() == 0) continue;
+    gl::ensure(item_target.color, "item color", GL_RGBA32F, camera.width, camera.height);
+    gl::ensure(item_target.depth, "item depth", GL_R32F, camera.width, camera.height);
+    gl::ensure(item_target.normal, "item normal", GL_RGBA32F, camera.width, camera.height);
+    const bool is_seen_through = item.technique->transparency() != Transparency::none;
+    draw_item(shot, item, camera, light, item_target, is_seen_through ? &target : nullptr);
+    if (is_seen_through) {
+      std::swap(target, item_target);
+    } else {
+      auto timing = shot.timers.scope("merge");
+      merge.run(item_target, target, shot.wants_normal);
+    }
+  }
 
   if (has_shadows && settings.ground) {
     auto timing = shot.timers.scope("ground");
     gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
-    ground.run(view, ground_plane, prepared.cloud.origin, target.color, target.depth, ground_factor, finish_scratch);
+    ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
   if (shot.with_edl) {
@@ -140,44 +226,51 @@ Renderer::Renderer(gl::Context& context) : state_(std::make_unique<State>(contex
 Renderer::~Renderer() = default;
 
 void Renderer::set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points) {
-  state_->cloud.reset();
+  std::vector<ColoredCloud> one;
+  one.push_back({std::move(cloud), std::move(colors)});
+  set_clouds(std::move(one), max_chunk_points);
+}
+
+void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_chunk_points) {
+  for (const ColoredCloud& each : clouds)
+    if (each.cloud.cloud.origin != clouds.front().cloud.cloud.origin)
+      throw Error(ErrorCode::usage, "the clouds of a scene have one origin: move them to that of the first (append does)");
+  state_->clouds.clear();
   state_->room.reset();
-  state_->prepared = std::move(cloud);
-  state_->depth_bounds = depth_bounds(state_->prepared.cloud);
-  state_->cloud = std::make_unique<GpuCloud>(state_->prepared, std::move(colors), max_chunk_points);
-  state_->uploaded = state_->prepared.available;
+  for (ColoredCloud& each : clouds) {
+    auto& cloud = state_->clouds.emplace_back(std::make_unique<State::Cloud>());
+    cloud->prepared = std::move(each.cloud);
+    cloud->depth_bounds = depth_bounds(cloud->prepared.cloud);
+    cloud->gpu = std::make_unique<GpuCloud>(cloud->prepared, std::move(each.colors), max_chunk_points);
+    cloud->uploaded = cloud->prepared.available;
+  }
 }
 
 void Renderer::set_room(std::optional<Room> room) { state_->room = std::move(room); }
 
-void Renderer::set_colors(std::vector<Rgba8> colors) { state_->cloud->set_colors(std::move(colors)); }
+void Renderer::set_colors(std::vector<Rgba8> colors, std::size_t cloud) {
+  state_->clouds.at(cloud)->gpu->set_colors(std::move(colors));
+}
 
-const std::vector<Rgba8>& Renderer::colors() const { return state_->cloud->colors(); }
+std::size_t Renderer::cloud_count() const { return state_->clouds.size(); }
+const std::vector<Rgba8>& Renderer::colors(std::size_t cloud) const { return state_->clouds.at(cloud)->gpu->colors(); }
+PreparedCloud& Renderer::prepared(std::size_t cloud) { return state_->clouds.at(cloud)->prepared; }
+const PreparedCloud& Renderer::prepared(std::size_t cloud) const { return state_->clouds.at(cloud)->prepared; }
 
-PreparedCloud& Renderer::prepared() { return state_->prepared; }
-const PreparedCloud& Renderer::prepared() const { return state_->prepared; }
+RenderOutput Renderer::render(Technique& technique, const Camera& camera, const RenderSettings& settings,
+                              const RenderWants& wants, Progress& progress) {
+  const Item item{0, &technique, &settings};
+  return render({&item, 1}, camera, settings, wants, progress);
+}
 
-RenderOutput Renderer::render(Technique& technique, const Camera& asked, const RenderSettings& settings,
+RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked, const RenderSettings& settings,
                               const RenderWants& wants, Progress& progress) {
   State& s = *state_;
-  if (!technique.shows(settings.shading))
-    throw Error(ErrorCode::usage, "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
-                                  "to denoise; use that technique, or another shading");
-  if (!(s.uploaded == s.prepared.available)) {
-    s.cloud->attributes_changed();
-    s.uploaded = s.prepared.available;
-  }
-  s.cloud->show_to(technique.needs());
-  Camera camera = asked;
-  std::vector<vec4> cut;
-  if (s.room)
-    for (const glm::dvec4& wall : walls_before(*s.room, camera))
-      cut.push_back(vec4(dvec3(wall), wall.w + glm::dot(dvec3(wall), s.prepared.cloud.origin)));
-  s.cloud->set_cut(std::move(cut));
-  // Who looks at a stray point gets its depth as well.
-  const Bounds all = s.cloud->bounds();
-  const dvec3 target = glm::clamp(camera.target, all.min, all.max);
-  camera.fit_depth_range({glm::min(s.depth_bounds.min, target), glm::max(s.depth_bounds.max, target)});
+  for (const Item& item : items)
+    if (!item.technique->shows(item.settings->shading))
+      throw Error(ErrorCode::usage, "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
+                                    "to denoise; use that technique, or another shading");
+  const Camera camera = s.prepare(items, asked);
   if (!s.target.color || s.target.color.width() != camera.width || s.target.color.height() != camera.height)
     s.target = Target(camera.width, camera.height);
 
@@ -186,13 +279,19 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   glFinish();
   const auto start = std::chrono::steady_clock::now();
   const bool plain = settings.shading != Shading::lit && settings.shading != Shading::albedo;
+  bool wants_edl = false;
+  for (const Item& item : items) wants_edl = wants_edl || item.technique->wants_edl();
   Auto<bool> edl = settings.edl;
-  const bool with_edl = edl.resolve(technique.wants_edl()) && !plain;
+  const bool with_edl = edl.resolve(wants_edl) && !plain;
   const int samples = std::max(1, settings.samples);
   if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
 
   // `auto` was resolved by those who ask for a finished picture: a frame in motion stays as it is.
-  Shot shot{technique, settings, timers, progress, with_edl, settings.smooth_outlines.value() && !plain};
+  Shot shot{{items.begin(), items.end()}, settings, timers, progress, with_edl,
+            settings.smooth_outlines.value() && !plain};
+  std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
+    return a.technique->transparency() < b.technique->transparency();
+  });
   if (samples == 1) {
     shot.wants_normal = wants.normal;
     shot.may_finish = wants.color && !wants.color_linear && !wants.depth && !wants.normal;
@@ -225,8 +324,11 @@ RenderOutput Renderer::render(Technique& technique, const Camera& asked, const R
   }
   if (wants.depth) out.depth = s.target.depth.download<float>();
   if (wants.normal) out.normal = s.target.normal.download<vec3>();
-  out.points_drawn = s.cloud->cull(View(camera, s.prepared.cloud.origin));
-  out.notes = technique.notes();
+  for (const Item& item : items) {
+    State::Cloud& cloud = s.cloud_of(item);
+    out.points_drawn += cloud.gpu->cull(View(camera, cloud.prepared.cloud.origin));
+    for (const std::string& note : item.technique->notes()) out.notes.push_back(note);
+  }
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,19 @@ struct RenderOutput {
   std::vector<std::string> notes;  ///< the technique's
 };
 
+/// One cloud of a scene, and how it is drawn. Each item has a technique of its own.
+struct Item {
+  std::size_t cloud = 0;                     ///< in the order of `Renderer::set_clouds`
+  Technique* technique = nullptr;
+  const RenderSettings* settings = nullptr;  ///< shading and material; the rest is the scene's
+};
+
+/// A cloud with its colours: one per point, in the prepared order, sRGB.
+struct ColoredCloud {
+  PreparedCloud cloud;
+  std::vector<Rgba8> colors;
+};
+
 class Renderer {
  public:
   explicit Renderer(gl::Context& context);
@@ -47,15 +61,23 @@ class Renderer {
   /// The cloud may be completed later through `prepared()` (analysis::complete) for another technique.
   /// `max_chunk_points` limits the points per GPU buffer (tests); 0 means the driver's limit.
   void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
-  void set_colors(std::vector<Rgba8> colors);
+  /// The clouds of a scene, of one origin. Throws Error(usage) when they have several.
+  void set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_chunk_points = 0);
+  void set_colors(std::vector<Rgba8> colors, std::size_t cloud = 0);
+  std::size_t cloud_count() const;
+  const std::vector<Rgba8>& colors(std::size_t cloud = 0) const;
+  PreparedCloud& prepared(std::size_t cloud = 0);
+  const PreparedCloud& prepared(std::size_t cloud = 0) const;
   /// A room is drawn without the walls behind which the camera stands; nothing: all is drawn.
   void set_room(std::optional<Room> room);
-  const std::vector<Rgba8>& colors() const;
-  PreparedCloud& prepared();
-  const PreparedCloud& prepared() const;
 
   /// Renders until the technique says the image is final. The camera's near and far planes are fitted here.
   RenderOutput render(Technique& technique, const Camera& camera, const RenderSettings& settings,
+                      const RenderWants& wants = {}, Progress& progress = no_progress());
+  /// Several clouds in one picture: opaque items meet by depth, see-through ones are blended over them. Light, shadows,
+  /// ground, eye-dome lighting, outlines, samples and background are those of `settings`; shadows fall from every item on
+  /// every other. An item without points draws nothing.
+  RenderOutput render(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
                       const RenderWants& wants = {}, Progress& progress = no_progress());
 
  private:

@@ -11,6 +11,12 @@
 
 namespace sfumato {
 
+enum class Transparency {
+  none,
+  haze,   ///< what it leaves as depth is that of its opaque points
+  layers  ///< what it leaves as depth is that of the first layer
+};
+
 class Technique {
  public:
   virtual ~Technique() = default;
@@ -23,6 +29,9 @@ class Technique {
   virtual bool wants_edl() const { return false; }
   /// True where the technique's own edges are soft, so that smoothing outlines would only blur them.
   virtual bool has_soft_edges() const { return false; }
+  /// Items of a scene that let through what lies behind them are drawn last, in the order of this list, with
+  /// `Frame::behind` to blend over.
+  virtual Transparency transparency() const { return Transparency::none; }
   /// False for a `shading` that has no meaning here: asking for it is then an error.
   virtual bool shows(Shading shading) const { return shading < Shading::occlusion; }
   /// Says how much of the light each point stops (techniques/casters.h), before shadows are found; all of it unless a

@@ -1,5 +1,6 @@
 #include "passes/shadows.h"
 
+#include <array>
 #include <cstdio>
 
 #include "reference/gl_fixture.h"
@@ -39,7 +40,7 @@ class ShadowTest : public GlTest {
     set_casters(gpu, casters, "test");
     gl::Timers timers(false);
     ShadowMaps maps;
-    maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress());
+    maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress());
     std::vector<float> result(cloud.size());
     for (GpuCloud::Chunk& chunk : gpu.chunks()) {
       std::vector<float> values(chunk.count);
@@ -238,7 +239,7 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
   gl::Timers timers(false);
   ShadowMaps maps;
   gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
+  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
               &factor);
   const Image<float> lit = factor.download<float>();
   for (int y = 0; y < 100; ++y)
@@ -313,7 +314,7 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
   gl::Timers timers(false);
   ShadowMaps maps;
   gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(gpu, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
+  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
               &factor);
   const Image<float> lit = factor.download<float>();
   for (int y = 0; y < 100; ++y)

@@ -45,7 +45,9 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
   return scene;
 }
 
-scene::Scene read(const Words& files, const RenderOptions& options, RenderReport& report, Console& console) {
+using SceneFiles = std::vector<scene::SceneFile>;
+
+scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report, Console& console) {
   return tell_reading(scene::read_scene(files, options.input.scene, console), options, report, console);
 }
 
@@ -80,8 +82,10 @@ void check_names(const RenderOptions& options, const Choice& choice) {
     if (file != "-") names.input("the input", file);
   if (options.camera.file) names.input("--camera", *options.camera.file);
   if (!options.preset.empty()) names.input("--preset", options.preset);
+  if (!options.scene.empty()) names.input("--scene", options.scene);
   if (!options.path.empty() && options.path != "orbit") names.input("--path", options.path);
   if (!options.save_preset.empty()) names.output("--save-preset", options.save_preset);
+  if (!options.save_scene.empty()) names.output("--save-scene", options.save_scene);
   for (int n = 0; n < options.picture_count(); ++n) {
     for (const auto& [option, pattern] :
          {std::pair("-o", options.output), std::pair("--output-depth", options.output_depth),
@@ -126,7 +130,7 @@ struct Sight {
 };
 
 /// Of files with levels, what these cameras need; of others everything.
-scene::Scene read_seen(const Words& files, const std::vector<Camera>& cameras, const RenderOptions& options,
+scene::Scene read_seen(const SceneFiles& files, const std::vector<Camera>& cameras, const RenderOptions& options,
                        const Choice& choice, RenderReport& report, Console& console) {
   const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   if (!leveled) return read(files, options, report, console);
@@ -139,10 +143,10 @@ scene::Scene read_seen(const Words& files, const std::vector<Camera>& cameras, c
 }
 
 /// The view follows from the points, of files with levels from the coarse ones; what is read of those follows from the view.
-Sight see(const Words& files, RenderOptions& options, const Choice& choice, RenderReport& report, Console& console) {
+Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report, Console& console) {
   const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
-  sight.pose = pose_of(sight.scene, files[0], options, report, console);
+  sight.pose = pose_of(sight.scene, files[0].name, options, report, console);
   sight.camera = view_of(options, sight.pose.subject, sight.scene.cloud);
   sight.cameras = options.sequence || options.each ? std::vector{sight.camera}
                                                    : cameras_of(options, sight.camera, sight.scene.cloud.up);
@@ -182,7 +186,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
           Console& console) {
   for (std::size_t i = 0; i < report.techniques.size(); ++i)
     for (const std::string& note : report.techniques[i].notes)
-      console.say(choice.techniques[i]->name + ": " + note);
+      console.say(report.draw.empty() ? choice.techniques[i]->name + ": " + note : note);
   if (report.points_hidden > 0)
     console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})",
                             report.points_hidden, options.input.hide_classes()));
@@ -215,7 +219,7 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
   for (std::size_t n = 0; n < options.files.size(); ++n)
     batch.run(options.files[n], [&] {
       console.set_step("file", n, options.files.size());
-      Sight sight = see({options.files[n]}, options, choice, report, console);
+      Sight sight = see({options.placed(n)}, options, choice, report, console);
       watch.lap("read");
       box = bounds(sight.scene.cloud);
       camera = sight.camera;
@@ -242,7 +246,8 @@ std::string all_technique_names() {
 int render_command(const Words& words) {
   Preset preset;
   const Preset defaults = CommandLine::listener ? Preset{} : load_config();
-  if (const std::string file = peek(words, 0, "preset"); !file.empty()) preset = load_preset(file);
+  for (const char* option : {"preset", "scene"})
+    if (const std::string file = peek(words, 0, option); !file.empty()) preset = load_preset(file);
   std::string names = peek(words, 't', "technique");
   for (const std::string& other : {preset.technique, defaults.technique, default_technique()})
     if (names.empty()) names = other;
@@ -263,6 +268,11 @@ int render_command(const Words& words) {
   if (!line.parse(words)) return 0;
   options.technique = names;
   options.camera.preset = preset.camera;
+  options.scene_files = preset.files;
+  if (!preset.files.empty() && options.scene.empty())
+    throw Error(ErrorCode::usage, preset.file + " names files, so it is a scene: --scene " + preset.file);
+  if (!options.scene.empty() && options.files.empty())
+    for (const scene::SceneFile& file : preset.files) options.files.push_back(file.name);
   choice.given = line.given();
   options.check(choice.count);
   for (const auto& chosen : choice.techniques) chosen->check();
@@ -280,7 +290,7 @@ int render_command(const Words& words) {
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
   auto [scene, pose, camera, cameras] =
-      see(options.sequence ? Words{options.files[0]} : options.files, options, choice, report, console);
+      see(options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   watch.lap("read");
   const Bounds box = bounds(scene.cloud);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
@@ -293,18 +303,21 @@ int render_command(const Words& words) {
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     if (options.sequence && n > 0) {
-      scene::Scene next = read_seen({options.files[std::size_t(n)]}, {camera}, options, choice, report, console);
+      scene::Scene next = read_seen({options.placed(std::size_t(n))}, {camera}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
     }
     studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);
   }
-  if (!options.save_preset.empty()) {
-    std::optional<Camera> kept = preset.camera;
-    if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
-    save_preset(options.save_preset, choice.looks(), choice.prepare_parameters, line.given(), kept);
-    report.outputs.push_back(options.save_preset);
+  std::optional<Camera> kept = preset.camera;
+  if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
+  for (const std::string& name : {options.save_preset, options.save_scene}) {
+    if (name.empty()) continue;
+    const SceneFiles files = name == options.save_scene ? options.placed() : SceneFiles();
+    // A scene is seen from where it was seen.
+    save_preset(name, choice.looks(), choice.prepare_parameters, line.given(), files.empty() ? kept : camera, files);
+    report.outputs.push_back(name);
   }
   tell(report, options, choice, box, console);
   if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));

@@ -31,6 +31,9 @@ void RenderOptions::declare(CommandLine& line) {
   line.group("Output");
   line.text("-t,--technique", technique, "NAME[,NAME...]|all",
             "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
+  line.texts("--draw", draw, "\"SELECTION: TECHNIQUE [name=value ...]\"",
+             "draw some points otherwise, such as \"classification 3-5: soft opacity=0.2\"; the first that selects a point "
+             "wins (sfumato help draw)");
   line.text("-o,--output", output, "FILE",
             "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is "
             "standard output");
@@ -50,6 +53,8 @@ void RenderOptions::declare(CommandLine& line) {
             "files are frames: one picture each from the camera of the first, -o frame_{n:04}.png");
   line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
+  line.text("--scene", scene, "FILE.json", "files, --draw, look and camera saved before; those given here win");
+  line.text("--save-scene", save_scene, "FILE.json", "save the files as well");
   line.flag("--timings", timings, "time of every pass");
   line.flag("--json", json, "report on standard output");
   common.declare(line);
@@ -130,6 +135,8 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
 }
 
 void RenderOptions::check(std::size_t technique_count) {
+  for (const std::string& text : draw) rules.push_back(DrawRule::parse(text));
+  if (!scene.empty() && !preset.empty()) refuse("--scene and --preset contradict each other: a scene is a preset with files");
   if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
   std::error_code error;
   if (!has_output() && files.size() == 1 && files[0] != "-" && !std::filesystem::exists(files[0], error) &&
@@ -196,6 +203,18 @@ void RenderOptions::check(std::size_t technique_count) {
 
 void RenderOptions::expand_files() {
   files = scene::expand_inputs(files);
+}
+
+scene::SceneFile RenderOptions::placed(std::size_t n) const {
+  scene::SceneFile file{files[n], {}};
+  if (n < scene_files.size() && scene_files[n].name == file.name) file.transform = scene_files[n].transform;
+  return file;
+}
+
+std::vector<scene::SceneFile> RenderOptions::placed() const {
+  std::vector<scene::SceneFile> all;
+  for (std::size_t n = 0; n < files.size(); ++n) all.push_back(placed(n));
+  return all;
 }
 
 NameParts RenderOptions::parts(int n, const std::string& technique_name) const {

@@ -12,6 +12,7 @@
 #include "core/coloring.h"
 #include "input_options.h"
 #include "parameters.h"
+#include "session/draw_rule.h"
 
 namespace sfumato::cli {
 
@@ -32,9 +33,12 @@ struct RenderOptions {
   bool no_background = false, legend = false, timings = false, json = false;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
-  std::string path, frames, degrees, preset, save_preset, memory_text = "4G";
+  std::string path, frames, degrees, preset, save_preset, scene, save_scene, memory_text = "4G";
+  Words draw;  ///< "SELECTION: TECHNIQUE [name=value ...]"
 
   // Parsed by `check`.
+  std::vector<DrawRule> rules;
+  std::vector<scene::SceneFile> scene_files;  ///< of --scene
   vec3 background{1};
   int frame_count = 1, quality = 90;
   double orbit_degrees = 360;
@@ -45,6 +49,9 @@ struct RenderOptions {
   void check(std::size_t technique_count);
   /// The files that their words name; call before `check_names`.
   void expand_files();
+  /// The n-th file, or all of them, and where a scene puts their points.
+  scene::SceneFile placed(std::size_t n) const;
+  std::vector<scene::SceneFile> placed() const;
   /// What stands in the names of picture `n`.
   NameParts parts(int n, const std::string& technique = {}) const;
   /// Pictures to be made of each technique.

@@ -164,6 +164,8 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   for (const TechniqueReport& one : report.techniques) drawn = std::max(drawn, one.points_drawn);
   json["points_drawn"] = drawn;
   json["frames"] = report.frames;
+  for (const RenderReport::Draw& each : report.draw)
+    json["draw"].push_back({{"rule", each.rule}, {"technique", each.technique}, {"points", each.points}});
   json["blank_pictures"] = report.blank_pictures;
   for (std::size_t i = 0; i < report.techniques.size(); ++i) {
     if (report.techniques.size() == 1)

@@ -41,6 +41,11 @@ struct RenderReport {
   std::optional<copc::NodeSelection> levels;  ///< of the last scene that was read by its levels
   bool is_partial = false;                    ///< parts of files were damaged and left out
   int frames = 1;
+  struct Draw {
+    std::string rule, technique;
+    std::size_t points;  ///< of all rules that draw alike
+  };
+  std::vector<Draw> draw;
   std::vector<TechniqueReport> techniques;                ///< in the order of the choice
   std::vector<std::pair<std::string, double>> stages_ms;  ///< wall time: read, prepare, render, write
 };

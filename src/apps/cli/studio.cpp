@@ -59,9 +59,13 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
     for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
     return needs;
   };
-  SessionOptions wanted{choice_.prepare, options_.color, {}};
+  SessionOptions wanted{choice_.prepare, options_.color, {}, options_.rules};
   if (!options_.background_color.empty()) wanted.background = options_.background;
   session_.set_scene(std::move(scene), std::move(pose), wanted, needs_of, console_);
+  report_.draw.clear();
+  for (const Session::Part& part : session_.parts())
+    for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
+  for (const std::string& note : session_.notes()) console_.say("sfumato: " + note);
   if (session_.left_out() > 0)
     console_.say(fmt::format("{} points share their places with {} others and are left out", session_.left_out(),
                              analysis::most_in_one_place));
@@ -70,7 +74,7 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
   report_.exposure = coloring.exposure;
   report_.background = session_.background();
   for (const auto& chosen : choice_.techniques)
-    if (settled && !chosen->reason.empty())
+    if (settled && !chosen->reason.empty() && session_.parts().front().rules.empty())
       console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
   for (const std::string& note : coloring.notes) console_.say("sfumato: " + note);
   if (options_.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())

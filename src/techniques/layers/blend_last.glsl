@@ -9,7 +9,8 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D front_image;
 layout(binding = UNIT_INPUT + 3) uniform sampler2D coverage_image;  // of the first layer
 layout(binding = UNIT_INPUT + 4) uniform sampler2D next_coverage_image;
 
-uniform bool is_last;
+uniform bool is_followed;  // somewhere: next_coverage_image says where
+uniform bool ends;         // no other layer follows this one
 uniform float d_min;
 
 #define COVERED
@@ -19,10 +20,10 @@ bool filter_pixel(ivec2 pixel) {
   float depth = texelFetch(depth_image, pixel, 0).x, covered;
   vec4 front = texelFetch(front_image, pixel, 0), color = antialiased(pixel, depth, covered);
   if (color.a > 0.0) {
-    float next = is_last ? 0.0 : texelFetch(next_coverage_image, pixel, 0).x;
+    float next = is_followed ? texelFetch(next_coverage_image, pixel, 0).x : 0.0;
     front += (1.0 - front.a) * mix(1.0, color.a / covered, next) * (color / color.a);
     front.a = min(front.a, 1.0);
   }
-  out_0 = is_last ? front * texelFetch(coverage_image, pixel, 0).x : front;
+  out_0 = ends ? front * texelFetch(coverage_image, pixel, 0).x : front;
   return true;
 }

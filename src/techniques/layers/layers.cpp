@@ -17,6 +17,7 @@
 #include "core/error.h"
 #include "passes/bindings.h"
 #include "passes/fill.h"
+#include "passes/merge.h"
 #include "passes/shade.h"
 #include "techniques/casters.h"
 #include "techniques/layers/opacity.h"
@@ -99,6 +100,8 @@ class Layers final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
 
+  Transparency transparency() const override { return Transparency::layers; }
+
   void cast(GpuCloud& cloud, Progress&) override {
     std::vector<float> list = opacity_list();
     if (cloud.size() == 0) return cloud.set_casters({}, 0, "");
@@ -114,7 +117,7 @@ class Layers final : public Technique {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
     const int last = parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
-    make_textures(view);
+    make_textures(view, frame.behind != nullptr);
     {
       auto timing = frame.timers.scope("clear");
       frame.target.color.clear(vec4(0));
@@ -124,6 +127,7 @@ class Layers final : public Technique {
       limit_.clear(vec4(0));
     }
 
+    if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
     peel_.begin(view, footprint_, cascade_, bin_);
     for (peeled_ = 0; peeled_ < last;) {
       ++peeled_;
@@ -131,9 +135,11 @@ class Layers final : public Technique {
       const bool is_first = peeled_ == std::max(parameters_.show_layer, 1);
       const bool is_filled = n_background_ + n_occluded_ > 0;
       fill(frame, peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
+      if (frame.behind) clip(frame);
       if (knows_last_) {
-        cover(frame, peeled_ == 1 ? coverage_ : next_coverage_);
-        if (peeled_ > 1) blend_last(frame, false);
+        if (peeled_ == 1) cover(frame, depth_, coverage_);
+        if (peeled_ > 1) cover(frame, frame.behind ? next_depth_ : depth_, next_coverage_);
+        if (peeled_ > 1) blend_last(frame, true);
       }
       if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first && frame.wants_normal);
       if (is_shown) smooth(frame);
@@ -147,9 +153,13 @@ class Layers final : public Technique {
       if (!is_open) break;
       frame.progress.check();
     }
-    if (knows_last_) blend_last(frame, true);
+    if (knows_last_) {
+      if (frame.behind) cover(frame, behind_depth_, next_coverage_);
+      blend_last(frame, frame.behind != nullptr, true);
+    }
     auto timing = frame.timers.scope("copy");
     extent.copy(front_, frame.target.color);
+    if (frame.behind) merge_.run(*frame.behind, frame.target, frame.wants_normal);
     return true;
   }
 
@@ -212,8 +222,10 @@ class Layers final : public Technique {
     if (frame.cloud.field_key() != key) frame.cloud.set_field(layers::opacities(scalar, list), key);
   }
 
-  void make_textures(const View& view) {
+  void make_textures(const View& view, bool has_behind) {
     const int w = view.width(), h = view.height();
+    for (gl::Texture* t : {&behind_depth_, &next_depth_})
+      if (has_behind) gl::ensure(*t, "layer depth", GL_R32F, w, h);
     for (gl::Texture* t : {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &cosine_, &coverage_,
                            &next_coverage_})
       gl::ensure(*t, "layer depth", GL_R32F, w, h);
@@ -319,17 +331,25 @@ class Layers final : public Technique {
     return open_.is_set();
   }
 
-  void cover(Frame& frame, const gl::Texture& coverage) {
-    auto timing = frame.timers.scope("blend");
-    if (!cover_) cover_ = ScreenPass("techniques/layers/coverage.glsl", {GL_R32F});
-    cover_.set("d_min", d_min_).set("antialias", parameters_.antialias).run({&depth_}, {&coverage});
+  /// Nothing is seen through what is opaque: layers end there, and another surface follows the last of them.
+  void clip(Frame& frame) {
+    auto timing = frame.timers.scope("fill");
+    if (!clip_) clip_ = ScreenPass("techniques/layers/clip.glsl", {GL_R32F, GL_R32F});
+    clip_.run({&depth_, &behind_depth_}, {&other_depth_, &next_depth_});
+    std::swap(depth_, other_depth_);
   }
 
-  /// Blends the layer that was held back until it was known where another one follows.
-  void blend_last(Frame& frame, bool is_last) {
+  void cover(Frame& frame, const gl::Texture& depth, const gl::Texture& coverage) {
+    auto timing = frame.timers.scope("blend");
+    if (!cover_) cover_ = ScreenPass("techniques/layers/coverage.glsl", {GL_R32F});
+    cover_.set("d_min", d_min_).set("antialias", parameters_.antialias).run({&depth}, {&coverage});
+  }
+
+  /// Blends the layer that was held back until it was known where another one follows (`next_coverage_`).
+  void blend_last(Frame& frame, bool is_followed, bool ends = false) {
     auto timing = frame.timers.scope("blend");
     if (!blend_last_) blend_last_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
-    blend_last_.set("d_min", d_min_).set("antialias", parameters_.antialias).set("is_last", is_last);
+    blend_last_.set("d_min", d_min_).set("antialias", parameters_.antialias).set("is_followed", is_followed).set("ends", ends);
     blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
     std::swap(front_, other_front_);
   }
@@ -345,7 +365,9 @@ class Layers final : public Technique {
   Flag open_;
   Fill fill_;
   std::map<int, ScreenPass> light_;
-  ScreenPass smooth_, advance_[4], cover_, blend_last_;
+  ScreenPass smooth_, advance_[4], cover_, blend_last_, clip_;
+  Merge merge_;
+  gl::Texture behind_depth_, next_depth_;  ///< of scenes with other items
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
   gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
   gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "passes/view.h"
@@ -68,6 +69,16 @@ void ScreenExtent::copy(const gl::Texture& part, const gl::Texture& picture) con
             y1 = std::min(y + part.height(), picture.height());
   if (x1 <= x0 || y1 <= y0) return;
   glCopyImageSubData(part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y, 0, picture.id(), GL_TEXTURE_2D, 0, x0, y0,
+                     0, x1 - x0, y1 - y0, 1);
+}
+
+void ScreenExtent::take(const gl::Texture& picture, gl::Texture& part) const {
+  part.clear(vec4(std::numeric_limits<float>::infinity()));
+  const int x0 = std::max(x, 0), y0 = std::max(y, 0);
+  const int x1 = std::min(x + part.width(), picture.width()),
+            y1 = std::min(y + part.height(), picture.height());
+  if (x1 <= x0 || y1 <= y0) return;
+  glCopyImageSubData(picture.id(), GL_TEXTURE_2D, 0, x0, y0, 0, part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y,
                      0, x1 - x0, y1 - y0, 1);
 }
 

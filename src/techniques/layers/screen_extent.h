@@ -24,6 +24,8 @@ struct ScreenExtent {
   ScreenExtent(const PreparedCloud& prepared, const Camera& picture, float point_size, int reach);
   /// Copies what lies inside the picture.
   void copy(const gl::Texture& part, const gl::Texture& picture) const;
+  /// The other way, depths: infinity in what the picture does not hold.
+  void take(const gl::Texture& picture, gl::Texture& part) const;
 };
 
 }  // namespace sfumato::layers

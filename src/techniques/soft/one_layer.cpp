@@ -63,6 +63,11 @@ void OneLayer::draw(Frame& frame, const View& view, SplatShape shape, const Spla
   auto timing = frame.timers.scope("shade");
   shade_.run(view, frame.settings, frame.light, origin, {front_albedo_, front_depth_, front_normal_}, front_color_);
   shade_.run(view, frame.settings, frame.light, origin, {albedo_, frame.target.depth, frame.target.normal}, behind_color_);
+  if (frame.behind) {
+    std::swap(behind_color_, frame.target.color);
+    merge_.run(*frame.behind, frame.target, frame.wants_normal);
+    std::swap(behind_color_, frame.target.color);
+  }
   if (!over_) over_ = ScreenPass("techniques/soft/layer_over.glsl", {GL_RGBA32F});
   over_.set("opacity", opacity);
   over_.run({&front_color_, &front_depth_, &behind_color_, &frame.target.depth}, {&frame.target.color});

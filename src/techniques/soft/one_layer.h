@@ -3,6 +3,7 @@
 #pragma once
 
 #include "passes/frame.h"
+#include "passes/merge.h"
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
 
@@ -20,6 +21,7 @@ class OneLayer {
   gl::Texture front_albedo_, front_depth_, front_normal_, front_color_;
   gl::Texture nearest_t_, color_sum_, normal_sum_, shadow_sum_, albedo_, behind_color_;
   Shade shade_;
+  Merge merge_;
 };
 
 }  // namespace sfumato::soft

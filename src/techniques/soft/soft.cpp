@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "passes/merge.h"
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
 #include "techniques/casters.h"
@@ -125,6 +126,8 @@ class Soft final : public Technique {
     return parameters_.field.field == "uncertainty" ? drawing | Attribute::uncertainty : drawing;
   }
 
+  Transparency transparency() const override { return Transparency::haze; }
+
   void cast(GpuCloud& cloud, Progress&) override {
     update_field(cloud);
     const float threshold = parameters_.field_threshold.resolve(field_.threshold);
@@ -159,7 +162,7 @@ class Soft final : public Technique {
       solid_.update(frame.cloud, field_.values, shape.field_threshold, p.field.field != "uncertainty", p.clamp_radius,
                     nearby_.size() == field_.values.size() ? &nearby_ : nullptr, frame.progress);
       blend.epsilon = p.epsilon.resolve(2 * solid_.spacing());
-      draw_solid(frame, view, shape, blend);  // Sec. 4, step 2
+      draw_opaque(frame, view, shape, blend);  // Sec. 4, step 2
       if (points_.count() > 0 && opacity > 0) draw_soft(frame, view, shape);
     }
     return true;
@@ -198,6 +201,15 @@ class Soft final : public Technique {
     cloud.set_field(field_.values);
     stamp_ = cloud.field_stamp();
     field_key_ = key;
+  }
+
+  /// The solid points, and what else is opaque in the scene: what soft points are seen before.
+  void draw_opaque(Frame& frame, const View& view, const SplatShape& shape, const SplatBlend& blend) {
+    draw_solid(frame, view, shape, blend);
+    if (!frame.behind) return;
+    auto timing = frame.timers.scope("merge");
+    merge_.run(*frame.behind, frame.target, frame.wants_normal);
+    merge_.limit(view, frame.behind->depth, surface_.nearest_t());
   }
 
   void draw_solid(Frame& frame, const View& view, SplatShape shape, const SplatBlend& blend) {
@@ -271,6 +283,7 @@ class Soft final : public Technique {
   OneLayer one_layer_;
   gl::Texture albedo_, result_;
   Shade shade_;
+  Merge merge_;
 };
 
 }  // namespace

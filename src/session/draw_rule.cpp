@@ -1,0 +1,63 @@
+#include "session/draw_rule.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+
+namespace sfumato {
+
+DrawRule DrawRule::parse(std::string_view text) {
+  DrawRule rule;
+  rule.text = std::string(text);
+  const std::size_t colon = text.find(':');
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorCode::usage, "--draw: '" + rule.text + "': " + why +
+                                      "; write \"SELECTION: TECHNIQUE [name=value ...]\", such as \"classification 3-5: soft "
+                                      "opacity=0.2\"");
+  };
+  if (colon == std::string_view::npos) refuse("there is no colon between selection and technique");
+  rule.selector = Selector::parse(text.substr(0, colon));
+  std::vector<std::string> words;
+  for (std::size_t at = colon + 1; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    if (end > at) words.emplace_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  if (words.empty()) refuse("the technique is missing");
+  rule.technique = find_technique(words[0]).name;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::size_t equals = words[i].find('=');
+    if (equals == std::string::npos) refuse("'" + words[i] + "' is no name=value");
+    rule.parameters.emplace_back(words[i].substr(0, equals), words[i].substr(equals + 1));
+  }
+  // Who selects points for haze has said which ones are soft: all of them, and none more than others.
+  const bool says_which = std::any_of(rule.parameters.begin(), rule.parameters.end(), [](const auto& parameter) {
+    return parameter.first.starts_with("field");
+  });
+  if (rule.technique == "soft" && !says_which)
+    rule.parameters.insert(rule.parameters.begin(),
+                           {{"field", "distance"}, {"field_threshold", "-1"}, {"modulation_threshold", "-1"}});
+  Look look(rule.technique);
+  for (const auto& [name, value] : rule.parameters) look.set(name, value);
+  return rule;
+}
+
+std::unique_ptr<Look> DrawRule::look(const Look& base) const {
+  auto look = std::make_unique<Look>(technique);
+  look->take_over(base, true);
+  for (const auto& [name, value] : parameters) look->set(name, value);
+  return look;
+}
+
+std::vector<std::uint32_t> first_matches(const std::vector<DrawRule>& rules, const PointCloud& cloud) {
+  const std::uint32_t none = std::uint32_t(rules.size());
+  std::vector<std::uint32_t> places(cloud.size(), none);
+  for (std::uint32_t r = 0; r < none; ++r) {
+    const std::vector<bool> chosen = rules[r].selector.matches(cloud);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i] == none && chosen[i]) places[i] = r;
+  }
+  return places;
+}
+
+}  // namespace sfumato
