@@ -1,5 +1,6 @@
 // What people reach for: views, selections, colours, batches, help. Answers are known from the unit cube's
 // geometry.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -358,6 +359,32 @@ TEST_F(ReachTest, FormatsInfoAndDoctor) {
   EXPECT_TRUE(doctor.contains("renderer"));
   const Outcome info = ok({"info", "cube.ply"});
   EXPECT_THAT(info.out, HasSubstr("extent          1 x 1 x 1"));
+}
+
+TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
+  std::filesystem::create_directory(path("elsewhere"));
+  ok({"cube.ply", "cube.ply", "--draw", "file 2 and z 0.5..: points point_size=2", "-t", "splats", "-o", "a.png",
+      "--resolution", "96x72", "--zoom", "1.5", "--shadows", "hard", "--save-scene", "elsewhere/scene.json", "--quiet"});
+  ok({"--scene", "elsewhere/scene.json", "-o", "b.png", "--quiet"});
+  EXPECT_TRUE(std::ranges::equal(read_png("a.png"), read_png("b.png"))) << "the zoom must not count twice";
+
+  // The second cube stands one unit to the right of where it was: the scene is as wide as two.
+  Json scene = Json::parse(text("elsewhere/scene.json"));
+  EXPECT_EQ(scene["files"], Json({"../cube.ply", "../cube.ply"}));
+  scene["files"][1] = {{"file", "../cube.ply"}, {"transform", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
+  scene["options"]["draw"] = "x 1.01..: points";
+  write("elsewhere/moved.json", scene.dump());
+  const Json moved = run_json({"--scene", "elsewhere/moved.json", "-o", "c.png", "--json", "--quiet"});
+  ASSERT_EQ(moved["draw"].size(), 1u);
+  EXPECT_EQ(moved["draw"][0]["technique"], "points");
+  EXPECT_NEAR(moved["draw"][0]["points"].get<double>(), 5 * 30 * 30, 30 * 30) << "five faces of the second cube and more";
+
+  scene["files"][1]["transform"] = {1, 0, 0};
+  write("elsewhere/broken.json", scene.dump());
+  const Outcome broken = run({"--scene", "elsewhere/broken.json", "-o", "d.png"});
+  EXPECT_EQ(broken.code, 2);
+  EXPECT_THAT(broken.err, HasSubstr("transform: 16 numbers"));
+  EXPECT_THAT(run({"cube.ply", "--preset", "elsewhere/scene.json", "-o", "d.png"}).err, HasSubstr("--scene"));
 }
 
 }  // namespace
