@@ -15,6 +15,7 @@
 
 #include "copc/file_writer.h"
 #include "copc/sources.h"
+#include "core/subsample.h"
 
 namespace sfumato::copc {
 namespace {
@@ -259,13 +260,6 @@ class Builder {
     throw Error(ErrorCode::io, output_.string() + text + "free room or write to another disk");
   }
 
-  /// Whether the `i`-th of all points is one of the even subset.
-  bool is_kept(std::uint64_t i) const {
-    if (wanted_ == in_box_) return true;
-    __extension__ using Wide = unsigned __int128;
-    return Wide(i + 1) * wanted_ / in_box_ > Wide(i) * wanted_ / in_box_;
-  }
-
   int levels_for(std::uint64_t points) const {
     int levels = 0;
     if (points <= at_once_) return 0;
@@ -312,6 +306,7 @@ class Builder {
     bins_ = std::make_unique<Spool>(output_.parent_path(), output_,
                                     std::uint64_t(share_of_bins * double(options_.memory)));
     std::atomic<std::uint64_t> kept{0};
+    const Subsample all(in_box_, wanted_);
     io::las::parallel_tasks(readings_.size(), progress_, "reading points", [&](std::size_t i) {
       const Reading& reading = readings_[i];
       const Source& source = *sources_[reading.source];
@@ -328,7 +323,7 @@ class Builder {
           if (!is_wanted(world)) continue;
           for (int axis = 0; axis < 3; ++axis)
             if (!(world[axis] >= low[axis] && world[axis] <= high[axis])) throw FalseBounds{source.name};
-          if (!is_kept(number++)) continue;
+          if (!all.takes(number++)) continue;
           map.convert(record, sorter.next());
           sorter.put();
           ++taken;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/subsample.h"
+
 namespace sfumato {
 
 dvec3 up_vector(UpAxis up) {
@@ -198,15 +200,10 @@ void transform(PointCloud& cloud, const dmat4& world_from_old) {
 
 PointCloud subsample(const PointCloud& cloud, std::size_t max_points) {
   if (cloud.size() <= max_points) return cloud;
-  // One point out of each of max_points equal runs, at a place hashed from the run's number: files come in
-  // scan order, and a fixed stride would alias with the scan lines.
+  const Subsample chosen(cloud.size(), max_points);
   std::vector<std::uint32_t> order;
   order.reserve(max_points);
-  for (std::size_t k = 0; k < max_points; ++k) {
-    const std::size_t first = k * cloud.size() / max_points, last = (k + 1) * cloud.size() / max_points;
-    const std::uint32_t hash = std::uint32_t(k) * 2654435769u >> 8;
-    order.push_back(std::uint32_t(first + hash % (last - first)));
-  }
+  for (std::size_t k = 0; k < max_points; ++k) order.push_back(std::uint32_t(chosen.place(k)));
   return select(cloud, order);
 }
 

@@ -1,8 +1,13 @@
 #include "io/las.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 
+#include "core/subsample.h"
 #include "io/las_points.h"
 #include "io/las_records.h"
 
@@ -14,6 +19,10 @@ namespace {
 // beyond what compresses 64-fold, the cloud grows only as points come out.
 constexpr std::uint64_t trusted_bytes = 16 << 20, trusted_ratio = 64;
 
+bool is_trusted(const InputFile& file, std::uint64_t cloud_bytes) {
+  return cloud_bytes <= std::max(trusted_bytes, trusted_ratio * file.size());
+}
+
 using Stats = PointCollector::Stats;
 
 std::vector<std::uint8_t> first_record(const InputFile& file, const Header& header, std::uint64_t byte) {
@@ -23,27 +32,88 @@ std::vector<std::uint8_t> first_record(const InputFile& file, const Header& head
   return record;
 }
 
-ReadResult read_uncompressed(const InputFile& file, const Header& header, Progress& progress) {
+// Bytes that a cloud may take: three quarters of the machine's memory, or SFUMATO_MEMORY.
+std::uint64_t memory_limit() {
+  if (const char* text = std::getenv("SFUMATO_MEMORY"))
+    if (const unsigned long long bytes = std::strtoull(text, nullptr, 10); bytes > 0) return bytes;
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && size > 0 ? std::uint64_t(pages) * std::uint64_t(size) / 4 * 3 : ~std::uint64_t{0};
+}
+
+/// Which points are kept where all of them are too many for memory.
+class Thinning {
+ public:
+  /// Throws Error(out_of_memory) when the cloud does not fit and nobody asked for fewer points.
+  Thinning(const InputFile& file, const Header& header, std::size_t bytes_per_point, const ReadOptions& options)
+      : total_(header.count), length_(header.record_length) {
+    const std::uint64_t limit = memory_limit(), most = limit / bytes_per_point;
+    // A number of points beyond what so large a file can hold is damage, and found as such where they end.
+    if (total_ <= most || !is_trusted(file, total_ * bytes_per_point)) return;
+    if (options.max_points && *options.max_points <= most) {
+      kept_.emplace(total_, *options.max_points);
+      wanted_ = *options.max_points;
+      return;
+    }
+    char text[160];
+    std::snprintf(text, sizeof text, ": %llu points take about %.3g GB, and %.3g GB are there for them; ",
+                  static_cast<unsigned long long>(total_), double(total_) * double(bytes_per_point) / 1e9, double(limit) / 1e9);
+    throw Error(ErrorCode::out_of_memory,
+                file.path().string() + text + "give them levels (sfumato build IN... -o OUT.copc.laz) or take fewer (--max-points N)");
+  }
+  std::uint64_t points() const { return kept_ ? wanted_ : total_; }
+  /// Points kept of those before `i`.
+  std::uint64_t before(std::uint64_t i) const { return kept_ ? kept_->before(i) : i; }
+  /// Hands those of the records that are kept to the collector; the others are overwritten.
+  void store(PointCollector& points, std::uint64_t first, std::uint8_t* records, std::size_t count, Stats& stats) const {
+    if (!kept_) return points.unpack(first, records, count, stats);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if (kept_->takes(first + i)) std::memmove(records + length_ * kept++, records + length_ * i, length_);
+    points.unpack(before(first), records, kept, stats);
+  }
+  /// What the report says of all points, and where the kept ones lie in the file.
+  void report(ReadResult& result) const {
+    if (!kept_) return;
+    result.report.points = result.report.points_finite = total_;
+    result.cloud.source_index.resize(wanted_);
+    for (std::uint64_t k = 0; k < wanted_; ++k) result.cloud.source_index[k] = std::uint32_t(kept_->place(k));
+    result.report.notes.push_back("all points take more memory than there is: " + std::to_string(wanted_) +
+                                  " are kept while reading, and the statistics are theirs");
+  }
+
+ private:
+  std::uint64_t total_, wanted_ = 0;
+  std::size_t length_;
+  std::optional<Subsample> kept_;
+};
+
+ReadResult read_uncompressed(const InputFile& file, const Header& header, const ReadOptions& options, Progress& progress) {
   PointCollector points(header, first_record(file, header, header.point_data));
-  points.resize(header.count);  // the header check has seen that the file holds them
+  const Thinning thinning(file, header, points.bytes_per_point(), options);
+  points.resize(thinning.points());  // the header check has seen that the file holds them
   const std::size_t block = records_at_a_time(header.record_length), blocks = (header.count + block - 1) / block;
   std::vector<Stats> stats(blocks, points.empty_stats());
   parallel_tasks(blocks, progress, "reading points", [&](std::size_t i) {
     const std::size_t first = i * block, count = std::min<std::size_t>(block, header.count - first);
     std::vector<std::uint8_t> records(count * header.record_length);
     file.read(header.point_data + first * header.record_length, records.data(), records.size());
-    points.unpack(first, records.data(), count, stats[i]);
+    thinning.store(points, first, records.data(), count, stats[i]);
   });
-  return points.finish(stats, progress);
+  ReadResult result = points.finish(stats, progress);
+  thinning.report(result);
+  return result;
 }
 
 ReadResult read_chunks(const InputFile& file, const Header& header, const LazLayout& layout,
-                       const std::vector<LazChunk>& chunks, Progress& progress,
+                       const std::vector<LazChunk>& chunks, const ReadOptions& options, Progress& progress,
                        std::vector<std::string>* damage = nullptr) {  // when given: a place for each chunk's error
   PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
-  const std::uint64_t total = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
-  const bool is_trusted = total * points.bytes_per_point() <= std::max(trusted_bytes, trusted_ratio * file.size());
-  if (is_trusted) points.resize(total);
+  Header counted = header;  // of the chunks that are read
+  counted.count = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
+  const Thinning thinning(file, counted, points.bytes_per_point(), options);
+  const std::uint64_t total = thinning.points();
+  const bool grows = !is_trusted(file, total * points.bytes_per_point());
+  if (!grows) points.resize(total);
   std::vector<Stats> stats(chunks.size(), points.empty_stats());
   const auto decode_all = [&](std::size_t i) {
     const LazChunk& chunk = chunks[i];
@@ -54,8 +124,8 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
       const std::size_t count = std::min<std::size_t>(records_at_a_time(layout.record_length), chunk.count - done);
       records.resize(count * layout.record_length);
       decoder.decode(records.data(), count);
-      if (!is_trusted) points.resize(chunk.first + done + count);
-      points.unpack(chunk.first + done, records.data(), count, stats[i]);
+      if (grows) points.resize(thinning.before(chunk.first + done + count));
+      thinning.store(points, chunk.first + done, records.data(), count, stats[i]);
       done += count;
     }
   };
@@ -67,17 +137,20 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
       (*damage)[i] = error.what();
     }
   };
-  if (is_trusted)
+  if (!grows)
     parallel_tasks(chunks.size(), progress, "decoding points", decode);
   else  // one after the other, as the cloud grows
     for (std::size_t i = 0; i < chunks.size(); ++i) decode(i);
-  return points.finish(stats, progress);
+  ReadResult result = points.finish(stats, progress);
+  thinning.report(result);
+  return result;
 }
 
 // One decoder from the first point to the last.
 ReadResult read_run(const InputFile& file, const Header& header, const LazLayout& layout, const LazChunk& run,
-                    Progress& progress) {
+                    const ReadOptions& options, Progress& progress) {
   PointCollector points(header, first_record(file, header, run.byte));
+  const Thinning thinning(file, header, points.bytes_per_point(), options);
   LazDecoder decoder(file, layout, run, true);
   Stats stats = points.empty_stats();
   const std::size_t block = records_at_a_time(header.record_length);
@@ -86,18 +159,20 @@ ReadResult read_run(const InputFile& file, const Header& header, const LazLayout
     progress.check();
     const std::size_t count = std::min<std::uint64_t>(block, header.count - done);
     decoder.decode(records.data(), count);
-    points.resize(done + count);
-    points.unpack(done, records.data(), count, stats);
+    points.resize(thinning.before(done + count));
+    thinning.store(points, done, records.data(), count, stats);
     done += count;
     progress.update(double(done) / double(header.count), "decoding points");
   }
-  return points.finish({stats}, progress);
+  ReadResult result = points.finish({stats}, progress);
+  thinning.report(result);
+  return result;
 }
 
-ReadResult read_compressed(const InputFile& file, const Header& header, Progress& progress) {
+ReadResult read_compressed(const InputFile& file, const Header& header, const ReadOptions& options, Progress& progress) {
   const LazChunks found = find_chunks(file, header);
-  ReadResult result = found.is_run ? read_run(file, header, found.layout, found.chunks.front(), progress)
-                                   : read_chunks(file, header, found.layout, found.chunks, progress);
+  ReadResult result = found.is_run ? read_run(file, header, found.layout, found.chunks.front(), options, progress)
+                                   : read_chunks(file, header, found.layout, found.chunks, options, progress);
   if (!found.note.empty()) result.report.notes.push_back(found.note);
   return result;
 }
@@ -121,8 +196,8 @@ bool is_copc(std::string_view head) {
 ReadResult read_las(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
-  ReadResult result = header.compressed ? las::read_compressed(file, header, progress)
-                                        : las::read_uncompressed(file, header, progress);
+  ReadResult result = header.compressed ? las::read_compressed(file, header, options, progress)
+                                        : las::read_uncompressed(file, header, options, progress);
   // Columns of nothing but zeros were left out to save memory; a format that is not LAS would not know of them.
   for (const auto& [name, type] :
        {std::pair("user_data", StoredType::uint8), std::pair("point_source_id", StoredType::uint16)})
@@ -143,7 +218,7 @@ ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<
     std::uint64_t first = 0;
     for (las::LazChunk& chunk : wanted) chunk.first = first, first += chunk.count;
     std::vector<std::string> errors(wanted.size());
-    ReadResult result = las::read_chunks(file, header, layout, wanted, progress, &errors);
+    ReadResult result = las::read_chunks(file, header, layout, wanted, {}, progress, &errors);
     std::vector<las::LazChunk> whole;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (errors[i].empty()) whole.push_back(wanted[i]);

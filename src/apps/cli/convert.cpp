@@ -41,6 +41,9 @@ int convert_command(const Words& words) {
                 std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
                     "; usage: sfumato convert IN... -o OUT");
   input.check();
+  if (output.ends_with(".copc.laz"))
+    throw Error(ErrorCode::usage, "-o " + output + ": levels are built by sfumato build IN... -o " + output +
+                                      "; convert writes a .laz without .copc");
   if (!io::can_write(output))
     throw Error(ErrorCode::usage, "-o " + output + ": clouds are written as " + written_extensions());
 

@@ -222,6 +222,8 @@ TEST_F(CopcBuild, CutsABoxAndANumberWhileReading) {
   options.box.reset();
   EXPECT_EQ(build({input}, options).points, 1000u);
   validated();
+  // The points that --max-points takes elsewhere.
+  EXPECT_TRUE(rows(io::read(path("out.copc.laz")).cloud) == rows(subsample(io::read(input).cloud, 1000)));
   options.max_points = 1'000'000;
   EXPECT_EQ(build({input}, options).points, 100'000u);
 
