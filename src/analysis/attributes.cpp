@@ -24,6 +24,9 @@ namespace {
 /// takes longer but does not fill the memory.
 constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
 
+/// In median radii: the largest disc in clutter, before it shrinks.
+constexpr float most_in_clutter = 1.5f;
+
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
 
@@ -125,8 +128,13 @@ class Completion {
     prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        prepared_.shrunk[i] = std::max(options_.clutter_radius, std::min(std::lerp(options_.clutter_radius, 1.0f, surface[i]), narrow[i]));
-        radii[i] *= prepared_.shrunk[i];
+        const float least = options_.clutter_radius;
+        float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, surface[i]), narrow[i]));
+        // A stray point is as far from its neighbours as they are from anything, which is no size.
+        const float stray = most_in_clutter * prepared_.median_radius / radii[i];
+        if (stray < 1) shrunk *= std::lerp(stray, 1.0f, surface[i]);
+        prepared_.shrunk[i] = shrunk;
+        radii[i] *= shrunk;
       }
     });
   }

@@ -8,9 +8,9 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr std::size_t sample_size = 200'000;
-constexpr int cells = 48, layers = 40;
+constexpr int most_cells = 48, layers = 40;
 /// The share of all columns with points that have a floor and a ceiling with open space between, and of those pairs of
-/// them four cells apart that agree on the heights of both.
+/// them a twelfth of the room apart that agree on the heights of both.
 constexpr double roofed_least = 0.3, level_least = 0.6;
 /// Walls are sought among what is neither furniture nor lintel.
 constexpr double wall_low = 0.35, wall_high = 0.75;
@@ -29,16 +29,18 @@ class Plan {
     const bool down = int(cloud.up) % 2 == 1;
     box_ = robust_bounds(cloud, 0.005, 0.995);
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + sample_size - 1) / sample_size);
+    // Enough points in each column to see floor, ceiling and what is between.
+    cells_ = std::clamp(int(std::sqrt(double(std::min(cloud.size(), sample_size))) / 8), 12, most_cells);
     const double wide = std::max({box_.size()[u_], box_.size()[v_], 1e-300}), high = std::max(box_.size()[up_], 1e-300);
-    std::vector<std::array<unsigned char, layers>> counts(std::size_t(cells) * cells);
+    std::vector<std::array<unsigned char, layers>> counts(std::size_t(cells_ * cells_));
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
       const dvec3 p = cloud.world(i);
       points_.push_back(p);
-      const double x = (p[u_] - box_.min[u_]) / wide * cells, y = (p[v_] - box_.min[v_]) / wide * cells;
+      const double x = (p[u_] - box_.min[u_]) / wide * cells_, y = (p[v_] - box_.min[v_]) / wide * cells_;
       const double z = (down ? box_.max[up_] - p[up_] : p[up_] - box_.min[up_]) / high;
       heights_.push_back(z);
-      if (!(x >= 0 && y >= 0 && x < cells && y < cells)) continue;
-      unsigned char& count = counts[std::size_t(int(x) * cells + int(y))][std::size_t(std::clamp(int(z * layers), 0, layers - 1))];
+      if (!(x >= 0 && y >= 0 && x < cells_ && y < cells_)) continue;
+      unsigned char& count = counts[std::size_t(int(x) * cells_ + int(y))][std::size_t(std::clamp(int(z * layers), 0, layers - 1))];
       count = static_cast<unsigned char>(std::min(255, count + 1));
     }
     columns_.resize(counts.size());
@@ -55,20 +57,21 @@ class Plan {
 
   bool is_room() const {
     int occupied = 0, roofed = 0, furnished = 0, pairs = 0, level = 0;
-    for (int x = 0; x < cells; ++x)
-      for (int y = 0; y < cells; ++y) {
+    const int apart = cells_ / 12;
+    for (int x = 0; x < cells_; ++x)
+      for (int y = 0; y < cells_; ++y) {
         const Column& column = at(x, y);
         occupied += column.high >= 0;
         if (!column.is_roofed) continue;
         ++roofed, furnished += column.between > 0 && is_amid(x, y);
-        for (const auto& [dx, dy] : {std::pair(4, 0), {0, 4}}) {
-          if (x + dx >= cells || y + dy >= cells || !at(x + dx, y + dy).is_roofed) continue;
+        for (const auto& [dx, dy] : {std::pair(apart, 0), {0, apart}}) {
+          if (x + dx >= cells_ || y + dy >= cells_ || !at(x + dx, y + dy).is_roofed) continue;
           const Column& other = at(x + dx, y + dy);
           ++pairs;
           level += std::abs(column.high - other.high) <= 1 && std::abs(column.low - other.low) <= 1;
         }
       }
-    return roofed >= roofed_least * occupied && roofed >= 64 && furnished >= 0.02 * roofed && level >= level_least * pairs;
+    return roofed >= roofed_least * occupied && 36 * roofed >= cells_ * cells_ && furnished >= 0.02 * roofed && level >= level_least * pairs;
   }
 
   Room room(const dvec3& up) const {
@@ -87,12 +90,12 @@ class Plan {
   }
 
  private:
-  const Column& at(int x, int y) const { return columns_[std::size_t(x * cells + y)]; }
+  const Column& at(int x, int y) const { return columns_[std::size_t(x * cells_ + y)]; }
 
   /// Not at a wall, whose points are no furniture.
   bool is_amid(int x, int y) const {
-    constexpr int away = 3;
-    if (x < away || y < away || x >= cells - away || y >= cells - away) return false;
+    const int away = std::max(1, cells_ / 16);
+    if (x < away || y < away || x >= cells_ - away || y >= cells_ - away) return false;
     return at(x - away, y).is_roofed && at(x + away, y).is_roofed && at(x, y - away).is_roofed && at(x, y + away).is_roofed;
   }
 
@@ -141,15 +144,21 @@ class Plan {
       const std::vector<double> counts = histogram(walls, out, low, high, wall_bins);
       for (int k = wall_bins - 1; k >= int((1 - wall_reach) * wall_bins); --k) {
         // A wall may lie across the border of two bins.
-        const double here = counts[std::size_t(k)] + counts[std::size_t(k - 1)];
-        if (here < wall_share * double(walls.size())) continue;
-        room.outside.push_back({out, -(low + (k - 1.5) * bin)});
+        const auto here = [&](int place) { return counts[std::size_t(place)] + counts[std::size_t(place - 1)]; };
+        if (here(k) < wall_share * double(walls.size())) continue;
+        // Through all of the wall, which noise makes thick.
+        int peak = k;
+        for (int inner = k; inner > std::max(1, k - 6); --inner)
+          if (here(inner) > here(peak)) peak = inner;
+        int end = peak;
+        while (end > std::max(1, peak - 6) && here(end) > 0.3 * here(peak)) --end;
+        room.outside.push_back({out, -(low + end * bin)});
         break;
       }
     }
   }
 
-  int up_, u_, v_;
+  int up_, u_, v_, cells_ = most_cells;
   Bounds box_;
   std::vector<dvec3> points_;
   std::vector<double> heights_;  ///< 0 to 1 of the box

@@ -20,6 +20,9 @@ constexpr float flat_scatter = 0.05f, rough_scatter = 0.18f;
 /// The share of neighbours within a tenth of the neighbourhood's radius from the plane through the point: 0.75 for one
 /// of two sheets two spacings apart, 0.3 in a ball.
 constexpr float sheet_layer = 0.1f, sheet_low = 0.5f, sheet_high = 0.7f;
+/// How far the middle of the neighbours is from the point, over the farthest one's distance: 0.42 at the border of a
+/// surface, 0.6 at a corner of it; nearly 1 for a stray point, whose neighbours all lie on something else.
+constexpr float aside_low = 0.65f, aside_high = 0.85f;
 /// The share of flat neighbourhoods in a region: 0.7 around an edge, 0.2 in a forest. Where it is high everything is a
 /// surface; where it is low nothing is, for one in five neighbourhoods of leaves is flat by chance, and their discs
 /// would make the crown; between, each point speaks for itself.
@@ -68,6 +71,11 @@ Scale::Layer layer_of(std::span<const vec3> positions, std::uint32_t center, std
           std::max(layer_deviations * 1.48f * *middle, layer_bend * reach)};
 }
 
+float belongs(const vec3& position, const Scale::Layer& layer) {
+  const float off = std::abs(glm::dot(position, layer.normal) - layer.offset);
+  return 1 - smooth_step(0.7f, 1.3f, off / layer.thickness);
+}
+
 /// `surroundings`: a place is on a surface where those around it are.
 Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::vector<float>& flatness, int neighbors,
             bool surroundings, Progress& progress) {
@@ -107,18 +115,21 @@ Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::ve
       }
     });
   };
-  std::vector<float> agreed, region;
+  std::vector<float> agreed, region, within;
   mean(agreed, [&](std::size_t i, std::uint32_t j) {
     const float turn = std::abs(glm::dot(scale.layers[i].normal, scale.layers[j].normal));
     return own[j] * smooth_step(agree_low, agree_high, turn);
   });
   for (std::size_t i = 0; i < count; ++i) own[i] *= smooth_step(sole_low, sole_high, agreed[i]);
   mean(region, [&](std::size_t, std::uint32_t j) { return own[j]; });
+  mean(within, [&](std::size_t i, std::uint32_t j) { return own[j] * belongs(scale.positions[i], scale.layers[j]); });
   scale.trust.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     scale.trust[i] = smooth_step(chance_low, chance_high, region[i]);
-    scale.surface[i] *= scale.trust[i];
-    if (surroundings) scale.surface[i] = std::max(scale.surface[i], smooth_step(region_low, region_high, region[i]));
+    const float member = smooth_step(sole_low, sole_high, within[i]);
+    scale.surface[i] *= scale.trust[i] * member;
+    const float lifted = smooth_step(region_low, region_high, region[i]) * member;
+    if (surroundings) scale.surface[i] = std::max(scale.surface[i], lifted);
   }
   return scale;
 }
@@ -141,13 +152,18 @@ std::size_t place_near(const Scale& scale, const vec3& position, std::size_t i) 
 float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
                   const LocalFrame& frame, float reach) {
   if (!(frame.variance.z > 0)) return 1;
+  vec3 middle(0);
+  for (std::uint32_t j : neighbors) middle += positions[j] - positions[point];
+  const float aside = glm::length(middle) / (float(neighbors.size()) * reach);
+  if (aside >= aside_high) return 0;
+  const float among = 1 - smooth_step(aside_low, aside_high, aside);
   const float wide = std::sqrt(frame.variance.y * frame.variance.z);
   const float flat = wide > 0 ? 1 - smooth_step(flat_scatter, rough_scatter, frame.variance.x / wide) : 1;
-  if (flat >= 1) return 1;
+  if (flat >= 1) return among;
   std::size_t inside = 0;
   for (std::uint32_t j : neighbors)
     inside += std::abs(glm::dot(positions[j] - positions[point], frame.normal)) < sheet_layer * reach;
-  return std::max(flat, smooth_step(sheet_low, sheet_high, float(inside) / float(neighbors.size())));
+  return among * std::max(flat, smooth_step(sheet_low, sheet_high, float(inside) / float(neighbors.size())));
 }
 
 std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
@@ -168,9 +184,7 @@ std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vecto
         // At an edge the next place may be of the other side.
         const std::size_t own = std::min(i / scale.every, scale.positions.size() - 1);
         for (std::size_t j = own - std::min<std::size_t>(own, 1); j < std::min(own + 2, scale.positions.size()); ++j) {
-          const Scale::Layer& layer = scale.layers[j];
-          const float off = std::abs(glm::dot(positions[i], layer.normal) - layer.offset);
-          around = std::max(around, scale.surface[j] * (1 - smooth_step(0.7f, 1.3f, off / layer.thickness)));
+          around = std::max(around, scale.surface[j] * belongs(positions[i], scale.layers[j]));
         }
       }
       flatness[i] = std::max(flatness[i], around);

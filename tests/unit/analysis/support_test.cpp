@@ -134,6 +134,24 @@ TEST(Support, FoliageShrinksAndTheGroundDoesNot) {
   }
 }
 
+TEST(Support, StraysAreNoDiscs) {
+  // 200 stray points over a plane of 40,000: each is many spacings from anything.
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<vec3> points(40'200);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = {200 * unit(random), 200 * unit(random), i < 200 ? 20 + 100 * unit(random) : 0};
+  const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});
+  std::size_t large = 0, small_on_plane = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool stray = prepared.cloud.source_index[i] < 200;
+    large += stray && prepared.cloud.radii[i] > prepared.median_radius;
+    small_on_plane += !stray && prepared.cloud.radii[i] < 0.5f * prepared.median_radius;
+  }
+  EXPECT_LT(large, 30u) << "of 200";
+  EXPECT_LT(small_on_plane, 40u) << "of 40,000";
+}
+
 TEST(Support, WhatFileBroughtIsKept) {
   PointCloud cloud = cloud_of(uniform_cube(5000));
   cloud.radii.assign(cloud.size(), 0.01f);
