@@ -34,6 +34,7 @@ std::vector<LevelFacts> levels_of(const Tree& tree) {
 }
 
 bool is_tree(const std::filesystem::path& file) {
+  if (io::is_standard_input(file)) return false;  // which can be read once only
   try {
     return io::is_copc(io::File(file).read_text(0, 512));
   } catch (const Error&) {

@@ -42,7 +42,7 @@ struct LevelFacts {
 /// From the root down.
 std::vector<LevelFacts> levels_of(const Tree& tree);
 
-/// Whether the file is COPC, by its first bytes. False when it cannot be opened.
+/// Whether the file is COPC, by its first bytes. False when it cannot be opened, and for standard input.
 bool is_tree(const std::filesystem::path& file);
 
 /// Reads header and hierarchy. Throws Error(bad_input) when they are damaged.

@@ -1,5 +1,6 @@
 // sfumato build, as a user runs it.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 #include "cli/command.h"
@@ -157,6 +158,13 @@ TEST_F(Levels, LeavesDamagedNodesOutAndSaysSo) {
   EXPECT_EQ(outcome.code, 3) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("it is left out"));
   EXPECT_TRUE(exists("a.png"));
+}
+
+TEST_F(Levels, StandardInputIsReadWhole) {
+  const std::string command = std::string("cat '") + path("scan.copc.laz").string() + "' | '" SFUMATO_BINARY
+                              "' - -t points --max-points 100k --resolution 64x48 --quiet -o '" + path("piped.png").string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_TRUE(exists("piped.png"));
 }
 
 TEST_F(Levels, GoWithPathsBoxesAndSeveralFiles) {
