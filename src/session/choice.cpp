@@ -14,7 +14,7 @@ Choice::Choice(const std::string& names) {
     const auto add = [&](const TechniqueInfo& info, bool candidate) {
       techniques.push_back(std::make_unique<ChosenTechnique>(info));
       techniques.back()->place = count;
-      techniques.back()->candidate = candidate;
+      techniques.back()->candidate = techniques.back()->of_auto = candidate;
     };
     if (name == automatic_technique)
       for (const TechniqueInfo& info : all_techniques()) add(info, true);
@@ -61,7 +61,19 @@ void Choice::settle(const TechniqueChoice& found) {
       if (one.get() == best) kept.push_back(std::move(one));
     std::erase(techniques, nullptr);
   }
+  passed_over = std::move(techniques);
   techniques = std::move(kept);
+}
+
+void Choice::reopen() {
+  for (auto& one : passed_over) techniques.push_back(std::move(one));
+  passed_over.clear();
+  for (auto& one : techniques) one->candidate = one->of_auto;
+  const std::vector<TechniqueInfo>& all = all_techniques();
+  const auto rank = [&](const ChosenTechnique& one) {
+    return std::pair(one.place, std::find_if(all.begin(), all.end(), [&](const auto& info) { return info.name == one.name; }));
+  };
+  std::sort(techniques.begin(), techniques.end(), [&](const auto& a, const auto& b) { return rank(*a) < rank(*b); });
 }
 
 std::vector<const Look*> Choice::looks() const {

@@ -2,6 +2,7 @@
 // geometry.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 
 #include "cli/command.h"
@@ -227,6 +228,15 @@ TEST_F(ReachTest, EachFileIsAPictureAndABadOneDoesNotStopTheRest) {
       << "of one file it is what it always is";
 }
 
+TEST_F(ReachTest, EachFileHasTheTechniqueThatSuitsIt) {
+  write_cube("few.ply", 5);  // 150 points: too few for normals
+  ok({"synth", "spheres", "--points", "20000", "-o", "many.ply", "--quiet"});
+  const std::string told = ok({"few.ply", "many.ply", "few.ply", "--each", "-o", "{stem}_{n}.png", "--resolution", "32x24"}).err;
+  const std::size_t first = told.find("technique: points"), second = told.find("technique: splats");
+  EXPECT_LT(first, second) << told;
+  EXPECT_NE(told.find("technique: points", second), std::string::npos) << told;
+}
+
 TEST_F(ReachTest, StandardInputAndOutput) {
   const std::string sfumato = SFUMATO_BINARY, folder = path("").string();
   const std::string line = "cd '" + folder + "' && '" + sfumato +
@@ -348,6 +358,15 @@ TEST_F(ReachTest, OneListOfOptionsFeedsHelpManualAndCompletions) {
       path("list.txt").string() + "'";
   ASSERT_EQ(std::system(list.c_str()), 0);
   EXPECT_THAT(text("list.txt"), HasSubstr("--view"));
+  // Other shells read theirs where they are installed.
+  for (const char* shell : {"zsh", "fish"}) {
+    if (std::system((std::string("command -v ") + shell + " > /dev/null").c_str()) != 0) {
+      std::printf("skipped: %s is not installed, which would read its completion\n", shell);
+      continue;
+    }
+    EXPECT_EQ(std::system((std::string(shell) + " -n '" + path(std::string("completion.") + shell).string() + "'").c_str()), 0)
+        << shell;
+  }
   EXPECT_THAT(manual, HasSubstr("crop\\-relative"));
   EXPECT_THAT(all, HasSubstr("--crop-relative"));
 }

@@ -224,6 +224,7 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
       box = bounds(sight.scene.cloud);
       camera = sight.camera;
       if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
+      choice.reopen();  // what suits one scan need not suit the next
       studio->set_scene(std::move(sight.scene), std::move(sight.pose));
       watch.lap("prepare");
       studio->shoot(camera, int(n), watch);

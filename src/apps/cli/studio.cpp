@@ -47,7 +47,8 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
 
 // What techniques hold on the GPU goes before its context does.
 Studio::~Studio() {
-  for (const auto& chosen : choice_.techniques) chosen->technique.reset();
+  for (const auto* each : {&choice_.techniques, &choice_.passed_over})
+    for (const auto& chosen : *each) chosen->technique.reset();
 }
 
 void Studio::set_scene(scene::Scene scene, Pose pose) {
