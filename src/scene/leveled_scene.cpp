@@ -1,9 +1,9 @@
-// Scenes of COPC files that are read by their levels.
+#include "scene/leveled_scene.h"
+
 #include <algorithm>
 
 #include "core/error.h"
 #include "scene/assemble.h"
-#include "scene/scene.h"
 
 namespace sfumato::scene {
 namespace {
@@ -67,7 +67,9 @@ Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progres
   };
   Scene scene = assemble(files_, options_, read_one, true);
   scene.damage = std::move(damage);
-  scene.levels = selection;
+  scene.levels = {selection.points,     selection.points_needed, selection.points_in_files,
+                  selection.nodes_read, selection.nodes_needed,  selection.nodes_in_files,
+                  selection.widest_px};
   return scene;
 }
 

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "copc/select.h"
 #include "core/selection.h"
 #include "io/io.h"
 
@@ -24,6 +23,14 @@ struct SceneOptions {
   std::optional<UpAxis> up;  ///< wins over what the files say
 };
 
+/// What was read of files with levels.
+struct LevelsReport {
+  std::uint64_t points = 0, points_needed = 0, points_in_files = 0;  ///< needed: by the view, without a budget
+  std::size_t nodes = 0, nodes_needed = 0, nodes_in_files = 0;
+  double widest_px = 0;  ///< the widest spacing in pixels that the budget left; 0 when it left nothing out
+  bool is_complete() const { return points == points_needed; }
+};
+
 struct Scene {
   PointCloud cloud;
   std::vector<io::ReadReport> files;
@@ -31,7 +38,7 @@ struct Scene {
   SelectionReport selected;
   std::vector<std::string> notes;       ///< of readers ("FILE: ..."), of putting together and of selecting
   std::vector<std::string> damage;      ///< parts of files that could not be read and are left out, one line each
-  std::optional<copc::NodeSelection> levels;  ///< of a scene that was read by its levels
+  std::optional<LevelsReport> levels;  ///< of a scene that was read by its levels (scene/leveled_scene.h)
   std::vector<std::string> file_names;  ///< without folders; of several files the scalar `file` counts from 1
 };
 
@@ -45,32 +52,6 @@ Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& option
                  Progress& progress = no_progress());
 Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options,
                  Progress& progress = no_progress());
-
-/// COPC files with more points than are read at once: seen from afar first, then as far as a view needs.
-class LeveledScene {
- public:
-  /// Nothing unless all files are COPC, stand where their points say and have more points together than `read.max_points` and `memory` allow.
-  static std::optional<LeveledScene> open(const std::vector<SceneFile>& files, const SceneOptions& options,
-                                          std::uint64_t memory);
-
-  /// The coarse levels: from where to look follows from them.
-  Scene overview(Progress& progress = no_progress()) const;
-  /// What the views need, within the budget. `has_shadows`: what is out of view counts too, coarsely.
-  Scene read(std::span<const copc::View> views, bool has_shadows, Progress& progress = no_progress()) const;
-
- private:
-  Scene read(const copc::NodeSelection& selection, Progress& progress) const;
-
-  std::vector<SceneFile> files_;
-  std::vector<copc::Tree> trees_;
-  SceneOptions options_;
-  std::uint64_t budget_ = 0;
-};
-
-/// What a point takes in memory from file to picture, for most techniques.
-inline constexpr std::uint64_t memory_of_point = 100;
-/// What the points of COPC files may take unless the user says so; the others are read whole.
-inline constexpr std::uint64_t default_memory = 4'000'000'000;
 
 /// The files that words name: folders (every file in them that can be read, by name), patterns with * ? [ ]
 /// when no file has that very name, and names as they are. Throws Error(io) when a folder or a pattern names

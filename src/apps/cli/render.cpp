@@ -14,6 +14,7 @@
 #include "passes/shadows.h"
 #include "render_options.h"
 #include "report.h"
+#include "scene/leveled_scene.h"
 #include "session/preset.h"
 #include "studio.h"
 
@@ -34,9 +35,9 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
   report.is_partial |= !scene.damage.empty();
   if ((report.levels = scene.levels)) {
-    const copc::NodeSelection& levels = *scene.levels;
+    const scene::LevelsReport& levels = *scene.levels;
     console.tell(fmt::format("levels: read {} of {} points, {} of {} nodes", levels.points, levels.points_in_files,
-                             levels.nodes_read, levels.nodes_in_files));
+                             levels.nodes, levels.nodes_in_files));
     if (!levels.is_complete())
       console.say(fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
                               "--memory or --max-points are used up",

@@ -12,6 +12,7 @@
 #include "core/coloring.h"
 #include "input_options.h"
 #include "parameters.h"
+#include "scene/leveled_scene.h"
 #include "session/draw_rule.h"
 
 namespace sfumato::cli {

@@ -154,10 +154,10 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["points_left_out"] = report.points_left_out;
   json["points_rendered"] = report.points_rendered;
   if (report.levels) {
-    const copc::NodeSelection& levels = *report.levels;
+    const scene::LevelsReport& levels = *report.levels;
     json["levels"] = {{"points_in_files", levels.points_in_files}, {"points_needed", levels.points_needed},
                       {"points_read", levels.points},              {"nodes_in_files", levels.nodes_in_files},
-                      {"nodes_needed", levels.nodes_needed},       {"nodes_read", levels.nodes_read},
+                      {"nodes_needed", levels.nodes_needed},       {"nodes_read", levels.nodes},
                       {"widest_spacing_px", levels.widest_px}};
   }
   std::uint64_t drawn = 0;

@@ -5,9 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "copc/select.h"
+#include "copc/tree.h"
 #include "io/io.h"
 #include "parameters.h"
+#include "scene/scene.h"
 #include "techniques/renderer.h"
 
 namespace sfumato::cli {
@@ -38,7 +39,7 @@ struct RenderReport {
   vec3 background{1};
   bool cutaway = false;       ///< a room is drawn without the walls before it
   std::string up, up_reason;  ///< the axis and why it is that one
-  std::optional<copc::NodeSelection> levels;  ///< of the last scene that was read by its levels
+  std::optional<scene::LevelsReport> levels;  ///< of the last scene that was read by its levels
   bool is_partial = false;                    ///< parts of files were damaged and left out
   int frames = 1;
   struct Draw {

@@ -1,0 +1,41 @@
+// Scenes of COPC files that are read by their levels.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "copc/select.h"
+#include "scene/scene.h"
+
+namespace sfumato::scene {
+
+/// COPC files with more points than are read at once: seen from afar first, then as far as a view needs.
+class LeveledScene {
+ public:
+  /// Nothing unless all files are COPC, stand where their points say and have more points together than
+  /// `read.max_points` and `memory` allow.
+  static std::optional<LeveledScene> open(const std::vector<SceneFile>& files, const SceneOptions& options,
+                                          std::uint64_t memory);
+
+  /// The coarse levels: from where to look follows from them.
+  Scene overview(Progress& progress = no_progress()) const;
+  /// What the views need, within the budget. `has_shadows`: what is out of view counts too, coarsely.
+  Scene read(std::span<const copc::View> views, bool has_shadows, Progress& progress = no_progress()) const;
+
+ private:
+  Scene read(const copc::NodeSelection& selection, Progress& progress) const;
+
+  std::vector<SceneFile> files_;
+  std::vector<copc::Tree> trees_;
+  SceneOptions options_;
+  std::uint64_t budget_ = 0;
+};
+
+/// What a point takes in memory from file to picture, for most techniques.
+inline constexpr std::uint64_t memory_of_point = 100;
+/// What the points of COPC files may take unless the user says so; the others are read whole.
+inline constexpr std::uint64_t default_memory = 4'000'000'000;
+
+}  // namespace sfumato::scene
