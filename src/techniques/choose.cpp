@@ -29,7 +29,7 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
   if (survey.line_share >= lined)
     return choice("points", "lines of a scanner: " + percent(survey.line_share) + " of the points lie on one");
   if (survey.surface_share < cluttered)
-    return choice("splats", "vegetation: " + percent(1 - survey.surface_share) + " of the points lie on no surface");
+    return choice("splats", "vegetation or other clutter: " + percent(1 - survey.surface_share) + " of the points lie on no surface");
   if (!prepared.views.grids.empty())
     return choice("splats", "a camera's depth picture: " + percent(survey.surface_share) + " of the points lie on surfaces");
   return choice("splats", "surfaces: " + percent(survey.surface_share) + " of the points lie on one");
