@@ -7,6 +7,8 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -60,9 +62,23 @@ struct Context::Egl {
   void close();
 };
 
+/// A display is one for the whole process: contexts of other threads need it until the last of them has gone.
+struct DisplayUses {
+  std::mutex mutex;
+  std::map<EGLDisplay, int> count;
+};
+static DisplayUses& display_uses() {
+  static DisplayUses uses;
+  return uses;
+}
+
 /// Makes a context of this display current; false, and a reason, when it cannot do what we need.
 bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
-  if (!eglInitialize(candidate, nullptr, nullptr)) return false;
+  {
+    const std::lock_guard lock(display_uses().mutex);
+    if (!eglInitialize(candidate, nullptr, nullptr)) return false;
+    ++display_uses().count[candidate];
+  }
   display = candidate;
   auto refuse = [&](const char* reason) {
     lacks = reason;
@@ -89,7 +105,10 @@ void Context::Egl::close() {
   if (display == EGL_NO_DISPLAY) return;
   eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
-  eglTerminate(display);
+  {
+    const std::lock_guard lock(display_uses().mutex);
+    if (--display_uses().count[display] == 0) eglTerminate(display);
+  }
   display = EGL_NO_DISPLAY;
   context = EGL_NO_CONTEXT;
 }

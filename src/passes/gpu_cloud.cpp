@@ -1,6 +1,7 @@
 #include "passes/gpu_cloud.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -169,7 +170,7 @@ void GpuCloud::set_colors(std::vector<Rgba8> colors) {
 
 void GpuCloud::set_field(std::span<const float> values, std::string key) {
   field_key_ = std::move(key);
-  static std::uint64_t stamps = 0;
+  static std::atomic<std::uint64_t> stamps = 0;
   field_stamp_ = ++stamps;
   for (Chunk& chunk : chunks_)
     chunk.field = gl::TextureBuffer("field", GL_R32F, values.subspan(chunk.first, chunk.count));
@@ -177,7 +178,7 @@ void GpuCloud::set_field(std::span<const float> values, std::string key) {
 
 void GpuCloud::set_casters(std::span<const float> opacity, float see_through_spacing, std::string key) {
   casters_key_ = std::move(key);
-  static std::uint64_t stamps = 0;
+  static std::atomic<std::uint64_t> stamps = 0;
   casters_stamp_ = ++stamps;
   has_casters_ = !opacity.empty();
   see_through_spacing_ = see_through_spacing;
@@ -225,7 +226,7 @@ void GpuCloud::begin_shadow() {
 }
 
 std::uint64_t GpuCloud::next_serial() {
-  static std::uint64_t last = 0;  // the clouds of a process live on the one thread of its GL context
+  static std::atomic<std::uint64_t> last = 0;  // a process may have several contexts, each on a thread of its own
   return ++last;
 }
 

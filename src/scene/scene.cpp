@@ -22,8 +22,10 @@ io::ReadResult read_file(const std::string& file, const io::ReadOptions& options
   }
 }
 
-Scene assemble(const std::vector<SceneFile>& files, const SceneOptions& options,
-               const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
+namespace {
+
+Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& options,
+                   const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
   Scene scene;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string& file = files[i].name;
@@ -57,6 +59,12 @@ Scene assemble(const std::vector<SceneFile>& files, const SceneOptions& options,
     throw Error(ErrorCode::bad_input,
                 files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
   if (options.up) scene.cloud.up = *options.up;
+  return scene;
+}
+
+}  // namespace
+
+void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options) {
   try {
     scene.selected = apply(options.selection, scene.cloud);
   } catch (const Error& error) {
@@ -65,22 +73,38 @@ Scene assemble(const std::vector<SceneFile>& files, const SceneOptions& options,
   scene.notes.insert(scene.notes.end(), scene.selected.notes.begin(), scene.selected.notes.end());
   if (options.read.max_points && scene.cloud.size() > *options.read.max_points)
     scene.cloud = subsample(scene.cloud, std::size_t(*options.read.max_points));
+}
+
+Scene assemble(const std::vector<SceneFile>& files, const SceneOptions& options,
+               const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
+  Scene scene = put_together(files, options, read, may_be_empty);
+  narrow(scene, files, options);
   return scene;
 }
 
-Scene read_scene(const std::vector<std::string>& names, const SceneOptions& options, Progress& progress) {
+std::vector<SceneFile> files_of(const std::vector<std::string>& names) {
   std::vector<SceneFile> files;
   for (const std::string& name : names) files.push_back({name, {}});
-  return read_scene(files, options, progress);
+  return files;
 }
 
-Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress) {
+Scene read_scene(const std::vector<std::string>& names, const SceneOptions& options, Progress& progress) {
+  return read_scene(files_of(names), options, progress);
+}
+
+Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress) {
   io::ReadOptions read = options.read;
   // Whoever asks for a million points of a box wants them in the box.
   const bool selects = options.selection.crop || options.selection.crop_share ||
                        !options.selection.show_classes.empty() || !options.selection.filters.empty();
   if (selects) read.max_points.reset();
-  return assemble(files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); });
+  return put_together(files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); }, false);
+}
+
+Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress) {
+  Scene scene = read_all(files, options, progress);
+  narrow(scene, files, options);
+  return scene;
 }
 
 }  // namespace sfumato::scene

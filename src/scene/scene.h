@@ -53,6 +53,13 @@ Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& option
 Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options,
                  Progress& progress = no_progress());
 
+/// Its two halves, for whoever selects again from what was read: first all points of the files (`max_points` of them where
+/// nothing is selected), then `narrow`, which keeps those that are wanted.
+Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress = no_progress());
+void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options);
+/// Files that stand where their points say.
+std::vector<SceneFile> files_of(const std::vector<std::string>& names);
+
 /// The files that words name: folders (every file in them that can be read, by name), patterns with * ? [ ]
 /// when no file has that very name, and names as they are. Throws Error(io) when a folder or a pattern names
 /// nothing.

@@ -25,6 +25,18 @@ TEST_F(CommandTest, VersionAndHelp) {
   EXPECT_EQ(help.err, "");
 }
 
+TEST_F(CommandTest, WithoutADisplayAWindowNamesTheWayOut) {
+  write_cube("cube.ply", 4);
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"cube.ply"}, {"-t", "points", "--", "cube.ply"}}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 4) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("-o OUT.png"));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
 TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
   write_cube("cube.ply", 4);
   struct Case {
@@ -33,8 +45,9 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
   };
   for (const Case& c : std::vector<Case>{
            {{}, "no file given"},
-           {{"cube.ply"}, "viewer"},
-           {{"-t", "points", "--", "cube.ply"}, "viewer"},
+           {{"cube.ply", "-t", "points,surface"}, "a window shows one technique"},
+           {{"cube.ply", "--path", "orbit"}, "goes with pictures, not with the window"},
+           {{"cube.ply", "-o", "a.png", "--watch"}, "--watch belongs to the window"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--camera-view-angle", "0"}, "0 degrees is outside [0.001, 179]"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--pont-size", "3"}, "did you mean --point-size?"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--point-size", "-3"},

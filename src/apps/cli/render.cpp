@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
+#include <tuple>
 
 #include "batch.h"
 #include "commands.h"
@@ -17,6 +19,9 @@
 #include "scene/leveled_scene.h"
 #include "session/preset.h"
 #include "studio.h"
+#ifdef SFUMATO_VIEWER
+#include "../viewer/viewer.h"
+#endif
 
 namespace sfumato::cli {
 namespace {
@@ -243,6 +248,51 @@ std::string all_technique_names() {
   return names;
 }
 
+#ifdef SFUMATO_VIEWER
+/// Without -o: the same scene, look and first view in a window.
+int view_command(RenderOptions& options, Choice& choice, const CommandLine& line) {
+  view::Start start;
+  view::Wishes& wishes = start.wishes;
+  wishes.files = options.files;
+  wishes.scene = options.input.scene;
+  for (const auto& [name, value] : line.given())
+    if (std::set<std::string>{"filter", "columns", "max-points", "up", "crop-relative"}.contains(name))
+      wishes.input.emplace_back(name, value);
+  for (const Param& param : choice.prepare_parameters.all())
+    if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
+  for (const auto& chosen : choice.techniques) wishes.take(*chosen);
+  if (!choice.automatic()) wishes.technique = choice.techniques.front()->name;
+  wishes.color_by = options.color.color_by;
+  wishes.colormap = options.color.colormap;
+  wishes.color_range = options.color_range;
+  wishes.point_color = options.point_color;
+  wishes.exposure = options.exposure_text;
+  wishes.whole = options.camera.whole;
+  start.memory = options.memory;
+  wishes.background_color = options.background_color;
+  wishes.legend = options.legend;
+  start.watch = options.watch;
+  // Called by one thread, which alone uses the choice from then on.
+  start.settle = [&choice](const TechniqueChoice& found) {
+    choice.settle(found);
+    TechniqueChoice settled = found;
+    settled.technique = choice.techniques.front()->name, settled.reason = choice.techniques.front()->reason;
+    return settled;
+  };
+  start.first_camera = [&options](const Pose& pose, int width, int height) {
+    CameraOptions camera = options.camera;
+    camera.first_azimuth_deg = pose.upright.azimuth_deg, camera.first_elevation_deg = pose.upright.elevation_deg;
+    if (!camera.file && !camera.preset) camera.resolution = fmt::format("{}x{}", width, height);
+    return camera.resolve(pose.subject, pose.upright.up);
+  };
+  viewer::Settings settings;
+  settings.verbose = options.common.verbose;
+  if (options.camera.resolution)
+    std::tie(settings.width, settings.height) = parse_resolution("--resolution", *options.camera.resolution);
+  return viewer::run(std::move(start), settings);
+}
+#endif
+
 }  // namespace
 
 int render_command(const Words& words) {
@@ -282,6 +332,9 @@ int render_command(const Words& words) {
   options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
   options.expand_files();
   check_names(options, choice);
+#ifdef SFUMATO_VIEWER
+  if (!options.has_output()) return view_command(options, choice, line);
+#endif
 
   Console console(options.common);
   RenderReport report;

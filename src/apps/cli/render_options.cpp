@@ -55,6 +55,7 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
   line.text("--scene", scene, "FILE.json", "files, --draw, look and camera saved before; those given here win");
   line.text("--save-scene", save_scene, "FILE.json", "save the files as well");
+  line.flag("--watch", watch, "the window reads files again when they change");
   line.flag("--timings", timings, "time of every pass");
   line.flag("--json", json, "report on standard output");
   common.declare(line);
@@ -134,6 +135,23 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
     refuse("--json and -o " + output + " both write to standard output");
 }
 
+void RenderOptions::check_window(std::size_t technique_count) const {
+  if (has_output()) {
+    if (watch) refuse("--watch belongs to the window: leave out -o, or --watch");
+    return;
+  }
+#ifndef SFUMATO_VIEWER
+  throw Error(ErrorCode::no_gl, "this sfumato is built without its window (libglfw3-dev, libimgui-dev): add -o OUT.png to render "
+                                "to a picture");
+#endif
+  if (technique_count > 1) refuse("a window shows one technique at a time: name one, or add -o OUT.png for a sheet of all");
+  for (const auto& [option, given] : {std::pair("--each", each), {"--sequence", sequence}, {"--path", !path.empty()},
+                                      {"--panorama", camera.panorama}, {"--draw", !draw.empty()},
+                                      {"--scene", !scene.empty()}, {"--save-scene", !save_scene.empty()}, {"--no-background", no_background},
+                                      {"--save-preset", !save_preset.empty()}, {"--json", json}, {"--timings", timings}})
+    if (given) refuse(std::string(option) + " goes with pictures, not with the window: add -o OUT.png");
+}
+
 void RenderOptions::check(std::size_t technique_count) {
   for (const std::string& text : draw) rules.push_back(DrawRule::parse(text));
   if (!scene.empty() && !preset.empty()) refuse("--scene and --preset contradict each other: a scene is a preset with files");
@@ -141,8 +159,8 @@ void RenderOptions::check(std::size_t technique_count) {
   std::error_code error;
   if (!has_output() && files.size() == 1 && files[0] != "-" && !std::filesystem::exists(files[0], error) &&
       files[0].find_first_of("*?[") == std::string::npos)
-    throw Error(ErrorCode::io, files[0] + ": there is no such file; check the name (and add -o OUT.png)");
-  if (!has_output()) refuse("there is no viewer in this version: add -o OUT.png to render to a picture");
+    throw Error(ErrorCode::io, files[0] + ": there is no such file; check the name");
+  check_window(technique_count);
   common.apply();
   check_outputs(technique_count);
   camera.check();

@@ -31,7 +31,7 @@ struct RenderOptions {
   CommonOptions common;
   std::string background_color, color_range, exposure_text, point_color, quality_text;
   ColorSettings color;
-  bool no_background = false, legend = false, timings = false, json = false;
+  bool no_background = false, legend = false, timings = false, json = false, watch = false;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
   std::string path, frames, degrees, preset, save_preset, scene, save_scene, memory_text = "4G";
@@ -58,6 +58,8 @@ struct RenderOptions {
   /// Pictures to be made of each technique.
   int picture_count() const { return each || sequence ? int(files.size()) : path.empty() ? 1 : frame_count; }
   void check_outputs(std::size_t technique_count);
+  /// Without any output a window opens.
+  void check_window(std::size_t technique_count) const;
   bool has_output() const {
     return !output.empty() || !output_panels.empty() || !output_depth.empty() || !output_normal.empty() ||
            !output_camera.empty();

@@ -158,6 +158,21 @@ TEST(Support, WhatFileBroughtIsKept) {
   for (float r : prepare(cloud, Attribute::radius, {}).cloud.radii) EXPECT_EQ(r, 0.01f);
 }
 
+// A viewer asks for one technique after the other, the command for one: both must show the same.
+TEST(Support, UncertaintyIsTheSameWhoeverAsksFirst) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<vec3> points;
+  for (int i = 0; i < 6000; ++i) points.push_back({uniform(random), uniform(random), uniform(random)});
+  constexpr Attributes shape = Attribute::normal | Attribute::radius;
+  const PreparedCloud at_once = prepare(cloud_of(points), shape | Attribute::uncertainty, {});
+  PreparedCloud later = prepare(cloud_of(points), shape, {});
+  ASSERT_FALSE(later.shrunk.empty());
+  complete(later, Attribute::uncertainty, {});
+  EXPECT_EQ(later.cloud.radii, at_once.cloud.radii);
+  EXPECT_EQ(later.cloud.scalar("uncertainty")->values, at_once.cloud.scalar("uncertainty")->values);
+}
+
 TEST(Support, TooFewPointsAreNoClutter) {
   EXPECT_EQ(share_below(shrunk(uniform_cube(150)), 0.999f), 0);
   EXPECT_GT(share_below(shrunk(uniform_cube(5000)), 0.5f), 0.95);

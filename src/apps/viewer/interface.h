@@ -1,0 +1,87 @@
+// What is around the picture and over it: panels, status, help, messages. Draws with Dear ImGui and changes the workbench.
+#pragma once
+
+#include <deque>
+#include <future>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "view/controls.h"
+#include "view/keys.h"
+#include "view/workbench.h"
+#include "window.h"
+
+namespace sfumato::viewer {
+
+class Interface {
+ public:
+  Interface(Window& window, view::Workbench& bench);
+
+  /// One frame; call between Window::begin_frame and end_frame.
+  void draw(double now_ms);
+  void act(view::Action action);
+  void drop(const std::vector<std::string>& files, bool add);
+  /// Something on the screen moves by itself: the next frame is due after so long.
+  std::optional<double> wait_ms(double now_ms) const;
+
+ private:
+  void draw_view(double now_ms, float width, float height);
+  void draw_marks(float x, float y);
+  void draw_box(float x, float y);
+  void draw_panels(float x, float width, float height);
+  void draw_status(float y, float width, float height);
+  void draw_help();
+  void draw_messages(double now_ms, float height);
+  void navigate(double now_ms, float x, float y, bool hovered);
+  void take_shots();
+  void take_preset(const std::string& file);
+  void show_picture();
+
+  // Panels, in panels.cpp.
+  void technique_panel();
+  void parameter_panel();
+  void color_panel();
+  void class_panel();
+  void light_panel();
+  void clip_panel();
+  void camera_panel();
+  void path_panel();
+  void scene_panel();
+  void timing_panel();
+  /// Draws one and changes the wishes where a hand changed it.
+  void control(view::Control control);
+  void controls(const std::vector<view::Control>& all);
+  /// What a parameter is now: of an automatic one, what the last picture found.
+  std::string resolved(const std::string& parameter) const;
+  void set(const std::string& parameter, const std::string& value);
+  /// A heading that opens; whether it is open.
+  bool heading(const char* title, bool open);
+  const view::Picture* picture() const { return bench_.picture().get(); }
+
+  struct Toast {
+    view::Message message;
+    double until_ms;
+  };
+
+  Window& window_;
+  view::Workbench& bench_;
+  std::unique_ptr<Look> look_;           ///< of the wishes, for its list of parameters
+  std::string look_key_;
+  std::shared_ptr<const view::Picture> uploaded_;
+  bool uploaded_legend_ = false;
+  std::deque<Toast> toasts_;
+  std::vector<std::future<view::Message>> writers_;
+  std::string search_, preset_name_, path_name_, screenshot_size_, typed_range_, typed_background_, typed_point_color_, camera_text_;
+  bool panels_ = true, help_ = false, clip_ = false, timings_ = false;
+  enum class Drag { none, rotate, pan } drag_ = Drag::none;
+  dvec3 pivot_{0};
+  double drag_px_ = 0, last_fly_ms_ = 0, now_ms_ = 0;
+  bool swallow_click_ = false;
+};
+
+/// A name that no file has yet: "sfumato_0001.png".
+std::string free_name(const std::string& stem, const std::string& extension);
+
+}  // namespace sfumato::viewer

@@ -1,0 +1,98 @@
+#include "viewer.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "../cli/console.h"
+#include "core/error.h"
+#include "interface.h"
+#include "window.h"
+
+namespace sfumato::viewer {
+namespace {
+
+double now_ms() {
+  using Clock = std::chrono::steady_clock;
+  static const Clock::time_point start = Clock::now();
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+std::string title_of(const std::vector<std::string>& files) {
+  if (files.empty()) return "sfumato";
+  const std::string first = std::filesystem::path(files.front()).filename().string();
+  return first + (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more" : "") + " - sfumato";
+}
+
+/// --verbose: what happens, in lines.
+class Teller {
+ public:
+  explicit Teller(view::Workbench& bench) : bench_(bench) {}
+  void tell() {
+    const auto& picture = bench_.picture();
+    if (!picture || picture == told_) return;
+    if (!told_) say("first picture after " + std::to_string(long(bench_.first_picture_ms())) + " ms");
+    told_ = picture;
+    const std::string what = picture->technique + " " + std::to_string(picture->image.width()) + "x" +
+                             std::to_string(picture->image.height());
+    if (!bench_.settled()) {
+      ++moving_;
+      moving_ms_ += picture->took_ms;
+      if (moving_ == 1) moving_since_ms_ = now_ms();
+      last_ = what;
+      return;
+    }
+    if (moving_ > 1)
+      say("in motion: " + std::to_string(moving_) + " pictures in " + std::to_string(long(now_ms() - moving_since_ms_)) +
+          " ms, each " + std::to_string(long(moving_ms_ / moving_)) + " ms, the last " + last_);
+    moving_ = 0, moving_ms_ = 0;
+    say("final picture: " + what + ", " + std::to_string(long(picture->took_ms)) + " ms");
+  }
+  static void say(const std::string& line) { std::fprintf(stderr, "sfumato: %s\n", line.c_str()); }
+
+ private:
+  view::Workbench& bench_;
+  std::shared_ptr<const view::Picture> told_;
+  int moving_ = 0;
+  double moving_ms_ = 0, moving_since_ms_ = 0;
+  std::string last_;
+};
+
+}  // namespace
+
+int run(view::Start start, const Settings& settings) {
+  now_ms();
+  cli::Console interrupts(true);
+  Window window(settings.width, settings.height, title_of(start.wishes.files));
+  start.wake = [] { Window::wake(); };
+  view::Workbench bench(std::move(start));
+  Interface interface(window, bench);
+  if (settings.verbose) bench.on_message = [](const view::Message& message) { Teller::say(message.text); };
+  Teller teller(bench);
+  window.on_key = [&](int key, int modifiers) {
+    if (const auto action = view::action_of(key, modifiers)) interface.act(*action);
+  };
+  window.on_drop = [&](const std::vector<std::string>& files, bool add) { interface.drop(files, add); };
+
+  std::vector<std::string> shown_files = bench.wishes().files;
+  // An interface settles in a few frames: what was hovered, what scrolls, what was typed.
+  int lively = 3;
+  while (!window.closing() && !interrupts.cancelled()) {
+    double wait_s = 0.5;
+    for (const auto& due : {bench.wait_ms(now_ms()), interface.wait_ms(now_ms())})
+      if (due) wait_s = std::min(wait_s, 1e-3 * *due);
+    if (lively > 0) wait_s = std::min(wait_s, 0.004);
+    const double before = now_ms();
+    window.begin_frame(wait_s);
+    lively = now_ms() - before < 1e3 * wait_s - 1 ? 3 : std::max(0, lively - 1);
+    bench.tick(now_ms());
+    interface.draw(now_ms());
+    bench.tick(now_ms());  // what the hand just did is asked for at once
+    window.end_frame();
+    if (settings.verbose) teller.tell();
+    if (const auto& fatal = bench.fatal()) throw Error(fatal->code, fatal->message);
+    if (bench.wishes().files != shown_files) window.set_title(title_of(shown_files = bench.wishes().files));
+  }
+  return interrupts.cancelled() ? int(ErrorCode::interrupted) : 0;
+}
+
+}  // namespace sfumato::viewer

@@ -1,0 +1,220 @@
+#include "window.h"
+
+#include <epoxy/gl.h>
+// After epoxy, which brings the functions of OpenGL itself.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "view/keys.h"
+
+// DejaVu Sans, embedded by text.cpp.
+extern "C" const unsigned char sfumato_font_begin[], sfumato_font_end[];
+
+namespace sfumato::viewer {
+namespace {
+
+static_assert(view::key::escape == GLFW_KEY_ESCAPE && view::key::tab == GLFW_KEY_TAB && view::key::f1 == GLFW_KEY_F1 &&
+              view::key::f9 == GLFW_KEY_F9 && view::key::f11 == GLFW_KEY_F11 && view::key::keypad_1 == GLFW_KEY_KP_1 &&
+              view::key::keypad_add == GLFW_KEY_KP_ADD && view::key::keypad_subtract == GLFW_KEY_KP_SUBTRACT &&
+              view::key::equal == GLFW_KEY_EQUAL && view::key::minus == GLFW_KEY_MINUS && 'R' == GLFW_KEY_R);
+
+std::string& last_error() {
+  static std::string text;
+  return text;
+}
+
+ImVec4 color(int rgb, float alpha = 1) {
+  return {float(rgb >> 16 & 255) / 255, float(rgb >> 8 & 255) / 255, float(rgb & 255) / 255, alpha};
+}
+
+}  // namespace
+
+struct Window::Callbacks {
+  static Window& of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
+  static void key(GLFWwindow* window, int key, int, int action, int mods) {
+    if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput || !of(window).on_key) return;
+    of(window).on_key(key, (mods & GLFW_MOD_SHIFT ? view::shift : 0) | (mods & GLFW_MOD_CONTROL ? view::control : 0));
+  }
+  static void drop(GLFWwindow* window, int count, const char** names) {
+    const bool add = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS;
+    if (of(window).on_drop) of(window).on_drop(std::vector<std::string>(names, names + count), add);
+  }
+};
+
+Window::Window(int width, int height, const std::string& title) {
+  const std::string advice = "; sfumato FILE... -o OUT.png writes a picture without one";
+  glfwSetErrorCallback([](int, const char* text) { last_error() = text; });
+  if (!glfwInit()) throw Error(ErrorCode::no_gl, "no display to open a window on (" + last_error() + ")" + advice);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  glfwWindowHintString(GLFW_X11_CLASS_NAME, "sfumato");
+  glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "sfumato");
+  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window_) {
+    glfwTerminate();
+    throw Error(ErrorCode::no_gl, "no window: the display offers no OpenGL 3.3 (" + last_error() + ")" + advice);
+  }
+  glfwSetWindowUserPointer(window_, this);
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  glfwSetKeyCallback(window_, Callbacks::key);
+  glfwSetDropCallback(window_, Callbacks::drop);
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // nothing stored unless asked
+  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);  // after ours, which it calls first
+  ImGui_ImplOpenGL3_Init("#version 330");
+  has_interface_ = true;
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  user_scale_ = std::clamp(std::max(x, y), 1.0f, 4.0f);
+  glGenTextures(1, &texture_);
+}
+
+Window::~Window() {
+  if (has_interface_) {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  if (window_) glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+bool Window::closing() const { return glfwWindowShouldClose(window_); }
+void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::wake() { glfwPostEmptyEvent(); }
+bool Window::is_down(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+void Window::copy(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
+std::string Window::pasted() const {
+  const char* text = glfwGetClipboardString(window_);
+  return text ? text : "";
+}
+
+void Window::zoom_interface(float factor) {
+  user_scale_ = std::clamp(user_scale_ * factor, 0.75f, 4.0f);
+  restyle_ = true;
+}
+
+void Window::toggle_fullscreen() {
+  is_full_ = !is_full_;
+  if (!is_full_) return glfwSetWindowMonitor(window_, nullptr, place_[0], place_[1], place_[2], place_[3], 0);
+  glfwGetWindowPos(window_, &place_[0], &place_[1]);
+  glfwGetWindowSize(window_, &place_[2], &place_[3]);
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+  if (mode) glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+/// Calm greys, one accent.
+void Window::style() {
+  restyle_ = false;
+  scale_ = user_scale_;
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  ImFontConfig config;
+  config.FontDataOwnedByAtlas = false;
+  config.OversampleH = 2, config.OversampleV = 1;
+  // Latin, Greek for symbols of papers, super- and subscripts, arrows and signs.
+  static const ImWchar ranges[] = {0x20, 0x17f, 0x2b0, 0x2ff, 0x370, 0x3ff, 0x2010, 0x205e, 0x2070, 0x209f,
+                                   0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0};
+  io.Fonts->AddFontFromMemoryTTF(const_cast<unsigned char*>(sfumato_font_begin),
+                                 int(sfumato_font_end - sfumato_font_begin), std::round(14.0f * scale_), &config, ranges);
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+
+  ImGuiStyle& style = ImGui::GetStyle();
+  style = ImGuiStyle();
+  if (dark_)
+    ImGui::StyleColorsDark();
+  else
+    ImGui::StyleColorsLight();
+  const auto set = [&](ImGuiCol what, int dark, int light, float alpha = 1) {
+    style.Colors[what] = color(dark_ ? dark : light, alpha);
+  };
+  const int accent = 0x4d8fbf, accent_light = 0x2f78ad;
+  set(ImGuiCol_WindowBg, 0x1f2226, 0xf4f4f2);
+  set(ImGuiCol_PopupBg, 0x262a2f, 0xffffff, 0.98f);
+  set(ImGuiCol_Border, 0x363b42, 0xd2d2ce);
+  set(ImGuiCol_Text, 0xdadde1, 0x23262a);
+  set(ImGuiCol_TextDisabled, 0x858b93, 0x767b82);
+  set(ImGuiCol_FrameBg, 0x2c3137, 0xe4e4e0);
+  set(ImGuiCol_FrameBgHovered, 0x363c44, 0xdadad5);
+  set(ImGuiCol_FrameBgActive, 0x3d444d, 0xd0d0ca);
+  set(ImGuiCol_Button, 0x30363d, 0xdededa);
+  set(ImGuiCol_ButtonHovered, 0x3b434c, 0xd2d2cc);
+  set(ImGuiCol_ButtonActive, accent, accent_light);
+  set(ImGuiCol_Header, 0x2a2f35, 0xe6e6e2);
+  set(ImGuiCol_HeaderHovered, 0x353b43, 0xdcdcd7);
+  set(ImGuiCol_HeaderActive, 0x3d444d, 0xd0d0ca);
+  set(ImGuiCol_SliderGrab, accent, accent_light);
+  set(ImGuiCol_SliderGrabActive, 0x6aa9d6, 0x1d6090);
+  set(ImGuiCol_CheckMark, 0x6aa9d6, accent_light);
+  set(ImGuiCol_Separator, 0x363b42, 0xd2d2ce);
+  set(ImGuiCol_PlotHistogram, accent, accent_light);
+  set(ImGuiCol_NavHighlight, accent, accent_light);
+  set(ImGuiCol_TitleBg, 0x262a2f, 0xe6e6e2);
+  set(ImGuiCol_TitleBgActive, 0x2c3137, 0xdededa);
+  set(ImGuiCol_ModalWindowDimBg, 0x101214, 0x606060, 0.4f);
+  set(ImGuiCol_ScrollbarBg, 0x1f2226, 0xf4f4f2, 0);
+  style.WindowRounding = 0, style.FrameRounding = 3, style.GrabRounding = 3, style.PopupRounding = 4;
+  style.WindowBorderSize = 0, style.FrameBorderSize = 0, style.ScrollbarSize = 11;
+  style.WindowPadding = {10, 8}, style.FramePadding = {6, 3}, style.ItemSpacing = {7, 5}, style.IndentSpacing = 12;
+  style.ScaleAllSizes(scale_);
+}
+
+void Window::begin_frame(double wait_s) {
+  if (wait_s > 0)
+    glfwWaitEventsTimeout(wait_s);
+  else
+    glfwPollEvents();
+  if (restyle_) style();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Window::end_frame() {
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glViewport(0, 0, width, height);
+  glClearColor(0.12f, 0.13f, 0.15f, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glfwSwapBuffers(window_);
+}
+
+void Window::upload(const Image<Rgba8>& image, bool exact) {
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  const GLint filter = exact ? GL_NEAREST : GL_LINEAR;
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  if (image.width() != texture_width_ || image.height() != texture_height_) {
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data());
+    texture_width_ = image.width(), texture_height_ = image.height();
+  } else {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE, image.data());
+  }
+  glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+void* Window::texture() const { return reinterpret_cast<void*>(std::uintptr_t(texture_)); }
+
+}  // namespace sfumato::viewer

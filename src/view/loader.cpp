@@ -1,0 +1,168 @@
+#include "view/loader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <new>
+
+#include "core/error.h"
+
+namespace sfumato::view {
+namespace {
+
+std::vector<ClassShare> classes_of(const PointCloud& cloud) {
+  std::vector<ClassShare> shares;
+  const ScalarField* field = cloud.scalar("classification");
+  if (!field) return shares;
+  std::map<int, std::size_t> counts;
+  for (std::size_t i = 0; i < field->values.size(); ++i) ++counts[int(field->value(i))];
+  for (const auto& [id, points] : counts) shares.push_back({id, points});
+  return shares;
+}
+
+std::string key_of(const LoadJob& job) {
+  std::string key;
+  for (const std::string& file : job.files) key += file + '\n';
+  for (const std::string& column : job.options.read.columns) key += column + ',';
+  key += job.options.read.max_points ? std::to_string(*job.options.read.max_points) : "all";
+  key += job.options.up ? to_string(*job.options.up) : "auto";
+  return key;
+}
+
+}  // namespace
+
+class Loader::Watch final : public Progress {
+ public:
+  explicit Watch(Loader& loader) : loader_(loader) {}
+  void update(double fraction, std::string_view text) override {
+    const std::lock_guard lock(loader_.mutex_);
+    loader_.activity_ = {fraction, std::string(text)};
+    if (const auto now = std::chrono::steady_clock::now(); now - last_wake_ > std::chrono::milliseconds(100)) {
+      last_wake_ = now;
+      loader_.wake_();
+    }
+  }
+  bool cancelled() const override { return loader_.stop_ || loader_.cancel_; }
+
+ private:
+  Loader& loader_;
+  std::chrono::steady_clock::time_point last_wake_{};
+};
+
+Loader::Loader(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { run(); }) {}
+
+Loader::~Loader() {
+  stop_ = true;
+  work_.notify_all();
+  thread_.join();
+}
+
+void Loader::load(LoadJob job) {
+  const std::lock_guard lock(mutex_);
+  job_ = std::move(job);
+  cancel_ = true;
+  work_.notify_all();
+}
+
+std::optional<Loaded> Loader::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(loaded_, std::nullopt);
+}
+
+Activity Loader::activity() const {
+  const std::lock_guard lock(mutex_);
+  return activity_;
+}
+
+Loaded Loader::read(const LoadJob& job, Watch& watch) {
+  Loaded out;
+  out.id = job.id;
+  const std::string key = key_of(job);
+  scene::Scene scene;
+  if (!job.anew && kept_ && key == kept_key_) {
+    scene = *kept_;
+  } else {
+    kept_.reset();
+    watch.update(0, "reading");
+    const std::vector<scene::SceneFile> files = scene::files_of(job.files);
+    if (const auto leveled = scene::LeveledScene::open(files, job.options, job.memory)) {
+      // Too much to hold: what the first view needs.
+      scene = leveled->overview(watch);
+      out.pose = stand_upright(scene, job.files.front(), job.options.up, job.cutaway);
+      const UpAxis up = scene.cloud.up;
+      scene = leveled->read(std::vector<copc::View>{{first_view(out.pose, 1280, 720), false}}, false, watch);
+      scene.cloud.up = up;
+      return finish(std::move(scene), std::move(out));
+    }
+    scene = scene::read_all(files, job.options, watch);
+    // A subsample of nothing selected is not what a selection starts from.
+    if (scene.cloud.size() <= most_kept && !job.options.read.max_points) {
+      kept_ = scene;
+      kept_key_ = key;
+    }
+  }
+  out.classes = classes_of(scene.cloud);
+  out.box = bounds(scene.cloud);
+  scene::narrow(scene, scene::files_of(job.files), job.options);
+  out.pose = stand_upright(scene, job.files.empty() ? "" : job.files.front(), job.options.up, job.cutaway);
+  watch.check();
+  return finish(std::move(scene), std::move(out));
+}
+
+Loaded Loader::finish(scene::Scene scene, Loaded out) {
+  if (out.classes.empty()) out.classes = classes_of(scene.cloud);
+  if (out.box.diagonal() == 0) out.box = bounds(scene.cloud);
+  for (const ScalarField& field : scene.cloud.scalars) out.scalars.push_back(field.name);
+  out.notes = scene.notes;
+  out.notes.insert(out.notes.end(), scene.damage.begin(), scene.damage.end());
+  if (scene.levels && !scene.levels->is_complete())
+    out.notes.push_back("too many points to hold: those that the first view shows are here (--memory)");
+  out.points_read = scene.points_read;
+  out.points_shown = scene.cloud.size();
+  out.crs = scene.cloud.crs;
+  for (const io::ReadReport& file : scene.files)
+    if (out.formats.find(file.format) == std::string::npos) out.formats += (out.formats.empty() ? "" : ", ") + file.format;
+  out.sample.file_names = scene.file_names;
+  out.sample.cloud = subsample(scene.cloud, std::clamp(scene.cloud.size() / 10, least_sample, most_sample));
+  out.near = std::make_shared<const PointCloud>(out.sample.cloud);
+  out.whole = std::move(scene);
+  return out;
+}
+
+void Loader::run() {
+  while (!stop_) {
+    LoadJob job;
+    {
+      std::unique_lock lock(mutex_);
+      work_.wait(lock, [&] { return stop_ || job_; });
+      if (stop_) return;
+      job = *std::exchange(job_, std::nullopt);
+      cancel_ = false;
+    }
+    Watch watch(*this);
+    Loaded loaded;
+    const auto fail = [&](ErrorCode code, const std::string& what) { loaded.failure = Failure{job.id, code, what}; };
+    try {
+      loaded = read(job, watch);
+    } catch (const Cancelled&) {
+      const std::lock_guard lock(mutex_);
+      activity_ = {};
+      continue;
+    } catch (const Error& error) {
+      fail(error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+      fail(ErrorCode::out_of_memory, "out of memory; open fewer points (--max-points N)");
+    } catch (const std::exception& error) {
+      fail(ErrorCode::io, error.what());
+    }
+    loaded.id = job.id;
+    {
+      const std::lock_guard lock(mutex_);
+      loaded_ = std::move(loaded);
+      activity_ = {};
+    }
+    wake_();
+  }
+}
+
+}  // namespace sfumato::view

@@ -1,0 +1,81 @@
+// Reads scenes on a thread of its own, and selects again from what it read without reading it twice.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "scene/leveled_scene.h"
+#include "session/session.h"
+#include "view/painter.h"
+
+namespace sfumato::view {
+
+struct LoadJob {
+  std::uint64_t id = 0;
+  std::vector<std::string> files;
+  scene::SceneOptions options;
+  bool cutaway = true;  ///< rooms are seen without the walls before them
+  std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
+  bool anew = false;  ///< the files changed on the disk
+};
+
+/// What was read, ready to be shown.
+struct Loaded {
+  std::uint64_t id = 0;
+  scene::Scene whole;
+  scene::Scene sample;                       ///< of at most `sample_points` points
+  std::shared_ptr<const PointCloud> near;    ///< the sample's points once more, for what the hand touches
+  Pose pose;
+  std::vector<ClassShare> classes;           ///< also those that are hidden; empty without a classification
+  std::vector<std::string> scalars;
+  std::vector<std::string> notes;
+  std::uint64_t points_read = 0, points_shown = 0;
+  Bounds box;                                ///< of all points, also those that are left out
+  std::string crs, formats;
+  std::optional<Failure> failure;            ///< then nothing else holds
+};
+
+class Loader {
+ public:
+  explicit Loader(std::function<void()> wake);
+  ~Loader();
+  Loader(const Loader&) = delete;
+  Loader& operator=(const Loader&) = delete;
+
+  /// The newest wins.
+  void load(LoadJob job);
+  std::optional<Loaded> take();
+  Activity activity() const;
+
+  /// A tenth of the points, at least so many and at most so many: as many as software GL moves.
+  static constexpr std::size_t least_sample = 100'000, most_sample = 250'000;
+  /// Scenes up to this size stay in memory as they were read, so that a class is shown again at once.
+  static constexpr std::size_t most_kept = 4'000'000;
+
+ private:
+  class Watch;
+  void run();
+  Loaded read(const LoadJob& job, Watch& watch);
+  /// Shares, sample and words about a scene that is selected and stands upright.
+  Loaded finish(scene::Scene scene, Loaded out);
+
+  std::function<void()> wake_;
+  mutable std::mutex mutex_;
+  std::condition_variable work_;
+  std::optional<LoadJob> job_;
+  std::optional<Loaded> loaded_;
+  Activity activity_;
+  std::atomic<bool> stop_{false}, cancel_{false};
+  std::optional<scene::Scene> kept_;  ///< of the thread alone
+  std::string kept_key_;
+  std::thread thread_;
+};
+
+}  // namespace sfumato::view

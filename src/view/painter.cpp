@@ -1,0 +1,273 @@
+#include "view/painter.h"
+
+#include <chrono>
+#include <new>
+
+#include "core/error.h"
+
+namespace sfumato::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// The message that a person gets for whatever was thrown.
+Failure failure_of(std::uint64_t id) {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return {id, error.code(), error.what()};
+  } catch (const std::bad_alloc&) {
+    return {id, ErrorCode::out_of_memory, "out of memory; open fewer points (--max-points N)"};
+  } catch (const std::exception& error) {
+    return {id, ErrorCode::usage, error.what()};
+  }
+}
+
+}  // namespace
+
+/// Progress of the job under way, and the way to call it off.
+class Painter::Watch final : public Progress {
+ public:
+  enum class Kind { scene, live, kept };
+  Watch(Painter& painter, Kind kind) : painter_(painter), kind_(kind) {}
+  void update(double fraction, std::string_view text) override {
+    const std::lock_guard lock(painter_.mutex_);
+    painter_.activity_ = {fraction, std::string(text)};
+    // A progress bar moves a few times a second; a call for every step would keep the window busy.
+    if (const auto now = Clock::now(); now - last_wake_ > std::chrono::milliseconds(100)) {
+      last_wake_ = now;
+      painter_.wake_();
+    }
+  }
+  bool cancelled() const override {
+    if (painter_.stop_ || painter_.cancel_scene_) return true;
+    return kind_ == Kind::live && painter_.cancel_live_;
+  }
+
+ private:
+  Painter& painter_;
+  Kind kind_;
+  Clock::time_point last_wake_{};
+};
+
+/// What lives on the thread of the context.
+struct Painter::Easel {
+  std::unique_ptr<gl::Context> context;
+  std::unique_ptr<Session> session;
+  std::unique_ptr<Look> look;  ///< of the last picture: another one of the same technique needs nothing made anew
+  std::string color_key;
+  std::optional<vec3> background;
+  std::vector<std::string> file_names;
+
+  Look& look_of(const std::string& technique, const NamesAndValues& parameters) {
+    if (!look || look->name != technique) look = std::make_unique<Look>(technique);
+    look->reset();
+    for (const auto& [name, value] : parameters) look->set(name, value);
+    look->check();
+    return *look;
+  }
+};
+
+Painter::Painter(std::shared_ptr<Gate> gate, std::function<void()> wake)
+    : gate_(std::move(gate)), wake_(std::move(wake)), thread_([this] { run(); }) {}
+
+Painter::~Painter() {
+  stop_ = true;
+  work_.notify_all();
+  thread_.join();
+}
+
+void Painter::show(SceneJob job) {
+  const std::lock_guard lock(mutex_);
+  if (live_) answers_.push_back(CalledOff{live_->id});
+  live_.reset();
+  scene_ = std::move(job);
+  cancel_scene_ = true;
+  work_.notify_all();
+}
+
+void Painter::paint(PictureJob job) {
+  const std::lock_guard lock(mutex_);
+  if (live_) answers_.push_back(CalledOff{live_->id});
+  live_ = std::move(job);
+  cancel_live_ = true;
+  work_.notify_all();
+}
+
+void Painter::paint_for_keeps(PictureJob job) {
+  const std::lock_guard lock(mutex_);
+  kept_.push_back(std::move(job));
+  work_.notify_all();
+}
+
+void Painter::pick(PickJob job) {
+  const std::lock_guard lock(mutex_);
+  picks_.push_back(std::move(job));
+  work_.notify_all();
+}
+
+void Painter::call_off() {
+  const std::lock_guard lock(mutex_);
+  if (live_) answers_.push_back(CalledOff{live_->id});
+  live_.reset();
+  cancel_live_ = true;
+}
+
+std::vector<Answer> Painter::take_answers() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(answers_, {});
+}
+
+Activity Painter::activity() const {
+  const std::lock_guard lock(mutex_);
+  return activity_;
+}
+
+std::string Painter::renderer_name() const {
+  const std::lock_guard lock(mutex_);
+  return renderer_name_;
+}
+
+void Painter::answer(Answer answer) {
+  {
+    const std::lock_guard lock(mutex_);
+    answers_.push_back(std::move(answer));
+    activity_ = {};
+  }
+  wake_();
+}
+
+void Painter::do_scene(Easel& easel, SceneJob job, Watch& watch) {
+  SceneReady ready;
+  ready.id = job.id;
+  easel.look.reset();  // what it holds of the last cloud is of no use for this one
+  easel.color_key = job.color_key;
+  easel.background = job.options.background;
+  easel.file_names = job.scene.file_names;
+  const auto needs = [&](const Session::Suggest& suggest) {
+    std::string technique = job.technique;
+    if (technique.empty() && job.settle) {
+      ready.choice = job.settle(suggest());
+      technique = ready.choice.technique;
+    }
+    if (technique.empty()) return Attributes();
+    return easel.look_of(technique, job.parameters_of(technique)).technique->needs();
+  };
+  easel.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
+  ready.points = easel.session->cloud().size();
+  ready.left_out = easel.session->left_out();
+  ready.coloring = easel.session->coloring();
+  answer(std::move(ready));
+}
+
+Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
+  const auto start = Clock::now();
+  Session& session = *easel.session;
+  Look& look = easel.look_of(job.technique, job.parameters);
+  if (easel.color_key != job.color_key) {
+    easel.color_key.clear();  // half coloured where a source is refused
+    session.set_color(job.color);
+    easel.color_key = job.color_key;
+  }
+  if (easel.background != job.background) {
+    session.set_background(job.background);
+    easel.background = job.background;
+  }
+  RenderWants wants;
+  wants.timings = job.timings;
+  RenderOutput out = session.render(look, job.camera, wants, watch);
+  Picture picture;
+  picture.id = job.id;
+  picture.image = std::move(out.rgba8);
+  picture.camera = job.camera;
+  picture.technique = job.technique;
+  for (const Param& param : look.parameters.all())
+    if (param.can_be_auto) picture.resolved.emplace_back(param.name, param.resolved());
+  picture.notes = std::move(out.notes);
+  picture.timings = std::move(out.timings);
+  picture.points_drawn = out.points_drawn;
+  picture.coloring = session.coloring();
+  picture.background = session.background();
+  picture.took_ms = ms_since(start);
+  return picture;
+}
+
+void Painter::run() {
+  Easel easel;
+  try {
+    const std::lock_guard lock(gate_->mutex);
+    easel.context = gl::Context::create_headless();
+    easel.session = std::make_unique<Session>(*easel.context);
+  } catch (...) {
+    answer(failure_of(0));
+  }
+  {
+    // The limits of the driver are read by everybody and written by each that comes.
+    std::unique_lock lock(gate_->mutex);
+    --gate_->missing;
+    gate_->all_there.notify_all();
+    gate_->all_there.wait(lock, [&] { return gate_->missing <= 0; });
+  }
+  if (!easel.context) return;
+  {
+    const std::lock_guard lock(mutex_);
+    renderer_name_ = easel.context->limits().renderer;
+  }
+  while (!stop_) {
+    std::optional<SceneJob> scene;
+    std::optional<PictureJob> picture;
+    std::optional<PickJob> pick;
+    auto kind = Watch::Kind::live;
+    {
+      std::unique_lock lock(mutex_);
+      work_.wait(lock, [&] {
+        const bool can_draw = !easel.session->empty();
+        return stop_ || scene_ || (can_draw && (live_ || !kept_.empty() || !picks_.empty()));
+      });
+      if (stop_) break;
+      if (scene_) {
+        scene = std::exchange(scene_, std::nullopt);
+        cancel_scene_ = false;
+        kind = Watch::Kind::scene;
+      } else if (!picks_.empty()) {
+        pick = std::move(picks_.front());
+        picks_.pop_front();
+      } else if (!kept_.empty()) {
+        picture = std::move(kept_.front());
+        kept_.pop_front();
+        kind = Watch::Kind::kept;
+      } else {
+        picture = std::exchange(live_, std::nullopt);
+        cancel_live_ = false;
+      }
+    }
+    const std::uint64_t id = scene ? scene->id : picture ? picture->id : pick->id;
+    Watch watch(*this, kind);
+    try {
+      if (scene) {
+        do_scene(easel, std::move(*scene), watch);
+      } else if (picture) {
+        answer(do_picture(easel, *picture, watch));
+      } else {
+        const PointCloud& cloud = easel.session->cloud();
+        PickAnswer found{id, {}};
+        if (const auto index = nearest_point(cloud, pick->camera, pick->x_px, pick->y_px))
+          found.picked = describe(cloud, *index, easel.file_names);
+        answer(std::move(found));
+      }
+    } catch (const Cancelled&) {
+      answer(CalledOff{id});
+    } catch (...) {
+      answer(failure_of(id));
+    }
+  }
+  // What techniques hold on the GPU goes before its context does.
+  easel.look.reset();
+  easel.session.reset();
+}
+
+}  // namespace sfumato::view

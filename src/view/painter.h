@@ -1,0 +1,154 @@
+// A thread that paints: a GL context without a window, a session on it, and finished pictures out of it. Whoever asks never
+// waits; what is newer calls off what is older.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "session/preset.h"
+#include "session/session.h"
+#include "view/picking.h"
+
+namespace sfumato::view {
+
+/// Makes of a suggestion the technique that is drawn.
+using Settle = std::function<TechniqueChoice(const TechniqueChoice&)>;
+
+struct SceneJob {
+  std::uint64_t id = 0;
+  scene::Scene scene;
+  Pose pose;
+  SessionOptions options;
+  std::string color_key;
+  std::string technique;      ///< empty: `settle` chooses it
+  std::function<NamesAndValues(const std::string&)> parameters_of;
+  Settle settle;              ///< may be empty: then nothing is chosen, and nothing analysed for it
+};
+
+struct PictureJob {
+  std::uint64_t id = 0;
+  std::string technique;
+  NamesAndValues parameters;
+  Camera camera;
+  ColorSettings color;
+  std::string color_key;      ///< colours are made anew when it differs from the last one's
+  std::optional<vec3> background;
+  bool timings = false;
+};
+
+struct PickJob {
+  std::uint64_t id = 0;
+  Camera camera;
+  double x_px = 0, y_px = 0;
+};
+
+/// A finished picture and what is known of it.
+struct Picture {
+  std::uint64_t id = 0;
+  Image<Rgba8> image;
+  Camera camera;
+  std::string technique;
+  NamesAndValues resolved;    ///< what automatic parameters became
+  std::vector<std::string> notes;
+  std::vector<PassTiming> timings;
+  double took_ms = 0;         ///< from taking the job to the picture in memory
+  std::uint64_t points_drawn = 0;
+  Coloring coloring;          ///< without colours
+  vec3 background{1};
+};
+
+struct SceneReady {
+  std::uint64_t id = 0;
+  std::size_t points = 0, left_out = 0;
+  TechniqueChoice choice;     ///< empty technique: none was chosen
+  Coloring coloring;
+};
+
+struct PickAnswer {
+  std::uint64_t id = 0;
+  std::optional<Picked> picked;
+};
+
+struct CalledOff {
+  std::uint64_t id = 0;
+};
+
+struct Failure {
+  std::uint64_t id = 0;
+  ErrorCode code = ErrorCode::usage;
+  std::string message;
+};
+
+using Answer = std::variant<Picture, SceneReady, PickAnswer, CalledOff, Failure>;
+
+/// What is going on, for a progress bar.
+struct Activity {
+  double fraction = 0;
+  std::string text;           ///< empty: nothing
+};
+
+class Painter {
+ public:
+  /// `wake` is called from the thread of the painter whenever there is an answer. `others` painters wait for each other
+  /// until all have their contexts: creating one is no work for two threads.
+  struct Gate {
+    explicit Gate(int painters) : missing(painters) {}
+    std::mutex mutex;
+    std::condition_variable all_there;
+    int missing;
+  };
+  Painter(std::shared_ptr<Gate> gate, std::function<void()> wake);
+  /// Calls off what is going on and waits for it.
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  /// Replaces the scene; pictures asked for before are called off.
+  void show(SceneJob job);
+  /// The newest wins; the one under way is called off.
+  void paint(PictureJob job);
+  /// Not called off by newer ones: for files.
+  void paint_for_keeps(PictureJob job);
+  void pick(PickJob job);
+  /// Calls off the live picture, if one is under way or waiting.
+  void call_off();
+
+  std::vector<Answer> take_answers();
+  Activity activity() const;
+  /// Of the context; empty while there is none.
+  std::string renderer_name() const;
+
+ private:
+  class Watch;
+  struct Easel;
+  void run();
+  void answer(Answer answer);
+  void do_scene(Easel& easel, SceneJob job, Watch& watch);
+  Picture do_picture(Easel& easel, const PictureJob& job, Watch& watch);
+
+  std::shared_ptr<Gate> gate_;
+  std::function<void()> wake_;
+  mutable std::mutex mutex_;
+  std::condition_variable work_;
+  std::optional<SceneJob> scene_;
+  std::optional<PictureJob> live_;
+  std::deque<PictureJob> kept_;
+  std::deque<PickJob> picks_;
+  std::vector<Answer> answers_;
+  Activity activity_;
+  std::string renderer_name_;
+  std::atomic<bool> stop_{false}, cancel_live_{false}, cancel_scene_{false};
+  std::thread thread_;  // last: it uses all the others
+};
+
+}  // namespace sfumato::view

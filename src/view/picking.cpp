@@ -1,0 +1,111 @@
+#include "view/picking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "core/coloring.h"
+#include "view/controls.h"
+
+namespace sfumato::view {
+namespace {
+
+struct Candidate {
+  double depth, distance2;
+  std::size_t index;
+};
+
+std::string fixed(double value, int decimals) {
+  char text[400];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
+}  // namespace
+
+std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px, double y_px,
+                                         double reach_px, double depth_share) {
+  const dmat4 view = camera.view(cloud.origin);
+  const Intrinsics k = camera.intrinsics();
+  const bool parallel = camera.orthographic();
+  std::vector<Candidate> near;
+  double front = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const dvec3 eye(view * glm::dvec4(dvec3(cloud.positions[i]), 1));
+    const double depth = -eye.z;
+    if (!parallel && !(depth > 0)) continue;
+    const double w = parallel ? 1 : depth;
+    const double dx = k.cx + k.fx * eye.x / w - x_px, dy = k.cy - k.fy * eye.y / w - y_px;
+    const double distance2 = dx * dx + dy * dy;
+    if (distance2 > reach_px * reach_px) continue;
+    near.push_back({depth, distance2, i});
+  }
+  if (near.empty()) return std::nullopt;
+  // The surface in front: the nearest depth near the cursor, and those the view's scale allows to be of the same surface.
+  for (const Candidate& each : near) front = std::min(front, each.depth);
+  const double room = depth_share * (parallel ? camera.height_world : front);
+  const Candidate* best = nullptr;
+  for (const Candidate& each : near)
+    if (each.depth <= front + room &&
+        (!best || each.distance2 < best->distance2 ||
+         (each.distance2 == best->distance2 && each.depth < best->depth)))
+      best = &each;
+  return best->index;
+}
+
+Picked describe(const PointCloud& cloud, std::size_t index, const std::vector<std::string>& file_names) {
+  Picked out;
+  out.index = index;
+  out.source = cloud.source_index.empty() ? index : cloud.source_index[index];
+  out.world = cloud.world(index);
+  const auto say = [&](const std::string& name, const std::string& value) { out.attributes.emplace_back(name, value); };
+  if (!cloud.colors.empty()) {
+    const Rgba8 c = cloud.colors[index];
+    say("rgb", std::to_string(c.r) + ", " + std::to_string(c.g) + ", " + std::to_string(c.b));
+  }
+  for (const ScalarField& field : cloud.scalars) {
+    const double value = field.value(index);
+    std::string text = number_text(float(value));
+    if (field.offset != 0) text = number_text(value);
+    if (field.name == "classification") text += " (" + class_name(int(value)) + ")";
+    if (field.name == "file" && value >= 1 && std::size_t(value) <= file_names.size())
+      text = file_names[std::size_t(value) - 1];
+    say(field.name, text);
+  }
+  if (!cloud.radii.empty()) say("radius", number_text(cloud.radii[index]));
+  if (!cloud.normals.empty()) {
+    const vec3 n = cloud.normals[index];
+    say("normal", fixed(double(n.x), 3) + ", " + fixed(double(n.y), 3) + ", " + fixed(double(n.z), 3));
+  }
+  return out;
+}
+
+Measure measure(const dvec3& from, const dvec3& to, UpAxis up) {
+  const dvec3 way = to - from;
+  Measure out;
+  out.distance = glm::length(way);
+  out.height = glm::dot(way, up_vector(up));
+  out.horizontal = glm::length(way - out.height * up_vector(up));
+  return out;
+}
+
+std::string coordinate_text(double value, double scene_size) {
+  // A hundred-thousandth of the scene is less than anybody points at.
+  const int decimals = std::clamp(5 - int(std::floor(std::log10(std::max(scene_size, 1e-12)))), 0, 9);
+  return fixed(value, decimals);
+}
+
+std::string unit_of(const std::string& crs) {
+  std::string text = crs;
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  // The last unit of a WKT is that of its axes.
+  const std::size_t unit = text.rfind("unit[\"");
+  if (unit == std::string::npos) return "units";
+  const std::string name = text.substr(unit + 6, text.find('"', unit + 6) - unit - 6);
+  if (name == "metre" || name == "meter" || name == "m") return "m";
+  if (name.find("foot") != std::string::npos || name.find("feet") != std::string::npos || name == "ft") return "ft";
+  return "units";
+}
+
+}  // namespace sfumato::view

@@ -1,0 +1,174 @@
+#include "view/wishes.h"
+
+#include <algorithm>
+
+#include "core/color.h"
+#include "core/error.h"
+#include "view/controls.h"
+
+namespace sfumato::view {
+namespace {
+
+std::string joined(const dvec3& v) { return number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z); }
+
+std::string text_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += word + '\n';
+  return text;
+}
+
+std::vector<double> two_numbers(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  try {
+    if (comma != std::string::npos) {
+      std::size_t end = 0;
+      const double a = std::stod(text.substr(0, comma)), b = std::stod(text.substr(comma + 1), &end);
+      if (end == text.size() - comma - 1 && a != b) return {a, b};
+    }
+  } catch (const std::exception&) {
+    // No number at all: the same complaint.
+  }
+  throw Error(ErrorCode::usage, "--color-range: '" + text + "' is not two different numbers A,B");
+}
+
+}  // namespace
+
+std::string classes_text(const std::vector<int>& classes) {
+  std::string text;
+  for (int id : classes) text += (text.empty() ? "" : ",") + std::to_string(id);
+  return text.empty() ? "none" : text;
+}
+
+void Wishes::set(const std::string& parameter, const std::string& value) {
+  analysis::PrepareOptions prepare;
+  ParamList list;
+  prepare.describe(list);
+  if (Param* param = list.find(parameter)) {
+    param->set(value);
+    if (param->get() == param->default_text)
+      analysis.erase(param->name);
+    else
+      analysis[param->name] = param->get();
+    return;
+  }
+  Look look(technique.empty() ? "points" : technique);
+  look.set(parameter, value);
+  const auto& all = look.parameters.all();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (&all[i] != look.parameters.find(parameter)) continue;
+    Values& values = i < look.own_count ? own[look.name] : shared;
+    if (all[i].get() == all[i].default_text)
+      values.erase(all[i].name);
+    else
+      values[all[i].name] = all[i].get();
+  }
+}
+
+void Wishes::reset(const std::string& parameter) {
+  analysis.erase(parameter);
+  shared.erase(parameter);
+  if (const auto mine = own.find(technique); mine != own.end()) mine->second.erase(parameter);
+}
+
+void Wishes::reset_all() {
+  shared.clear();
+  own.erase(technique);
+}
+
+void Wishes::take(const Look& look) {
+  for (std::size_t i = 0; i < look.parameters.all().size(); ++i) {
+    const Param& param = look.parameters.all()[i];
+    if (param.get() == param.default_text) continue;
+    (i < look.own_count ? own[look.name] : shared)[param.name] = param.get();
+  }
+}
+
+NamesAndValues Wishes::parameters_of(const std::string& technique_name) const {
+  NamesAndValues values(shared.begin(), shared.end());
+  if (const auto mine = own.find(technique_name); mine != own.end())
+    values.insert(values.end(), mine->second.begin(), mine->second.end());
+  return values;
+}
+
+ColorSettings Wishes::color() const {
+  ColorSettings settings;
+  settings.color_by = color_by;
+  settings.colormap = colormap;
+  if (!color_range.empty()) {
+    const std::vector<double> range = two_numbers(color_range);
+    settings.range = {range[0], range[1]};
+  }
+  if (!exposure.empty()) {
+    const std::vector<float> number = numbers_of(exposure);
+    if (number.size() != 1 || !(number[0] >= 0.1f && number[0] <= 100))
+      throw Error(ErrorCode::usage, "--exposure: '" + exposure + "' is no number in [0.1, 100]");
+    settings.exposure = std::stod(exposure);
+  }
+  if (!point_color.empty())
+    if (const auto color = parse_color(point_color)) settings.solid = to_rgba8(*color);
+  return settings;
+}
+
+std::optional<vec3> Wishes::background() const {
+  return background_color.empty() ? std::nullopt : parse_color(background_color);
+}
+
+SessionOptions Wishes::session_options() const {
+  SessionOptions options;
+  ParamList list;
+  options.prepare.describe(list);
+  for (const auto& [name, value] : analysis)
+    if (Param* param = list.find(name)) param->set(value);
+  options.color = color();
+  options.background = background();
+  return options;
+}
+
+std::vector<std::string> Wishes::words(int width, int height) const {
+  std::vector<std::string> words = files;
+  // A value may begin with a minus: the equals sign keeps it with its option.
+  const auto say = [&](const std::string& name, const std::string& value) { words.push_back("--" + name + "=" + value); };
+  words.insert(words.end(), {"-t", technique.empty() ? "auto" : technique});
+  for (const auto& [name, value] : parameters_of(technique)) say(with_dashes(name), value);
+  for (const auto& [name, value] : analysis) say(with_dashes(name), value);
+  for (const auto& [name, value] : input) say(name, value);
+  const Selection& wanted = scene.selection;
+  if (wanted.crop) say("crop", joined(wanted.crop->min) + "," + joined(wanted.crop->max));
+  if (!wanted.show_classes.empty()) say("show-classes", classes_text(wanted.show_classes));
+  if (const std::string hidden = classes_text(wanted.hide_classes); hidden != "7,18" && wanted.show_classes.empty())
+    say("hide-classes", hidden);
+  if (color_by != "auto" && point_color.empty()) say("color-by", color_by);
+  if (!colormap.empty() && point_color.empty()) say("colormap", colormap);
+  if (!color_range.empty() && point_color.empty()) say("color-range", color_range);
+  if (!exposure.empty()) say("exposure", exposure);
+  if (!point_color.empty()) say("color", point_color);
+  if (!background_color.empty()) say("background-color", background_color);
+  if (whole) words.push_back("--whole");
+  if (legend && point_color.empty()) words.push_back("--legend");
+  say("camera-position", joined(camera.position));
+  say("camera-focal-point", joined(camera.target));
+  say("camera-view-up", joined(camera.up));
+  if (camera.fov_deg != 45) say("camera-view-angle", number_text(camera.fov_deg));
+  if (camera.orthographic) words.push_back("--camera-orthographic");
+  say("resolution", std::to_string(width) + "x" + std::to_string(height));
+  return words;
+}
+
+std::string Wishes::scene_key() const {
+  Wishes read;
+  read.whole = whole, read.files = files, read.scene = scene, read.input = input, read.analysis = analysis;
+  return text_of(read.words(1, 1));
+}
+
+std::string Wishes::color_key() const {
+  return color_by + '\n' + colormap + '\n' + color_range + '\n' + exposure + '\n' + point_color;
+}
+
+std::string Wishes::look_key() const {
+  Wishes look = *this;
+  look.camera = {};
+  look.legend = false;  // drawn over the picture
+  return text_of(look.words(1, 1));
+}
+
+}  // namespace sfumato::view

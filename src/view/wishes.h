@@ -1,0 +1,64 @@
+// All that decides what a window shows, as a value: what is read, how it is drawn, from where. It can be said as a command
+// that writes the same picture, and two of them are the same when their commands are.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/prepare.h"
+#include "scene/scene.h"
+#include "session/look.h"
+#include "session/preset.h"
+#include "session/session.h"
+#include "view/navigator.h"
+
+namespace sfumato::view {
+
+struct Wishes {
+  using Values = std::map<std::string, std::string>;  ///< parameters that are not at their defaults
+
+  std::vector<std::string> files;
+  scene::SceneOptions scene;
+  /// Options of the command line that say what `scene` says in ways that no panel changes (--filter, --columns, --up,
+  /// --max-points, --crop-relative): kept as they were written.
+  NamesAndValues input;
+  Values analysis;
+  std::string technique;             ///< empty: what suits the scan
+  std::map<std::string, Values> own; ///< by technique
+  Values shared;                     ///< those that every technique has
+  std::string color_by = "auto", colormap, color_range, exposure, point_color, background_color;  ///< as options
+  bool legend = false;
+  bool whole = false;  ///< rooms with the walls before them
+  ViewCamera camera;
+
+  /// A parameter of `technique`, of all techniques, or of the analysis. Throws Error(usage) as Look::set does.
+  void set(const std::string& parameter, const std::string& value);
+  /// Back to what it is by default.
+  void reset(const std::string& parameter);
+  /// Every parameter of the technique and the shared ones.
+  void reset_all();
+  /// Takes over what is not at its default in a look.
+  void take(const Look& look);
+
+  /// What a Look of that technique must be given.
+  NamesAndValues parameters_of(const std::string& technique_name) const;
+  SessionOptions session_options() const;
+  ColorSettings color() const;
+  std::optional<vec3> background() const;
+
+  /// The words after `sfumato` that draw this at a size: -o and its file are not among them.
+  std::vector<std::string> words(int width, int height) const;
+  /// What must be read or sorted anew when it changes; what must be coloured anew.
+  std::string scene_key() const;
+  std::string color_key() const;
+  /// Everything but the camera.
+  std::string look_key() const;
+  bool operator==(const Wishes& other) const { return words(1, 1) == other.words(1, 1); }
+};
+
+/// Which class codes are hidden: "--hide-classes" in the spelling of the command.
+std::string classes_text(const std::vector<int>& classes);
+
+}  // namespace sfumato::view

@@ -1,0 +1,384 @@
+#include "view/workbench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/color.h"
+#include "core/error.h"
+
+namespace sfumato::view {
+namespace {
+
+/// Sliders that decide which points there are rest so long before the points are selected anew.
+constexpr double reload_rest_ms = 250;
+
+}  // namespace
+
+Workbench::Workbench(Start start)
+    : watch(start.watch),
+      start_(std::move(start)),
+      wishes_(start_.wishes),
+      history_(wishes_),
+      sample_(std::make_unique<Painter>(gate_, start_.wake)),
+      whole_(std::make_unique<Painter>(gate_, start_.wake)),
+      loader_(std::make_unique<Loader>(start_.wake)) {
+  load(false);
+}
+
+void Workbench::change(const std::string& what, const std::function<void(Wishes&)>& edit) {
+  Wishes next = wishes_;
+  try {
+    edit(next);
+    if (!next.background_color.empty() && !next.background())
+      throw Error(ErrorCode::usage, "'" + next.background_color + "' is no colour");
+    (void)next.color();
+    (void)next.session_options();
+    if (!next.technique.empty()) {
+      Look look(next.technique);
+      for (const auto& [name, value] : next.parameters_of(next.technique)) look.set(name, value);
+      look.check();
+    }
+  } catch (const Error& error) {
+    say(error.what(), true);
+    return;
+  }
+  wishes_ = std::move(next);
+  history_.record(wishes_, what, now_ms_);
+}
+
+void Workbench::move(const std::string& what, const std::function<void(Navigator&)>& edit) {
+  navigator_.set_camera(wishes_.camera);
+  edit(navigator_);
+  if (navigator_.camera() == wishes_.camera) return;
+  wishes_.camera = navigator_.camera();
+  history_.record(wishes_, what, now_ms_);
+  touched();
+}
+
+void Workbench::undo() {
+  if (!history_.can_undo()) return say("nothing to undo");
+  wishes_ = history_.undo();
+  touched();
+}
+
+void Workbench::redo() {
+  if (!history_.can_redo()) return say("nothing to redo");
+  wishes_ = history_.redo();
+  touched();
+}
+
+void Workbench::say(const std::string& text, bool is_error) {
+  messages_.push_back({text, is_error});
+  if (on_message) on_message(messages_.back());
+}
+
+void Workbench::touched() { refinement_.changed(now_ms_); }
+void Workbench::repaint() { touched(); }
+
+void Workbench::open(const std::vector<std::string>& files, bool add) {
+  std::vector<std::string> expanded;
+  try {
+    expanded = scene::expand_inputs(files);
+  } catch (const Error& error) {
+    return say(error.what(), true);
+  }
+  frame_on_load_ = true;
+  change("open", [&](Wishes& wishes) {
+    if (!add) {
+      wishes.files.clear();
+      wishes.scene.selection.crop.reset();
+    }
+    for (const std::string& file : expanded)
+      if (std::find(wishes.files.begin(), wishes.files.end(), file) == wishes.files.end()) wishes.files.push_back(file);
+  });
+}
+
+void Workbench::set_size(int width, int height) {
+  width = std::max(16, width), height = std::max(16, height);
+  if (width == width_ && height == height_) return;
+  width_ = width, height_ = height;
+  refinement_.forget();
+  touched();
+}
+
+std::optional<dvec3> Workbench::point_at(const Camera& seen, double x_px, double y_px) const {
+  if (scene_ && scene_->near)
+    if (const auto index = nearest_point(*scene_->near, seen, x_px, y_px, 24)) return scene_->near->world(*index);
+  return std::nullopt;
+}
+
+dvec3 Workbench::pivot_at(double x_px, double y_px) const {
+  return point_at(camera(), x_px, y_px).value_or(wishes_.camera.target);
+}
+
+dvec3 Workbench::place_at(double x_px, double y_px) const {
+  const Camera seen = camera();
+  if (const auto point = point_at(seen, x_px, y_px)) return *point;
+  const Ray ray = ray_through(seen, x_px, y_px);
+  return ray.origin + ray.direction * (wishes_.camera.distance() / std::max(0.05, glm::dot(ray.direction, seen.direction())));
+}
+
+void Workbench::pick(double x_px, double y_px) {
+  pick_id_ = next_id_++;
+  whole_->pick({pick_id_, camera(), x_px, y_px});
+}
+
+void Workbench::shoot(int width, int height) {
+  if (!whole_ready_) return say("the picture is not there yet: wait until everything is loaded", true);
+  PictureJob job = job_for(Refinement::ladder[0], width, height);
+  job.id = next_id_++;
+  waiting_shots_.emplace_back(job.id, Shot{{}, wishes_.words(width, height), wishes_.legend});
+  whole_->paint_for_keeps(std::move(job));
+}
+
+void Workbench::play(bool on) {
+  if (on && path.keys().size() < 2) return say("a path needs two keys at least: K adds the present view", true);
+  play_began_ms_ = on ? std::optional(now_ms_) : std::nullopt;
+}
+
+void Workbench::load(bool anew) {
+  load_id_ = next_id_++;
+  loading_ = true;
+  loaded_key_ = wanted_key_ = wishes_.scene_key();
+  file_times_.clear();
+  LoadJob job{load_id_, wishes_.files, wishes_.scene};
+  job.cutaway = !wishes_.whole;
+  job.memory = start_.memory;
+  job.anew = anew;
+  loader_->load(std::move(job));
+}
+
+void Workbench::send_scene(Loaded& loaded) {
+  const auto job_of = [&](scene::Scene scene) {
+    SceneJob job;
+    job.id = next_id_++;
+    job.scene = std::move(scene);
+    job.pose = loaded.pose;
+    job.options = wishes_.session_options();
+    job.color_key = wishes_.color_key();
+    job.technique = wishes_.technique;
+    job.parameters_of = [wishes = wishes_](const std::string& technique) { return wishes.parameters_of(technique); };
+    return job;
+  };
+  sample_ready_ = whole_ready_ = false;
+  refinement_.set_whole_ready(false);
+  refinement_.forget();
+  in_flight_ = 0;
+  refinement_.called_off();
+  SceneJob sample = job_of(std::move(loaded.sample));
+  sample_scene_id_ = sample.id;
+  sample_->show(std::move(sample));
+  SceneJob whole = job_of(std::move(loaded.whole));
+  whole_scene_id_ = whole.id;
+  whole.settle = start_.settle;
+  whole_->show(std::move(whole));
+}
+
+void Workbench::take_loaded(Loaded loaded) {
+  if (loaded.id != load_id_) return;
+  if (loaded.failure) {
+    loading_ = false;
+    if (!scene_) fatal_ = loaded.failure;
+    say(loaded.failure->message, true);
+    return;
+  }
+  for (const std::string& note : loaded.notes) say(note);
+  picked_.clear();
+  navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);
+  if (frame_on_load_ && width_ > 0) {
+    try {
+      const Camera first = start_.first_camera && !scene_ ? start_.first_camera(loaded.pose, width_, height_)
+                                                           : first_view(loaded.pose, width_, height_);
+      wishes_.camera = ViewCamera::from(first);
+    } catch (const Error& error) {
+      say(error.what(), true);
+      wishes_.camera = ViewCamera::from(first_view(loaded.pose, width_, height_));
+    }
+    navigator_.set_home(wishes_.camera);
+    frame_on_load_ = false;
+    if (!scene_) history_ = History<Wishes>(wishes_);
+  }
+  send_scene(loaded);
+  scene_ = std::move(loaded);
+  touched();
+}
+
+void Workbench::take_answer(Answer answer, bool of_whole) {
+  if (auto* ready = std::get_if<SceneReady>(&answer)) {
+    if (!of_whole) {
+      sample_ready_ = ready->id == sample_scene_id_;
+      return;
+    }
+    if (ready->id != whole_scene_id_) return;
+    whole_ready_ = true;
+    loading_ = false;
+    left_out_ = ready->left_out;
+    refinement_.set_whole_ready(true);
+    if (wishes_.technique.empty()) {
+      wishes_.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
+      reason_ = ready->choice.reason;
+      if (!history_.can_undo()) history_ = History<Wishes>(wishes_);
+    }
+    touched();
+  } else if (auto* picture = std::get_if<Picture>(&answer)) {
+    for (auto it = waiting_shots_.begin(); it != waiting_shots_.end(); ++it)
+      if (it->first == picture->id) {
+        it->second.picture = std::move(*picture);
+        shots_.push_back(std::move(it->second));
+        waiting_shots_.erase(it);
+        return;
+      }
+    if (picture->id != in_flight_) return;
+    in_flight_ = 0;
+    refinement_.done(in_flight_quality_, picture->took_ms);
+    const bool in_motion = !(in_flight_quality_ == Refinement::ladder[0]);
+    if (in_motion || refinement_.moving(now_ms_)) {
+      const double since = now_ms_ - last_motion_ms_;
+      if (last_motion_ms_ >= 0 && since < 1000) motion_ms_ = motion_ms_ == 0 ? since : 0.8 * motion_ms_ + 0.2 * since;
+      last_motion_ms_ = now_ms_;
+    }
+    if (!shown_) first_picture_ms_ = now_ms_ - began_ms_;
+    shown_quality_ = in_flight_quality_;
+    shown_ = std::make_shared<const Picture>(std::move(*picture));
+  } else if (auto* pick = std::get_if<PickAnswer>(&answer)) {
+    if (pick->id != pick_id_) return;
+    if (!pick->picked) return say("no point there");
+    picked_.push_back(std::move(*pick->picked));
+    if (picked_.size() > 2) picked_.erase(picked_.begin());
+    if (on_message) {
+      const double size = navigator_.scene_size();
+      const dvec3 at = picked_.back().world;
+      std::string text = "picked point " + std::to_string(picked_.back().source) + ": " + coordinate_text(at.x, size) + " " +
+                         coordinate_text(at.y, size) + " " + coordinate_text(at.z, size);
+      if (picked_.size() == 2) {
+        const Measure m = measure(picked_[0].world, at, navigator_.up_axis());
+        text += ", distance " + coordinate_text(m.distance, size) + ", height " + coordinate_text(m.height, size);
+      }
+      on_message({text, false});
+    }
+  } else if (auto* off = std::get_if<CalledOff>(&answer)) {
+    if (off->id == in_flight_ && in_flight_) {
+      in_flight_ = 0;
+      refinement_.called_off();
+    }
+    std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == off->id; });
+  } else if (auto* failure = std::get_if<Failure>(&answer)) {
+    const bool of_scene = failure->id == whole_scene_id_ || failure->id == sample_scene_id_;
+    if (failure->id == 0 || (of_scene && !shown_)) {
+      fatal_ = *failure;
+    } else if (of_scene) {
+      loading_ = false;
+    } else if (failure->id == in_flight_) {
+      in_flight_ = 0;
+      refinement_.failed();
+    }
+    std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == failure->id; });
+    if (!of_scene || failure->id == whole_scene_id_) say(failure->message, true);
+  }
+}
+
+PictureJob Workbench::job_for(const Quality& quality, int width, int height) const {
+  PictureJob job;
+  const bool known = !wishes_.technique.empty() && !quality.stand_in;
+  job.technique = known ? wishes_.technique : "points";
+  if (known)
+    job.parameters = wishes_.parameters_of(job.technique);
+  else
+    job.parameters = NamesAndValues(wishes_.shared.begin(), wishes_.shared.end());
+  if (!(quality == Refinement::ladder[0])) {
+    // In motion one sample a pixel does, and a few of the light.
+    std::erase_if(job.parameters, [](const auto& each) { return each.first == "samples"; });
+    const bool soft = std::any_of(job.parameters.begin(), job.parameters.end(),
+                                  [](const auto& each) { return each.first == "shadows" && each.second == "soft"; });
+    if (soft && !quality.whole_cloud) {
+      std::erase_if(job.parameters, [](const auto& each) { return each.first == "light_samples"; });
+      job.parameters.emplace_back("light_samples", "2");
+    }
+  }
+  if (!known) {  // what only some techniques can show is of no use to `points`
+    std::erase_if(job.parameters, [](const auto& each) { return each.first == "shading"; });
+  }
+  job.camera = wishes_.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));
+  job.color = wishes_.color();
+  job.color_key = wishes_.color_key();
+  job.background = wishes_.background();
+  job.timings = timings_ && quality == Refinement::ladder[0];
+  return job;
+}
+
+void Workbench::ask() {
+  if (width_ <= 0 || !sample_ready_) return;
+  refinement_.set_subject(wishes_.technique);
+  const auto quality = refinement_.next(now_ms_);
+  if (!quality) return;
+  PictureJob job = job_for(*quality, width_, height_);
+  job.id = in_flight_ = next_id_++;
+  in_flight_quality_ = *quality;
+  refinement_.begun(*quality, now_ms_);
+  if (!quality->whole_cloud) whole_->call_off();
+  (quality->whole_cloud ? *whole_ : *sample_).paint(std::move(job));
+}
+
+void Workbench::watch_files() {
+  if (!watch || now_ms_ - watched_ms_ < 500) return;
+  watched_ms_ = now_ms_;
+  std::vector<std::pair<std::string, std::int64_t>> times;
+  for (const std::string& file : wishes_.files) {
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(file, error);
+    if (error) return;  // being written: later
+    times.emplace_back(file, std::int64_t(time.time_since_epoch().count()));
+  }
+  if (!file_times_.empty() && times != file_times_) {
+    say("files changed: reading them again");
+    load(true);
+  }
+  file_times_ = std::move(times);
+}
+
+void Workbench::tick(double now_ms) {
+  now_ms_ = now_ms;
+  if (began_ms_ < 0) began_ms_ = now_ms;
+  if (play_began_ms_) {
+    const double time = play_time_s();
+    if (time > path.duration_s()) {
+      play_began_ms_.reset();
+    } else {
+      wishes_.camera = path.at(time);
+      touched();
+    }
+  }
+  if (width_ > 0)
+    if (auto loaded = loader_->take()) take_loaded(std::move(*loaded));
+  for (Answer& each : sample_->take_answers()) take_answer(std::move(each), false);
+  for (Answer& each : whole_->take_answers()) take_answer(std::move(each), true);
+  watch_files();
+
+  if (const std::string key = wishes_.look_key(); key != look_key_) {
+    look_key_ = key;
+    touched();
+  }
+  if (const std::string key = wishes_.scene_key(); key != wanted_key_) {
+    wanted_key_ = key;
+    key_changed_ms_ = now_ms;
+  }
+  if (wanted_key_ != loaded_key_ && now_ms - key_changed_ms_ >= reload_rest_ms && !wishes_.files.empty()) load(false);
+  ask();
+
+  activity_ = loader_->activity();
+  if (activity_.text.empty()) activity_ = whole_->activity();
+}
+
+std::optional<double> Workbench::wait_ms(double now_ms) const {
+  if (play_began_ms_) return 0;
+  std::optional<double> wait = sample_ready_ ? refinement_.wait_ms(now_ms) : std::nullopt;
+  if (wanted_key_ != loaded_key_) {
+    const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
+    wait = std::min(wait.value_or(until), until);
+  }
+  if (watch) wait = std::min(wait.value_or(500), 500.0);
+  return wait;
+}
+
+}  // namespace sfumato::view

@@ -1,0 +1,158 @@
+// Everything between the hand and the picture: wishes, camera, history, the reading of files, and two painters, one of the
+// whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws itself and shows what is here; it
+// never waits. All of it is used on one thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "view/history.h"
+#include "view/key_frames.h"
+#include "view/loader.h"
+#include "view/navigator.h"
+#include "view/painter.h"
+#include "view/refinement.h"
+#include "view/wishes.h"
+
+namespace sfumato::view {
+
+struct Start {
+  Wishes wishes;
+  Settle settle;
+  /// The camera of the first picture, as the command finds it; nothing: Session's first view.
+  std::function<Camera(const Pose&, int width, int height)> first_camera;
+  std::uint64_t memory = scene::default_memory;
+  bool watch = false;         ///< read files again when they change
+  std::function<void()> wake; ///< from any thread: there is something to `tick` for
+};
+
+/// A line for the person, and whether it is about a mistake.
+struct Message {
+  std::string text;
+  bool is_error = false;
+};
+
+/// A picture that was asked for to be kept.
+struct Shot {
+  Picture picture;
+  std::vector<std::string> words;  ///< the command without -o
+  bool legend = false;
+};
+
+class Workbench {
+ public:
+  explicit Workbench(Start start);
+
+  /// Takes what has come and asks for what lacks. Cheap.
+  void tick(double now_ms);
+  /// When `tick` is due even if nothing happens; nothing: not before something does.
+  std::optional<double> wait_ms(double now_ms) const;
+
+  const Wishes& wishes() const { return wishes_; }
+  /// Every change of the wishes goes through here: `what` names its kind for undo. Shows a message instead where `edit`
+  /// throws.
+  void change(const std::string& what, const std::function<void(Wishes&)>& edit);
+  /// The same for the camera.
+  void move(const std::string& what, const std::function<void(Navigator&)>& edit);
+  void undo();
+  void redo();
+  bool can_undo() const { return history_.can_undo(); }
+  bool can_redo() const { return history_.can_redo(); }
+
+  void open(const std::vector<std::string>& files, bool add);
+  void set_size(int width, int height);
+  int width() const { return width_; }
+  int height() const { return height_; }
+  Camera camera() const { return wishes_.camera.to_camera(width_, height_); }
+  const Navigator& navigator() const { return navigator_; }
+
+  /// The point of the scene under the cursor; where there is none, the place there at the depth of the target.
+  dvec3 place_at(double x_px, double y_px) const;
+  /// What a turn that begins there turns about: the point under the cursor, else the target.
+  dvec3 pivot_at(double x_px, double y_px) const;
+  /// Asks for the point under the cursor with all that it holds; it comes to `picked`.
+  void pick(double x_px, double y_px);
+  const std::vector<Picked>& picked() const { return picked_; }  ///< the last two, newest last
+  void clear_picked() { picked_.clear(); }
+
+  /// The newest picture; null before the first.
+  std::shared_ptr<const Picture> picture() const { return shown_; }
+  Quality shown_quality() const { return shown_quality_; }
+  bool settled() const { return refinement_.settled() && !loading_; }
+  bool moving() const { return refinement_.moving(now_ms_); }
+  double motion_ms() const { return motion_ms_; }   ///< between two pictures in motion, smoothed; 0: none yet
+  double first_picture_ms() const { return first_picture_ms_; }
+  const Activity& activity() const { return activity_; }
+  const Loaded* scene() const { return scene_ ? &*scene_ : nullptr; }  ///< without its clouds, which the painters have
+  const std::string& reason() const { return reason_; }
+  bool whole_ready() const { return whole_ready_; }
+  std::size_t left_out() const { return left_out_; }
+  std::string renderer_name() const { return whole_->renderer_name(); }
+  void set_timings(bool on) { timings_ = on; }
+  void repaint();
+
+  /// A picture of the present view for keeps; it comes to `take_shots`.
+  void shoot(int width, int height);
+  std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
+  bool shooting() const { return !waiting_shots_.empty(); }
+
+  std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
+  void say(const std::string& text, bool is_error = false);
+  std::function<void(const Message&)> on_message;  ///< sees every message as well
+  /// An error that leaves nothing to show: no driver, or the first files cannot be read.
+  const std::optional<Failure>& fatal() const { return fatal_; }
+
+  KeyFrames path;
+  /// Plays the path from its begin; null time stops.
+  void play(bool on);
+  bool playing() const { return play_began_ms_.has_value(); }
+  double play_time_s() const { return play_began_ms_ ? 1e-3 * (now_ms_ - *play_began_ms_) : 0; }
+
+  bool watch = false;
+
+ private:
+  std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
+  void take_loaded(Loaded loaded);
+  void take_answer(Answer answer, bool of_whole);
+  void load(bool anew);
+  void send_scene(Loaded& loaded);
+  PictureJob job_for(const Quality& quality, int width, int height) const;
+  void ask();
+  void touched();
+  void watch_files();
+
+  Start start_;
+  Wishes wishes_;
+  Navigator navigator_;
+  History<Wishes> history_;
+  Refinement refinement_;
+  int width_ = 0, height_ = 0;
+  double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0, watched_ms_ = 0;
+  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0, pick_id_ = 0;
+  Quality in_flight_quality_, shown_quality_;
+  double asked_ms_ = 0;
+  std::string loaded_key_, look_key_, wanted_key_;
+  double key_changed_ms_ = -1e9;
+  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, frame_on_load_ = true, timings_ = false;
+  std::optional<Loaded> scene_;
+  std::shared_ptr<const Picture> shown_;
+  std::string reason_;
+  std::size_t left_out_ = 0;
+  Activity activity_;
+  std::vector<Picked> picked_;
+  std::vector<Shot> shots_;
+  std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
+  std::vector<Message> messages_;
+  std::optional<Failure> fatal_;
+  std::optional<double> play_began_ms_;
+  std::vector<std::pair<std::string, std::int64_t>> file_times_;
+
+  std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);
+  std::unique_ptr<Painter> sample_, whole_;
+  std::unique_ptr<Loader> loader_;
+};
+
+}  // namespace sfumato::view

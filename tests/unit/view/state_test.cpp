@@ -1,0 +1,258 @@
+// Undo, paths, controls, wishes, picking and keys.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "core/error.h"
+#include "io/camera_json.h"
+#include "session/first_view.h"
+#include "view/controls.h"
+#include "view/history.h"
+#include "view/key_frames.h"
+#include "view/keys.h"
+#include "view/picking.h"
+#include "view/wishes.h"
+
+namespace sfumato::view {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(History, UndoesAndRedoesAndForgetsWhatWasUndone) {
+  History<int> history(1);
+  history.record(2, "a", 0);
+  history.record(3, "b", 5000);
+  EXPECT_EQ(history.undo(), 2);
+  EXPECT_EQ(history.undo(), 1);
+  EXPECT_FALSE(history.can_undo());
+  EXPECT_EQ(history.undo(), 1);
+  EXPECT_EQ(history.redo(), 2);
+  history.record(7, "c", 9000);
+  EXPECT_FALSE(history.can_redo());
+  EXPECT_EQ(history.undo(), 2);
+}
+
+TEST(History, OneDragIsOneStep) {
+  History<int> history(0);
+  for (int i = 1; i <= 50; ++i) history.record(i, "slider", 16 * i);
+  history.record(51, "slider", 5000);  // another drag
+  EXPECT_EQ(history.undo(), 50);
+  EXPECT_EQ(history.undo(), 0);
+  EXPECT_FALSE(history.can_undo());
+}
+
+TEST(History, KeepsSoManyAndNoMore) {
+  History<int> history(0, 5);
+  for (int i = 1; i <= 20; ++i) history.record(i, std::to_string(i), 2000 * i);
+  int steps = 0;
+  while (history.can_undo()) history.undo(), ++steps;
+  EXPECT_EQ(steps, 4);
+}
+
+ViewCamera key(double x) { return {{x, -5, 1}, {0, 0, 0}, {0, 0, 1}, 45, false}; }
+
+TEST(KeyFrames, ShowWhatTheCommandShows) {
+  KeyFrames path;
+  for (double x : {0.0, 3.0, 4.0, -2.0}) path.add(key(x));
+  EXPECT_EQ(path.duration_s(), 6);
+  std::vector<Camera> keys;
+  for (const ViewCamera& each : path.keys()) keys.push_back(each.to_camera(1280, 720));
+  const int frames = 97;
+  const std::vector<Camera> command = interpolate(keys, frames);
+  for (int i = 0; i < frames; ++i) {
+    const ViewCamera shown = path.at(path.duration_s() * i / (frames - 1));
+    // Times are shares of 1/4096 of a key; the fastest stretch moves 8 units in one.
+    EXPECT_LT(glm::length(shown.position - command[std::size_t(i)].position), 8.0 / 4096) << i;
+  }
+  EXPECT_EQ(path.at(-1).position, key(0).position);
+  EXPECT_LT(glm::length(path.at(100).position - key(-2).position), 1e-12);
+}
+
+TEST(KeyFrames, AreEditedSavedAndRead) {
+  KeyFrames path;
+  for (double x : {0.0, 1.0, 2.0}) path.add(key(x));
+  path.move(0, 2);
+  EXPECT_EQ(path.keys()[2].position.x, 0);
+  path.replace(0, key(9));
+  path.remove(1);
+  path.remove(77);
+  ASSERT_EQ(path.keys().size(), 2u);
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("path_" + std::to_string(getpid()) + ".json");
+  path.save(file, 640, 480);
+  KeyFrames back;
+  back.load(file);
+  std::filesystem::remove(file);
+  EXPECT_EQ(back.keys(), path.keys());
+  EXPECT_THROW(back.load("no such file"), Error);
+  EXPECT_EQ(back.keys().size(), 2u);
+}
+
+TEST(Controls, AreThoseOfTheParameterList) {
+  for (const TechniqueInfo& info : all_techniques()) {
+    const Look look(info);
+    const std::vector<Control> controls = controls_of(look);
+    EXPECT_EQ(controls.size(), look.parameters.all().size()) << info.name;
+    for (const Control& each : controls) {
+      const Param* param = look.parameters.find(each.name);
+      ASSERT_TRUE(param) << each.name;
+      EXPECT_FALSE(each.is_changed) << each.name;
+      EXPECT_THAT(each.tooltip, HasSubstr(param->help_text));
+      EXPECT_THAT(each.tooltip, HasSubstr(param->paper_text));
+      EXPECT_FALSE(each.group.empty());
+      if (each.kind == ParamKind::real || each.kind == ParamKind::integer) {
+        EXPECT_LT(each.low, each.high) << each.name;
+        if (param->min) EXPECT_GE(each.low, *param->min) << each.name;
+        if (param->max) EXPECT_LE(each.high, *param->max) << each.name;
+      }
+      if (each.kind == ParamKind::choice) EXPECT_THAT(each.choices, Contains(each.value)) << each.name;
+    }
+  }
+}
+
+TEST(Controls, GroupsStayTogetherAndTheOwnComeFirst) {
+  const Look look("surface");
+  std::vector<std::string> groups;
+  for (const Control& each : controls_of(look))
+    if (groups.empty() || groups.back() != each.group) groups.push_back(each.group);
+  EXPECT_EQ(groups.front(), "surface");
+  EXPECT_EQ(std::set<std::string>(groups.begin(), groups.end()).size(), groups.size());
+}
+
+TEST(Controls, AreSearchedByNameHelpAndSymbol) {
+  const Look look("surface");
+  const auto names = [&](const std::string& search) {
+    std::vector<std::string> found;
+    for (const Control& each : controls_of(look, search)) found.push_back(each.name);
+    return found;
+  };
+  EXPECT_THAT(names("Hidden Removal"), Contains("hidden_point_removal"));
+  EXPECT_THAT(names("hidden removal"), Not(Contains("ambient")));
+  EXPECT_THAT(names("k_a"), Contains("ambient"));
+  EXPECT_TRUE(names("no such thing").empty());
+}
+
+TEST(Controls, SayWhatIsAutomaticAndWhatChanged) {
+  Look look("surface");
+  look.set("disc-scale", "2.5");
+  look.set("point-spacing", "0.25");
+  for (const Control& each : controls_of(look)) {
+    if (each.name == "disc_scale") EXPECT_TRUE(each.is_changed && !each.can_be_auto && each.value == "2.5");
+    if (each.name == "point_spacing") EXPECT_TRUE(each.is_changed && each.can_be_auto && !each.is_auto);
+    if (each.name == "removal_scale") EXPECT_TRUE(!each.is_changed && each.is_auto);
+  }
+}
+
+TEST(Wishes, SayTheCommandThatTheyAre) {
+  Wishes wishes;
+  wishes.files = {"a scan.laz"};
+  wishes.technique = "surface";
+  wishes.scene.selection.hide_classes = {7, 18};
+  wishes.camera = {{1.5, -2.25, 0.1}, {0, 0, 0}, {0, 0, 1}, 45, false};
+  const std::vector<std::string> plain = wishes.words(640, 480);
+  EXPECT_EQ(plain, (std::vector<std::string>{"a scan.laz", "-t", "surface", "--camera-position=1.5,-2.25,0.1",
+                                             "--camera-focal-point=0,0,0", "--camera-view-up=0,0,1", "--resolution=640x480"}));
+  wishes.set("disc_scale", "2");
+  wishes.set("shadows", "hard");
+  wishes.set("neighbors", "16");
+  wishes.scene.selection.hide_classes = {2};
+  wishes.scene.selection.crop = Bounds{{-1, 0, 0}, {1, 2, 3}};
+  wishes.color_by = "elevation";
+  wishes.camera.fov_deg = 30;
+  wishes.camera.orthographic = true;
+  const std::vector<std::string> words = wishes.words(640, 480);
+  for (const char* each : {"--disc-scale=2", "--shadows=hard", "--neighbors=16", "--hide-classes=2", "--crop=-1,0,0,1,2,3",
+                           "--color-by=elevation", "--camera-view-angle=30", "--camera-orthographic"})
+    EXPECT_THAT(words, Contains(each));
+}
+
+TEST(Wishes, KeepParametersByTechniqueAndShareWhatIsShared) {
+  Wishes wishes;
+  wishes.technique = "surface";
+  wishes.set("disc_scale", "2");
+  wishes.set("ambient", "0.5");
+  wishes.technique = "points";
+  EXPECT_EQ(wishes.parameters_of("points"), (NamesAndValues{{"ambient", "0.5"}}));
+  EXPECT_EQ(wishes.parameters_of("surface"), (NamesAndValues{{"ambient", "0.5"}, {"disc_scale", "2"}}));
+  EXPECT_THROW(wishes.set("disc_scale", "2"), Error);
+  EXPECT_THROW(wishes.set("ambient", "7"), Error);
+  wishes.set("ambient", "0.3");  // the default is no wish
+  EXPECT_TRUE(wishes.parameters_of("points").empty());
+}
+
+TEST(Wishes, KeysTellWhatHasToBeDoneAnew) {
+  Wishes wishes;
+  wishes.files = {"a.laz"};
+  wishes.technique = "points";
+  Wishes other = wishes;
+  other.camera.position = {3, 3, 3};
+  EXPECT_EQ(other.look_key(), wishes.look_key());
+  EXPECT_NE(other.camera, wishes.camera);
+  other = wishes;
+  other.set("ambient", "0.5");
+  EXPECT_NE(other.look_key(), wishes.look_key());
+  EXPECT_EQ(other.scene_key(), wishes.scene_key());
+  other = wishes;
+  other.scene.selection.hide_classes = {5};
+  EXPECT_NE(other.scene_key(), wishes.scene_key());
+  other = wishes;
+  other.colormap = "turbo";
+  EXPECT_NE(other.color_key(), wishes.color_key());
+  EXPECT_EQ(other.scene_key(), wishes.scene_key());
+}
+
+TEST(Picking, TakesTheNearestPointInFront) {
+  PointCloud cloud;
+  cloud.origin = {1000, 2000, 0};
+  cloud.positions = {{0, 0, 0}, {0, 3, 0}, {0.5f, 0, 0}};  // the second behind the first
+  cloud.source_index = {4, 9, 2};
+  cloud.set_scalar({"classification", 0, {2, 5, 6}, StoredType::uint8});
+  const Camera camera = ViewCamera{{1000, 1990, 0}, {1000, 2000, 0}, {0, 0, 1}, 45, false}.to_camera(600, 600);
+  const auto at = nearest_point(cloud, camera, 302, 299);
+  ASSERT_TRUE(at);
+  EXPECT_EQ(*at, 0u);
+  const dvec3 third = project(camera, cloud.world(2));
+  EXPECT_EQ(nearest_point(cloud, camera, third.x + 3, third.y), 2u);
+  EXPECT_FALSE(nearest_point(cloud, camera, 20, 20));
+  const Picked picked = describe(cloud, 2);
+  EXPECT_EQ(picked.source, 2u);
+  EXPECT_EQ(picked.world, dvec3(1000.5, 2000, 0));
+  EXPECT_THAT(picked.attributes, Contains(std::pair<std::string, std::string>("classification", "6 (building)")));
+}
+
+TEST(Picking, MeasuresAlongTheUpAxis) {
+  const Measure z = measure({0, 0, 0}, {3, 4, 12}, UpAxis::pos_z);
+  EXPECT_DOUBLE_EQ(z.distance, 13);
+  EXPECT_DOUBLE_EQ(z.height, 12);
+  EXPECT_DOUBLE_EQ(z.horizontal, 5);
+  EXPECT_DOUBLE_EQ(measure({0, 0, 0}, {3, 4, 12}, UpAxis::neg_y).height, -4);
+  EXPECT_EQ(coordinate_text(637123.456789, 100), "637123.457");
+  EXPECT_EQ(unit_of("PROJCS[\"x\",UNIT[\"metre\",1]]"), "m");
+  EXPECT_EQ(unit_of("PROJCS[\"x\",UNIT[\"US survey foot\",0.3048]]"), "ft");
+  EXPECT_EQ(unit_of(""), "units");
+}
+
+TEST(Keys, EachIsBoundOnceAndExplained) {
+  std::set<std::pair<int, int>> seen;
+  for (const KeyBinding& each : key_bindings()) {
+    EXPECT_TRUE(seen.insert({each.code, each.modifiers}).second) << each.keys << " " << each.code;
+    EXPECT_EQ(each.keys.empty(), each.what.empty());
+    EXPECT_EQ(action_of(each.code, each.modifiers), each.action);
+  }
+  EXPECT_FALSE(action_of('W', none));  // flies
+  EXPECT_THAT(key_tables(), HasSubstr("| P, F9 |"));
+}
+
+// The page shows the tables that the code makes.
+TEST(Keys, AreThoseOfTheDocumentation) {
+  std::ifstream file(std::filesystem::path(SFUMATO_SOURCE_DIR) / "docs" / "viewer.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_THAT(page, HasSubstr(key_tables())) << "docs/viewer.md lacks:\n" << key_tables();
+}
+
+}  // namespace
+}  // namespace sfumato::view

@@ -1,0 +1,194 @@
+// The window as a hand uses it: real keys and a real mouse on a display of its own, and pixels looked at.
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "viewer/desk.h"
+
+namespace sfumato::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+int colors_of(const Image<Rgba8>& image) {
+  std::set<std::uint32_t> seen;
+  for (const Rgba8& c : image) seen.insert(std::uint32_t(c.r) << 16 | std::uint32_t(c.g) << 8 | c.b);
+  return int(seen.size());
+}
+
+bool equal(const Image<Rgba8>& a, const Image<Rgba8>& b) {
+  return a.width() == b.width() && a.height() == b.height() && std::equal(a.begin(), a.end(), b.begin());
+}
+
+class WindowTest : public DeskTest {
+ protected:
+  void make_forest() {
+    const Outcome made = run({"synth", "forest", "--points", "30000", "-o", "forest.laz", "--quiet"});
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+  void close() {
+    hand("key ctrl+q");
+    EXPECT_EQ(exit_code(), 0) << said();
+  }
+  /// The saved picture is what its command draws without a window.
+  void expect_reproducible(const std::string& name) {
+    const std::string command = png_texts(name)["Command"];
+    EXPECT_TRUE(equal(read_png(name), read_png(drawn_again(command, "again.png")))) << command;
+  }
+};
+
+TEST_F(WindowTest, DrawsEveryTechniqueAsTheCommandDoes) {
+  make_forest();
+  open({"forest.laz"});
+  wait_for("final picture");
+  hand("mousemove 475 350");
+  std::vector<std::string> pictures;
+  int n = 0;
+  for (const char* technique : {"points", "splats", "surface", "soft", "layers", "denoise", "strokes"}) {
+    SCOPED_TRACE(technique);
+    hand("key " + std::to_string(++n));
+    wait_for(std::string("final picture: ") + technique);
+    // Each from a side of its own.
+    const int before = count("final picture");
+    hand("mousedown 1 sleep 0.2 mousemove_relative --sync 9 3 sleep 0.1 mousemove_relative --sync 30 4 sleep 0.2 mouseup 1 "
+         "sleep 0.1 mousemove 475 350");
+    wait_for("final picture", before + 1);
+    pictures.push_back(save());
+  }
+  // The screen shows the last of them, pixel by pixel.
+  const Image<Rgba8> shown = screen(), last = read_png(pictures.back());
+  ASSERT_EQ(last.width(), view_width);
+  ASSERT_EQ(last.height(), view_height);
+  int different = 0;
+  for (int y = 0; y < view_height; ++y)
+    for (int x = 0; x < view_width; ++x) different += !(shown.at(x, y) == last.at(x, y));
+  EXPECT_LT(different, view_width * view_height / 50);  // the message that it was saved lies over it
+  close();
+  for (const std::string& each : pictures) {
+    SCOPED_TRACE(each);
+    EXPECT_GT(colors_of(read_png(each)), 50);
+    expect_reproducible(each);
+  }
+  EXPECT_EQ(std::set<std::string>(pictures.begin(), pictures.end()).size(), 7u);
+}
+
+TEST_F(WindowTest, FirstPictureIsThatOfTheCommand) {
+  make_forest();
+  open({"forest.laz"});
+  wait_for("final picture");
+  const std::string saved = save();
+  close();
+  const Outcome plain = run({"forest.laz", "--resolution", "950x694", "-o", "plain.png"});
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png")));
+}
+
+TEST_F(WindowTest, SlidersClassesCopyAndUndo) {
+  make_forest();
+  open({"forest.laz", "-t", "points"});
+  wait_for("final picture");
+  const std::string first = save();
+  // The slider of the size of points is the second control of the panel.
+  hand("mousemove 1080 148 click 1 sleep 0.3 mousemove 475 20");
+  wait_for("final picture", 2);
+  const std::string larger = save();
+  EXPECT_THAT(png_texts(larger)["Command"], HasSubstr("--point-size="));
+  EXPECT_FALSE(equal(read_png(first), read_png(larger)));
+  // The list of classes opens below, its first row is the ground.
+  hand("mousemove 1010 236 click 1 sleep 0.3 mousemove 988 262 click 1 sleep 0.1 mousemove 475 20");
+  wait_for("final picture", 3);
+  const std::string without_ground = save();
+  const std::string command = png_texts(without_ground)["Command"];
+  EXPECT_THAT(command, HasSubstr("--hide-classes=2,7,18"));
+  hand("key ctrl+shift+c");
+  wait_for("the command is copied");
+  const std::string copied = clipboard();
+  EXPECT_EQ(copied.substr(0, copied.rfind(" -o ")), command.substr(0, command.rfind(" -o ")));
+  EXPECT_TRUE(equal(read_png(without_ground), read_png(drawn_again(copied, "copied.png"))));
+  expect_reproducible(larger);
+  hand("key ctrl+z");
+  wait_for("final picture", 4);
+  EXPECT_TRUE(equal(read_png(save()), read_png(larger)));
+  hand("key ctrl+z");
+  wait_for("final picture", 5);
+  EXPECT_TRUE(equal(read_png(save()), read_png(first)));
+  // A camera leaves and comes back as text.
+  hand("key ctrl+c");
+  wait_for("the camera is copied");
+  EXPECT_THAT(clipboard(), HasSubstr("\"fov_y_deg\""));
+  hand("key KP_7");
+  wait_for("final picture", 6);
+  hand("key ctrl+v");
+  wait_for("final picture", 7);
+  EXPECT_TRUE(equal(read_png(save()), read_png(first)));
+  close();
+}
+
+TEST_F(WindowTest, PicksAndMeasures) {
+  write_cube("cube.ply", 60);
+  open({"cube.ply", "-t", "points", "--view", "front", "--camera-orthographic"});
+  wait_for("final picture");
+  // The front of the cube is a square in the middle: two places at one height.
+  hand("mousemove 400 347 click 1");
+  wait_for("picked point", 1);
+  hand("sleep 0.6 mousemove 550 347 click 1");  // later than a double click
+  wait_for("picked point", 2);
+  hand("mousemove 20 690 sleep 0.5");
+  const std::string all = said();
+  const std::size_t at = all.find(", distance ");
+  ASSERT_NE(at, std::string::npos) << all;
+  double distance = 0, height = 0;
+  ASSERT_EQ(std::sscanf(all.c_str() + at, ", distance %lf, height %lf", &distance, &height), 2);
+  // 150 of the pixels of the parallel view. Points are 1/60 apart, and each of two is taken at most half of that beside
+  // its place.
+  hand("key ctrl+c");
+  wait_for("the camera is copied");
+  const double view_height_world = nlohmann::json::parse(clipboard())["height_world"];
+  EXPECT_NEAR(distance, 150 * view_height_world / view_height, 1.0 / 60);
+  EXPECT_NEAR(height, 0, 1.0 / 60);
+  const Image<Rgba8> seen = screen();
+  for (int x : {400, 550}) {
+    int amber = 0;
+    for (int dy = -9; dy <= 9; ++dy)
+      for (int dx = -9; dx <= 9; ++dx) amber += seen.at(x + dx, 347 + dy) == Rgba8{0xff, 0xb0, 0x00, 255};
+    EXPECT_GT(amber, 20) << x;  // a mark of radius 4
+  }
+  close();
+}
+
+TEST_F(WindowTest, ReadsFilesAgainWhenTheyChange) {
+  write_cube("cube.ply", 20);
+  open({"cube.ply", "-t", "points", "--watch"});
+  wait_for("final picture");
+  const std::string before = save();
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  write_cube("other.ply", 35);
+  std::filesystem::rename(path("other.ply"), path("cube.ply"));
+  wait_for("files changed");
+  wait_for("final picture", 2);
+  const std::string after = save();
+  EXPECT_FALSE(equal(read_png(before), read_png(after)));
+  expect_reproducible(after);
+  close();
+}
+
+TEST_F(WindowTest, ClosesWhileItLoads) {
+  ASSERT_EQ(run({"synth", "tori", "--points", "1000000", "-o", "tori.ply", "--quiet"}).code, 0);
+  for (const int wait_ms : {700, 1500, 3000}) {
+    open({"tori.ply", "-t", "strokes"});  // seconds of analysis
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    hand("mousemove 475 350 key ctrl+q");
+    EXPECT_EQ(exit_code(20), 0) << wait_ms << "\n" << said();
+  }
+}
+
+TEST_F(WindowTest, TellsWhatIsWrongWithTheFirstFileAndEnds) {
+  write("broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n1\n2\n3\n");
+  open({"broken.ply"});
+  EXPECT_EQ(exit_code(), 2) << said();
+  EXPECT_THAT(said(), HasSubstr("broken.ply"));
+}
+
+}  // namespace
+}  // namespace sfumato::testing
