@@ -12,6 +12,10 @@ constexpr int most_cells = 48, layers = 40;
 /// The share of all columns with points that have a floor and a ceiling with open space between, and of those pairs of
 /// them a twelfth of the room apart that agree on the heights of both.
 constexpr double roofed_least = 0.3, level_least = 0.6;
+/// The share of ceilings that are at most three layers thick, with three empty ones below: crowns of a planted forest are
+/// level too,
+/// but thick.
+constexpr double thin_least = 0.5;
 /// Walls are sought among what is neither furniture nor lintel.
 constexpr double wall_low = 0.35, wall_high = 0.75;
 constexpr int wall_bins = 100;
@@ -20,7 +24,7 @@ constexpr double wall_share = 0.03, wall_reach = 0.3;
 
 struct Column {
   int low = layers, high = -1, between = 0;  ///< layers of lowest and highest points; occupied ones between them
-  bool is_roofed = false;
+  bool is_roofed = false, is_thin = false;
 };
 
 class Plan {
@@ -52,18 +56,20 @@ class Plan {
         column.between += counts[c][std::size_t(layer)] > 0;
       const int open = column.high - column.low - 3;
       column.is_roofed = open > 0.25 * layers && column.between < 0.5 * open;
+      column.is_thin = column.is_roofed && counts[c][std::size_t(column.high - 3)] <= 1 &&
+                       counts[c][std::size_t(column.high - 4)] <= 1 && counts[c][std::size_t(column.high - 5)] <= 1;
     }
   }
 
   bool is_room() const {
-    int occupied = 0, roofed = 0, furnished = 0, pairs = 0, level = 0;
+    int occupied = 0, roofed = 0, thin = 0, furnished = 0, pairs = 0, level = 0;
     const int apart = cells_ / 12;
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
         const Column& column = at(x, y);
         occupied += column.high >= 0;
         if (!column.is_roofed) continue;
-        ++roofed, furnished += column.between > 0 && is_amid(x, y);
+        ++roofed, thin += column.is_thin, furnished += column.between > 0 && is_amid(x, y);
         for (const auto& [dx, dy] : {std::pair(apart, 0), {0, apart}}) {
           if (x + dx >= cells_ || y + dy >= cells_ || !at(x + dx, y + dy).is_roofed) continue;
           const Column& other = at(x + dx, y + dy);
@@ -71,7 +77,7 @@ class Plan {
           level += std::abs(column.high - other.high) <= 1 && std::abs(column.low - other.low) <= 1;
         }
       }
-    return roofed >= roofed_least * occupied && 36 * roofed >= cells_ * cells_ && furnished >= 0.02 * roofed && level >= level_least * pairs;
+    return roofed >= roofed_least * occupied && 36 * roofed >= cells_ * cells_ && furnished >= 0.02 * roofed && thin >= thin_least * roofed && level >= level_least * pairs;
   }
 
   Room room(const dvec3& up) const {

@@ -135,6 +135,16 @@ TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
   for (const char* name : {"courtyard", "forest", "spheres", "tori"})
     EXPECT_FALSE(pose_of(scan(name, synth::Sampling::automatic, 200'000)).subject.room) << name;
   EXPECT_FALSE(pose_of(box_of({2, 3, 1}, 100'000)).subject.room) << "a box that holds nothing";
+  // Crowns of one height, two metres thick, over level ground with bushes.
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud planted;
+  planted.up = UpAxis::pos_z;
+  for (int i = 0; i < 200'000; ++i) {
+    const double which = unit(random), z = which < 0.6 ? 10 - 2 * unit(random) : which < 0.62 ? 2 * unit(random) : 0;
+    planted.positions.push_back(vec3(40 * unit(random), 40 * unit(random), z));
+  }
+  EXPECT_FALSE(pose_of(planted).subject.room) << "a planted forest";
   scene::Scene whole;
   whole.cloud = scan("room", synth::Sampling::area, 100'000);
   EXPECT_FALSE(stand_upright(whole, "", UpAxis::pos_z, false).subject.room);

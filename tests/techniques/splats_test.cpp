@@ -284,8 +284,7 @@ TEST_F(Splats, ADiscLargerThanAnySpriteIsStillDrawn) {
   const RenderOutput out = render(disc({0, 0, 0}, {0.3f, 1, 0}, 50), camera);
   const auto covered = std::count_if(out.depth.begin(), out.depth.end(), [](float z) { return std::isfinite(z); });
   EXPECT_EQ(covered, 64 * 48);
-  ASSERT_EQ(out.notes.size(), 1u);
-  EXPECT_NE(out.notes[0].find("1 points drawn as quads"), std::string::npos);
+  EXPECT_TRUE(out.notes.empty()) << "how a driver draws it is nobody's concern";
 }
 
 TEST_F(Splats, ASplatWhoseCentreIsOutsideIsNotLost) {

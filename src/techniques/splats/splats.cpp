@@ -63,12 +63,6 @@ class Splats final : public Technique {
     return true;
   }
 
-  std::vector<std::string> notes() const override {
-    if (surface_.batches().fallbacks == 0) return {};
-    return {std::to_string(surface_.batches().fallbacks) + " points drawn as quads: near the camera, a point sprite "
-            "of this driver would be too small"};
-  }
-
  private:
   Parameters parameters_;
   SplatSurface surface_;
