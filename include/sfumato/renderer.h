@@ -26,7 +26,8 @@ struct Pictures {
   Image<vec3> normal;   ///< world, unit, facing the camera, 0 where none
 };
 
-/// Owns an OpenGL context, which is current on the thread that made it: use each instance on one thread.
+/// Owns an OpenGL context: use each instance on the thread that made it. Several instances, on one thread or on several, do
+/// not know of each other.
 class HeadlessRenderer {
  public:
   /// Throws Error(no_gl) that says what lacks when there is no OpenGL 4.5.

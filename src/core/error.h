@@ -15,6 +15,7 @@ enum class ErrorCode {
   no_gl = 4,          ///< no usable OpenGL driver, or a feature is missing
   out_of_memory = 5,  ///< main or graphics memory
   io = 6,             ///< reading or writing failed: permission, disk full, vanished file
+  internal = 70,      ///< a fault of ours
   interrupted = 130,  ///< Ctrl-C
 };
 

@@ -18,7 +18,7 @@ namespace sfumato::gl {
 
 namespace {
 
-Limits current_limits;
+thread_local const Limits* current_limits = nullptr;
 
 const char* const advice =
     "; install an OpenGL 4.5 driver (on Debian: libegl1 libgl1-mesa-dri libopengl0, or the GPU vendor's)";
@@ -103,7 +103,8 @@ bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
 
 void Context::Egl::close() {
   if (display == EGL_NO_DISPLAY) return;
-  eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (context == EGL_NO_CONTEXT || eglGetCurrentContext() == context)
+    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
   {
     const std::lock_guard lock(display_uses().mutex);
@@ -168,7 +169,7 @@ std::unique_ptr<Context> Context::create_headless() {
   limits.max_point_size = range[1];
   limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float");
   limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
-  current_limits = limits;
+  current_limits = &limits;
 
   // One vertex array without attributes serves every draw: shaders fetch points from texture buffers.
   GLuint array = 0;
@@ -181,19 +182,52 @@ std::unique_ptr<Context> Context::create_headless() {
 }
 
 Context::~Context() {
+  if (current_limits == &limits_) current_limits = nullptr;
   if (egl_) egl_->close();
 }
 
+struct Context::Use::Before {
+  EGLDisplay own_display, display;
+  EGLContext context;
+  EGLSurface draw, read;
+  const Limits* limits;
+};
+
+Context::Use::Use(Context& context) {
+  if (eglGetCurrentContext() == context.egl_->context) {
+    current_limits = &context.limits_;
+    return;
+  }
+  before_ = std::make_unique<Before>(Before{context.egl_->display, eglGetCurrentDisplay(), eglGetCurrentContext(),
+                                            eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ), current_limits});
+  if (!eglMakeCurrent(context.egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.egl_->context))
+    throw Error(ErrorCode::no_gl, "the OpenGL context is in use on another thread; give each thread a renderer of its own");
+  current_limits = &context.limits_;
+}
+
+Context::Use::~Use() {
+  if (!before_) return;
+  if (before_->context == EGL_NO_CONTEXT)
+    eglMakeCurrent(before_->own_display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  else
+    eglMakeCurrent(before_->display, before_->draw, before_->read, before_->context);
+  current_limits = before_->limits;
+}
+
 std::vector<std::string> Context::take_messages() {
+  const Use use(*this);
   glFinish();
   return std::exchange(messages_, {});
 }
 
-const Limits& limits() { return current_limits; }
+const Limits& limits() {
+  static const Limits none;
+  return current_limits ? *current_limits : none;
+}
 
 Place place_of_work(const char* variable) {
   const char* text = std::getenv(variable);
-  if (!text) return current_limits.software ? Place::cpu : Place::gpu;
+  if (!text) return limits().software ? Place::cpu : Place::gpu;
   if (text == std::string_view("gpu")) return Place::gpu;
   if (text == std::string_view("cpu")) return Place::cpu;
   throw Error(ErrorCode::usage, std::string(variable) + " is '" + text + "', not gpu or cpu");
@@ -201,8 +235,8 @@ Place place_of_work(const char* variable) {
 
 void require(bool condition, const std::string& who, const std::string& needs) {
   if (condition) return;
-  throw Error(ErrorCode::no_gl, who + " needs " + needs + ", which " + current_limits.renderer + " (OpenGL " +
-                                    current_limits.version + ") does not have; try another technique or driver");
+  throw Error(ErrorCode::no_gl, who + " needs " + needs + ", which " + limits().renderer + " (OpenGL " +
+                                    limits().version + ") does not have; try another technique or driver");
 }
 
 void check_memory(const std::string& what) {

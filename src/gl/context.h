@@ -25,9 +25,24 @@ class Context {
   /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform. Throws Error(no_gl) with what is missing and
   /// what to install.
   static std::unique_ptr<Context> create_headless();
+  /// What the context made goes with it: delete GL objects of yours before, inside a `Use`.
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
+
+  /// Makes a context current on this thread while it lives, and then what was current before, ours or not. Throws
+  /// Error(no_gl) while another thread uses the context.
+  class Use {
+   public:
+    explicit Use(Context& context);
+    ~Use();
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    struct Before;
+    std::unique_ptr<Before> before_;  ///< nothing when it was current already
+  };
 
   const Limits& limits() const { return limits_; }
   /// High-severity debug messages since the last call; tests fail on any.
@@ -41,7 +56,7 @@ class Context {
   std::vector<std::string> messages_;
 };
 
-/// Limits of the current context (set by the last create_headless).
+/// Limits of the context that is current on this thread; of none, zeros.
 const Limits& limits();
 /// Where work is done that the processor does faster itself than through software GL.
 enum class Place { automatic, gpu, cpu };

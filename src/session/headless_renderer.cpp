@@ -8,6 +8,12 @@ namespace sfumato {
 struct HeadlessRenderer::State {
   std::unique_ptr<gl::Context> context = gl::Context::create_headless();
   Session session{*context};
+  ~State() { forget_look(); }
+  /// What a technique holds on the GPU goes where it was made.
+  void forget_look() {
+    const gl::Context::Use use(*context);
+    look.reset();
+  }
   std::unique_ptr<Look> look;  ///< of the last picture: another one of the same technique needs nothing made anew
 };
 
@@ -18,7 +24,7 @@ void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
   if (cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
   scene::Scene scene;
   scene.cloud = std::move(cloud);
-  state_->look.reset();  // what it holds of the last cloud is of no use for this one
+  state_->forget_look();  // what it holds of the last cloud is of no use for this one
   // What the caller says is up is up.
   Pose pose = stand_upright(scene, "", scene.cloud.up);
   state_->session.set_scene(std::move(scene), std::move(pose), {{}, coloring, {}},
@@ -33,7 +39,8 @@ Pictures HeadlessRenderer::render(const std::string& name, const Camera& camera,
                                   std::optional<vec3> background, Progress& progress) {
   if (state_->session.empty()) throw Error(ErrorCode::usage, "nothing to render: call set_cloud first");
   std::unique_ptr<Look>& look = state_->look;
-  if (!look || look->name != name) look = std::make_unique<Look>(name);
+  if (look && look->name != name) state_->forget_look();
+  if (!look) look = std::make_unique<Look>(name);
   look->reset();
   for (const auto& [key, value] : parameters) look->set(key, value);
   look->settings.transparent = !background;

@@ -223,7 +223,11 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
 }
 
 Renderer::Renderer(gl::Context& context) : state_(std::make_unique<State>(context)) {}
-Renderer::~Renderer() = default;
+Renderer::~Renderer() {
+  if (!state_) return;
+  const gl::Context::Use use(state_->context);
+  state_.reset();
+}
 
 void Renderer::set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points) {
   std::vector<ColoredCloud> one;
@@ -235,6 +239,7 @@ void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_ch
   for (const ColoredCloud& each : clouds)
     if (each.cloud.cloud.origin != clouds.front().cloud.cloud.origin)
       throw Error(ErrorCode::usage, "the clouds of a scene have one origin: move them to that of the first (append does)");
+  const gl::Context::Use use(state_->context);
   state_->clouds.clear();
   state_->room.reset();
   for (ColoredCloud& each : clouds) {
@@ -249,6 +254,7 @@ void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_ch
 void Renderer::set_room(std::optional<Room> room) { state_->room = std::move(room); }
 
 void Renderer::set_colors(std::vector<Rgba8> colors, std::size_t cloud) {
+  const gl::Context::Use use(state_->context);
   state_->clouds.at(cloud)->gpu->set_colors(std::move(colors));
 }
 
@@ -266,6 +272,7 @@ RenderOutput Renderer::render(Technique& technique, const Camera& camera, const 
 RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked, const RenderSettings& settings,
                               const RenderWants& wants, Progress& progress) {
   State& s = *state_;
+  const gl::Context::Use use(s.context);
   for (const Item& item : items)
     if (!item.technique->shows(item.settings->shading))
       throw Error(ErrorCode::usage, "this technique cannot show that shading: occlusion and hidden belong to surface, weight "

@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
     // A thread that cannot be started lacks memory or is beyond a limit.
     return fail(ErrorCode::out_of_memory, error.what());
   } catch (const std::exception& error) {
-    return fail(ErrorCode::usage, error.what());
+    return fail(ErrorCode::internal, (std::string(error.what()) +
+                                      " (this is a fault of sfumato; please report it with the command)").c_str());
   }
 }

@@ -1,0 +1,89 @@
+// Renderers of their own: interleaved on a thread, side by side on two, one after the other.
+#include <algorithm>
+#include <map>
+#include <thread>
+
+#include "reference/gl_fixture.h"
+#include "sfumato/renderer.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+const std::vector<std::string> drawn{"points", "splats", "surface", "soft", "layers", "denoise"};
+
+PointCloud cloud_of(int which) { return sphere_cloud(which == 0 ? 4000u : 7000u, which == 0 ? 1 : 0.7f); }
+
+Pictures picture(HeadlessRenderer& renderer, const std::string& technique, int which) {
+  return renderer.render(technique, front_camera(96 + 32 * which, 72), {{"shadows", "hard"}});
+}
+
+/// Each technique's picture of each cloud by a renderer that does nothing else.
+std::map<std::pair<std::string, int>, Image<Rgba8>> alone() {
+  std::map<std::pair<std::string, int>, Image<Rgba8>> pictures;
+  for (const std::string& technique : drawn)
+    for (int which : {0, 1}) {
+      HeadlessRenderer renderer;
+      renderer.set_cloud(cloud_of(which));
+      pictures[{technique, which}] = picture(renderer, technique, which).color;
+    }
+  return pictures;
+}
+
+TEST(ContextsTest, InterleavedOnOneThread) {
+  const auto expected = alone();
+  HeadlessRenderer first;
+  first.set_cloud(cloud_of(0));
+  HeadlessRenderer second;  // its context is current now
+  second.set_cloud(cloud_of(1));
+  for (const std::string& technique : drawn) {
+    EXPECT_TRUE(std::ranges::equal(picture(first, technique, 0).color, expected.at({technique, 0}))) << technique;
+    EXPECT_TRUE(std::ranges::equal(picture(second, technique, 1).color, expected.at({technique, 1}))) << technique;
+  }
+}
+
+TEST(ContextsTest, SideBySideOnTwoThreads) {
+  const auto expected = alone();
+  const auto draw_all = [&](int which, std::vector<std::string>& wrong) {
+    HeadlessRenderer renderer;
+    renderer.set_cloud(cloud_of(which));
+    for (const std::string& technique : drawn)
+      if (!std::ranges::equal(picture(renderer, technique, which).color, expected.at({technique, which})))
+        wrong.push_back(technique);
+  };
+  std::vector<std::string> wrong[2];
+  std::thread other(draw_all, 1, std::ref(wrong[1]));
+  draw_all(0, wrong[0]);
+  other.join();
+  for (const auto& each : wrong) EXPECT_TRUE(each.empty()) << each.front();
+}
+
+TEST(ContextsTest, ARendererThatGoesTakesNothingWithIt) {
+  HeadlessRenderer stays;
+  stays.set_cloud(cloud_of(0));
+  const Image<Rgba8> before = picture(stays, "splats", 0).color;
+  {
+    HeadlessRenderer goes;
+    goes.set_cloud(cloud_of(1));
+    picture(goes, "strokes", 1);
+  }
+  EXPECT_TRUE(std::ranges::equal(picture(stays, "splats", 0).color, before));
+  EXPECT_TRUE(std::any_of(before.begin(), before.end(), [](const Rgba8& c) { return !(c == Rgba8{255, 255, 255, 255}); }));
+}
+
+TEST(ContextsTest, ARendererOfAnotherThreadIsRefused) {
+  HeadlessRenderer renderer;
+  renderer.set_cloud(cloud_of(0));
+  std::string complaint;
+  std::thread([&] {
+    try {
+      picture(renderer, "points", 0);
+    } catch (const Error& error) {
+      complaint = error.what();
+    }
+  }).join();
+  EXPECT_NE(complaint.find("another thread"), std::string::npos) << complaint;
+}
+
+}  // namespace
