@@ -115,7 +115,13 @@ std::unique_ptr<Source> open_source(const std::filesystem::path& file, const std
     refuse_large(file, size, memory);
     io::ReadOptions options;
     options.every_attribute = true;
-    source = std::make_unique<CloudSource>(io::read(file, options, progress), output, progress);
+    const io::ReadResult result = io::read(file, options, progress);
+    try {
+      source = std::make_unique<CloudSource>(result, output, progress);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::usage) throw;  // what LAS cannot hold says so without the file's name
+      throw Error(error.code(), file.string() + ": " + error.what());
+    }
   }
   source->name = file.string();
   return source;

@@ -9,8 +9,11 @@
 
 #include <random>
 
+#include "copc/file_writer.h"
+#include "copc/tree.h"
 #include "core/threads.h"
 #include "io/io.h"
+#include "io/laz_encode.h"
 #include "unit/copc/scan.h"
 #include "unit/copc/validator.h"
 #include "unit/io/las_bytes.h"
@@ -344,6 +347,42 @@ TEST_F(CopcBuild, SaysWhatAFullDiskLacks) {
   EXPECT_THAT(text, testing::AllOf(HasSubstr("out.copc.laz: cannot keep points beside it"),
                                    HasSubstr("write to another disk")));
   EXPECT_EQ(names().size(), 1u);
+}
+
+TEST_F(CopcBuild, LargeHierarchiesHavePages) {
+  // A point in the middle of each node of five levels, and a branch without points of its own.
+  copc::Schema schema;
+  const copc::Cube cube = copc::Cube::around({{0, 0, 0}, {64, 64, 64}}, schema.scale);
+  copc::FileWriter writer(path("out.copc.laz"), schema);
+  copc::Summary summary;
+  std::size_t nodes = 0;
+  const auto add = [&](const copc::Key& key) {
+    std::vector<std::uint8_t> record(schema.record_length);
+    const double size = std::ldexp(cube.size, -key.level);
+    const std::uint32_t place[3] = {key.x, key.y, key.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto steps =
+          std::int32_t(std::lround((cube.min[axis] + (place[axis] + 0.5) * size) / schema.scale[axis]));
+      std::memcpy(record.data() + 4 * axis, &steps, sizeof steps);
+    }
+    record[14] = 0x11;
+    summary.add(record.data());
+    writer.append({key, 1, io::las::encode_chunk(6, schema.record_length, record)});
+    ++nodes;
+  };
+  for (int level = 0; level < 5; ++level)
+    for (std::uint32_t i = 0; i < 1u << 3 * level; ++i) {
+      const std::uint32_t side = 1u << level;
+      add({level, i % side, i / side % side, i / side / side});
+    }
+  add({9, 511, 0, 0});
+  writer.finish(cube, summary);
+  const CopcFile file(path("out.copc.laz"));
+  EXPECT_THAT(file.faults, IsEmpty());
+  EXPECT_EQ(file.nodes.size(), nodes);
+  EXPECT_GT(file.pages, 1);
+  EXPECT_EQ(io::read(path("out.copc.laz")).cloud.size(), nodes);
+  EXPECT_EQ(copc::read_tree(path("out.copc.laz")).nodes.size(), nodes);
 }
 
 class CopcRealScan : public CopcBuild, public testing::WithParamInterface<const char*> {};
