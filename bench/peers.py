@@ -15,7 +15,7 @@ XVFB = ['xvfb-run', '-a', '-s', '-screen 0 1024x1024x24']
 THREADS = str(os.cpu_count())
 NEIGHBORS = '24'
 FRAMES = {128000: '7', 1000000: '5', 6000000: '3'}
-FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms'}
+FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms', 'array': 'array_ms'}
 
 
 class Missing(Exception):
@@ -64,10 +64,11 @@ def _vtk(what, cloud, count, build, timeout):
 
 def _open3d(what, cloud, count, build, timeout):
     _need_module('open3d', 'python3-open3d')
-    if what == 'points':
+    draws = what in ('points', 'array')
+    if draws:
         _need_xvfb()
     command = [PYTHON, os.path.join(SCRIPTS, 'peer_open3d.py'), cloud, what]
-    return _report((XVFB if what == 'points' else []) + command, FIELDS[what], timeout)
+    return _report((XVFB if draws else []) + command, FIELDS[what], timeout)
 
 
 def _pcl(what, cloud, count, build, timeout):

@@ -66,18 +66,22 @@ def google_benchmark(name):
 
 
 def command(words, cloud):
-    """A whole process: (wall milliseconds, peak megabytes)."""
-    places = {'cloud': cloud, 'sfumato': os.path.join(BUILD, 'bin/sfumato'), 'scratch': measure.scratch()}
+    """A whole process: (wall milliseconds, peak megabytes, what it printed)."""
+    places = {'cloud': cloud, 'sfumato': os.path.join(BUILD, 'bin/sfumato'), 'scratch': measure.scratch(),
+              'python': peers.PYTHON, 'peers': peers.SCRIPTS}
+    os.environ['PYTHONPATH'] = os.path.join(BUILD, 'python')
     done = measure.process([word.format(**places) for word in words], TIMEOUT_S)
     if done.returncode:
         raise RuntimeError((done.stderr.strip().splitlines() or ['exit code %d' % done.returncode])[-1])
-    return done.wall_ms, done.peak_mb
+    return done.wall_ms, done.peak_mb, done.stdout
 
 
 def run_ours(row, cloud):
     """(values, peak megabytes of the process or nothing)"""
     if isinstance(row['ours'], list):
-        wall_ms, peak_mb = command(row['ours'], cloud)
+        wall_ms, peak_mb, said = command(row['ours'], cloud)
+        if row['field']:
+            return [float(json.loads(said.splitlines()[-1])[row['field']])], peak_mb
         return [peak_mb if row['unit'] == 'MB' else wall_ms], peak_mb
     return google_benchmark(row['ours']), None
 
@@ -93,7 +97,7 @@ def run_theirs(row, cloud, count):
 
 def run_row(row, rounds):
     """Fills a row with ours, theirs, ratio and notes."""
-    row = {'unit': 'ms', 'theirs': None, 'goal': None, 'limit': None, 'cloud': '', 'rounds': rounds, **row}
+    row = {'unit': 'ms', 'theirs': None, 'goal': None, 'limit': None, 'field': None, 'cloud': '', 'rounds': rounds, **row}
     cloud, count = cloud_file(row['cloud'])
     ours, theirs, notes, version, peak_mb = [], [], [], '', None
     row['load'] = round(os.getloadavg()[0], 1)

@@ -121,9 +121,9 @@ ViewWishes view_wishes(const py::dict& wishes) {
   return out;
 }
 
-py::dict resolved(const ParamList& parameters) {
+py::dict dict_of(const std::vector<Setting>& settings) {
   py::dict out;
-  for (const Param& param : parameters.all()) out[py::str(param.name)] = value_of(param, param.resolved());
+  for (const Setting& setting : settings) out[py::str(setting.name)] = value_of(setting);
   return out;
 }
 
@@ -147,14 +147,12 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
     else
       refuse_name("there is no output", output, {"rgba", "linear", "depth", "normal"});
   }
-  Stage& stage = self.get();
+  self.get();
+  // Another thread may close the renderer meanwhile.
+  const std::shared_ptr<Stage> stage = self.stage;
   auto shot = std::make_shared<Shot>();
-  ChosenTechnique* look = nullptr;
-  run_gl([&](gl::Context& context,
-             Progress& reporter) { look = &stage.render(context, request, *shot, reporter); },
+  run_gl([&](gl::Context& context, Progress& reporter) { stage->render(context, request, *shot, reporter); },
          progress);
-  shot->parameters = resolved(look->parameters);
-  shot->analysis_parameters = resolved(stage.choice().prepare_parameters);
   return shot;
 }
 
@@ -209,10 +207,18 @@ py::dict describe(const TechniqueInfo& info) {
 
 }  // namespace
 
-py::object value_of(const Param& param, const std::string& text) {
+std::vector<Setting> resolved(const ParamList& parameters) {
+  std::vector<Setting> settings;
+  for (const Param& param : parameters.all())
+    settings.push_back({param.name, param.kind, param.can_be_auto, param.resolved()});
+  return settings;
+}
+
+py::object value_of(const Setting& setting) {
+  const std::string& text = setting.text;
   const auto number = [](const std::string& word) { return py::float_(py::str(word)); };
-  if (text == "auto" && param.can_be_auto) return py::str(text);
-  switch (param.kind) {
+  if (text == "auto" && setting.can_be_auto) return py::str(text);
+  switch (setting.kind) {
     case ParamKind::boolean:
       return py::bool_(text == "true");
     case ParamKind::integer:
@@ -238,7 +244,7 @@ py::dict describe(const Param& param) {
   py::dict out;
   out["name"] = param.name;
   out["kind"] = kind_name(param.kind);
-  out["default"] = value_of(param, param.default_text);
+  out["default"] = value_of({param.name, param.kind, param.can_be_auto, param.default_text});
   out["choices"] = py::tuple(py::cast(param.choices));
   out["range"] = param.min || param.max ? py::object(py::make_tuple(param.min, param.max)) : py::none();
   out["auto"] = param.can_be_auto;
@@ -267,8 +273,9 @@ void bind_stage(py::module_& module) {
       .def("set_color",
            [](const StageHandle& self, const py::dict& wishes) {
              const ColorSettings color = colors_of(wishes);
-             Stage& stage = self.get();
-             run_gl([&](gl::Context&, Progress&) { stage.set_color(color); }, py::none());
+             self.get();
+             const std::shared_ptr<Stage> stage = self.stage;
+             run_gl([&](gl::Context&, Progress&) { stage->set_color(color); }, py::none());
            })
       .def("close", &StageHandle::close)
       .def_property_readonly(
@@ -308,8 +315,9 @@ void bind_stage(py::module_& module) {
       .def_readonly("transparent", &Shot::transparent)
       .def_readonly("technique", &Shot::technique)
       .def_readonly("reason", &Shot::reason)
-      .def_readonly("parameters", &Shot::parameters)
-      .def_readonly("analysis_parameters", &Shot::analysis_parameters)
+      .def_property_readonly("parameters", [](const Shot& s) { return dict_of(s.parameters); })
+      .def_property_readonly("analysis_parameters",
+                             [](const Shot& s) { return dict_of(s.analysis_parameters); })
       .def_readonly("color_by", &Shot::color_by)
       .def_readonly("notes", &Shot::notes)
       .def_property_readonly(

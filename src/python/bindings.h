@@ -22,8 +22,17 @@ void bind_stage(py::module_& module);
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
-/// The value of a parameter as Python's own kind of value.
-py::object value_of(const Param& param, const std::string& text);
+/// A value of a parameter, which outlives the parameter.
+struct Setting {
+  std::string name;
+  ParamKind kind;
+  bool can_be_auto;
+  std::string text;
+};
+/// With what automatic values became.
+std::vector<Setting> resolved(const ParamList& parameters);
+/// As Python's own kind of value.
+py::object value_of(const Setting& setting);
 /// name, kind, default, choices, range, auto, unit, help, paper.
 py::dict describe(const Param& param);
 /// Throws Error(usage) that names the nearest of `names`.

@@ -159,8 +159,7 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
   return *look;
 }
 
-ChosenTechnique& Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot,
-                               Progress& progress) {
+void Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress) {
   if (!session_) throw Error(ErrorCode::usage, "the renderer is closed");
   ChosenTechnique& look = look_for(request);
   shot.camera = request.camera.value_or(first_view(pose_, request.width, request.height));
@@ -181,7 +180,8 @@ ChosenTechnique& Stage::render(gl::Context& context, const ShotRequest& request,
   shot.notes = notes_;
   for (const std::string& note : session_->coloring().notes) shot.notes.push_back(note);
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
-  return look;
+  shot.parameters = resolved(look.parameters);
+  shot.analysis_parameters = resolved(choice_.prepare_parameters);
 }
 
 }  // namespace sfumato::python

@@ -39,7 +39,7 @@ struct Shot {
   Camera camera;
   bool transparent = false;
   std::string technique, reason;
-  py::dict parameters, analysis_parameters;
+  std::vector<Setting> parameters, analysis_parameters;
   std::string color_by;
   vec3 background{1};
   std::vector<std::string> notes;
@@ -65,8 +65,7 @@ class Stage final : public OnGl {
   void open(gl::Context& context, scene::Scene scene, const std::string& file, Progress& progress);
   void set_color(const ColorSettings& color);
   void clear() override;
-  /// Fills all of the shot but the dictionaries.
-  ChosenTechnique& render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress);
+  void render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress);
 
   /// The cloud's; once `open`.
   const Pose& pose() const { return pose_; }
