@@ -77,6 +77,7 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
   else if (text && text != "auto")
     options.background = color_of("background", *text);
   options.up = up_axis(text_in(wishes, "up"));
+  if (wishes.contains("whole")) options.whole = wishes["whole"].cast<bool>();
   if (!options.up) options.up = cloud->up;
   auto stage = std::make_shared<Stage>(std::move(options));
   run_gl(

@@ -44,7 +44,7 @@ Camera view_of(const Pose& pose, const ViewWishes& wishes) {
   Camera camera =
       frame(pose.subject.box, up, wishes.width, wishes.height, azimuth, elevation, glm::radians(45.0),
             wishes.orthographic ? Projection::orthographic : Projection::perspective);
-  fit(camera, pose.subject.points);
+  fit(camera, pose.subject);
   if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
   if (wishes.look_at) {
     camera.position += *wishes.look_at - camera.target;
@@ -88,10 +88,12 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::string& fi
     notes_.push_back(std::to_string(scene.selected.hidden) +
                      " points are withheld or of a hidden class (hide_classes=() shows them)");
   const UpAxis custom = scene.cloud.up;
-  pose_ = stand_upright(scene, file, options_.up);
+  pose_ = stand_upright(scene, file, options_.up, !options_.whole);
   if (pose_.upright.up != custom && !options_.up)
     notes_.push_back("up: " + to_string(pose_.upright.up) + " (" + pose_.upright.reason + "); up=\"" +
                      to_string(custom) + "\" turns it back");
+  if (pose_.subject.room)
+    notes_.push_back("a room: ceiling and walls before it are left out; whole=True draws them");
   session_ = std::make_unique<Session>(context);
   const auto needs_of = [&](const Session::Suggest& suggest) {
     if (choice_.automatic()) choice_.settle(suggest());
@@ -116,7 +118,8 @@ void Stage::set_color(const ColorSettings& color) {
 void Stage::clear() {
   looks_.clear();
   // What techniques hold on the GPU goes before its context does.
-  for (const auto& look : choice_.techniques) look->technique.reset();
+  for (const auto* each : {&choice_.techniques, &choice_.passed_over})
+    for (const auto& look : *each) look->technique.reset();
   session_.reset();
 }
 

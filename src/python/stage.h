@@ -21,6 +21,7 @@ struct StageOptions {
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
   bool transparent = false;
   std::optional<UpAxis> up;
+  bool whole = false;  ///< rooms with the walls that hide them from outside
   Selection selection;
 };
 

@@ -67,6 +67,7 @@ def test_fewer_outputs_are_the_same_picture(scan, name):
     (("--no-background",), {"background": "transparent"}),
     (("--up=-Y",), {"up": "-Y"}),
     (("--neighbors", "12"), {"neighbors": 12}),
+    (("--whole",), {"whole": True}),
 ])
 def test_views_and_colours(command, tmp_path, scan, words, given):
     equal(sfumato.render(scan, technique="splats", size=SIZE, **given),

@@ -9,7 +9,7 @@ from ._techniques import settings_of
 
 ALL_OUTPUTS = ("rgba", "linear", "depth", "normal")
 _KEYWORDS = ("colors", "technique", "camera", "size", "normals", "scalars", "radii", "background", "up", "color", "color_by",
-             "colormap", "range", "hide_classes", "outputs", "progress")
+             "colormap", "range", "hide_classes", "whole", "outputs", "progress")
 
 
 class Picture:
@@ -154,8 +154,8 @@ class Renderer:
     """
 
     def __init__(self, points, colors=None, technique="auto", normals=None, scalars=None, radii=None, background="auto",
-                 up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), progress=None,
-                 **parameters):
+                 up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False,
+                 progress=None, **parameters):
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
             color, colors = colors, None
@@ -172,6 +172,7 @@ class Renderer:
         wishes["hide_classes"] = [int(each) for each in hide_classes or ()]
         wishes["background"] = _color_text("background", background) or "auto"
         wishes["up"] = up
+        wishes["whole"] = bool(whole)
         # A cloud that nobody else sees is handed over.
         self._stage = _engine.Stage((own or cloud)._engine, own is None, technique, settings, wishes, _progress.callback(progress))
 
@@ -330,7 +331,7 @@ class Renderer:
 
 
 def render(points, colors=None, technique="auto", camera=None, size=None, normals=None, scalars=None, radii=None,
-           background="auto", up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18),
+           background="auto", up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False,
            outputs=ALL_OUTPUTS, progress=None, **parameters):
     """A picture of points: the same bytes as the command gives for the same view and parameters.
 
@@ -365,6 +366,8 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         Values at the ends of the colour map; the 2-98 % percentiles.
     hide_classes : list of int
         Classification codes that are left out, with withheld points: noise. () shows all.
+    whole : bool
+        Draws a room with the walls that hide it from outside.
     outputs : list of "rgba", "linear", "depth", "normal"
         Which arrays the picture has; fewer are faster.
     progress : function of (share, text) or a tqdm bar, optional
@@ -382,7 +385,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         driver (software will do), "out_of_memory".
     """
     renderer = Renderer(points, colors, technique, normals, scalars, radii, background, up, color, color_by, colormap, range,
-                        hide_classes, progress, **parameters)
+                        hide_classes, whole, progress, **parameters)
     with renderer:
         return renderer.render(camera, size, None, outputs, progress)
 
