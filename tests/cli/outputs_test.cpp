@@ -113,4 +113,26 @@ TEST_F(CommandTest, LittleMemoryIsExitCode5) {
   EXPECT_FALSE(exists("a.png"));
 }
 
+TEST_F(CommandTest, VideosAreMadeByFfmpegOrRefusedBeforeAnythingIsRead) {
+  write_cube("cube.ply", 8);
+  const std::vector<std::string> words = {"cube.ply", "-t",           "points", "--path",  "orbit",  "--frames", "3",
+                                          "-o",       "orbit.mp4",    "--resolution", "63x48", "--quiet"};
+  const std::string before = std::getenv("PATH") ? std::getenv("PATH") : "";
+  setenv("PATH", "/nowhere", 1);
+  const Outcome without = run(words);
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(without.code, 1) << without.err;
+  EXPECT_THAT(without.err, ::testing::HasSubstr("frame_{n:04}.png"));
+  EXPECT_EQ(run({"cube.ply", "-o", "still.mp4"}).code, 1);
+  EXPECT_EQ(files(), std::vector<std::string>{"cube.ply"});
+  if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "ffmpeg is not installed: no video is made";
+  const Outcome outcome = run(words);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "orbit.mp4"}));
+  EXPECT_EQ(text("orbit.mp4").substr(4, 4), "ftyp");
+  // What ffmpeg cannot write leaves nothing behind.
+  EXPECT_EQ(run({"cube.ply", "-t", "points", "--path", "orbit", "--frames", "2", "-o", "no/such/folder.mp4", "--quiet"}).code, 6);
+  EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "orbit.mp4"}));
+}
+
 }  // namespace

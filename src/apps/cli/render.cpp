@@ -96,7 +96,7 @@ void check_names(const RenderOptions& options, const Choice& choice) {
     for (const auto& [option, pattern] :
          {std::pair("-o", options.output), std::pair("--output-depth", options.output_depth),
           std::pair("--output-normal", options.output_normal), std::pair("--output-camera", options.output_camera)})
-      if (!pattern.empty()) names.output(option, file_name(pattern, options.parts(n)));
+      if (!pattern.empty() && !(n > 0 && is_video(pattern))) names.output(option, file_name(pattern, options.parts(n)));
     if (!options.output_panels.empty())
       for (const auto& chosen : choice.techniques)
         names.output("--output-panels", file_name(options.output_panels, options.parts(n, chosen->name)));
@@ -208,6 +208,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
   }
   if (report.outputs.empty()) return;
   const std::string& first = report.outputs.front();
+  if (is_video(first)) return console.say(fmt::format("wrote {} ({} frames of 1/25 s)", first, report.frames));
   console.say(report.frames > 1
                   ? fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames)
                   : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered,
@@ -365,6 +366,7 @@ int render_command(const Words& words) {
     }
     studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);
   }
+  studio.finish();
   std::optional<Camera> kept = preset.camera;
   if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
   for (const std::string& name : {options.save_preset, options.save_scene}) {

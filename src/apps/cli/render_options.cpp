@@ -10,6 +10,7 @@
 #include "core/colormap.h"
 #include "core/error.h"
 #include "io/atomic_writer.h"
+#include "video.h"
 
 namespace sfumato::cli {
 namespace {
@@ -46,7 +47,7 @@ void RenderOptions::declare(CommandLine& line) {
             "float32 HxWx3, world, facing the camera, 0 where none");
   line.text("--output-camera", output_camera, "FILE.json", "the camera of the picture");
   line.text("--quality", quality_text, "1..100", "of .jpg and .webp; a .webp of 100 is exact (90)");
-  line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png");
+  line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg)");
   line.text("--frames", frames, "N", "pictures of the path (120)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
   line.flag("--sequence", sequence,
@@ -102,7 +103,12 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   if (technique_count > 1 && output_panels.empty() && has_part(output, "technique"))
     std::swap(output_panels, output);
   const std::string extension = extension_of(output);
-  if (!output.empty() && !is_picture(extension) && extension != ".exr" && extension != ".npy")
+  if (is_video(output)) {
+    if (path.empty() && !sequence) refuse("-o " + output + ": a video needs --path or --sequence");
+    if (technique_count > 1 || no_background || each) refuse("-o " + output + ": a video is of one technique, one scene and opaque");
+    require_ffmpeg(output);
+  }
+  if (!output.empty() && !is_video(output) && !is_picture(extension) && extension != ".exr" && extension != ".npy")
     refuse("-o " + output + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
   const bool has_jpeg = extension == ".jpg" || extension == ".jpeg";
   if (no_background && has_jpeg)
@@ -179,7 +185,7 @@ void RenderOptions::check(std::size_t technique_count) {
     if (!degrees.empty()) orbit_degrees = parse_number("--degrees", degrees);
   }
   for (const std::string& file : {output, output_panels, output_depth, output_normal, output_camera}) {
-    if (file.empty()) continue;
+    if (file.empty() || is_video(file)) continue;
     const std::string first = file_name(file, {0, "t", "a"});
     if (first == file) {
       if (sequence || !path.empty())

@@ -167,8 +167,18 @@ void Studio::write_depth(const std::string& name, const Image<float>& depth) {
     io::write_npy(name, depth);
 }
 
+void Studio::finish() {
+  if (video_) video_->finish();
+}
+
 void Studio::write(const RenderOutput& out, const Camera& camera, int n) {
-  if (!options_.output.empty()) {
+  if (is_video(options_.output)) {
+    if (!video_) {
+      report_.outputs.push_back(options_.output);
+      video_ = std::make_unique<Video>(options_.output, out.rgba8.width(), out.rgba8.height());
+    }
+    video_->add(out.rgba8);
+  } else if (!options_.output.empty()) {
     const std::string name = name_of(options_.output, n), extension = extension_of(name);
     if (extension == ".exr")
       io::write_exr(name, out.color_linear, out.depth, out.normal, command_);

@@ -12,6 +12,7 @@
 #include "render_options.h"
 #include "report.h"
 #include "session/session.h"
+#include "video.h"
 
 namespace sfumato::cli {
 
@@ -37,6 +38,8 @@ class Studio {
   void set_scene(scene::Scene scene, Pose pose);
   /// Renders one view with every technique and writes its files. `n` fills the names of pictures.
   void shoot(const Camera& camera, int n, Stopwatch& watch);
+  /// After the last picture.
+  void finish();
 
  private:
   RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
@@ -52,6 +55,7 @@ class Studio {
   RenderReport& report_;
   std::string command_;
   Console& console_;
+  std::unique_ptr<Video> video_;  ///< of -o NAME.mp4, from the first frame on
   std::unique_ptr<gl::Context> context_;
   Session session_;
   RenderWants wants_;
