@@ -255,7 +255,8 @@ void Painter::run() {
       } else {
         const PointCloud& cloud = easel.session->cloud();
         PickAnswer found{id, {}};
-        if (const auto index = nearest_point(cloud, pick->camera, pick->x_px, pick->y_px))
+        if (const auto index = nearest_point(cloud, pick->camera, pick->x_px, pick->y_px, 12, 0.02,
+                                               easel.session->pose().subject.room))
           found.picked = describe(cloud, *index, easel.file_names);
         answer(std::move(found));
       }

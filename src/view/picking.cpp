@@ -25,10 +25,12 @@ std::string fixed(double value, int decimals) {
 }  // namespace
 
 std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px, double y_px,
-                                         double reach_px, double depth_share) {
+                                         double reach_px, double depth_share,
+                                         const std::optional<Room>& room) {
   const dmat4 view = camera.view(cloud.origin);
   const Intrinsics k = camera.intrinsics();
   const bool parallel = camera.orthographic();
+  const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
   std::vector<Candidate> near;
   double front = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -38,16 +40,16 @@ std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& 
     const double w = parallel ? 1 : depth;
     const double dx = k.cx + k.fx * eye.x / w - x_px, dy = k.cy - k.fy * eye.y / w - y_px;
     const double distance2 = dx * dx + dy * dy;
-    if (distance2 > reach_px * reach_px) continue;
+    if (distance2 > reach_px * reach_px || (!walls.empty() && is_behind(walls, cloud.world(i)))) continue;
     near.push_back({depth, distance2, i});
   }
   if (near.empty()) return std::nullopt;
   // The surface in front: the nearest depth near the cursor, and those the view's scale allows to be of the same surface.
   for (const Candidate& each : near) front = std::min(front, each.depth);
-  const double room = depth_share * (parallel ? camera.height_world : front);
+  const double behind = depth_share * (parallel ? camera.height_world : front);
   const Candidate* best = nullptr;
   for (const Candidate& each : near)
-    if (each.depth <= front + room &&
+    if (each.depth <= front + behind &&
         (!best || each.distance2 < best->distance2 ||
          (each.distance2 == best->distance2 && each.depth < best->depth)))
       best = &each;

@@ -104,7 +104,7 @@ void Workbench::set_size(int width, int height) {
 
 std::optional<dvec3> Workbench::point_at(const Camera& seen, double x_px, double y_px) const {
   if (scene_ && scene_->near)
-    if (const auto index = nearest_point(*scene_->near, seen, x_px, y_px, 24)) return scene_->near->world(*index);
+    if (const auto index = nearest_point(*scene_->near, seen, x_px, y_px, 24, 0.02, scene_->pose.subject.room)) return scene_->near->world(*index);
   return std::nullopt;
 }
 

@@ -224,6 +224,16 @@ TEST(Picking, TakesTheNearestPointInFront) {
   EXPECT_THAT(picked.attributes, Contains(std::pair<std::string, std::string>("classification", "6 (building)")));
 }
 
+TEST(Picking, PassesThroughWallsThatAreNotDrawn) {
+  PointCloud cloud;
+  cloud.positions = {{0, 0, 0}, {0, 0, 3}};  // the floor, and the ceiling above it
+  Room room;
+  room.outside = {{0, 0, 1, -2}};  // z > 2
+  const Camera camera = ViewCamera{{0, 0.01, 9}, {0, 0, 0}, {0, 1, 0}, 45, false}.to_camera(600, 600);
+  EXPECT_EQ(nearest_point(cloud, camera, 300, 300), 1u);
+  EXPECT_EQ(nearest_point(cloud, camera, 300, 300, 12, 0.02, room), 0u);
+}
+
 TEST(Picking, MeasuresAlongTheUpAxis) {
   const Measure z = measure({0, 0, 0}, {3, 4, 12}, UpAxis::pos_z);
   EXPECT_DOUBLE_EQ(z.distance, 13);
