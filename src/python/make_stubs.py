@@ -114,7 +114,7 @@ def class_stub(name, kind, parameters):
     base = {"Error": "Exception", "Scalars": "MutableMapping[str, Array]"}.get(name)
     text = f"class {name}{'(' + base + ')' if base else ''}:\n" + quoted(inspect.getdoc(kind), "    ")
     if name == "Error":
-        return text + "    code: Literal['usage', 'bad_input', 'partial', 'no_gl', 'out_of_memory', 'io', 'interrupted']\n" \
+        return text + "    code: Literal['usage', 'bad_input', 'partial', 'no_gl', 'out_of_memory', 'io', 'internal', 'interrupted']\n" \
             "    def __init__(self, message: str, code: str = ...) -> None: ...\n"
     if name == "Camera":
         text += "".join(f"    {field}: {of}\n" for field, of in (

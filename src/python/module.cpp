@@ -25,6 +25,8 @@ const char* word_of(ErrorCode code) {
       return "out_of_memory";
     case ErrorCode::io:
       return "io";
+    case ErrorCode::internal:
+      return "internal";
     case ErrorCode::interrupted:
       return "interrupted";
   }

@@ -11,6 +11,7 @@ class Error(Exception):
     - ``"no_gl"``: no usable OpenGL 4.5 driver (software will do)
     - ``"out_of_memory"``: main or graphics memory
     - ``"io"``: reading or writing failed
+    - ``"internal"``: a fault of sfumato; please report it
 
     Ctrl-C raises ``KeyboardInterrupt``, and what a ``progress`` callback raises comes out as it is.
     """
