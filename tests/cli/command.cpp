@@ -30,6 +30,8 @@ void CommandTest::SetUp() {
   ASSERT_NE(mkdtemp(name.data()), nullptr);
   folder_ = name;
   setenv("SFUMATO_CONFIG", "", 1);  // nobody's own defaults
+  unsetenv("DISPLAY");              // a command without -o opens no window on somebody's screen
+  unsetenv("WAYLAND_DISPLAY");
 }
 
 void CommandTest::TearDown() {

@@ -41,7 +41,7 @@ class MistakesTest : public CommandTest {
 TEST_F(MistakesTest, OfCommandsAndOptions) {
   check({
       {{}, 1, "sfumato FILE... -o OUT.png"},
-      {{"cube.ply"}, 1, "add -o OUT.png"},
+      {{"cube.ply"}, 4, "sfumato FILE... -o OUT.png writes a picture without one"},
       {{"inf", "cube.ply"}, 1, "did you mean info?"},
       {{"convrt", "cube.ply", "-o", "b.ply"}, 1, "did you mean convert?"},
       {{"render", "cube.ply", "-o", "a.png"}, 1, "rendering needs none, sfumato FILE... -o OUT.png"},

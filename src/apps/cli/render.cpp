@@ -311,7 +311,7 @@ int render_command(const Words& words) {
   CommandLine line("sfumato", "Renders point clouds to pictures.");
   options.declare(line);
   declare(choice, line);
-  line.usage("sfumato FILE... [-t TECHNIQUE] -o PICTURE");
+  line.usage("sfumato FILE... [-t TECHNIQUE] [-o PICTURE]");
   // Who asks about a technique wants its parameters.
   if (peek(words, 't', "technique").empty()) line.short_help(short_help);
   if (CommandLine::listener) return line.parse({}), 0;
