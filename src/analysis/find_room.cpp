@@ -13,9 +13,11 @@ constexpr int most_cells = 48, layers = 40;
 /// them a twelfth of the room apart that agree on the heights of both.
 constexpr double roofed_least = 0.3, level_least = 0.6;
 /// The share of ceilings that are at most three layers thick, with three empty ones below: crowns of a planted forest are
-/// level too,
-/// but thick.
+/// level too, but thick.
 constexpr double thin_least = 0.5;
+/// Columns away from walls in which something stands, as a share of all that are roofed, and of those away from walls:
+/// nothing is furniture that stands everywhere, as the middle one of three sheets or a storey between two others.
+constexpr double furnished_least = 0.02, furnished_most = 0.9;
 /// Walls are sought among what is neither furniture nor lintel.
 constexpr double wall_low = 0.35, wall_high = 0.75;
 constexpr int wall_bins = 100;
@@ -62,14 +64,15 @@ class Plan {
   }
 
   bool is_room() const {
-    int occupied = 0, roofed = 0, thin = 0, furnished = 0, pairs = 0, level = 0;
+    int occupied = 0, roofed = 0, amid = 0, thin = 0, furnished = 0, pairs = 0, level = 0;
     const int apart = cells_ / 12;
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
         const Column& column = at(x, y);
         occupied += column.high >= 0;
         if (!column.is_roofed) continue;
-        ++roofed, thin += column.is_thin, furnished += column.between > 0 && is_amid(x, y);
+        ++roofed, thin += column.is_thin;
+        if (is_amid(x, y)) ++amid, furnished += column.between > 0;
         for (const auto& [dx, dy] : {std::pair(apart, 0), {0, apart}}) {
           if (x + dx >= cells_ || y + dy >= cells_ || !at(x + dx, y + dy).is_roofed) continue;
           const Column& other = at(x + dx, y + dy);
@@ -77,7 +80,9 @@ class Plan {
           level += std::abs(column.high - other.high) <= 1 && std::abs(column.low - other.low) <= 1;
         }
       }
-    return roofed >= roofed_least * occupied && 36 * roofed >= cells_ * cells_ && furnished >= 0.02 * roofed && thin >= thin_least * roofed && level >= level_least * pairs;
+    return roofed >= roofed_least * occupied && 36 * roofed >= cells_ * cells_ &&
+           furnished >= furnished_least * roofed && furnished <= furnished_most * amid &&
+           thin >= thin_least * roofed && level >= level_least * pairs;
   }
 
   Room room(const dvec3& up) const {

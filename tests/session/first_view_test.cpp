@@ -145,6 +145,10 @@ TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
     planted.positions.push_back(vec3(40 * unit(random), 40 * unit(random), z));
   }
   EXPECT_FALSE(pose_of(planted).subject.room) << "a planted forest";
+  PointCloud sheets;  // a floor and a ceiling, and between them no furniture but another floor
+  for (int i = 0; i < 120'000; ++i)
+    sheets.positions.push_back({float(i % 200) / 200, float(i / 200 % 200) / 200, 0.3f * float(i / 40'000)});
+  EXPECT_FALSE(pose_of(sheets).subject.room) << "three sheets";
   scene::Scene whole;
   whole.cloud = scan("room", synth::Sampling::area, 100'000);
   EXPECT_FALSE(stand_upright(whole, "", UpAxis::pos_z, false).subject.room);
