@@ -406,4 +406,21 @@ TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
   EXPECT_THAT(run({"cube.ply", "--preset", "elsewhere/scene.json", "-o", "d.png"}).err, HasSubstr("--scene"));
 }
 
+TEST_F(ReachTest, ATerminalShowsProgressAndWhatIsLeft) {
+  if (std::system("command -v script > /dev/null") != 0)
+    GTEST_SKIP() << "no program `script` (Debian: bsdutils), which would be the terminal";
+  // What is left is told after two seconds; software GL draws about two hundred of these pictures a second.
+  const std::string words = std::string(SFUMATO_BINARY) + " '" + path("cube.ply").string() +
+                            "' -t points --path orbit --frames 1000 --resolution 32x24 -o '" +
+                            path("frame_{n:04}.png").string() + "'";
+  ASSERT_EQ(std::system(("script -qec \"" + words + "\" '" + path("shown.txt").string() + "' > /dev/null").c_str()), 0);
+  const std::string shown = text("shown.txt");
+  EXPECT_THAT(shown, ::testing::ContainsRegex("frame [4-9][0-9][0-9]/1000: [a-z ]* [4-9][0-9] %")) << "of all frames";
+  EXPECT_THAT(shown, ::testing::ContainsRegex("frame [0-9]+/1000: .* %, [0-9]+ s left"));
+  EXPECT_THAT(shown, HasSubstr("(1000 pictures)"));
+  // Elsewhere nothing but lines.
+  ASSERT_EQ(std::system((words + " --frames 2 2> '" + path("lines.txt").string() + "'").c_str()), 0);
+  EXPECT_EQ(text("lines.txt").find('\r'), std::string::npos);
+}
+
 }  // namespace

@@ -98,3 +98,19 @@ demo "my scan.laz" || fail "demo with a blank in the name"
 grep -q "^FILE=$work/my scan.laz" "$work/output" || fail "demo does not pass on a relative name with a blank"
 
 echo "all scripts keep their promises"
+
+# What was installed can be taken away again, and nothing else.
+copy=$work/checkout
+mkdir -p "$copy/build/release" "$copy/prefix/include/sfumato/layers" "$copy/prefix/include/others" "$copy/prefix/bin"
+cp "$source_dir/Makefile" "$copy"
+touch "$copy/prefix/bin/sfumato" "$copy/prefix/include/sfumato/layers/a.h" "$copy/prefix/bin/another"
+printf '%s\n%s' "$copy/prefix/bin/sfumato" "$copy/prefix/include/sfumato/layers/a.h" >"$copy/build/release/install_manifest.txt"
+make -C "$copy" uninstall >/dev/null || fail "make uninstall"
+[ ! -e "$copy/prefix/bin/sfumato" ] || fail "make uninstall left the command"
+[ ! -e "$copy/prefix/include/sfumato" ] || fail "make uninstall left a folder of ours"
+[ -e "$copy/prefix/bin/another" ] && [ -e "$copy/prefix/include/others" ] || fail "make uninstall took what is not ours"
+make -C "$copy" clean >/dev/null || fail "make clean"
+[ ! -e "$copy/build" ] || fail "make clean left build/"
+if make -C "$copy" uninstall >/dev/null 2>"$work/output"; then fail "make uninstall without an installation"; fi
+grep -q 'nothing was installed' "$work/output" || fail "did not say why"
+make -C "$copy" help | grep -q '^  uninstall' || fail "make help does not know uninstall"

@@ -50,7 +50,8 @@ void Console::update(double fraction, std::string_view text) {
   // Of many steps the finished ones tell how long the others take, of one step its own part does.
   const std::string left = steps_ > 1 ? remaining_text(double(step_) / double(steps_), since(steps_began_))
                                       : remaining_text(fraction, since(text_began_));
-  std::fprintf(stderr, "\r\033[K%s%.*s %3.0f %%%s", stage_.c_str(), int(text.size()), text.data(), 100 * fraction,
+  const double done = steps_ > 1 ? (double(step_) + fraction) / double(steps_) : fraction;
+  std::fprintf(stderr, "\r\033[K%s%.*s %3.0f %%%s", stage_.c_str(), int(text.size()), text.data(), 100 * done,
                left.empty() ? "" : (", " + left + " left").c_str());
   std::fflush(stderr);
 }
