@@ -78,6 +78,8 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
     options.background = color_of("background", *text);
   options.up = up_axis(text_in(wishes, "up"));
   if (wishes.contains("whole")) options.whole = wishes["whole"].cast<bool>();
+  if (wishes.contains("draw"))
+    for (const py::handle& rule : wishes["draw"]) options.draw.push_back(DrawRule::parse(rule.cast<std::string>()));
   if (!options.up) options.up = cloud->up;
   auto stage = std::make_shared<Stage>(std::move(options));
   run_gl(

@@ -85,7 +85,7 @@ void bind_camera(py::module_& module) {
   module.def("interpolate", &interpolate);
   module.def("read_camera_path", [](const std::string& file) { return io::read_camera_path(file); });
   module.def("find_view", [](const std::string& name) {
-    const NamedView& view = find_view(name, "view");
+    const NamedView view = find_view(name, "view");
     return std::pair(view.azimuth_deg, view.elevation_deg);
   });
 }

@@ -24,7 +24,7 @@ ANNOTATIONS = {
     "crop_relative": "Optional[Sequence[float]]", "filters": "Union[str, Sequence[str]]", "every_attribute": "bool", "scene": "str",
     "mesh": "Optional[Path]", "name": "Optional[str]", "neighbors": "int", "min_size": "int", "point_threshold": "float",
     "region_threshold": "float", "gap": "Optional[float]", "angle": "float", "bend": "float", "text": "str", "width": "int",
-    "height": "int", "whole": "bool", "more": "Path", "which": "Any"}
+    "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any"}
 RETURNS = {
     "render": "Picture", "read": "Cloud", "synth": "Cloud", "write": "List[str]", "formats": "List[Dict[str, Any]]",
     "colormaps": "List[str]", "techniques": "Any", "analysis_parameters": "List[Parameter]", "orbit": "List[Camera]",

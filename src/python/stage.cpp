@@ -99,8 +99,9 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::string& fi
     if (choice_.automatic()) choice_.settle(suggest());
     return choice_.techniques.front()->technique->needs();
   };
-  session_->set_scene(std::move(scene), pose_, {choice_.prepare, options_.color, options_.background},
+  session_->set_scene(std::move(scene), pose_, {choice_.prepare, options_.color, options_.background, options_.draw},
                       needs_of, progress);
+  notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
   if (!chosen.reason.empty())
     notes_.push_back("technique: " + chosen.name + " (" + chosen.reason +
@@ -108,7 +109,8 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::string& fi
   if (session_->left_out() > 0)
     notes_.push_back(std::to_string(session_->left_out()) +
                      " points share their places with others and are left out");
-  points_ = session_->cloud().size();
+  points_ = 0;
+  for (std::size_t part = 0; part < session_->parts().size(); ++part) points_ += session_->cloud(part).size();
 }
 
 void Stage::set_color(const ColorSettings& color) {

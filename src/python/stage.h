@@ -23,6 +23,7 @@ struct StageOptions {
   std::optional<UpAxis> up;
   bool whole = false;  ///< rooms with the walls that hide them from outside
   Selection selection;
+  std::vector<DrawRule> draw = {};
 };
 
 struct ShotRequest {

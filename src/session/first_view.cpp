@@ -73,7 +73,7 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
   camera.target = dvec3(to_world * glm::dvec4(eye.x, eye.y, target_z, 1));
 }
 
-const NamedView& find_view(std::string_view wanted, const std::string& who) {
+NamedView find_view(std::string_view wanted, const std::string& who) {
   // The front is what azimuth 0 shows; iso sees three sides of a cube at equal angles (atan(1 / sqrt 2)).
   static constexpr NamedView views[] = {{"front", 0, 0},  {"back", 180, 0},    {"left", -90, 0},
                                         {"right", 90, 0}, {"top", 0, 90},      {"bottom", 0, -90},

@@ -48,7 +48,7 @@ struct NamedView {
   double azimuth_deg, elevation_deg;
 };
 /// front, back, left, right, top, bottom or iso. Throws Error(usage) that names `who` asked and the nearest.
-const NamedView& find_view(std::string_view name, const std::string& who);
+NamedView find_view(std::string_view name, const std::string& who);
 
 /// Turns the camera about its target to where azimuth and elevation (radians) say; what is not given stays. Straight up and
 /// down it gets an up of its own; elsewhere it keeps its up, or stands `upright`.

@@ -68,6 +68,8 @@ def test_fewer_outputs_are_the_same_picture(scan, name):
     (("--up=-Y",), {"up": "-Y"}),
     (("--neighbors", "12"), {"neighbors": 12}),
     (("--whole",), {"whole": True}),
+    (("--draw", "class 3-5: soft opacity=0.2", "--draw", "z 2..: points"),
+     {"draw": ["class 3-5: soft opacity=0.2", "z 2..: points"]}),
 ])
 def test_views_and_colours(command, tmp_path, scan, words, given):
     equal(sfumato.render(scan, technique="splats", size=SIZE, **given),

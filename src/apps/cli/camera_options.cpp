@@ -72,7 +72,7 @@ void CameraOptions::check() {
     refuse_pair(azimuth_deg || elevation_deg, "--view and --camera-azimuth-angle / --camera-elevation-angle");
     refuse_pair(position.has_value(), "--view and --camera-position");
     refuse_pair(direction.has_value(), "--view and --camera-direction");
-    const NamedView& side = find_view(*view, "--view");
+    const NamedView side = find_view(*view, "--view");
     azimuth_deg = fmt::format("{}", side.azimuth_deg), elevation_deg = fmt::format("{}", side.elevation_deg);
   }
   refuse_pair(look_at && focal_point, "--look-at and --camera-focal-point");

@@ -9,7 +9,7 @@ from ._techniques import settings_of
 
 ALL_OUTPUTS = ("rgba", "linear", "depth", "normal")
 _KEYWORDS = ("colors", "technique", "camera", "size", "normals", "scalars", "radii", "background", "up", "color", "color_by",
-             "colormap", "range", "hide_classes", "whole", "outputs", "progress")
+             "colormap", "range", "hide_classes", "whole", "draw", "outputs", "progress")
 
 
 class Picture:
@@ -154,7 +154,7 @@ class Renderer:
     """
 
     def __init__(self, points, colors=None, technique="auto", normals=None, scalars=None, radii=None, background="auto",
-                 up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False,
+                 up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False, draw=(),
                  progress=None, **parameters):
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
@@ -173,6 +173,7 @@ class Renderer:
         wishes["background"] = _color_text("background", background) or "auto"
         wishes["up"] = up
         wishes["whole"] = bool(whole)
+        wishes["draw"] = [draw] if isinstance(draw, str) else [str(rule) for rule in draw]
         # A cloud that nobody else sees is handed over.
         self._stage = _engine.Stage((own or cloud)._engine, own is None, technique, settings, wishes, _progress.callback(progress))
 
@@ -332,7 +333,7 @@ class Renderer:
 
 def render(points, colors=None, technique="auto", camera=None, size=None, normals=None, scalars=None, radii=None,
            background="auto", up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False,
-           outputs=ALL_OUTPUTS, progress=None, **parameters):
+           draw=(), outputs=ALL_OUTPUTS, progress=None, **parameters):
     """A picture of points: the same bytes as the command gives for the same view and parameters.
 
     >>> sfumato.render(xyz, rgb, technique="surface", shadows="soft").save("scan.png")
@@ -368,6 +369,9 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         Classification codes that are left out, with withheld points: noise. () shows all.
     whole : bool
         Draws a room with the walls that hide it from outside.
+    draw : list of str
+        Other techniques for some points: "classification 3-5: soft opacity=0.2". The first rule that selects a point draws
+        it; the others are drawn by `technique`. As ``--draw`` of the command.
     outputs : list of "rgba", "linear", "depth", "normal"
         Which arrays the picture has; fewer are faster.
     progress : function of (share, text) or a tqdm bar, optional
@@ -385,7 +389,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         driver (software will do), "out_of_memory".
     """
     renderer = Renderer(points, colors, technique, normals, scalars, radii, background, up, color, color_by, colormap, range,
-                        hide_classes, whole, progress, **parameters)
+                        hide_classes, whole, draw, progress, **parameters)
     with renderer:
         return renderer.render(camera, size, None, outputs, progress)
 
