@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
 
 #include "core/error.h"
 #include "view/keys.h"
@@ -51,6 +53,10 @@ struct Window::Callbacks {
 Window::Window(int width, int height, const std::string& title) {
   const std::string advice = "; sfumato FILE... -o OUT.png writes a picture without one";
   glfwSetErrorCallback([](int, const char* text) { last_error() = text; });
+  // Asked without a display, GLFW 3.4 lets libwayland complain on standard error.
+  const char* const displays[] = {"DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"};
+  if (std::none_of(std::begin(displays), std::end(displays), [](const char* name) { return std::getenv(name); }))
+    throw Error(ErrorCode::no_gl, "no display to open a window on (neither DISPLAY nor WAYLAND_DISPLAY is set)" + advice);
   if (!glfwInit()) throw Error(ErrorCode::no_gl, "no display to open a window on (" + last_error() + ")" + advice);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
