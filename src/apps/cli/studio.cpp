@@ -10,7 +10,7 @@
 #include "io/image_exr.h"
 #include "io/image_file.h"
 #include "io/npy.h"
-#include "legend.h"
+#include "labels/legend.h"
 
 namespace sfumato::cli {
 
@@ -95,7 +95,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
                 fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
                             "lower --resolution",
                             camera.width, camera.height, limit));
-  std::vector<Panel> panels;
+  std::vector<labels::Panel> panels;
   RenderOutput out;
   bool blank = true;
   for (std::size_t i = 0; i < choice_.techniques.size(); ++i) {
@@ -115,10 +115,10 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("render");
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
   if (panels.size() > 1) {
-    if (options_.legend) draw_legend(panels.back().image, session_.coloring(), session_.background());
-    if (wants_.color) out.rgba8 = contact_sheet(panels, session_.background(), options_.no_background);
+    if (options_.legend) labels::draw_legend(panels.back().image, session_.coloring(), session_.background());
+    if (wants_.color) out.rgba8 = labels::contact_sheet(panels, session_.background(), options_.no_background);
   } else if (options_.legend && wants_.color) {
-    draw_legend(out.rgba8, session_.coloring(), session_.background());
+    labels::draw_legend(out.rgba8, session_.coloring(), session_.background());
   }
   write(out, camera, n);
   watch.lap("write");
@@ -147,11 +147,11 @@ void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, c
                  {"Camera", io::camera_to_json(camera)}});
 }
 
-void Studio::write_panels(const std::vector<Panel>& panels, const Camera& camera, int n) {
-  for (const Panel& panel : panels) {
+void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {
+  for (const labels::Panel& panel : panels) {
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
-    if (options_.legend) draw_legend(image, session_.coloring(), session_.background());
+    if (options_.legend) labels::draw_legend(image, session_.coloring(), session_.background());
     write_picture(name, image, camera);
   }
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "console.h"
-#include "contact_sheet.h"
+#include "labels/contact_sheet.h"
 #include "parameters.h"
 #include "render_options.h"
 #include "report.h"
@@ -45,7 +45,7 @@ class Studio {
   RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
   std::string name_of(const std::string& pattern, int n, const std::string& technique = {});
   void write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera);
-  void write_panels(const std::vector<Panel>& panels, const Camera& camera, int n);
+  void write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n);
   void write_depth(const std::string& name, const Image<float>& depth);
   void write(const RenderOutput& out, const Camera& camera, int n);
   bool is_blank(const Image<Rgba8>& image) const;

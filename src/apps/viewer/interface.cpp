@@ -8,11 +8,11 @@
 #include <filesystem>
 
 #include "../cli/command_line.h"
-#include "../cli/legend.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "io/camera_json.h"
 #include "io/image_png.h"
+#include "labels/legend.h"
 #include "session/preset.h"
 
 namespace sfumato::viewer {
@@ -93,7 +93,7 @@ void Interface::show_picture() {
   const bool exact = picture->image.width() == bench_.width() && picture->image.height() == bench_.height();
   if (!uploaded_legend_ || !exact) return window_.upload(picture->image, exact);
   Image<Rgba8> explained = picture->image;
-  cli::draw_legend(explained, picture->coloring, picture->background);
+  labels::draw_legend(explained, picture->coloring, picture->background);
   window_.upload(explained, exact);
 }
 
@@ -376,7 +376,7 @@ void Interface::take_shots() {
         cli::Words command = shot.words;
         command.insert(command.begin(), "sfumato");
         command.insert(command.end(), {"-o", name});
-        if (shot.legend) cli::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
+        if (shot.legend) labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
         io::write_png(name, shot.picture.image, false,
                       {{"Software", std::string("sfumato ") + version()},
                        {"Command", cli::quote(command)},

@@ -6,7 +6,7 @@
 
 #include "core/image.h"
 
-namespace sfumato::cli {
+namespace sfumato::labels {
 
 struct Panel {
   std::string label;
@@ -17,4 +17,4 @@ struct Panel {
 /// `background` is sRGB 0..1; with `transparent` what lies between the panels is clear.
 Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& background, bool transparent);
 
-}  // namespace sfumato::cli
+}  // namespace sfumato::labels

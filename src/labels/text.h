@@ -6,7 +6,7 @@
 
 #include "core/image.h"
 
-namespace sfumato::cli {
+namespace sfumato::labels {
 
 class Text {
  public:
@@ -32,4 +32,4 @@ void fill(Image<Rgba8>& image, int x, int y, int width, int height, Rgba8 color,
 /// Black or white, whichever reads better on `background` (sRGB 0..1).
 Rgba8 ink_on(const vec3& background);
 
-}  // namespace sfumato::cli
+}  // namespace sfumato::labels

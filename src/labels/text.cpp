@@ -1,4 +1,4 @@
-#include "text.h"
+#include "labels/text.h"
 
 #include <ft2build.h>
 #include FT_FREETYPE_H
@@ -19,7 +19,7 @@ asm(".section .rodata\n"
     ".previous\n");
 extern "C" const unsigned char sfumato_font_begin[], sfumato_font_end[];
 
-namespace sfumato::cli {
+namespace sfumato::labels {
 
 struct Text::Face {
   FT_Library library = nullptr;
@@ -103,4 +103,4 @@ Rgba8 ink_on(const vec3& background) {
   return light ? Rgba8{20, 20, 20, 255} : Rgba8{240, 240, 240, 255};
 }
 
-}  // namespace sfumato::cli
+}  // namespace sfumato::labels

@@ -1,4 +1,4 @@
-#include "legend.h"
+#include "labels/legend.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "core/colormap.h"
-#include "text.h"
+#include "labels/text.h"
 
-namespace sfumato::cli {
+namespace sfumato::labels {
 namespace {
 
 std::string title_of(const std::string& source) {
@@ -120,4 +120,4 @@ void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& back
     draw_swatches(image, coloring, background, text);
 }
 
-}  // namespace sfumato::cli
+}  // namespace sfumato::labels

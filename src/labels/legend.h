@@ -5,7 +5,7 @@
 
 #include "core/coloring.h"
 
-namespace sfumato::cli {
+namespace sfumato::labels {
 
 /// A bar with ticks for a scalar, a list for classes; nothing for the cloud's own colours and for normals,
 /// which explain themselves. `background` (sRGB 0..1) decides between dark and light letters.
@@ -14,4 +14,4 @@ void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& back
 /// Round numbers inside [low, high], about `count` of them, and the decimals that tell them apart.
 std::vector<double> nice_ticks(double low, double high, int count, int& decimals);
 
-}  // namespace sfumato::cli
+}  // namespace sfumato::labels

@@ -1,10 +1,10 @@
-#include "contact_sheet.h"
+#include "labels/contact_sheet.h"
 
 #include <algorithm>
 
-#include "text.h"
+#include "labels/text.h"
 
-namespace sfumato::cli {
+namespace sfumato::labels {
 
 Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& background, bool transparent) {
   const int count = int(panels.size());
@@ -29,4 +29,4 @@ Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& backgro
   return sheet;
 }
 
-}  // namespace sfumato::cli
+}  // namespace sfumato::labels
