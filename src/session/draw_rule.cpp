@@ -24,6 +24,11 @@ DrawRule DrawRule::parse(std::string_view text) {
     at = end + 1;
   }
   if (words.empty()) refuse("the technique is missing");
+  if (words[0] == none) {
+    if (words.size() > 1) refuse("'none' draws nothing and has no parameters");
+    rule.technique = none;
+    return rule;
+  }
   rule.technique = find_technique(words[0]).name;
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::size_t equals = words[i].find('=');

@@ -13,13 +13,17 @@ namespace sfumato {
 struct DrawRule {
   std::string text;
   Selector selector;
-  std::string technique;
+  std::string technique;  ///< or `none`
   std::vector<std::pair<std::string, std::string>> parameters;  ///< as Look::set takes them
 
-  /// "SELECTION: TECHNIQUE [name=value ...]". With `soft`, all selected points are soft unless a field says which. Throws Error(usage) for what is no selection (core/selector.h), technique or
-  /// parameter of it.
+  static constexpr const char* none = "none";
+
+  /// "SELECTION: TECHNIQUE [name=value ...]", or "SELECTION: none", which leaves the points out. With `soft`, all selected
+  /// points are soft unless a field says which. Throws Error(usage) for what is no selection (core/selector.h), technique
+  /// or parameter of it.
   static DrawRule parse(std::string_view text);
-  /// A look by this rule in the light of `base`.
+  bool draws_nothing() const { return technique == none; }
+  /// A look by this rule in the light of `base`; not of one that draws nothing.
   std::unique_ptr<Look> look(const Look& base) const;
   /// Whether both draw alike.
   bool draws_like(const DrawRule& other) const {

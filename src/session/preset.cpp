@@ -31,7 +31,8 @@ bool is_look(const std::string& option) {
   static const std::set<std::string> others = {
       "technique", "preset", "camera",  "path",    "frames", "degrees", "sequence",
       "timings",   "json",   "quiet",   "version", "help",   "strict",  "memory",
-      "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama", "scene"};
+      "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama", "scene",
+      "transform"};
   const std::string name = with_dashes(option);
   const bool is_word =
       !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
@@ -55,12 +56,8 @@ scene::SceneFile scene_file(const Json& json, const std::filesystem::path& prese
     const bool fits = value.is_array() && value.size() == 16 &&
                       std::all_of(value.begin(), value.end(), [](const Json& each) { return each.is_number(); });
     if (!fits) refuse("transform: 16 numbers, row by row, are wanted");
-    dmat4& matrix = file.transform.emplace();
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        matrix[column][row] = value[std::size_t(4 * row + column)].get<double>();
-    if (matrix[0][3] != 0 || matrix[1][3] != 0 || matrix[2][3] != 0 || matrix[3][3] != 1 ||
-        !(std::abs(glm::determinant(matrix)) > 1e-300))
+    file.transform = transform_of_rows(value.get<std::vector<double>>());
+    if (!file.transform)
       refuse("transform: the last row of a transform is 0 0 0 1, and it flattens nothing");
   }
   return file;
@@ -73,6 +70,15 @@ bool is_view(const std::string& option) {
 }
 
 }  // namespace
+
+std::optional<dmat4> transform_of_rows(std::span<const double> rows) {
+  dmat4 matrix(1);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) matrix[column][row] = rows[std::size_t(4 * row + column)];
+  const bool is_affine = matrix[0][3] == 0 && matrix[1][3] == 0 && matrix[2][3] == 0 && matrix[3][3] == 1;
+  if (!is_affine || !(std::abs(glm::determinant(matrix)) > 1e-300)) return std::nullopt;
+  return matrix;
+}
 
 Preset load_preset(const std::filesystem::path& file) {
   auto refuse = [&](const std::string& what) {
@@ -87,7 +93,7 @@ Preset load_preset(const std::filesystem::path& file) {
       preset.technique = value.get<std::string>();
     } else if (key == "parameters" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_look(name))
+        if (!is_look(name) && !(name == "crop" && json.contains("files")))
           refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
                  with_dashes(name) + " to the command");
         if (!setting.is_object()) {
@@ -99,7 +105,7 @@ Preset load_preset(const std::filesystem::path& file) {
       }
     } else if (key == "options" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_look(name))
+        if (!is_look(name) && !(name == "crop" && json.contains("files")))
           refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
                  with_dashes(name) + " to the command");
         const bool repeated = (name == "filter" || name == "draw") && setting.is_array();
@@ -197,7 +203,8 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
     for (const Look* chosen : looks) is_parameter |= chosen->parameters.find(name) != nullptr;
     for (const Param& param : analysis.all())
       is_parameter |= with_dashes(param.name) == name;
-    if (!is_look(name) || is_parameter || (!files.empty() && is_view(name))) continue;
+    const bool is_kept = is_look(name) || (name == "crop" && !files.empty());
+    if (!is_kept || is_parameter || (!files.empty() && is_view(name))) continue;
     Json& kept = json["options"];
     if (!kept.contains(name))
       kept[name] = value;

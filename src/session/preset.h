@@ -36,6 +36,9 @@ struct Preset {
   NamesAndValues parameters_for(std::span<const Look* const> looks, const ParamList& analysis) const;
 };
 
+/// World from file, of 16 numbers row by row; nothing where the last row is not 0 0 0 1 or space is flattened.
+std::optional<dmat4> transform_of_rows(std::span<const double> rows);
+
 /// Throws Error(bad_input) that names file and key.
 Preset load_preset(const std::filesystem::path& file);
 

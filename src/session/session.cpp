@@ -38,16 +38,15 @@ Camera first_view(const Pose& pose, int width, int height) {
   return camera;
 }
 
-std::vector<PointCloud> Session::cut(PointCloud cloud) {
+std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::uint32_t>& matches) {
   parts_.clear();
   std::vector<PointCloud> clouds;
   const std::vector<DrawRule>& rules = options_.draw;
   if (rules.empty()) {
-    parts_.push_back({{}, nullptr, nullptr, cloud.size()});
+    parts_.push_back({{}, nullptr, nullptr, cloud.size(), {}});
     clouds.push_back(std::move(cloud));
     return clouds;
   }
-  const std::vector<std::uint32_t> matches = first_matches(rules, cloud);
   std::vector<std::size_t> counts(rules.size() + 1);
   for (std::uint32_t rule : matches) ++counts[rule];
   // Rules that draw alike are one part, so that their fragments sort together.
@@ -58,10 +57,11 @@ std::vector<PointCloud> Session::cut(PointCloud cloud) {
       notes_.push_back("--draw \"" + rules[r].text + "\" draws no point: none is selected, or earlier rules draw them");
       continue;
     }
+    if (rules[r].draws_nothing()) continue;
     std::size_t k = 0;
     while (k < parts_.size() && !(parts_[k].rule && parts_[k].rule->draws_like(rules[r]))) ++k;
     if (k == parts_.size()) {
-      parts_.push_back({{}, &rules[r], rules[r].look(Look(rules[r].technique)), 0});
+      parts_.push_back({{}, &rules[r], rules[r].look(Look(rules[r].technique)), 0, {}});
       members.emplace_back();
     }
     parts_[k].rules.push_back(rules[r].text);
@@ -74,6 +74,7 @@ std::vector<PointCloud> Session::cut(PointCloud cloud) {
         places.push_back(std::uint32_t(i));
     parts_[k].points = places.size();
     clouds.push_back(select(cloud, places));
+    parts_[k].source_index = std::move(clouds.back().source_index);
     clouds.back().source_index.clear();  // each part counts from 0: tables by it are as long as the part
   }
   return clouds;
@@ -102,15 +103,29 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointClou
   return colors;
 }
 
+std::uint64_t Session::source(std::size_t part, std::size_t i) const {
+  const std::uint32_t in_part = cloud(part).source_index[i];
+  const std::vector<std::uint32_t>& of_part = parts_[part].source_index;
+  return of_part.empty() ? in_part : of_part[in_part];
+}
+
 void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
                         Progress& progress) {
+  // What is refused is refused before anything of the last scene is gone.
+  std::vector<std::uint32_t> matches;
+  if (!options.draw.empty()) matches = first_matches(options.draw, scene.cloud);
+  if (!matches.empty() && std::all_of(matches.begin(), matches.end(), [&](std::uint32_t rule) {
+        return rule < options.draw.size() && options.draw[rule].draws_nothing();
+      }))
+    throw Error(ErrorCode::usage, "--draw: rules with 'none' leave out every point");
+  is_empty_ = true;  // until all is there
   options_ = options;
   pose_ = std::move(pose);
   file_names_ = std::move(scene.file_names);
   notes_.clear();
   box_ = bounds(scene.cloud);
   const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
-  std::vector<PointCloud> clouds = cut(std::move(scene.cloud));
+  std::vector<PointCloud> clouds = cut(std::move(scene.cloud), matches);
   std::vector<ColoredCloud> prepared;
   std::vector<const PointCloud*> in_order;
   left_out_ = 0, spacing_ = std::numeric_limits<float>::infinity();

@@ -70,10 +70,13 @@ class Session {
     const DrawRule* rule = nullptr;   ///< the first of them
     std::unique_ptr<Look> look;       ///< by the rule
     std::size_t points = 0;
+    std::vector<std::uint32_t> source_index;  ///< of rules: the place in the scene of each of the part's points
   };
   const std::vector<Part>& parts() const { return parts_; }
   const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }
   const PointCloud& cloud(std::size_t part = 0) const { return prepared(part).cloud; }   ///< in prepared order
+  /// The place in the scene's files of a point of `cloud(part)`.
+  std::uint64_t source(std::size_t part, std::size_t i) const;
   /// Of all parts, world.
   Bounds box() const { return box_; }
   /// Lines on what the rules selected.
@@ -85,8 +88,8 @@ class Session {
   bool empty() const { return is_empty_; }
 
  private:
-  /// Makes `parts_`, and a cloud for each.
-  std::vector<PointCloud> cut(PointCloud cloud);
+  /// Makes `parts_`, and a cloud for each, by the rule of each point.
+  std::vector<PointCloud> cut(PointCloud cloud, const std::vector<std::uint32_t>& matches);
   /// Colours of all parts together, so that a value has one colour in the whole scene.
   std::vector<std::vector<Rgba8>> color(const std::vector<const PointCloud*>& clouds);
   /// Notes say which technique is meant where there are several.

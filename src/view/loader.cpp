@@ -22,7 +22,10 @@ std::vector<ClassShare> classes_of(const PointCloud& cloud) {
 
 std::string key_of(const LoadJob& job) {
   std::string key;
-  for (const std::string& file : job.files) key += file + '\n';
+  for (const scene::SceneFile& file : job.files) {
+    key += file.name + '\n';
+    if (file.transform) key.append(reinterpret_cast<const char*>(&*file.transform), sizeof *file.transform);
+  }
   for (const std::string& column : job.options.read.columns) key += column + ',';
   key += job.options.read.max_points ? std::to_string(*job.options.read.max_points) : "all";
   key += job.options.up ? to_string(*job.options.up) : "auto";
@@ -84,17 +87,16 @@ Loaded Loader::read(const LoadJob& job, Watch& watch) {
   } else {
     kept_.reset();
     watch.update(0, "reading");
-    const std::vector<scene::SceneFile> files = scene::files_of(job.files);
-    if (const auto leveled = scene::LeveledScene::open(files, job.options, job.memory)) {
+    if (const auto leveled = scene::LeveledScene::open(job.files, job.options, job.memory)) {
       // Too much to hold: what the first view needs.
       scene = leveled->overview(watch);
-      out.pose = stand_upright(scene, job.files.front(), job.options.up, job.cutaway);
+      out.pose = stand_upright(scene, job.files.front().name, job.options.up, job.cutaway);
       const UpAxis up = scene.cloud.up;
       scene = leveled->read(std::vector<copc::View>{{first_view(out.pose, 1280, 720), false}}, false, watch);
       scene.cloud.up = up;
       return finish(std::move(scene), std::move(out));
     }
-    scene = scene::read_all(files, job.options, watch);
+    scene = scene::read_all(job.files, job.options, watch);
     // A subsample of nothing selected is not what a selection starts from.
     if (scene.cloud.size() <= most_kept && !job.options.read.max_points) {
       kept_ = scene;
@@ -103,8 +105,8 @@ Loaded Loader::read(const LoadJob& job, Watch& watch) {
   }
   out.classes = classes_of(scene.cloud);
   out.box = bounds(scene.cloud);
-  scene::narrow(scene, scene::files_of(job.files), job.options);
-  out.pose = stand_upright(scene, job.files.empty() ? "" : job.files.front(), job.options.up, job.cutaway);
+  scene::narrow(scene, job.files, job.options);
+  out.pose = stand_upright(scene, job.files.empty() ? "" : job.files.front().name, job.options.up, job.cutaway);
   watch.check();
   return finish(std::move(scene), std::move(out));
 }

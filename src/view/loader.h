@@ -19,7 +19,7 @@ namespace sfumato::view {
 
 struct LoadJob {
   std::uint64_t id = 0;
-  std::vector<std::string> files;
+  std::vector<scene::SceneFile> files;
   scene::SceneOptions options;
   bool cutaway = true;  ///< rooms are seen without the walls before them
   std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files

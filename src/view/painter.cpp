@@ -4,6 +4,7 @@
 #include <new>
 
 #include "core/error.h"
+#include "view/navigator.h"
 
 namespace sfumato::view {
 namespace {
@@ -158,7 +159,8 @@ void Painter::do_scene(Easel& easel, SceneJob job, Watch& watch) {
     return easel.look_of(technique, job.parameters_of(technique)).technique->needs();
   };
   easel.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
-  ready.points = easel.session->cloud().size();
+  for (std::size_t k = 0; k < easel.session->parts().size(); ++k) ready.points += easel.session->cloud(k).size();
+  ready.notes = easel.session->notes();
   ready.left_out = easel.session->left_out();
   ready.coloring = easel.session->coloring();
   answer(std::move(ready));
@@ -194,6 +196,25 @@ Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
   picture.background = session.background();
   picture.took_ms = ms_since(start);
   return picture;
+}
+
+/// The nearest of what each part offers: what lies clearly behind another part's point is hidden by it.
+PickAnswer Painter::do_pick(Easel& easel, const PickJob& job) {
+  const Session& session = *easel.session;
+  PickAnswer found{job.id, {}};
+  double nearest = 0;
+  for (std::size_t k = 0; k < session.parts().size(); ++k) {
+    const PointCloud& cloud = session.cloud(k);
+    const auto index =
+        nearest_point(cloud, job.camera, job.x_px, job.y_px, 12, 0.02, session.pose().subject.room);
+    if (!index) continue;
+    const double depth = project(job.camera, cloud.world(*index)).z;
+    if (found.picked && depth >= nearest) continue;
+    nearest = depth;
+    found.picked = describe(cloud, *index, easel.file_names);
+    found.picked->source = session.source(k, *index);
+  }
+  return found;
 }
 
 void Painter::run() {
@@ -253,12 +274,7 @@ void Painter::run() {
       } else if (picture) {
         answer(do_picture(easel, *picture, watch));
       } else {
-        const PointCloud& cloud = easel.session->cloud();
-        PickAnswer found{id, {}};
-        if (const auto index = nearest_point(cloud, pick->camera, pick->x_px, pick->y_px, 12, 0.02,
-                                               easel.session->pose().subject.room))
-          found.picked = describe(cloud, *index, easel.file_names);
-        answer(std::move(found));
+        answer(do_pick(easel, *pick));
       }
     } catch (const Cancelled&) {
       answer(CalledOff{id});

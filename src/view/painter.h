@@ -71,6 +71,7 @@ struct SceneReady {
   std::uint64_t id = 0;
   std::size_t points = 0, left_out = 0;
   TechniqueChoice choice;     ///< empty technique: none was chosen
+  std::vector<std::string> notes;         ///< on what rules selected
   Coloring coloring;
 };
 
@@ -134,6 +135,7 @@ class Painter {
   void run();
   void answer(Answer answer);
   void do_scene(Easel& easel, SceneJob job, Watch& watch);
+  PickAnswer do_pick(Easel& easel, const PickJob& job);
   Picture do_picture(Easel& easel, const PictureJob& job, Watch& watch);
 
   std::shared_ptr<Gate> gate_;

@@ -31,7 +31,40 @@ std::vector<double> two_numbers(const std::string& text) {
   throw Error(ErrorCode::usage, "--color-range: '" + text + "' is not two different numbers A,B");
 }
 
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+std::string rows_text(const dmat4& matrix) {
+  std::string text;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) text += (text.empty() ? "" : ",") + number_text(matrix[column][row]);
+  return text;
+}
+
 }  // namespace
+
+DrawRow DrawRow::from(const std::string& rule) {
+  DrawRow row;
+  const std::size_t colon = std::min(rule.find(':'), rule.size());
+  row.selection = trimmed(std::string_view(rule).substr(0, colon));
+  const std::string_view rest = trimmed(std::string_view(rule).substr(std::min(colon + 1, rule.size())));
+  const std::size_t end = std::min(rest.find(' '), rest.size());
+  row.technique = rest.substr(0, end);
+  row.parameters = trimmed(rest.substr(end));
+  if (row.technique == DrawRule::none) row.technique = "points", row.visible = false;
+  return row;
+}
+
+std::string DrawRow::rule() const {
+  if (!visible) return selection + ": " + DrawRule::none;
+  return selection + ": " + technique + (parameters.empty() ? "" : " " + parameters);
+}
+
+bool is_kept_as_written(const std::string& option) {
+  return option == "filter" || option == "columns" || option == "max-points" || option == "up" || option == "crop-relative";
+}
 
 std::string classes_text(const std::vector<int>& classes) {
   std::string text;
@@ -121,17 +154,20 @@ SessionOptions Wishes::session_options() const {
     if (Param* param = list.find(name)) param->set(value);
   options.color = color();
   options.background = background();
+  for (const DrawRow& row : draw) options.draw.push_back(DrawRule::parse(row.rule()));
   return options;
 }
 
-std::vector<std::string> Wishes::words(int width, int height) const {
-  std::vector<std::string> words = files;
-  // A value may begin with a minus: the equals sign keeps it with its option.
-  const auto say = [&](const std::string& name, const std::string& value) { words.push_back("--" + name + "=" + value); };
-  words.insert(words.end(), {"-t", technique.empty() ? "auto" : technique});
-  for (const auto& [name, value] : parameters_of(technique)) say(with_dashes(name), value);
-  for (const auto& [name, value] : analysis) say(with_dashes(name), value);
-  for (const auto& [name, value] : input) say(name, value);
+std::vector<scene::SceneFile> Wishes::scene_files() const {
+  std::vector<scene::SceneFile> all = scene::files_of(files);
+  for (std::size_t n = 0; n < std::min(all.size(), transforms.size()); ++n) all[n].transform = transforms[n];
+  return all;
+}
+
+NamesAndValues Wishes::options() const {
+  NamesAndValues all = input;
+  const auto say = [&](const char* name, const std::string& value) { all.emplace_back(name, value); };
+  for (const DrawRow& row : draw) say("draw", row.rule());
   const Selection& wanted = scene.selection;
   if (wanted.crop) say("crop", joined(wanted.crop->min) + "," + joined(wanted.crop->max));
   if (!wanted.show_classes.empty()) say("show-classes", classes_text(wanted.show_classes));
@@ -143,8 +179,25 @@ std::vector<std::string> Wishes::words(int width, int height) const {
   if (!exposure.empty()) say("exposure", exposure);
   if (!point_color.empty()) say("color", point_color);
   if (!background_color.empty()) say("background-color", background_color);
-  if (whole) words.push_back("--whole");
-  if (legend && point_color.empty()) words.push_back("--legend");
+  if (whole) say("whole", "true");
+  if (legend && point_color.empty()) say("legend", "true");
+  return all;
+}
+
+std::vector<std::string> Wishes::words(int width, int height) const {
+  std::vector<std::string> words = files;
+  // A value may begin with a minus: the equals sign keeps it with its option.
+  const auto say = [&](const std::string& name, const std::string& value) { words.push_back("--" + name + "=" + value); };
+  words.insert(words.end(), {"-t", technique.empty() ? "auto" : technique});
+  for (const auto& [name, value] : parameters_of(technique)) say(with_dashes(name), value);
+  for (const auto& [name, value] : analysis) say(with_dashes(name), value);
+  for (std::size_t n = 0; n < std::min(files.size(), transforms.size()); ++n)
+    if (transforms[n]) say("transform", std::to_string(n + 1) + ": " + rows_text(*transforms[n]));
+  for (const auto& [name, value] : options())
+    if (name == "whole" || name == "legend")
+      words.push_back("--" + name);
+    else
+      say(name, value);
   say("camera-position", joined(camera.position));
   say("camera-focal-point", joined(camera.target));
   say("camera-view-up", joined(camera.up));
@@ -156,7 +209,8 @@ std::vector<std::string> Wishes::words(int width, int height) const {
 
 std::string Wishes::scene_key() const {
   Wishes read;
-  read.whole = whole, read.files = files, read.scene = scene, read.input = input, read.analysis = analysis;
+  read.whole = whole, read.files = files, read.transforms = transforms, read.draw = draw;
+  read.scene = scene, read.input = input, read.analysis = analysis;
   return text_of(read.words(1, 1));
 }
 

@@ -16,10 +16,21 @@
 
 namespace sfumato::view {
 
+/// A row of the list of items: a rule of --draw that can be switched off without being forgotten.
+struct DrawRow {
+  std::string selection, technique, parameters;  ///< as in "SELECTION: TECHNIQUE [name=value ...]"
+  bool visible = true;                           ///< else its points are drawn by nothing
+
+  static DrawRow from(const std::string& rule);
+  /// As --draw takes it.
+  std::string rule() const;
+};
+
 struct Wishes {
   using Values = std::map<std::string, std::string>;  ///< parameters that are not at their defaults
 
   std::vector<std::string> files;
+  std::vector<std::optional<dmat4>> transforms;  ///< of the first files: world from file
   scene::SceneOptions scene;
   /// Options of the command line that say what `scene` says in ways that no panel changes (--filter, --columns, --up,
   /// --max-points, --crop-relative): kept as they were written.
@@ -31,6 +42,7 @@ struct Wishes {
   std::string color_by = "auto", colormap, color_range, exposure, point_color, background_color;  ///< as options
   bool legend = false;
   bool whole = false;  ///< rooms with the walls before them
+  std::vector<DrawRow> draw;  ///< the first that selects a point draws it; the others are drawn by `technique`
   ViewCamera camera;
 
   /// A parameter of `technique`, of all techniques, or of the analysis. Throws Error(usage) as Look::set does.
@@ -44,12 +56,16 @@ struct Wishes {
 
   /// What a Look of that technique must be given.
   NamesAndValues parameters_of(const std::string& technique_name) const;
+  /// Throws Error(usage) for what is not understood.
   SessionOptions session_options() const;
+  std::vector<scene::SceneFile> scene_files() const;
   ColorSettings color() const;
   std::optional<vec3> background() const;
 
   /// The words after `sfumato` that draw this at a size: -o and its file are not among them.
   std::vector<std::string> words(int width, int height) const;
+  /// The options among them that a preset keeps: what is not a parameter.
+  NamesAndValues options() const;
   /// What must be read or sorted anew when it changes; what must be coloured anew.
   std::string scene_key() const;
   std::string color_key() const;
@@ -57,6 +73,9 @@ struct Wishes {
   std::string look_key() const;
   bool operator==(const Wishes& other) const { return words(1, 1) == other.words(1, 1); }
 };
+
+/// Whether an option that says which points there are is kept in `Wishes::input`.
+bool is_kept_as_written(const std::string& option);
 
 /// Which class codes are hidden: "--hide-classes" in the spelling of the command.
 std::string classes_text(const std::vector<int>& classes);

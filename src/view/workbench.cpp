@@ -33,7 +33,10 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
     if (!next.background_color.empty() && !next.background())
       throw Error(ErrorCode::usage, "'" + next.background_color + "' is no colour");
     (void)next.color();
-    (void)next.session_options();
+    const SessionOptions options = next.session_options();
+    // A number that the scan lacks is named at once, not when the scene has been taken apart for it.
+    if (scene_ && scene_->near && next.scene_key() != wishes_.scene_key())
+      for (const DrawRule& rule : options.draw) (void)rule.selector.matches(*scene_->near);
     if (!next.technique.empty()) {
       Look look(next.technique);
       for (const auto& [name, value] : next.parameters_of(next.technique)) look.set(name, value);
@@ -87,6 +90,7 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
   change("open", [&](Wishes& wishes) {
     if (!add) {
       wishes.files.clear();
+      wishes.transforms.clear();
       wishes.scene.selection.crop.reset();
     }
     for (const std::string& file : expanded)
@@ -140,9 +144,10 @@ void Workbench::play(bool on) {
 void Workbench::load(bool anew) {
   load_id_ = next_id_++;
   loading_ = true;
+  scene_failed_ = false;
   loaded_key_ = wanted_key_ = wishes_.scene_key();
   file_times_.clear();
-  LoadJob job{load_id_, wishes_.files, wishes_.scene};
+  LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene};
   job.cutaway = !wishes_.whole;
   job.memory = start_.memory;
   job.anew = anew;
@@ -161,7 +166,7 @@ void Workbench::send_scene(Loaded& loaded) {
     job.parameters_of = [wishes = wishes_](const std::string& technique) { return wishes.parameters_of(technique); };
     return job;
   };
-  sample_ready_ = whole_ready_ = false;
+  sample_ready_ = whole_ready_ = sample_failed_ = false;
   refinement_.set_whole_ready(false);
   refinement_.forget();
   in_flight_ = 0;
@@ -214,6 +219,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     whole_ready_ = true;
     loading_ = false;
     left_out_ = ready->left_out;
+    for (const std::string& note : ready->notes) say(note);
     refinement_.set_whole_ready(true);
     if (wishes_.technique.empty()) {
       wishes_.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
@@ -264,17 +270,22 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     }
     std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == off->id; });
   } else if (auto* failure = std::get_if<Failure>(&answer)) {
-    const bool of_scene = failure->id == whole_scene_id_ || failure->id == sample_scene_id_;
+    if (failure->id == sample_scene_id_ && failure->id != 0) {
+      sample_failed_ = true;  // rules may leave nothing of a sample: the whole cloud is drawn in its place
+      return;
+    }
+    const bool of_scene = failure->id == whole_scene_id_;
     if (failure->id == 0 || (of_scene && !shown_)) {
       fatal_ = *failure;
     } else if (of_scene) {
       loading_ = false;
+      scene_failed_ = true;
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;
       refinement_.failed();
     }
     std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == failure->id; });
-    if (!of_scene || failure->id == whole_scene_id_) say(failure->message, true);
+    say(failure->message, true);
   }
 }
 
@@ -308,7 +319,7 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
 }
 
 void Workbench::ask() {
-  if (width_ <= 0 || !sample_ready_) return;
+  if (width_ <= 0 || !can_draw()) return;
   refinement_.set_subject(wishes_.technique);
   const auto quality = refinement_.next(now_ms_);
   if (!quality) return;
@@ -317,7 +328,7 @@ void Workbench::ask() {
   in_flight_quality_ = *quality;
   refinement_.begun(*quality, now_ms_);
   if (!quality->whole_cloud) whole_->call_off();
-  (quality->whole_cloud ? *whole_ : *sample_).paint(std::move(job));
+  (quality->whole_cloud || sample_failed_ ? *whole_ : *sample_).paint(std::move(job));
 }
 
 void Workbench::watch_files() {
@@ -358,6 +369,8 @@ void Workbench::tick(double now_ms) {
   if (const std::string key = wishes_.look_key(); key != look_key_) {
     look_key_ = key;
     touched();
+    // Another colour source may be what the scene was refused for.
+    if (scene_failed_) loaded_key_.clear(), key_changed_ms_ = now_ms;
   }
   if (const std::string key = wishes_.scene_key(); key != wanted_key_) {
     wanted_key_ = key;
@@ -372,7 +385,7 @@ void Workbench::tick(double now_ms) {
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
   if (play_began_ms_) return 0;
-  std::optional<double> wait = sample_ready_ ? refinement_.wait_ms(now_ms) : std::nullopt;
+  std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
   if (wanted_key_ != loaded_key_) {
     const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
     wait = std::min(wait.value_or(until), until);

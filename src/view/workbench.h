@@ -122,6 +122,7 @@ class Workbench {
   PictureJob job_for(const Quality& quality, int width, int height) const;
   void ask();
   void touched();
+  bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
 
   Start start_;
@@ -136,7 +137,8 @@ class Workbench {
   double asked_ms_ = 0;
   std::string loaded_key_, look_key_, wanted_key_;
   double key_changed_ms_ = -1e9;
-  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, frame_on_load_ = true, timings_ = false;
+  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false, scene_failed_ = false;
+  bool frame_on_load_ = true, timings_ = false;
   std::optional<Loaded> scene_;
   std::shared_ptr<const Picture> shown_;
   std::string reason_;

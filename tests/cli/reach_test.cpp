@@ -394,11 +394,25 @@ TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
   scene["files"][1] = {{"file", "../cube.ply"}, {"transform", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
   scene["options"]["draw"] = "x 1.01..: points";
   write("elsewhere/moved.json", scene.dump());
-  const Json moved = run_json({"--scene", "elsewhere/moved.json", "-o", "c.png", "--json", "--quiet"});
+  const Json moved = run_json({"--scene", "elsewhere/moved.json", "-o", "c.png", "--output-camera", "seen.json", "--json", "--quiet"});
   ASSERT_EQ(moved["draw"].size(), 1u);
   EXPECT_EQ(moved["draw"][0]["technique"], "points");
   EXPECT_NEAR(moved["draw"][0]["points"].get<double>(), 5 * 30 * 30, 30 * 30) << "five faces of the second cube and more";
 
+  // The same said on the line.
+  ok({"cube.ply", "cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "--draw", "x 1.01..: points", "-t", "splats",
+      "-o", "e.png", "--shadows", "hard", "--camera", "seen.json", "--quiet"});
+  EXPECT_TRUE(std::ranges::equal(read_png("e.png"), read_png("c.png")));
+  EXPECT_THAT(run({"cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "-o", "f.png"}).err,
+              HasSubstr("there are 1 files"));
+  EXPECT_THAT(run({"cube.ply", "--transform", "1: 1,0,0,1,0,1,0,0,0,0,1,0,1,0,0,1", "-o", "f.png"}).err,
+              HasSubstr("the last row"));
+  // What a rule with none selects is not there.
+  ok({"cube.ply", "--draw", "z 0.5..: none", "-t", "splats", "-o", "g.png", "--camera", "seen.json", "--quiet"});
+  ok({"cube.ply", "--filter", "z ..0.5", "-t", "splats", "-o", "h.png", "--camera", "seen.json", "--quiet"});
+  EXPECT_TRUE(std::ranges::equal(read_png("g.png"), read_png("h.png")));
+  EXPECT_THAT(run({"cube.ply", "--draw", "*: none", "-o", "f.png"}).err, HasSubstr("leave out every point"));
+  EXPECT_FALSE(exists("f.png"));
   scene["files"][1]["transform"] = {1, 0, 0};
   write("elsewhere/broken.json", scene.dump());
   const Outcome broken = run({"--scene", "elsewhere/broken.json", "-o", "d.png"});

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "reference/gl_fixture.h"
-#include "session/draw_rule.h"
+#include "session/session.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -212,9 +212,28 @@ TEST(DrawRuleTest, TheFirstRuleThatSelectsAPointDrawsIt) {
   EXPECT_EQ(rules[0].look(base)->parameters.find("radius_scale")->get(), Look("splats").parameters.find("radius_scale")->get());
 }
 
+TEST_F(ItemsTest, RulesWithNoneLeavePointsOutAndOthersKeepTheirPlaceInTheFile) {
+  scene::Scene scene;
+  scene.cloud = sphere_cloud(2000);
+  const PointCloud all = scene.cloud;
+  SessionOptions options;
+  options.draw = {DrawRule::parse("z ..0: none"), DrawRule::parse("x 0..: splats")};
+  Pose pose = stand_upright(scene, "", UpAxis::pos_z);
+  Session session(context());
+  session.set_scene(std::move(scene), pose, options, [](const auto&) { return Attributes(); });
+  ASSERT_EQ(session.parts().size(), 2u);
+  std::size_t drawn = 0;
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t i = 0; i < session.cloud(k).size(); ++i, ++drawn) {
+      EXPECT_GT(session.cloud(k).world(i).z, 0);
+      EXPECT_EQ(session.cloud(k).world(i), all.world(session.source(k, i)));
+    }
+  EXPECT_EQ(drawn, std::size_t(std::count_if(all.positions.begin(), all.positions.end(), [](const vec3& p) { return p.z > 0; })));
+}
+
 TEST(DrawRuleTest, MistakesAreNamed) {
   for (const char* text : {"x 1..2", "x 1..2:", "x 1..2: plats", "x 1..2: points size=3", "x 1..2: points point_size",
-                           "x: points", "x 1..2: points point_size=-4"})
+                           "x: points", "x 1..2: points point_size=-4", "x 1..2: none size=1"})
     EXPECT_THROW(DrawRule::parse(text), Error) << text;
 }
 

@@ -27,6 +27,12 @@ class WindowTest : public DeskTest {
     const Outcome made = run({"synth", "forest", "--points", "30000", "-o", "forest.laz", "--quiet"});
     ASSERT_EQ(made.code, 0) << made.err;
   }
+  /// Another text for the field at a place. Keys are held as long as a finger does: the interface looks at them once a frame.
+  void type_over(int x, int y, const std::string& text) {
+    hand("mousemove " + std::to_string(x) + " " + std::to_string(y) +
+         " click 1 sleep 0.3 keydown ctrl sleep 0.3 keydown a sleep 0.3 keyup a keyup ctrl sleep 0.3 type --delay 80 '" + text + "'");
+    hand("sleep 0.3 keydown Return sleep 0.3 keyup Return mousemove 475 20");
+  }
   void close() {
     hand("key ctrl+q");
     EXPECT_EQ(exit_code(), 0) << said();
@@ -96,7 +102,7 @@ TEST_F(WindowTest, SlidersClassesCopyAndUndo) {
   EXPECT_THAT(png_texts(larger)["Command"], HasSubstr("--point-size="));
   EXPECT_FALSE(equal(read_png(first), read_png(larger)));
   // The list of classes opens below, its first row is the ground.
-  hand("mousemove 1010 236 click 1 sleep 0.3 mousemove 988 262 click 1 sleep 0.1 mousemove 475 20");
+  hand("mousemove 1010 261 click 1 sleep 0.3 mousemove 988 287 click 1 sleep 0.1 mousemove 475 20");
   wait_for("final picture", 3);
   const std::string without_ground = save();
   const std::string command = png_texts(without_ground)["Command"];
@@ -123,6 +129,33 @@ TEST_F(WindowTest, SlidersClassesCopyAndUndo) {
   wait_for("final picture", 7);
   EXPECT_TRUE(equal(read_png(save()), read_png(first)));
   close();
+}
+
+// Items are rows: what the command line says is there, a row is switched off, another one is edited, and all of it is in
+// the command of the picture.
+TEST_F(WindowTest, ItemsAreRows) {
+  make_forest();
+  open({"forest.laz", "-t", "points", "--draw", "class ground: splats", "--draw", "z 6..: soft"});
+  wait_for("final picture");
+  const std::string both = save();
+  EXPECT_THAT(png_texts(both)["Command"], HasSubstr("'--draw=class ground: splats' '--draw=z 6..: soft'"));
+  // The first row's box, in the panel that is open where there are rows.
+  hand("mousemove 970 269 click 1 sleep 0.3 mousemove 475 20");
+  wait_for("final picture", 2);
+  const std::string one = save();
+  EXPECT_THAT(png_texts(one)["Command"], HasSubstr("'--draw=class ground: none'"));
+  EXPECT_FALSE(equal(read_png(both), read_png(one)));
+  // The second row's selection, typed anew.
+  type_over(1092, 320, "z 4..");
+  wait_for("final picture", 3);
+  const std::string edited = save();
+  EXPECT_THAT(png_texts(edited)["Command"], HasSubstr("'--draw=z 4..: soft'"));
+  // A number that the scan lacks is said, and nothing is lost.
+  type_over(1092, 320, "beauty 4..");
+  wait_for("no 'beauty'");
+  EXPECT_TRUE(equal(read_png(save()), read_png(edited)));
+  close();
+  for (const std::string& each : {both, one, edited}) expect_reproducible(each);
 }
 
 TEST_F(WindowTest, PicksAndMeasures) {

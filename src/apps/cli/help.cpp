@@ -80,7 +80,8 @@ const std::vector<Topic>& topics() {
       {"draw", "several techniques in one picture",
        "--draw \"SELECTION: TECHNIQUE [name=value ...]\" draws some points otherwise than -t says; it may be given several "
        "times, and the first that selects a point draws it. A selection is *, ranges of any number of the points, classes "
-       "by name, file N (of several files), box x0,y0,z0,x1,y1,z1, or several of them with and / not. What soft and layers "
+       "by name, file N (of several files), box x0,y0,z0,x1,y1,z1, or several of them with and / not; the technique none leaves "
+       "points out. What soft and layers "
        "let through is seen behind them; shadows fall from all points on all points.\n"
        "  sfumato city.laz --draw \"classification 3-5: soft opacity=0.2\" -o trees.png\n"
        "  sfumato a.laz b.laz --draw \"file 2 and not class ground: points point_size=2\" -o both.png\n"

@@ -255,9 +255,11 @@ int view_command(RenderOptions& options, Choice& choice, const CommandLine& line
   view::Start start;
   view::Wishes& wishes = start.wishes;
   wishes.files = options.files;
+  for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);
+  for (const std::string& rule : options.draw) wishes.draw.push_back(view::DrawRow::from(rule));
   wishes.scene = options.input.scene;
   for (const auto& [name, value] : line.given())
-    if (std::set<std::string>{"filter", "columns", "max-points", "up", "crop-relative"}.contains(name))
+    if (view::is_kept_as_written(name))
       wishes.input.emplace_back(name, value);
   for (const Param& param : choice.prepare_parameters.all())
     if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();

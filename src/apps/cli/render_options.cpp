@@ -10,6 +10,7 @@
 #include "core/colormap.h"
 #include "core/error.h"
 #include "io/atomic_writer.h"
+#include "session/preset.h"
 #include "video.h"
 
 namespace sfumato::cli {
@@ -56,6 +57,8 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
   line.text("--scene", scene, "FILE.json", "files, --draw, look and camera saved before; those given here win");
   line.text("--save-scene", save_scene, "FILE.json", "save the files as well");
+  line.texts("--transform", transforms, "\"N: 16 NUMBERS\"",
+             "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
   line.flag("--watch", watch, "the window reads files again when they change");
   line.flag("--timings", timings, "time of every pass");
   line.flag("--json", json, "report on standard output");
@@ -152,8 +155,8 @@ void RenderOptions::check_window(std::size_t technique_count) const {
 #endif
   if (technique_count > 1) refuse("a window shows one technique at a time: name one, or add -o OUT.png for a sheet of all");
   for (const auto& [option, given] : {std::pair("--each", each), {"--sequence", sequence}, {"--path", !path.empty()},
-                                      {"--panorama", camera.panorama}, {"--draw", !draw.empty()},
-                                      {"--scene", !scene.empty()}, {"--save-scene", !save_scene.empty()}, {"--no-background", no_background},
+                                      {"--panorama", camera.panorama}, {"--save-scene", !save_scene.empty()},
+                                      {"--no-background", no_background},
                                       {"--save-preset", !save_preset.empty()}, {"--json", json}, {"--timings", timings}})
     if (given) refuse(std::string(option) + " goes with pictures, not with the window: add -o OUT.png");
 }
@@ -227,6 +230,20 @@ void RenderOptions::check(std::size_t technique_count) {
 
 void RenderOptions::expand_files() {
   files = scene::expand_inputs(files);
+  for (const std::string& text : transforms) {
+    const std::size_t colon = text.find(':');
+    const auto wrong = [&](const std::string& why) {
+      refuse("--transform: '" + text + "': " + why + "; write \"N: 16 numbers\", such as \"2: 1,0,0,12.5,0,1,0,3,0,0,1,0,0,0,0,1\"");
+    };
+    if (colon == std::string::npos) wrong("there is no colon after the file's number");
+    const long n = parse_whole("--transform", text.substr(0, colon), 1);
+    if (std::size_t(n) > files.size()) wrong("there are " + std::to_string(files.size()) + " files");
+    const std::vector<double> numbers = parse_numbers("--transform", text.substr(text.find_first_not_of(' ', colon + 1)), 16);
+    const auto matrix = transform_of_rows(numbers);
+    if (!matrix) wrong("the last row of a transform is 0 0 0 1, and it flattens nothing");
+    if (scene_files.size() < files.size()) scene_files.resize(files.size());
+    scene_files[std::size_t(n - 1)] = {files[std::size_t(n - 1)], matrix};
+  }
 }
 
 scene::SceneFile RenderOptions::placed(std::size_t n) const {

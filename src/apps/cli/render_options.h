@@ -35,11 +35,12 @@ struct RenderOptions {
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
   std::string path, frames, degrees, preset, save_preset, scene, save_scene, memory_text = "4G";
+  Words transforms;  ///< "N: 16 numbers"
   Words draw;  ///< "SELECTION: TECHNIQUE [name=value ...]"
 
   // Parsed by `check`.
   std::vector<DrawRule> rules;
-  std::vector<scene::SceneFile> scene_files;  ///< of --scene
+  std::vector<scene::SceneFile> scene_files;  ///< of --scene, and of --transform once files are expanded
   vec3 background{1};
   int frame_count = 1, quality = 90;
   double orbit_degrees = 360;

@@ -37,11 +37,13 @@ class Interface {
   void navigate(double now_ms, float x, float y, bool hovered);
   void take_shots();
   void take_preset(const std::string& file);
+  void save_look(bool with_files);
   void show_picture();
 
-  // Panels, in panels.cpp.
+  // Panels, in *_panel.cpp and *_panels.cpp.
   void technique_panel();
   void parameter_panel();
+  void item_panel();
   void color_panel();
   void class_panel();
   void light_panel();
@@ -73,7 +75,7 @@ class Interface {
   bool uploaded_legend_ = false;
   std::deque<Toast> toasts_;
   std::vector<std::future<view::Message>> writers_;
-  std::string search_, preset_name_, path_name_, screenshot_size_, typed_range_, typed_background_, typed_point_color_, camera_text_;
+  std::string search_, preset_name_, path_name_, screenshot_size_;
   bool panels_ = true, help_ = false, clip_ = false, timings_ = false;
   enum class Drag { none, rotate, pan } drag_ = Drag::none;
   dvec3 pivot_{0};

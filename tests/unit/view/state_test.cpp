@@ -170,6 +170,27 @@ TEST(Wishes, SayTheCommandThatTheyAre) {
     EXPECT_THAT(words, Contains(each));
 }
 
+TEST(Wishes, SayItemsAndWhereFilesAre) {
+  Wishes wishes;
+  wishes.files = {"a.laz", "b.laz"};
+  wishes.technique = "splats";
+  wishes.draw = {DrawRow::from("class 3-5:  soft  opacity=0.2"), {"z 3..", "surface", "", false}};
+  dmat4 moved(1);
+  moved[3] = {12.5, 0, -1, 1};
+  wishes.transforms = {std::nullopt, moved};
+  const std::vector<std::string> words = wishes.words(64, 48);
+  EXPECT_THAT(words, Contains("--draw=class 3-5: soft opacity=0.2"));
+  EXPECT_THAT(words, Contains("--draw=z 3..: none"));  // what is not visible
+  EXPECT_THAT(words, Contains("--transform=2: 1,0,0,12.5,0,1,0,0,0,0,1,-1,0,0,0,1"));
+  EXPECT_EQ(wishes.session_options().draw.size(), 2u);
+  Wishes shown = wishes;
+  shown.draw[1].visible = true;
+  EXPECT_NE(shown.scene_key(), wishes.scene_key());
+  EXPECT_THAT(shown.words(64, 48), Contains("--draw=z 3..: surface"));
+  wishes.draw[0].technique = "sofd";
+  EXPECT_THROW((void)wishes.session_options(), Error);
+}
+
 TEST(Wishes, KeepParametersByTechniqueAndShareWhatIsShared) {
   Wishes wishes;
   wishes.technique = "surface";

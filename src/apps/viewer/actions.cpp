@@ -1,0 +1,177 @@
+// What keys and buttons do, and what leaves the window as files.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "../cli/command_line.h"
+#include "core/error.h"
+#include "core/version.h"
+#include "interface.h"
+#include "io/camera_json.h"
+#include "io/image_png.h"
+#include "labels/legend.h"
+
+namespace sfumato::viewer {
+
+using view::Action;
+
+std::string free_name(const std::string& stem, const std::string& extension) {
+  for (int n = 1;; ++n) {
+    const std::string name = fmt::format("{}_{:04}{}", stem, n, extension);
+    std::error_code error;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(name, error))) return name;
+  }
+}
+
+void Interface::take_shots() {
+  for (view::Shot& shot : bench_.take_shots()) {
+    const std::string name = free_name("sfumato", ".png");
+    // Taken at once, so that two pictures in a row do not get one name.
+    if (std::FILE* file = std::fopen(name.c_str(), "wx")) std::fclose(file);
+    writers_.push_back(std::async(std::launch::async, [shot = std::move(shot), name]() mutable -> view::Message {
+      try {
+        cli::Words command = shot.words;
+        command.insert(command.begin(), "sfumato");
+        command.insert(command.end(), {"-o", name});
+        if (shot.legend) labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
+        io::write_png(name, shot.picture.image, false,
+                      {{"Software", std::string("sfumato ") + version()},
+                       {"Command", cli::quote(command)},
+                       {"Camera", io::camera_to_json(shot.picture.camera)}});
+        return {"saved " + name, false};
+      } catch (const std::exception& error) {
+        return {error.what(), true};
+      }
+    }));
+  }
+  std::erase_if(writers_, [&](auto& writer) {
+    if (writer.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+    const view::Message message = writer.get();
+    bench_.say(message.text, message.is_error);
+    return true;
+  });
+}
+
+void Interface::drop(const std::vector<std::string>& files, bool add) {
+  std::vector<std::string> clouds;
+  for (const std::string& file : files) {
+    if (std::filesystem::path(file).extension() != ".json") {
+      clouds.push_back(file);
+      continue;
+    }
+    preset_name_ = path_name_ = file;
+    try {
+      bench_.path.load(file);
+      bench_.say(fmt::format("{}: a path of {} keys; Space plays it", file, bench_.path.keys().size()));
+    } catch (const Error&) {
+      take_preset(file);
+    }
+  }
+  if (!clouds.empty()) bench_.open(clouds, add);
+}
+
+void Interface::act(Action action) {
+  const auto show = [&](view::NamedView side) {
+    bench_.move("side", [&](view::Navigator& hand) { hand.show(side, bench_.width(), bench_.height()); });
+  };
+  const auto parameter = [&](const std::string& name, const std::string& value) {
+    bench_.change(name, [&](view::Wishes& wishes) { wishes.set(name, value); });
+  };
+  const auto resize_points = [&](double factor) {
+    if (!look_) return;
+    for (const char* name : {"point_size", "radius_scale", "disc_scale", "brush_scale"})
+      if (const Param* param = look_->parameters.find(name)) {
+        const std::vector<float> now = view::numbers_of(resolved(name));
+        if (now.size() != 1) continue;
+        const float wanted = std::clamp(float(double(now[0]) * factor), float(param->min.value_or(0)),
+                                        float(param->max.value_or(1e9)));
+        return parameter(name, view::number_text(std::round(wanted * 1000) / 1000));
+      }
+    bench_.say(bench_.wishes().technique + " has no size of points");
+  };
+  switch (action) {
+    case Action::reset_view: bench_.move("reset", [](view::Navigator& hand) { hand.reset(); }); break;
+    case Action::frame_view: bench_.move("frame", [&](view::Navigator& hand) { hand.frame(bench_.width(), bench_.height()); }); break;
+    case Action::orthographic: bench_.move("parallel", [](view::Navigator& hand) { hand.toggle_orthographic(); }); break;
+    case Action::front: show(view::NamedView::front); break;
+    case Action::back: show(view::NamedView::back); break;
+    case Action::right: show(view::NamedView::right); break;
+    case Action::left: show(view::NamedView::left); break;
+    case Action::top: show(view::NamedView::top); break;
+    case Action::bottom: show(view::NamedView::bottom); break;
+    case Action::fullscreen: window_.toggle_fullscreen(); break;
+    case Action::panels: panels_ = !panels_; break;
+    case Action::help: help_ = !help_; break;
+    case Action::quit: window_.close(); break;
+    case Action::screenshot: {
+      int width = 0, height = 0;
+      if (screenshot_size_.empty()) {
+        bench_.shoot(bench_.width(), bench_.height());
+      } else if (std::sscanf(screenshot_size_.c_str(), "%dx%d", &width, &height) == 2 && width > 0 && height > 0 &&
+                 width <= 16384 && height <= 16384) {
+        bench_.shoot(width, height);
+      } else {
+        bench_.say("'" + screenshot_size_ + "' is not WIDTHxHEIGHT, such as 3840x2160", true);
+      }
+      break;
+    }
+    case Action::copy_command: {
+      cli::Words words = bench_.wishes().words(bench_.width(), bench_.height());
+      words.insert(words.begin(), "sfumato");
+      words.insert(words.end(), {"-o", "picture.png"});
+      window_.copy(cli::quote(words));
+      bench_.say("the command is copied");
+      break;
+    }
+    case Action::copy_camera:
+      window_.copy(io::camera_to_json(bench_.camera()));
+      bench_.say("the camera is copied");
+      break;
+    case Action::paste_camera:
+      try {
+        const view::ViewCamera camera = view::ViewCamera::from(io::camera_from_json(window_.pasted(), "the clipboard"));
+        bench_.move("paste", [&](view::Navigator& hand) { hand.set_camera(camera); });
+      } catch (const Error& error) {
+        bench_.say(error.what(), true);
+      }
+      break;
+    case Action::undo: bench_.undo(); break;
+    case Action::redo: bench_.redo(); break;
+    case Action::larger_points: resize_points(1.15); break;
+    case Action::smaller_points: resize_points(1 / 1.15); break;
+    case Action::eye_dome: {
+      if (!look_) break;
+      parameter("edl", resolved("edl") == "true" ? "false" : "true");
+      break;
+    }
+    case Action::shadows: {
+      if (!look_) break;
+      const std::string now = look_->parameters.find("shadows")->get();
+      parameter("shadows", now == "off" ? "hard" : now == "hard" ? "soft" : "off");
+      break;
+    }
+    case Action::legend: bench_.change("legend", [](view::Wishes& wishes) { wishes.legend = !wishes.legend; }); break;
+    case Action::clear_picks:
+      help_ = false;
+      bench_.clear_picked();
+      bench_.play(false);
+      break;
+    case Action::add_key:
+      bench_.path.add(bench_.wishes().camera);
+      bench_.say(fmt::format("key {} of the camera path", bench_.path.keys().size()));
+      break;
+    case Action::play: bench_.play(!bench_.playing()); break;
+    case Action::larger_interface: window_.zoom_interface(1.125f); break;
+    case Action::smaller_interface: window_.zoom_interface(1 / 1.125f); break;
+    case Action::theme: window_.set_dark(!window_.is_dark()); break;
+    default: {
+      const std::size_t i = std::size_t(action) - std::size_t(Action::technique_1);
+      if (i < all_techniques().size())
+        bench_.change("technique", [&](view::Wishes& wishes) { wishes.technique = all_techniques()[i].name; });
+    }
+  }
+}
+
+}  // namespace sfumato::viewer

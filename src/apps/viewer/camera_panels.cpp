@@ -1,0 +1,129 @@
+// Clip box, camera, camera path.
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../cli/command_line.h"
+#include "core/error.h"
+#include "interface.h"
+#include "panel_tools.h"
+
+namespace sfumato::viewer {
+
+void Interface::clip_panel() {
+  clip_ = heading("Clip box", false);
+  const view::Loaded* scene = bench_.scene();
+  if (!clip_ || !scene) return;
+  const auto& crop = bench_.wishes().scene.selection.crop;
+  bool on = crop.has_value();
+  const auto clip = [&](const std::optional<Bounds>& box) {
+    bench_.change("clip", [&](view::Wishes& next) {
+      next.scene.selection.crop = box;
+      next.scene.selection.crop_share.reset();
+      std::erase_if(next.input, [](const auto& each) { return each.first == "crop-relative"; });
+    });
+  };
+  if (ImGui::Checkbox("show only the points in a box", &on)) clip(on ? std::optional(scene->box) : std::nullopt);
+  if (!crop) return;
+  Bounds box = *crop;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Distances from the corner of the scene: floats hold them where coordinates are millions.
+    const double from = scene->box.min[axis], size = std::max(1e-9, scene->box.max[axis] - from);
+    float low = float(box.min[axis] - from), high = float(box.max[axis] - from);
+    ImGui::PushID(axis);
+    if (ImGui::DragFloatRange2(std::string(1, "xyz"[axis]).c_str(), &low, &high, float(0.003 * size), 0, float(size), "%.5g", "%.5g")) {
+      box.min[axis] = low <= 0 ? from : from + double(low);
+      box.max[axis] = double(high) >= size ? scene->box.max[axis] : from + double(high);
+      clip(box);
+    }
+    tooltip("drag both ends; counted from the scene's corner");
+    ImGui::PopID();
+  }
+}
+
+void Interface::camera_panel() {
+  if (!heading("Camera", false)) return;
+  const view::ViewCamera& camera = bench_.wishes().camera;
+  const double size = bench_.navigator().scene_size();
+  const auto row = [&](const char* name, const dvec3& v) {
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(76 * window_.scale());
+    ImGui::TextUnformatted(fmt::format("{} {} {}", view::coordinate_text(v.x, size), view::coordinate_text(v.y, size),
+                                       view::coordinate_text(v.z, size)).c_str());
+  };
+  row("position", camera.position);
+  row("target", camera.target);
+  float angle = float(camera.fov_deg);
+  if (ImGui::SliderFloat("angle", &angle, 5, 120, "%.1f°"))
+    bench_.move("angle", [&](view::Navigator& hand) { hand.set_angle(double(angle)); });
+  bool parallel = camera.orthographic;
+  if (ImGui::Checkbox("parallel", &parallel)) act(view::Action::orthographic);
+  struct { const char* name; view::Action action; } const sides[] = {{"front", view::Action::front}, {"right", view::Action::right},
+                                                                   {"top", view::Action::top}, {"frame", view::Action::frame_view},
+                                                                   {"reset", view::Action::reset_view}};
+  for (const auto& side : sides) {
+    if (side.action != view::Action::front) ImGui::SameLine();
+    if (ImGui::Button(side.name)) act(side.action);
+  }
+  if (ImGui::Button("copy")) act(view::Action::copy_camera);
+  tooltip("the camera as JSON (Ctrl+C)");
+  ImGui::SameLine();
+  if (ImGui::Button("paste")) act(view::Action::paste_camera);
+  tooltip("a copied camera (Ctrl+V)");
+  ImGui::SameLine();
+  if (ImGui::Button("copy as command")) act(view::Action::copy_command);
+  tooltip("the command that makes the same pixels (Ctrl+Shift+C)");
+  ImGui::InputTextWithHint("##size", "size of the view", &screenshot_size_);
+  tooltip("size of saved pictures: 3840x2160, or empty for that of the view");
+  ImGui::SameLine();
+  if (ImGui::Button(bench_.shooting() ? "saving" : "save picture")) act(view::Action::screenshot);
+}
+
+void Interface::path_panel() {
+  if (!heading("Camera path", false)) return;
+  view::KeyFrames& path = bench_.path;
+  if (ImGui::Button("add this view")) act(view::Action::add_key);
+  ImGui::SameLine();
+  if (ImGui::Button(bench_.playing() ? "stop" : "play")) act(view::Action::play);
+  float seconds = float(path.seconds_per_key);
+  if (ImGui::SliderFloat("s a key", &seconds, 0.2f, 10, "%.1f")) path.seconds_per_key = double(seconds);
+  for (std::size_t i = 0; i < path.keys().size(); ++i) {
+    ImGui::PushID(int(i));
+    if (ImGui::SmallButton(fmt::format("key {}", i + 1).c_str())) {
+      const view::ViewCamera key = path.keys()[i];
+      bench_.move("key", [&](view::Navigator& hand) { hand.set_camera(key); });
+    }
+    ImGui::SameLine();
+    if (ImGui::SmallButton("replace")) path.replace(i, bench_.wishes().camera);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("up") && i > 0) path.move(i, i - 1);
+    ImGui::SameLine();
+    const bool remove = ImGui::SmallButton("remove");
+    ImGui::PopID();
+    if (remove) {
+      path.remove(i);
+      break;
+    }
+  }
+  if (path.empty()) return;
+  if (ImGui::Button("save path")) {
+    const std::string name = free_name("path", ".json");
+    try {
+      path.save(name, bench_.width(), bench_.height());
+      // The whole of what follows draws it, with the look of now.
+      cli::Words words = bench_.wishes().words(bench_.width(), bench_.height());
+      std::erase_if(words, [](const std::string& word) { return word.starts_with("--camera-"); });
+      words.insert(words.begin(), "sfumato");
+      words.insert(words.end(), {"--path", name, "--frames", std::to_string(int(std::lround(25 * path.duration_s())) + 1), "-o", "path.mp4"});
+      window_.copy(cli::quote(words));
+      bench_.say("saved " + name + "; the command that makes a video of it is copied");
+    } catch (const Error& error) {
+      bench_.say(error.what(), true);
+    }
+  }
+}
+
+}  // namespace sfumato::viewer

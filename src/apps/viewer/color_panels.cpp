@@ -1,0 +1,154 @@
+// Colours, classes, light.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/colormap.h"
+#include "interface.h"
+#include "panel_tools.h"
+
+namespace sfumato::viewer {
+
+void Interface::color_panel() {
+  if (!heading("Colour", false)) return;
+  const view::Wishes& wishes = bench_.wishes();
+  std::vector<std::string> sources{"auto", "rgb", "elevation", "normal", "clay"};
+  if (const view::Loaded* scene = bench_.scene())
+    for (const std::string& scalar : scene->scalars)
+      if (std::find(sources.begin(), sources.end(), scalar) == sources.end()) sources.push_back(scalar);
+  const std::string shown = wishes.color_by == "auto" && picture() ? "auto: " + picture()->coloring.source : wishes.color_by;
+  if (const auto chosen = choose("source", shown, sources))
+    bench_.change("color-by", [&](view::Wishes& next) { next.color_by = *chosen, next.color_range.clear(), next.point_color.clear(); });
+  if (picture() && picture()->coloring.kind == ColorKind::scalar) {
+    const Coloring& coloring = picture()->coloring;
+    if (const auto chosen = choose("map", wishes.colormap.empty() ? coloring.colormap : wishes.colormap, Colormap::names()))
+      bench_.change("colormap", [&](view::Wishes& next) { next.colormap = *chosen; });
+    // The map itself, as a bar.
+    const Colormap map = Colormap::named(coloring.colormap);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = 10 * window_.scale();
+    constexpr int steps = 48;
+    for (int i = 0; i < steps; ++i) {
+      const Rgba8 c = map.at((i + 0.5) / steps);
+      ImGui::GetWindowDrawList()->AddRectFilled({at.x + width * float(i) / steps, at.y}, {at.x + width * float(i + 1) / steps + 1, at.y + height},
+                                                ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)));
+    }
+    ImGui::Dummy({width, height});
+    float range[2] = {float(coloring.low), float(coloring.high)};
+    const float speed = std::max(1e-6f, 0.005f * std::abs(range[1] - range[0]));
+    if (ImGui::DragFloat2("range", range, speed, 0, 0, "%.5g") && range[0] != range[1])
+      bench_.change("color-range", [&](view::Wishes& next) {
+        next.color_range = view::number_text(range[0]) + "," + view::number_text(range[1]);
+      });
+    tooltip("values at the ends of the colour map: drag, or Ctrl+click to type");
+    if (!wishes.color_range.empty()) {
+      ImGui::SameLine();
+      if (ImGui::SmallButton("×")) bench_.change("color-range", [](view::Wishes& next) { next.color_range.clear(); });
+      tooltip("back to 2-98 % of the points");
+    }
+  }
+  const auto color_edit = [&](const char* label, std::string value, auto assign) {
+    if (edit_text(label, "as it suits", value)) bench_.change(label, [&](view::Wishes& next) { assign(next, value); });
+    tooltip("a name (steelblue), #hex (#4682b4) or R,G,B from 0 to 1; Enter");
+  };
+  color_edit("background", wishes.background_color,
+             [](view::Wishes& next, const std::string& text) { next.background_color = text; });
+  color_edit("one colour", wishes.point_color, [](view::Wishes& next, const std::string& text) { next.point_color = text; });
+  bool legend = wishes.legend;
+  if (ImGui::Checkbox("legend", &legend)) act(view::Action::legend);
+}
+
+void Interface::class_panel() {
+  const view::Loaded* scene = bench_.scene();
+  if (!scene || scene->classes.empty() || !heading("Classes", false)) return;
+  const Selection& selection = bench_.wishes().scene.selection;
+  const auto hidden = [&](int id) {
+    const auto in = [&](const std::vector<int>& all) { return std::find(all.begin(), all.end(), id) != all.end(); };
+    return selection.show_classes.empty() ? in(selection.hide_classes) : !in(selection.show_classes);
+  };
+  const auto hide = [&](const std::vector<int>& classes) {
+    bench_.change("classes", [&](view::Wishes& next) {
+      Selection& wanted = next.scene.selection;
+      wanted.show_classes.clear();
+      wanted.hide_classes = classes;
+      wanted.hide_withheld = !classes.empty();
+    });
+  };
+  std::vector<int> now;
+  // Noise that this scan lacks stays hidden by default, so that the command stays short.
+  for (int id : selection.hide_classes)
+    if (std::none_of(scene->classes.begin(), scene->classes.end(), [&](const ClassShare& c) { return c.id == id; }))
+      now.push_back(id);
+  for (const ClassShare& each : scene->classes)
+    if (hidden(each.id)) now.push_back(each.id);
+  std::sort(now.begin(), now.end());
+  for (const ClassShare& each : scene->classes) {
+    ImGui::PushID(each.id);
+    bool shown = !hidden(each.id);
+    const Rgba8 c = class_color(each.id);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float side = ImGui::GetFrameHeight();
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 0.2f * side}, {at.x + 0.6f * side, at.y + 0.8f * side},
+                                              ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)), 2);
+    ImGui::Dummy({0.6f * side, side});
+    ImGui::SameLine();
+    if (ImGui::Checkbox(fmt::format("{} {}", each.id, class_name(each.id)).c_str(), &shown)) {
+      std::vector<int> wanted = now;
+      std::erase(wanted, each.id);
+      if (!shown) wanted.push_back(each.id);
+      std::sort(wanted.begin(), wanted.end());
+      hide(wanted);
+    }
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", thousands(each.points).c_str());
+    ImGui::SameLine();
+    if (ImGui::SmallButton("only")) {
+      std::vector<int> others;
+      for (const ClassShare& other : scene->classes)
+        if (other.id != each.id) others.push_back(other.id);
+      hide(others);
+    }
+    ImGui::PopID();
+  }
+  if (ImGui::SmallButton("all")) hide({});
+}
+
+void Interface::light_panel() {
+  if (!heading("Light and shadows", false)) return;
+  // A light by direction is dragged over the sky: azimuth and height above the horizon.
+  const std::string light = bench_.wishes().shared.contains("light") ? bench_.wishes().shared.at("light") : "headlight";
+  const bool by_direction = light.starts_with("dir:");
+  if (const auto chosen = choose("comes from", by_direction ? "a direction" : light == "headlight" ? "the eye" : "a place",
+                                 {"the eye", "a direction", "a place"})) {
+    const dvec3 eye = bench_.wishes().camera.position;
+    if (*chosen == "the eye") set("light", "headlight");
+    if (*chosen == "a direction") {
+      const Light key = key_light(bench_.camera(), bench_.navigator().up_axis());
+      dvec3 way = key.kind == Light::Kind::directional ? key.vector : glm::normalize(key.vector - bench_.wishes().camera.target);
+      set("light", fmt::format("dir:{:.3f},{:.3f},{:.3f}", way.x, way.y, way.z));
+    }
+    if (*chosen == "a place")
+      set("light", view::number_text(eye.x) + "," + view::number_text(eye.y) + "," + view::number_text(eye.z));
+  }
+  tooltip("--light");
+  if (by_direction) {
+    const std::vector<float> v = view::numbers_of(light.substr(4));
+    if (v.size() == 3) {
+      const Compass compass(bench_.navigator().up_axis());
+      const dvec3 way = glm::normalize(dvec3(double(v[0]), double(v[1]), double(v[2])));
+      float angles[2] = {float(glm::degrees(compass.azimuth(way))), float(glm::degrees(compass.elevation(way)))};
+      bool moved = ImGui::SliderFloat("azimuth", &angles[0], -180, 180, "%.0f°");
+      moved |= ImGui::SliderFloat("height", &angles[1], -89, 89, "%.0f°");
+      if (moved) {
+        const dvec3 to = compass.from(glm::radians(double(angles[0])), glm::radians(double(angles[1])));
+        set("light", fmt::format("dir:{:.4f},{:.4f},{:.4f}", to.x, to.y, to.z));
+      }
+    }
+  }
+  for (const view::Control& each : view::controls_of(*look_))
+    if ((each.group == "Light" || each.group == "Shadows") && each.name != "light") control(each);
+}
+
+}  // namespace sfumato::viewer

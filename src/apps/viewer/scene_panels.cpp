@@ -1,0 +1,139 @@
+// Files, presets, timings.
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../cli/command_line.h"
+#include "../cli/input_options.h"
+#include "core/error.h"
+#include "interface.h"
+#include "panel_tools.h"
+#include "session/preset.h"
+
+namespace sfumato::viewer {
+namespace {
+
+/// Options that say which points there are.
+bool is_input(const std::string& option) {
+  return option == "crop" || option == "show-classes" || option == "hide-classes" || view::is_kept_as_written(option);
+}
+
+}  // namespace
+
+void Interface::take_preset(const std::string& file) {
+  bool is_scene = false;
+  bench_.change("preset", [&](view::Wishes& next) {
+    const Preset preset = load_preset(file);
+    if (!preset.technique.empty() && preset.technique != "auto") next.technique = find_technique(preset.technique).name;
+    Look look(next.technique);
+    const Look* const looks[] = {&look};
+    analysis::PrepareOptions options;
+    ParamList list;
+    options.describe(list);
+    next.reset_all();
+    for (const auto& [name, value] : preset.parameters_for(looks, list)) {
+      const std::size_t dot = name.find('.');
+      next.set(dot == std::string::npos ? name : name.substr(dot + 1), value);
+    }
+    cli::InputOptions input{"7,18"};
+    cli::CommandLine line("preset", "");
+    input.declare(line);
+    cli::Words words;
+    next.draw.clear();
+    for (const auto& [name, value] : preset.options) {
+      if (name == "color-by") next.color_by = value;
+      if (name == "colormap") next.colormap = value;
+      if (name == "color-range") next.color_range = value;
+      if (name == "color") next.point_color = value;
+      if (name == "exposure") next.exposure = value;
+      if (name == "background-color") next.background_color = value;
+      if (name == "legend") next.legend = value == "true";
+      if (name == "whole") next.whole = value == "true";
+      if (name == "draw") next.draw.push_back(view::DrawRow::from(value));
+      if (is_input(name)) words.push_back("--" + name + "=" + value);
+    }
+    is_scene = !preset.files.empty();
+    if (!words.empty() || is_scene) {
+      line.parse(words);
+      input.check();
+      next.scene = input.scene;
+      std::erase_if(next.input, [](const auto& each) { return is_input(each.first); });
+      for (const auto& [name, value] : line.given())
+        if (view::is_kept_as_written(name)) next.input.emplace_back(name, value);
+    }
+    if (!is_scene) return;
+    next.files.clear(), next.transforms.clear();
+    for (const scene::SceneFile& each : preset.files) next.files.push_back(each.name), next.transforms.push_back(each.transform);
+    if (preset.camera) next.camera = view::ViewCamera::from(*preset.camera);
+  });
+}
+
+void Interface::save_look(bool with_files) {
+  const std::string name = free_name(with_files ? "scene" : "look", ".json");
+  try {
+    const view::Wishes& now = bench_.wishes();
+    analysis::PrepareOptions options;
+    ParamList list;
+    options.describe(list);
+    for (const auto& [parameter, value] : now.analysis) list.find(parameter)->set(value);
+    const Look* const looks[] = {look_.get()};
+    if (with_files)
+      save_preset(name, looks, list, now.options(), bench_.camera(), now.scene_files());
+    else
+      save_preset(name, looks, list, now.options(), {});
+    bench_.say(with_files ? fmt::format("saved {0}: --scene {0} shows all of this again", name)
+                          : fmt::format("saved {0}: --preset {0} brings this look to any scan", name));
+  } catch (const Error& error) {
+    bench_.say(error.what(), true);
+  }
+}
+
+void Interface::scene_panel() {
+  if (!heading("Scene", false)) return;
+  const view::Loaded* scene = bench_.scene();
+  if (!scene) return;
+  for (const std::string& file : bench_.wishes().files) ImGui::BulletText("%s", file.c_str());
+  note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read), thousands(scene->points_shown),
+                   bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
+  note(fmt::format("up {} ({})", to_string(scene->pose.upright.up), scene->pose.upright.reason));
+  if (!scene->crs.empty()) note(scene->crs.substr(0, 120));
+  ImGui::Checkbox("read again when files change", &bench_.watch);
+  note("drop files on the window to open them, with Ctrl beside these");
+  ImGui::SetNextItemWidth(-60 * window_.scale());
+  ImGui::InputTextWithHint("##preset", "file, preset or scene to open", &preset_name_);
+  ImGui::SameLine();
+  if (ImGui::Button("open") && !preset_name_.empty()) drop({preset_name_}, ImGui::GetIO().KeyCtrl);
+  tooltip("a point cloud (with Ctrl beside what is open), a folder, or a .json that was saved");
+  if (ImGui::Button("save look")) save_look(false);
+  tooltip("technique, parameters, items and colours, for --preset");
+  ImGui::SameLine();
+  if (ImGui::Button("save scene")) save_look(true);
+  tooltip("the files and the view as well, for --scene");
+}
+
+void Interface::timing_panel() {
+  const bool open = heading("Timings", false);
+  if (open && !timings_) {
+    timings_ = true;
+    bench_.set_timings(true);
+    bench_.repaint();
+  }
+  timings_ = open;
+  if (!open) return;
+  note(bench_.renderer_name());
+  if (!picture()) return;
+  if (bench_.first_picture_ms() > 0) note(fmt::format("first picture after {:.0f} ms", bench_.first_picture_ms()));
+  if (bench_.motion_ms() > 0) note(fmt::format("in motion {:.1f} pictures a second", 1000 / bench_.motion_ms()));
+  const auto row = [&](const std::string& name, double ms) {
+    ImGui::TextDisabled("%s", name.c_str());
+    ImGui::SameLine(ImGui::GetContentRegionAvail().x - 80 * window_.scale());
+    ImGui::Text("%9.2f ms", ms);
+  };
+  for (const PassTiming& pass : picture()->timings) row(pass.name, pass.ms);
+  row("request to picture", picture()->took_ms);
+}
+
+}  // namespace sfumato::viewer
