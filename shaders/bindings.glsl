@@ -6,7 +6,7 @@
 #define UNIT_RADII 4          // R32F
 #define UNIT_FIELD 5          // R32F, whatever scalar the technique asked for
 #define UNIT_SHADOW 6         // R32F, shadow factor: 1 lit, 0 dark
-#define UNIT_BATCHES 7        // RGBA32UI: first, count, spacing (float bits), 0
+#define UNIT_BATCHES 7        // RGBA32UI, two texels each: first, count, bits of least and most log2 spacing; bits of its plane
 #define UNIT_INPUT 8          // 8..15: textures of the pass
 #define UNIT_PLACES 16        // R32UI, place in the sorted cloud of each source index
 #define UNIT_LIST 17          // R32UI, places within the chunk in drawing order

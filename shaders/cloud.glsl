@@ -45,9 +45,15 @@ vec3 point_normal(int i) {
 struct Batch {
   int first;
   int count;
-  float spacing;  // scene units
+  vec2 log2_spacing_range;
 };
 Batch visible_batch(uint k) {
-  uvec4 b = texelFetch(cloud_batches, int(k));
-  return Batch(int(b.x), int(b.y), uintBitsToFloat(b.z));
+  uvec4 b = texelFetch(cloud_batches, 2 * int(k));
+  return Batch(int(b.x), int(b.y), uintBitsToFloat(b.zw));
+}
+// Point spacing at a place of a visible batch, scene units. The same in every program: footprints depend on it.
+float spacing_in(uint k, Batch batch, vec3 position) {
+  vec4 plane = uintBitsToFloat(texelFetch(cloud_batches, 2 * int(k) + 1));
+  precise float value = dot(plane.xyz, position) + plane.w;
+  return exp2(clamp(value, batch.log2_spacing_range.x, batch.log2_spacing_range.y));
 }

@@ -10,6 +10,20 @@ const int shading = SHADING;
 uniform int shading;  // 0 lit, 1 albedo, 2 normals, 3 depth; else as albedo
 #endif
 
+// Colours that stand for categories, linear: a mean of two would be that of a third, or of none.
+uniform int palette_size;  // 0: colours blend
+uniform vec3 palette[64];  // RenderSettings::palette_limit
+
+vec3 nearest_category(vec3 color) {
+  float least = infinity;
+  vec3 nearest = color;
+  for (int k = 0; k < palette_size; ++k) {
+    vec3 away = palette[k] - color;
+    if (dot(away, away) < least) least = dot(away, away), nearest = palette[k];
+  }
+  return nearest;
+}
+
 // `albedo` is premultiplied; `normal`: world normal or 0, shadow factor in w.
 vec4 shaded_color(vec4 albedo, vec2 pixel, float depth, vec4 normal) {
   if (albedo.a <= 0.0) return vec4(0.0);

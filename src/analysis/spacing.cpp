@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -70,6 +71,47 @@ float median_of_positive(std::vector<float>& spacings) {
   return *middle;
 }
 
+/// A plane through the logarithms of spacings over the places they were measured at, weighted so that a lone point far
+/// from all others does not tilt it (Huber). Places are scaled by the longest side of the batch's box and slopes are
+/// held back by half a sample, which only matters along sides that are short.
+void fit_spacing(Batch& batch, std::span<const vec3> places, std::span<const float> spacings) {
+  const vec3 center = 0.5f * (batch.box_min + batch.box_max), half = 0.5f * (batch.box_max - batch.box_min);
+  const float reach = std::max({half.x, half.y, half.z});
+  if (!(reach > 0) || !std::isfinite(reach)) return;
+
+  // One standard deviation of log2 R_8 among random points of a plane: pi R_8^2 is gamma distributed with shape 8, so
+  // that of ln R_8^2 is sqrt(psi'(8)) = 0.365.
+  constexpr double deviation = 0.365 / 2 / std::numbers::ln2, held_back = 0.5;
+  glm::dvec4 plane(0, 0, 0, std::log2(double(batch.spacing)));  // over (place - center) / reach, and 1
+  for (int round = 0; round < 4; ++round) {
+    glm::dmat4 normal(0);
+    glm::dvec4 right(0);
+    double samples = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!(spacings[i] > 0) || !std::isfinite(spacings[i])) continue;
+      const glm::dvec4 x(glm::dvec3((places[i] - center) / reach), 1);
+      const double value = std::log2(double(spacings[i])), away = std::abs(value - glm::dot(plane, x));
+      const double weight = std::min(1.0, deviation / std::max(away, 1e-9));
+      normal += weight * glm::outerProduct(x, x);
+      right += weight * value * x;
+      ++samples;
+    }
+    if (samples < 8) return;  // four numbers want twice as many samples
+    for (int k = 0; k < 3; ++k) normal[k][k] += held_back;
+    plane = glm::inverse(normal) * right;
+  }
+  const vec3 slope = vec3(plane) / reach;
+  if (!std::isfinite(glm::dot(slope, slope)) || !std::isfinite(float(plane.w))) return;
+  batch.log2_spacing = vec4(slope, float(plane.w - double(glm::dot(slope, center))));
+  // Nowhere beyond what the plane has at the samples: corners of the box may be far from any point.
+  float least = INFINITY, most = -INFINITY;
+  for (const vec3& place : places) {
+    const float value = glm::dot(slope, place) + batch.log2_spacing.w;
+    least = std::min(least, value), most = std::max(most, value);
+  }
+  batch.least_log2_spacing = least, batch.most_log2_spacing = most;
+}
+
 }  // namespace
 
 float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress) {
@@ -82,13 +124,19 @@ float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progre
     Batch& batch = batches[b];
     const std::size_t queries = std::min(each, std::size_t(batch.count));
     found[b].resize(queries);
+    std::vector<vec3> places(queries);
     for (std::size_t q = 0; q < queries; ++q) {
       const std::size_t run = q * batch.count / queries, end = (q + 1) * batch.count / queries;
       const std::uint32_t hash = std::uint32_t(b * each + q) * 2654435769u >> 8;
-      found[b][q] = spacing_at(tree, batch.first + run + hash % (end - run));
+      const std::size_t at = batch.first + run + hash % (end - run);
+      places[q] = tree.positions()[at];
+      found[b][q] = spacing_at(tree, at);
     }
     std::vector<float> own = found[b];
     batch.spacing = median_of_positive(own);
+    if (!(batch.spacing > 0)) return;
+    batch.set_even_spacing(batch.spacing);
+    fit_spacing(batch, places, found[b]);
   });
 
   // Of very many batches only every so many-th query counts.
@@ -99,7 +147,7 @@ float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progre
   const float median = median_of_positive(sample);
   const float spacing = median > 0 ? median : 1;
   for (Batch& batch : batches)
-    if (!(batch.spacing > 0)) batch.spacing = spacing;
+    if (!(batch.spacing > 0)) batch.set_even_spacing(spacing);
   return spacing;
 }
 

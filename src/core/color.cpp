@@ -98,6 +98,18 @@ Rgba8 to_rgba8(const vec3& srgb) {
   return {std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z), 255};
 }
 
+float linear_from_srgb(std::uint8_t channel) {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> values;
+    for (int i = 0; i < 256; ++i) {
+      const float s = float(i) / 255;
+      values[std::size_t(i)] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+    }
+    return values;
+  }();
+  return table[channel];
+}
+
 Rgba8 swatch_color(std::size_t n) {
   static constexpr std::uint32_t colors[] = {0x0072b2, 0xe69f00, 0x009e73, 0xd55e00,
                                              0xcc79a7, 0x56b4e9, 0xf0e442, 0x595959};

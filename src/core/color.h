@@ -1,6 +1,7 @@
 // Colours as people write them.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,8 @@ std::optional<vec3> parse_color(std::string_view text);
 /// The known name nearest to a misspelt one; empty when nothing is near.
 std::string nearest_color(std::string_view name);
 Rgba8 to_rgba8(const vec3& srgb);
+/// Linear value of one sRGB channel, 0..1.
+float linear_from_srgb(std::uint8_t channel);
 
 /// The n-th of a few colours that are told apart, also by people who see few colours (Okabe and Ito 2008);
 /// from the ninth on, others.

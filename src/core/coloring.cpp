@@ -148,18 +148,6 @@ void color_normals(const PointCloud& cloud, Coloring& out) {
   }
 }
 
-float linear_of(std::uint8_t code) {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> values;
-    for (int i = 0; i < 256; ++i) {
-      const float s = float(i) / 255;
-      values[std::size_t(i)] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-    }
-    return values;
-  }();
-  return table[code];
-}
-
 std::uint8_t code_of(float linear) {
   const float s = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
   return std::uint8_t(std::clamp(s, 0.0f, 1.0f) * 255 + 0.5f);
@@ -176,7 +164,7 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
     strongest.push_back(std::max({colors[i].r, colors[i].g, colors[i].b}));
   const auto nth = strongest.begin() + std::ptrdiff_t(0.9 * double(strongest.size() - 1));
   std::nth_element(strongest.begin(), nth, strongest.end());
-  const float light = linear_of(*nth);
+  const float light = linear_from_srgb(*nth);
   if (!(light > 0) || light >= light_enough) return 1;
   return std::min(most_exposure, light_enough * (1 - light) / (light * (1 - light_enough)));
 }
@@ -185,8 +173,8 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
 void expose(std::vector<Rgba8>& colors, double exposure) {
   std::array<std::array<std::uint8_t, 256>, 256> raised;  // of each strongest channel, each channel
   for (int most = 0; most < 256; ++most) {
-    const float m = linear_of(std::uint8_t(most)), factor = float(exposure / (1 + (exposure - 1) * double(m)));
-    for (int c = 0; c <= most; ++c) raised[std::size_t(most)][std::size_t(c)] = code_of(factor * linear_of(std::uint8_t(c)));
+    const float m = linear_from_srgb(std::uint8_t(most)), factor = float(exposure / (1 + (exposure - 1) * double(m)));
+    for (int c = 0; c <= most; ++c) raised[std::size_t(most)][std::size_t(c)] = code_of(factor * linear_from_srgb(std::uint8_t(c)));
   }
   for (Rgba8& c : colors) {
     const auto& row = raised[std::max({c.r, c.g, c.b})];
@@ -257,6 +245,17 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     if (settings.range) out.notes.push_back("--color-range" + why);
   }
   return out;
+}
+
+std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit) {
+  std::vector<Rgba8> distinct;
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    if (i > 0 && colors[i] == colors[i - 1]) continue;
+    if (std::find(distinct.begin(), distinct.end(), colors[i]) != distinct.end()) continue;
+    if (distinct.size() == limit) return {};
+    distinct.push_back(colors[i]);
+  }
+  return distinct;
 }
 
 vec3 contrasting_background(const std::vector<Rgba8>& colors) {

@@ -60,6 +60,9 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 /// light, the lighter the less, so that hues stay and white stays white. Categories and scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
+/// The colours that occur, in the order of their first point; nothing when they are more than `limit`.
+std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit);
+
 /// White, or nearly black where most of the colours are so light that white would swallow them. sRGB, 0..1.
 vec3 contrasting_background(const std::vector<Rgba8>& colors);
 

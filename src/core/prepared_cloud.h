@@ -2,6 +2,7 @@
 // asked for.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -36,7 +37,21 @@ constexpr Attributes operator|(Attribute a, Attribute b) { return Attributes(a) 
 struct Batch {
   std::uint32_t first = 0, count = 0;
   vec3 box_min{0}, box_max{0};  ///< relative to the cloud's origin
-  float spacing = 0;            ///< local point spacing, scene units (same definition as median_spacing)
+  float spacing = 0;            ///< median point spacing, scene units (same definition as median_spacing)
+  /// The spacing at a place p, relative to the cloud's origin: 2^clamp(dot(xyz, p) + w, least, most), so that it does
+  /// not jump where batches meet.
+  vec4 log2_spacing{0};
+  float least_log2_spacing = 0, most_log2_spacing = 0;
+
+  void set_even_spacing(float value) {
+    spacing = value;
+    least_log2_spacing = most_log2_spacing = std::log2(value);
+    log2_spacing = vec4(0, 0, 0, least_log2_spacing);
+  }
+  float spacing_at(const vec3& place) const {
+    const float value = glm::dot(vec3(log2_spacing), place) + log2_spacing.w;
+    return std::exp2(glm::clamp(value, least_log2_spacing, most_log2_spacing));
+  }
 };
 
 /// Values below which 2 % and 98 % of a field lie, so that a few outliers do not decide its range.

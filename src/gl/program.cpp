@@ -131,6 +131,10 @@ Program& Program::set(std::string_view name, const mat4& value) {
   glProgramUniformMatrix4fv(id_, locate(name), 1, GL_FALSE, glm::value_ptr(value));
   return *this;
 }
+Program& Program::set(std::string_view name, std::span<const vec3> values) {
+  glProgramUniform3fv(id_, locate(name), GLsizei(values.size()), values.empty() ? nullptr : &values[0].x);
+  return *this;
+}
 
 void Program::use() const {
   for (const auto& [name, uniform] : uniforms_)

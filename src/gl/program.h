@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -36,6 +37,8 @@ class Program {
   Program& set(std::string_view name, const vec4& value);
   Program& set(std::string_view name, const ivec2& value);
   Program& set(std::string_view name, const mat4& value);
+  /// The first elements of an array; none leaves it as it is.
+  Program& set(std::string_view name, std::span<const vec3> values);
   Program& set(std::string_view name, bool value) { return set(name, int(value)); }
   /// True when the shader really uses that uniform (the compiler may have removed it).
   bool has(std::string_view name) const { return uniforms_.find(name) != uniforms_.end(); }

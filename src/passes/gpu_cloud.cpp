@@ -62,7 +62,7 @@ GpuCloud::GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std
                                         std::span(cloud.positions).subspan(chunk.first, chunk.count));
     chunk.source_index = gl::TextureBuffer("source index of " + name, GL_R32UI,
                                            std::span(cloud.source_index).subspan(chunk.first, chunk.count));
-    chunk.batches = gl::TextureBuffer("batches of " + name, GL_RGBA32UI, chunk.batch_count * 16);
+    chunk.batches = gl::TextureBuffer("batches of " + name, GL_RGBA32UI, chunk.batch_count * 32);
     chunks_.push_back(std::move(chunk));
   };
   for (std::size_t b = 0; b < prepared.batches.size(); ++b) {
@@ -84,21 +84,38 @@ std::uint64_t GpuCloud::cull(const View& view) {
   std::vector<glm::uvec4> visible;
   for (Chunk& chunk : chunks_) {
     visible.clear();
-    std::uint32_t largest = 0;
+    std::uint32_t largest = 0, batches = 0;
     for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
       const Batch& batch = prepared_.batches[chunk.first_batch + b];
       // Splats reach beyond the box of their centres.
       const vec3 reach(4 * batch.spacing);
       if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
-      visible.emplace_back(batch.first - chunk.first, batch.count, std::bit_cast<std::uint32_t>(batch.spacing), 0u);
+      visible.emplace_back(batch.first - chunk.first, batch.count,
+                           std::bit_cast<std::uint32_t>(batch.least_log2_spacing),
+                           std::bit_cast<std::uint32_t>(batch.most_log2_spacing));
+      visible.push_back(glm::floatBitsToUint(batch.log2_spacing));
+      ++batches;
       largest = std::max(largest, batch.count);
       points += batch.count;
     }
-    chunk.visible_batches = std::uint32_t(visible.size());
+    chunk.visible_batches = batches;
     chunk.groups_per_batch = (largest + 127) / 128;
     chunk.batches.buffer().upload(visible.data(), visible.size() * sizeof(glm::uvec4));
   }
   return points;
+}
+
+std::uint32_t GpuCloud::show(Chunk& chunk, std::span<const glm::uvec2> ranges) {
+  std::vector<glm::uvec4> rows;
+  std::uint32_t largest = 0;
+  for (const glm::uvec2& range : ranges) {
+    rows.emplace_back(range, 0u, 0u);
+    rows.emplace_back(0u);
+    largest = std::max(largest, range.y);
+  }
+  chunk.visible_batches = std::uint32_t(ranges.size());
+  chunk.batches.buffer().upload(rows.data(), rows.size() * sizeof(glm::uvec4));
+  return largest;
 }
 
 void GpuCloud::bind_geometry(const Chunk& chunk) const {

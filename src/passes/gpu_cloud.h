@@ -50,6 +50,9 @@ class GpuCloud {
 
   /// Chooses the batches that the view may see, in every chunk; returns how many points they hold.
   std::uint64_t cull(const View& view);
+  /// Makes these ranges of points (first of the chunk's, count) its visible batches, of no spacing; returns the largest
+  /// count.
+  static std::uint32_t show(Chunk& chunk, std::span<const glm::uvec2> ranges);
   /// Binds positions, source index, batches; call for each chunk, then bind what the shader reads besides.
   void bind_geometry(const Chunk& chunk) const;
   void bind_colors(Chunk& chunk);

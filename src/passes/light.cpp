@@ -59,7 +59,9 @@ void RenderSettings::describe(ParamList& p) {
   p.add("light", light_text).help("headlight | X,Y,Z (point light, world) | dir:X,Y,Z (direction it comes from)");
   p.add("ambient", phong.ambient).range(0, 1).help("share of light that reaches every point").paper("k_a");
   p.add("diffuse", phong.diffuse).range(0, 1).help("share of light by the angle to the light").paper("k_d");
-  p.add("specular", phong.specular).range(0, 1).help("strength of highlights").paper("k_s");
+  p.add("specular", phong.specular).range(0, 1)
+      .help("strength of highlights (auto: 0.1; 0 where colours stand for values, as highlights are no value)")
+      .paper("k_s");
   p.add("shininess", phong.shininess).range(1, 1000).help("sharpness of highlights");
   p.add("shadows", shadows, {"off", "hard", "soft"})
       .help("shadows between points; a headlight then moves to the upper left, where its shadows can be seen, and stays "

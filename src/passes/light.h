@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/camera.h"
 #include "core/param.h"
@@ -26,7 +27,8 @@ struct Light {
 /// Phong terms: colour = albedo (ambient + m diffuse n.l) + m specular (r.v)^shininess, m = shadow factor
 /// (Dobrev 2010, Sec. 4: c = k_a + m (k_d + k_s)).
 struct Phong {
-  float ambient = 0.3f, diffuse = 0.7f, specular = 0.1f, shininess = 24;
+  float ambient = 0.3f, diffuse = 0.7f, shininess = 24;
+  Auto<float> specular{std::nullopt, 0.1f};  ///< automatic: none where colours stand for values (Session)
 };
 
 /// A light over the left shoulder of whoever looks through `camera`, high along `up`.
@@ -52,6 +54,10 @@ struct RenderSettings {
   Auto<bool> edl;            ///< automatic: what the technique wants
   float edl_radius = 1.4f;   ///< pixels (the two numbers Potree users know)
   float edl_strength = 0.4f;
+  /// Linear colours of categories: a surface shows one of them and nothing between them. At most `palette_limit`
+  /// of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
+  std::vector<vec3> palette;
+  static constexpr std::size_t palette_limit = 64;
   vec3 background{1};        ///< sRGB 0..1
   bool transparent = false;  ///< --no-background
   int samples = 1;           ///< places in a pixel whose pictures are averaged

@@ -22,10 +22,10 @@ float spacing_at(int i) {
   int low = 0, high = batch_count - 1;
   while (low < high) {
     int middle = (low + high + 1) / 2;
-    if (int(texelFetch(cloud_batches, middle).x) <= i) low = middle;
+    if (visible_batch(uint(middle)).first <= i) low = middle;
     else high = middle - 1;
   }
-  return visible_batch(uint(low)).spacing;
+  return spacing_in(uint(low), visible_batch(uint(low)), point_position(i));
 }
 #endif
 

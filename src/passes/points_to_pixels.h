@@ -18,7 +18,7 @@ enum class SizeMode { adaptive, pixels, world };
 /// The size of a point on the screen: a round disc of this diameter, at least 1 px and at most 64 px.
 struct Footprint {
   SizeMode mode = SizeMode::pixels;
-  float size = 1;  ///< adaptive: factor on the batch's spacing; pixels: px; world: scene units
+  float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
   /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more.
   float largest_medians = 4;
 };
@@ -74,7 +74,7 @@ class PointsToPixels {
                bool with_normals = true);
   /// The survivors as screen operators want them: eye position and point spacing into `eye` (RGBA32F;
   /// z = -3e38, behind everything, and spacing 0 where nothing is), the rest into `layer.shadowed`. The
-  /// spacing is that of the point's batch unless `same_spacing` > 0 holds everywhere.
+  /// spacing is that around the point (Batch::log2_spacing) unless `same_spacing` > 0 holds everywhere.
   void resolve_eye(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Texture& eye, float same_spacing,
                    gl::Timers& timers);
 

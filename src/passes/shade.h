@@ -17,7 +17,8 @@ struct Surface {
   const gl::Texture& normal;  ///< RGBA32F: world normal or 0 (then the light falls straight on); w = shadow factor m
 };
 
-/// Sets the uniforms of shaders/lighting.glsl (`light_eye`, `phong`) for a program that lights points itself.
+/// Sets the uniforms of shaders/lighting.glsl (`light_eye`, `phong`) and shaders/shading.glsl (`palette`) for a program
+/// that lights points itself.
 void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings, const Light& light,
                         const dvec3& cloud_origin);
 

@@ -11,14 +11,10 @@ constexpr unsigned group_size = Compaction::group_size;
 
 /// Uploads the batches of small splats as the chunk's visible ones; returns the work groups that the largest needs.
 unsigned show_small(GpuCloud::Chunk& chunk, const SplatBatches::Ranges& small) {
-  std::vector<glm::uvec4> rows;
-  GLint largest = 0;
-  for (std::size_t b = 0; b < small.first.size(); ++b) {
-    rows.emplace_back(unsigned(small.first[b]), unsigned(small.count[b]), 0u, 0u);
-    largest = std::max(largest, small.count[b]);
-  }
-  chunk.batches.buffer().upload(rows.data(), rows.size() * sizeof(glm::uvec4));
-  return (unsigned(largest) + group_size - 1) / group_size;
+  std::vector<glm::uvec2> ranges;
+  for (std::size_t b = 0; b < small.first.size(); ++b)
+    ranges.emplace_back(unsigned(small.first[b]), unsigned(small.count[b]));
+  return (GpuCloud::show(chunk, ranges) + group_size - 1) / group_size;
 }
 
 }  // namespace

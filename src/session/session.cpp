@@ -5,6 +5,7 @@
 
 #include "analysis/find_room.h"
 #include "analysis/survey.h"
+#include "core/color.h"
 #include "core/error.h"
 #include "io/says_up.h"
 #include "passes/shadows.h"
@@ -86,13 +87,19 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointClou
   std::vector<std::vector<Rgba8>> colors;
   if (clouds.size() == 1) {
     coloring_ = color_points(*clouds.front(), settings);
-    background_ = options_.background.value_or(contrasting_background(coloring_.colors));
-    colors.push_back(std::move(coloring_.colors));
   } else {
     PointCloud whole = *clouds.front();
     for (std::size_t k = 1; k < clouds.size(); ++k) append(whole, *clouds[k]);
     coloring_ = color_points(whole, settings);
-    background_ = options_.background.value_or(contrasting_background(coloring_.colors));
+  }
+  background_ = options_.background.value_or(contrasting_background(coloring_.colors));
+  palette_.clear();
+  if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)
+    for (const Rgba8& c : distinct_colors(coloring_.colors, RenderSettings::palette_limit))
+      palette_.emplace_back(linear_from_srgb(c.r), linear_from_srgb(c.g), linear_from_srgb(c.b));
+  if (clouds.size() == 1) {
+    colors.push_back(std::move(coloring_.colors));
+  } else {
     auto from = coloring_.colors.begin();
     for (const PointCloud* cloud : clouds) {
       colors.emplace_back(from, from + std::ptrdiff_t(cloud->size()));
@@ -183,6 +190,8 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
     analysis::complete(renderer_.prepared(k), own.technique->needs(), options_.prepare, progress);
     wants_edl = wants_edl || own.technique->wants_edl();
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
+    own.settings.phong.specular.resolve(coloring_.kind == ColorKind::rgb ? 0.1f : 0.0f);
+    own.settings.palette = palette_;
     items.push_back({k, own.technique.get(), &own.settings});
   }
   settings.background = background_;

@@ -104,6 +104,7 @@ class Session {
   Bounds box_;
   float spacing_ = 0;  ///< median of the densest part
   Coloring coloring_;
+  std::vector<vec3> palette_;  ///< linear colours of categories; empty: colours are no categories
   Pose pose_;
   vec3 background_{1};
   std::size_t left_out_ = 0;

@@ -243,6 +243,25 @@ TEST_F(RenderTest, ASequenceIsOnePictureAFile) {
             std::string::npos);
 }
 
+// Nothing of the cloud before is left in a frame. 20 and 23 points a side: their spacings lie on either side of where the
+// steps that strokes round places to would change.
+TEST_F(RenderTest, AFrameOfASequenceIsThePictureOfItsFile) {
+  write_cube("a.ply", 20);
+  write_cube("b.ply", 23);
+  write("camera.json", R"({"position": [2.5, -3, 2], "target": [0.5, 0.5, 0.5]})");
+  for (const char* technique : {"strokes", "surface", "soft"}) {
+    SCOPED_TRACE(technique);
+    const std::vector<std::string> look{"-t", technique, "--camera", "camera.json", "--resolution", "64x48", "--json"};
+    std::vector<std::string> sequence{"a.ply", "b.ply", "--sequence", "-o", "f_{n}.png"}, alone{"b.ply", "-o", "b.png"};
+    sequence.insert(sequence.end(), look.begin(), look.end());
+    alone.insert(alone.end(), look.begin(), look.end());
+    run_json(sequence);
+    run_json(alone);
+    const Image<Rgba8> frame = read_png("f_1.png"), picture = read_png("b.png");
+    EXPECT_TRUE(std::equal(frame.begin(), frame.end(), picture.begin()));
+  }
+}
+
 TEST_F(RenderTest, OrbitWritesOnePictureAFrame) {
   const Json json = run_json({"cube.ply", "-o", "f_{n:04}.png", "--path", "orbit", "--frames", "4",
                               "--resolution", "48x32", "--output-camera", "c_{n}.json", "--json"});

@@ -27,12 +27,19 @@ void PrintTo(const Golden& golden, std::ostream* out) {
   *out << golden.name;
 }
 
-/// At most 20 in all: what a technique looks like, not every parameter of it.
+/// At most 20 in all: every technique as it looks by default, not every parameter of it.
 const Golden pictures[] = {
     {"points_courtyard", "points", "courtyard", 60'000, {}},
     {"points_courtyard_elevation", "points", "courtyard", 60'000, {}, "elevation"},
     {"points_spheres_lit", "points", "spheres", 20'000, {{"size_mode", "pixels"}, {"point_size", "3"}, {"edl", "false"}}},
     {"points_tori_shadow", "points", "tori", 30'000, {{"shadows", "hard"}, {"light", "dir:-1,-1,3"}}},
+    {"splats_courtyard", "splats", "courtyard", 60'000, {}},
+    {"surface_courtyard", "surface", "courtyard", 60'000, {}},
+    {"surface_spheres", "surface", "spheres", 4'000, {}},
+    {"soft_courtyard", "soft", "courtyard", 60'000, {}},
+    {"layers_tori", "layers", "tori", 30'000, {}},
+    {"denoise_courtyard", "denoise", "courtyard", 60'000, {}},
+    {"strokes_courtyard", "strokes", "courtyard", 60'000, {}},
 };
 
 // The tolerance pair. Drivers and compilers round differently: a shaded channel moves by a step or two of 255, so 4
@@ -135,6 +142,13 @@ TEST_P(GoldenTest, LooksAsBefore) {
 
 INSTANTIATE_TEST_SUITE_P(Pictures, GoldenTest, ::testing::ValuesIn(pictures),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
+
+TEST(GoldenFiles, ShowEveryTechnique) {
+  for (const TechniqueInfo& info : all_techniques())
+    EXPECT_TRUE(std::any_of(std::begin(pictures), std::end(pictures),
+                            [&](const Golden& golden) { return golden.technique == info.name && golden.parameters.empty(); }))
+        << info.name << " at its defaults has no row in the table";
+}
 
 TEST(GoldenFiles, StayFewAndSmallAndAreAllUsed) {
   std::set<std::string> names;

@@ -276,8 +276,8 @@ TEST_F(Denoise, ShuffledPointsGiveTheSameBits) {
       PreparedCloud prepared = analysis::prepare(noisy_sphere(4000, 0.04f, 400, 5), technique_->needs(), {});
       prepared.batches.resize(1);
       const Bounds box = bounds(prepared.cloud);
-      prepared.batches[0] = {0, std::uint32_t(prepared.cloud.size()), vec3(box.min), vec3(box.max),
-                             prepared.median_spacing};
+      prepared.batches[0] = {0, std::uint32_t(prepared.cloud.size()), vec3(box.min), vec3(box.max)};
+      prepared.batches[0].set_even_spacing(prepared.median_spacing);
       std::vector<std::uint32_t> order(prepared.cloud.size());
       std::iota(order.begin(), order.end(), 0u);
       std::shuffle(order.begin(), order.end(), std::mt19937(7));
@@ -366,8 +366,8 @@ TEST_F(Table, GrowsUntilTheOrderDoesNotMatter) {
 
   prepared_.batches.resize(1);
   const Bounds box = bounds(prepared_.cloud);
-  prepared_.batches[0] = {0, std::uint32_t(prepared_.cloud.size()), vec3(box.min), vec3(box.max),
-                          prepared_.median_spacing};
+  prepared_.batches[0] = {0, std::uint32_t(prepared_.cloud.size()), vec3(box.min), vec3(box.max)};
+  prepared_.batches[0].set_even_spacing(prepared_.median_spacing);
   std::vector<std::uint32_t> order(prepared_.cloud.size());
   std::iota(order.begin(), order.end(), 0u);
   std::shuffle(order.begin(), order.end(), std::mt19937(7));

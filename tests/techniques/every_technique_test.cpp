@@ -117,8 +117,10 @@ TEST_P(EveryTechnique, OrderOfPointsDoesNotMatter) {
   auto batches = [&](std::uint32_t count) {
     std::vector<Batch> list;
     const std::uint32_t n = std::uint32_t(prepared.cloud.size());
-    for (std::uint32_t first = 0; first < n; first += count)
-      list.push_back({first, std::min(count, n - first), vec3(box.min), vec3(box.max), prepared.median_spacing});
+    for (std::uint32_t first = 0; first < n; first += count) {
+      list.push_back({first, std::min(count, n - first), vec3(box.min), vec3(box.max)});
+      list.back().set_even_spacing(prepared.median_spacing);
+    }
     return list;
   };
   Renderer renderer(context());

@@ -59,7 +59,7 @@ class Points final : public Technique {
  private:
   static bool evenly_lit(const Phong& phong) { return phong.ambient + phong.diffuse == 1; }
 
-  Footprint footprint_{SizeMode::adaptive, 2};
+  Footprint footprint_{SizeMode::adaptive, 2, 2};
   PointsToPixels to_pixels_;
   PixelLayer layer_;
   Shade shade_;

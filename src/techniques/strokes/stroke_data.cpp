@@ -56,11 +56,7 @@ std::uint32_t seed_of(const dvec3& world, double quantum) {
   return std::uint32_t(h >> 32);
 }
 
-double seed_quantum(double median_spacing, double before) {
-  const double target = median_spacing / 16;
-  if (before > target / 2 && before < target * 2) return before;
-  return std::exp2(std::round(std::log2(target)));
-}
+double seed_quantum(double median_spacing) { return std::exp2(std::round(std::log2(median_spacing / 16))); }
 
 std::vector<std::uint32_t> dense_labels(const std::vector<float>& labels) {
   // By bits, so that a NaN is a label like another. Few are unlike the one before.
@@ -111,8 +107,8 @@ std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vec
   return shapes;
 }
 
-void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
-  if (serial_ == cloud.serial() && tangent_ == tangent) return;
+void StrokeData::update(GpuCloud& cloud, Tangent tangent, double quantum, Progress& progress) {
+  if (serial_ == cloud.serial() && tangent_ == tangent && quantum_ == quantum) return;
   const PointCloud& points = cloud.prepared().cloud;
   chunks_.clear();
   serial_ = 0;
@@ -125,7 +121,6 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
     const std::vector<ClusterShape> shapes = cluster_shapes(points, cloud.colors(), labels, sizes);
     const std::vector<vec3> wide =
         tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
-    quantum_ = seed_quantum(cloud.median_spacing(), quantum_);
     // What has no support was capped (analysis/stroke_attributes.h). Sparse ends of a scan: eight times the median still
     // closes what is 64 times as sparse.
     std::vector<float> sorted = sizes;
@@ -148,7 +143,7 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
                                                                    : frame_along(n, wide[i]);
         tangents[k] = vec4(frame.along, std::min(sizes[i], most));
         const ClusterShape& shape = shapes[labels[i]];
-        traits[k] = {seed_of(points.world(i), quantum_), std::bit_cast<std::uint32_t>(shape.mean),
+        traits[k] = {seed_of(points.world(i), quantum), std::bit_cast<std::uint32_t>(shape.mean),
                      std::bit_cast<std::uint32_t>(shape.extent),
                      glm::packHalf2x16(glm::min(vec2(rooms[i], details[i]) / tangents[k].w, largest_half))};
       }
@@ -158,6 +153,7 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, Progress& progress) {
   }
   serial_ = cloud.serial();
   tangent_ = tangent;
+  quantum_ = quantum;
 }
 
 void StrokeData::bind(std::size_t chunk) const {

@@ -14,9 +14,8 @@ namespace sfumato::strokes {
 /// Hash of a world position rounded to multiples of `quantum`: a point that did not move keeps its seed, whatever
 /// else the file of the next frame holds.
 std::uint32_t seed_of(const dvec3& world, double quantum);
-/// A power of two near a sixteenth of the spacing; keeps `before` while that is still within a factor of two, so
-/// that a sequence of slightly different clouds has one.
-double seed_quantum(double median_spacing, double before);
+/// A power of two near a sixteenth of the spacing, so that clouds of much the same spacing mostly have one.
+double seed_quantum(double median_spacing);
 
 /// Modifiers of a cluster (dos Anjos 2017, Sec. 3.1), in coarse steps, so that a little noise does not change them.
 struct ClusterShape {
@@ -31,8 +30,9 @@ std::vector<std::uint32_t> dense_labels(const std::vector<float>& labels);
 
 class StrokeData {
  public:
-  /// Computes and uploads unless that was done for this cloud and tangent. Needs Attribute::normal and cluster.
-  void update(GpuCloud& cloud, Tangent tangent, Progress& progress);
+  /// Computes and uploads unless that was done for this cloud, tangent and quantum of seeds. Needs Attribute::normal and
+  /// cluster.
+  void update(GpuCloud& cloud, Tangent tangent, double quantum, Progress& progress);
   /// Binds tangents and traits of a chunk to units `input` and `input` + 1.
   void bind(std::size_t chunk) const;
 

@@ -15,8 +15,7 @@ constexpr unsigned group_size = Compaction::group_size;
 
 /// Makes the batches whose strokes the view may see the chunk's visible ones; returns the groups of the largest.
 unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view, float least_length) {
-  std::vector<glm::uvec4> rows;
-  std::uint32_t largest = 0;
+  std::vector<glm::uvec2> ranges;
   for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
     const Batch& batch = cloud.prepared().batches[chunk.first_batch + b];
     const vec3 middle = 0.5f * (batch.box_min + batch.box_max);
@@ -25,12 +24,9 @@ unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view,
     const double pixel = (view.camera().orthographic() ? 1 : std::max(away, 0.0)) / view.camera().pixels_per_unit();
     const vec3 reach(std::max(16 * batch.spacing, float(2 * least_length * view.height() * pixel)));
     if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
-    rows.emplace_back(batch.first - chunk.first, batch.count, 0u, 0u);
-    largest = std::max(largest, batch.count);
+    ranges.emplace_back(batch.first - chunk.first, batch.count);
   }
-  chunk.visible_batches = std::uint32_t(rows.size());
-  chunk.batches.buffer().upload(rows.data(), rows.size() * sizeof(glm::uvec4));
-  return (largest + group_size - 1) / group_size;
+  return (GpuCloud::show(chunk, ranges) + group_size - 1) / group_size;
 }
 
 float least_half_length(const Look& look, float share) {

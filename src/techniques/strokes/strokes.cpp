@@ -40,7 +40,8 @@ class Strokes final : public Technique {
       brush_.update(parameters_.resolve_brush());
       look_ = parameters_.resolve_look();
       if (strict(frame)) look_.relief = 0;
-      data_.update(frame.cloud, parameters_.tangent, frame.progress);
+      const float step = parameters_.seed_step.resolve(float(seed_quantum(frame.cloud.median_spacing())));
+      data_.update(frame.cloud, parameters_.tangent, step, frame.progress);
       strokes_.update(frame.cloud, data_, view, look_, brush_, parameters_.orientation_noise.value(),
                       parameters_.two_layers, strict(frame));
     }
@@ -135,7 +136,7 @@ class Strokes final : public Technique {
   void shade(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("shade");
     RenderSettings settings = frame.settings;
-    settings.phong.specular = parameters_.gloss;
+    settings.phong.specular.user = parameters_.gloss;
     if (settings.shading == Shading::lit && !lit(frame)) settings.shading = Shading::albedo;  // set_even_light
     shade_.run(view, settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);

@@ -63,6 +63,9 @@ void Parameters::describe(ParamList& p) {
   p.add("lighting", lighting, {"auto", "on", "off"})
       .help("light on the paint; auto: off where colours are the scan's own, which were lit when it was taken")
       .paper("dos Anjos 2017, Sec. 5.2");
+  p.add("seed_step", seed_step).range(1e-12, 1e12).unit("scene units")
+      .help("a stroke's chance belongs to its place to this step (auto: a power of two near a 16th of the cloud's spacing; "
+            "give one where the spacing of a sequence wavers)");
   p.add("gloss", gloss).range(0, 1).help("strength of highlights on lit paint, in place of `specular`");
   p.add("underpainting", underpainting).help("paints what strokes leave open within a surface (sorted pictures)");
   p.add("two_layers", two_layers).help("small clusters get a second, finer stroke on top").paper("dos Anjos 2017, Sec. 3.2.1");

@@ -49,6 +49,7 @@ struct Parameters {
   Medium medium = Medium::automatic;
   Lighting lighting = Lighting::automatic;
   float gloss = 0;
+  Auto<float> seed_step;
   bool underpainting = true;
   bool two_layers = true;
   BlendMode blend = BlendMode::a_buffer;

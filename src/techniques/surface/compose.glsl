@@ -44,7 +44,8 @@ bool filter_pixel(ivec2 target) {
   vec2 center = vec2(pixel) + 0.5, uv = center / vec2(textureSize(visible, 0));
   vec3 normal = mat3(frame.cloud_from_eye) * normal_at(uv, eye_from_pixel(center, depth), filled.a.z);
   // Occlusion of single points is noise; what a crevice looks like is in a coarser level.
-  vec3 albedo = filled.b.rgb * mix(1.0, textureLod(coarse_a, uv, 0.0).y, ambient_occlusion);
+  vec3 albedo = palette_size > 0 ? nearest_category(filled.b.rgb) : filled.b.rgb;
+  albedo *= mix(1.0, textureLod(coarse_a, uv, 0.0).y, ambient_occlusion);
   if (shading == 4) albedo = vec3(clamp(mean, 0.0, 1.0));  // the operator at work
   if (shading == 5) albedo = mean < point_threshold ? vec3(0.0, 0.6, 0.0) : vec3(0.8, 0.0, 0.0);
   vec4 color = shaded_color(vec4(albedo, 1.0), center, depth, vec4(normal, filled.b.w));

@@ -65,6 +65,7 @@ bool filter_pixel(ivec2 pixel) {
     if (ambient_occlusion > 0.0) color *= mix(1.0, openness_at(vec2(pixel + offset) + 0.5), ambient_occlusion);
     albedo = mix(albedo, color, share);
   }
+  if (palette_size > 0) albedo = nearest_category(albedo);
   float mean = texelFetch(mean_image, (pixel + offset) / 2, 0).x;
   if (shading == 4) albedo = vec3(clamp(mean, 0.0, 1.0));
   if (shading == 5) {

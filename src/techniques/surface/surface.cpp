@@ -141,7 +141,9 @@ class SurfaceTechnique final : public Technique {
   void draw_discs(Frame& frame, const Tiles& tiles) {
     discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
     discs_options_.gap_scale = removal_.gap_scale;
-    discs_options_.ambient_occlusion = frame.settings.shading == Shading::lit ? ambient_occlusion_ : 0;
+    // Discs average colours that occlusion has darkened, in which nobody could find a category again.
+    const bool has_occlusion = frame.settings.shading == Shading::lit && frame.settings.palette.empty();
+    discs_options_.ambient_occlusion = has_occlusion ? ambient_occlusion_ : 0;
     discs_options_.with_shadow = frame.cloud.has_shadow();
     {
       auto timing = frame.timers.scope("planes");
@@ -222,7 +224,7 @@ class SurfaceTechnique final : public Technique {
     float lo = point_spacing_.value(), hi = lo;
     if (point_spacing_.is_auto())
       for (const Batch& batch : frame.cloud.prepared().batches)
-        lo = std::min(lo, batch.spacing), hi = std::max(hi, batch.spacing);
+        lo = std::min(lo, std::exp2(batch.least_log2_spacing)), hi = std::max(hi, std::exp2(batch.most_log2_spacing));
     return {lo, hi};
   }
   /// The level of a number of point spacings where they are largest and nearest, rounded up.

@@ -1,0 +1,85 @@
+// Colours that stand for something reach the picture as the legend shows them.
+#include <algorithm>
+#include <array>
+
+#include "reference/gl_fixture.h"
+#include "session/session.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+/// A plane of scattered points, in stripes of classes whose colours have others between them.
+PointCloud classes_in_stripes() {
+  PointCloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> place(-1, 1);
+  ScalarField classes;
+  classes.name = "classification";
+  const int kinds[] = {2, 6, 5, 9};  // ground, building, high vegetation, water
+  for (int i = 0; i < 60'000; ++i) {
+    const float x = place(random);
+    cloud.positions.push_back({x, place(random), 0});
+    cloud.normals.push_back({0, 0, 1});
+    classes.values.push_back(float(kinds[int(10 * (x + 1)) % 4]));
+  }
+  cloud.scalars.push_back(std::move(classes));
+  return cloud;
+}
+
+class DataColorsTest : public GlTest {
+ protected:
+  RenderOutput render(Look& look, const std::string& color_by) {
+    Session session(context());
+    scene::Scene scene;
+    scene.cloud = classes_in_stripes();
+    SessionOptions options;
+    options.color.color_by = color_by;
+    Camera camera = camera_above(10, 2, 160);
+    session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
+    look.settings.transparent = true;
+    look.settings.smooth_outlines.user = false;
+    look.settings.edl.user = false;
+    return session.render(look, camera);
+  }
+};
+
+TEST_F(DataColorsTest, CategoriesNeverBlend) {
+  const Rgba8 colors[] = {class_color(2), class_color(6), class_color(5), class_color(9)};
+  for (const char* technique : {"points", "splats", "surface", "denoise"}) {
+    SCOPED_TRACE(technique);
+    Look look(technique);
+    look.settings.shading = Shading::albedo;
+    const RenderOutput out = render(look, "classification");
+    std::array<int, 4> shown{};
+    int others = 0;
+    for (const Rgba8& pixel : out.rgba8) {
+      if (pixel.a < 255) continue;
+      // One code: colours go to linear floats and back.
+      const auto found = std::find_if(std::begin(colors), std::end(colors), [&](const Rgba8& c) {
+        return std::abs(c.r - pixel.r) <= 1 && std::abs(c.g - pixel.g) <= 1 && std::abs(c.b - pixel.b) <= 1;
+      });
+      if (found == std::end(colors)) ++others;
+      else ++shown[std::size_t(found - colors)];
+    }
+    EXPECT_EQ(others, 0);
+    for (int pixels : shown) EXPECT_GT(pixels, 1000);
+  }
+}
+
+TEST_F(DataColorsTest, HighlightsAreForThingsAndNotForData) {
+  Look look("splats");
+  render(look, "classification");
+  EXPECT_EQ(look.settings.phong.specular.value(), 0);
+  EXPECT_EQ(look.parameters.find("specular")->get(), "auto");
+  render(look, "elevation");
+  EXPECT_EQ(look.settings.phong.specular.value(), 0);
+  render(look, "clay");
+  EXPECT_EQ(look.settings.phong.specular.value(), 0.1f);
+  look.set("specular", "0.4");
+  render(look, "classification");
+  EXPECT_EQ(look.settings.phong.specular.value(), 0.4f);
+}
+
+}  // namespace
