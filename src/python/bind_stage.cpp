@@ -9,6 +9,7 @@
 #include "io/image_file.h"
 #include "io/image_png.h"
 #include "io/npy.h"
+#include "labels/contact_sheet.h"
 #include "stage.h"
 
 namespace sfumato::python {
@@ -54,6 +55,12 @@ ColorSettings colors_of(const py::dict& wishes) {
     if (range[0] == range[1]) throw Error(ErrorCode::usage, "range: it is empty");
     color.range = range;
   }
+  if (wishes.contains("exposure")) {
+    const double exposure = wishes["exposure"].cast<double>();
+    if (!(exposure >= 0.1 && exposure <= 100))
+      throw Error(ErrorCode::usage, "exposure: it is outside [0.1, 100]");
+    color.exposure = exposure;
+  }
   if (const auto name = text_in(wishes, "color")) {
     if (color.color_by != "auto")
       throw Error(ErrorCode::usage, "color and color_by contradict each other: give one of them");
@@ -64,14 +71,20 @@ ColorSettings colors_of(const py::dict& wishes) {
   return color;
 }
 
-std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take,
-                                  const std::string& technique, const Settings& parameters,
-                                  const py::dict& wishes, const py::object& progress) {
+StageOptions options_of(const std::string& technique, const Settings& parameters, const py::dict& wishes) {
   StageOptions options;
   options.technique = technique;
   options.parameters = parameters;
   options.color = colors_of(wishes);
-  options.selection = selection_of(wishes);
+  // What was read with these wishes is not selected from again.
+  if (!wishes.contains("is_selected")) {
+    options.selection = selection_of(wishes);
+    if (wishes.contains("max_points")) options.max_points = wishes["max_points"].cast<std::uint64_t>();
+  }
+  if (wishes.contains("preset_parameters")) {
+    options.preset.parameters = wishes["preset_parameters"].cast<NamesAndValues>();
+    options.preset.file = wishes["preset_file"].cast<std::string>();
+  }
   if (const auto text = text_in(wishes, "background"); text == "transparent")
     options.transparent = true;
   else if (text && text != "auto")
@@ -79,7 +92,16 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
   options.up = up_axis(text_in(wishes, "up"));
   if (wishes.contains("whole")) options.whole = wishes["whole"].cast<bool>();
   if (wishes.contains("draw"))
-    for (const py::handle& rule : wishes["draw"]) options.draw.push_back(DrawRule::parse(rule.cast<std::string>()));
+    for (const py::handle& rule : wishes["draw"])
+      options.draw.push_back(DrawRule::parse(rule.cast<std::string>()));
+  return options;
+}
+
+std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take,
+                                  const std::string& technique, const Settings& parameters,
+                                  const py::dict& wishes, const std::optional<Stand>& stand,
+                                  const py::object& progress) {
+  StageOptions options = options_of(technique, parameters, wishes);
   if (!options.up) options.up = cloud->up;
   auto stage = std::make_shared<Stage>(std::move(options));
   run_gl(
@@ -89,7 +111,7 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
         // points.
         scene::Scene scene = take ? std::move(cloud->scene) : cloud->scene;
         try {
-          stage->open(context, std::move(scene), cloud->file, reporter);
+          stage->open(context, std::move(scene), cloud->file, stand, reporter);
         } catch (...) {
           stage->clear();
           throw;
@@ -111,16 +133,37 @@ ViewWishes view_wishes(const py::dict& wishes) {
   if (out.fov && !(*out.fov >= 0.001 && *out.fov <= 179))
     throw Error(ErrorCode::usage, "fov: it is outside [0.001, 179] degrees");
   if (out.distance && !(*out.distance > 0)) throw Error(ErrorCode::usage, "distance: it is not more than 0");
-  if (wishes.contains("look_at")) {
-    const auto v = wishes["look_at"].cast<std::array<double, 3>>();
-    out.look_at = dvec3(v[0], v[1], v[2]);
-  }
+  const auto triple = [&](const char* key, std::optional<dvec3>& to) {
+    if (!wishes.contains(key)) return;
+    const auto v = wishes[key].cast<std::array<double, 3>>();
+    to = dvec3(v[0], v[1], v[2]);
+    if (!(glm::length(*to) <= 2e15))
+      throw Error(ErrorCode::usage, std::string(key) + ": it is beyond 1e15, where no point can be seen");
+  };
+  triple("position", out.position), triple("look_at", out.look_at), triple("direction", out.direction),
+      triple("view_up", out.view_up);
+  for (const auto& [name, value] : {std::pair("direction", out.direction), {"view_up", out.view_up}})
+    if (value && glm::length(*value) <= 0)
+      throw Error(ErrorCode::usage, std::string(name) + ": 0, 0, 0 is no direction");
+  if (out.position && out.look_at && out.direction)
+    throw Error(ErrorCode::usage,
+                "direction and position with look_at contradict each other: give two of them");
+  for (const auto& [name, given] :
+       {std::pair("position", out.position.has_value()), {"direction", out.direction.has_value()}})
+    if (given && (out.azimuth || out.elevation))
+      throw Error(ErrorCode::usage,
+                  std::string(name) + " and azimuth or elevation contradict each other: give one of them");
+  if (out.position && out.distance)
+    throw Error(ErrorCode::usage, "position and distance contradict each other: give one of them");
+  if (wishes.contains("start")) out.start = wishes["start"].cast<Camera>();
   if (wishes.contains("zoom")) out.zoom = wishes["zoom"].cast<double>();
   if (!(out.zoom > 0)) throw Error(ErrorCode::usage, "zoom: it is not more than 0");
   if (wishes.contains("roll")) out.roll = wishes["roll"].cast<double>();
   if (wishes.contains("orthographic")) out.orthographic = wishes["orthographic"].cast<bool>();
   if (wishes.contains("upright")) out.upright = wishes["upright"].cast<bool>();
-  if (wishes.contains("size")) std::tie(out.width, out.height) = wishes["size"].cast<std::pair<int, int>>();
+  if (wishes.contains("size")) out.size = wishes["size"].cast<std::pair<int, int>>();
+  if (out.size && (out.size->first < 1 || out.size->second < 1))
+    throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
   return out;
 }
 
@@ -133,8 +176,10 @@ py::dict dict_of(const std::vector<Setting>& settings) {
 std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera>& camera,
                              const std::pair<int, int>& size, const std::optional<std::string>& technique,
                              const Settings& parameters, const std::vector<std::string>& outputs,
-                             const std::optional<Camera>& light_from, const py::object& progress) {
-  ShotRequest request{camera, size.first, size.second, technique, parameters, light_from, {}};
+                             const std::optional<Camera>& light_from, bool panorama, bool legend,
+                             const py::object& progress) {
+  ShotRequest request{camera,     size.first, size.second, technique, parameters,
+                      light_from, panorama,   legend,      {}};
   if (size.first < 1 || size.second < 1)
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
   request.wants.color = false;
@@ -188,6 +233,46 @@ void save(Shot& shot, const std::string& file, const std::string& extension, int
     io::write_npy(file, images.color_linear);
   else
     throw Error(ErrorCode::usage, file + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
+}
+
+/// Pictures of one size side by side, each below its label.
+std::shared_ptr<Shot> sheet_of(const std::vector<std::shared_ptr<Shot>>& shots,
+                               const std::vector<std::string>& labels) {
+  std::vector<labels::Panel> panels;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    const Image<Rgba8>& image = shots[i]->images.rgba8;
+    if (image.empty())
+      throw Error(ErrorCode::usage, "a picture has no rgba image; name it in outputs when rendering");
+    if (image.width() != shots[0]->images.rgba8.width() || image.height() != shots[0]->images.rgba8.height())
+      throw Error(ErrorCode::usage, "the pictures of a contact sheet have one size");
+    panels.push_back({labels[i], image});
+  }
+  auto sheet = std::make_shared<Shot>();
+  sheet->images.rgba8 = labels::contact_sheet(panels, shots[0]->background, shots[0]->transparent);
+  sheet->camera = shots[0]->camera;
+  sheet->transparent = shots[0]->transparent;
+  sheet->background = shots[0]->background;
+  sheet->color_by = shots[0]->color_by;
+  for (const std::string& label : labels) sheet->technique += (sheet->technique.empty() ? "" : ",") + label;
+  return sheet;
+}
+
+/// What a legend says; None where colours explain themselves.
+py::object legend_of(const Shot& shot) {
+  const Coloring& coloring = shot.coloring;
+  py::dict out;
+  out["title"] = coloring.source;
+  if (coloring.kind == ColorKind::scalar) {
+    out["low"] = coloring.low, out["high"] = coloring.high, out["colormap"] = coloring.colormap;
+    return out;
+  }
+  if (coloring.swatches.empty()) return py::none();
+  py::list rows;
+  for (const Swatch& swatch : coloring.swatches)
+    rows.append(py::make_tuple(swatch.label, py::make_tuple(swatch.color.r, swatch.color.g, swatch.color.b),
+                               swatch.points));
+  out["swatches"] = rows;
+  return out;
 }
 
 py::dict describe(const TechniqueInfo& info) {
@@ -265,14 +350,35 @@ void refuse_name(const std::string& what, const std::string& name, const std::ve
                                                           : ""));
 }
 
+Camera StandMethods::first_view(const Stand& stand, int width, int height) {
+  return sfumato::first_view(stand.pose, width, height);
+}
+Camera StandMethods::view(const Stand& stand, const py::dict& wishes) {
+  return view_of(stand.pose, view_wishes(wishes));
+}
+Camera StandMethods::inside(const Stand& stand, Camera camera) {
+  const dvec3 direction = camera.direction();
+  camera.position = stand.place;
+  camera.target = camera.position + direction;
+  return camera;
+}
+py::tuple StandMethods::up_vector(const Stand& stand) {
+  const dvec3 up = sfumato::up_vector(stand.pose.upright.up);
+  return py::make_tuple(up.x, up.y, up.z);
+}
+
 void bind_stage(py::module_& module) {
   py::class_<StageHandle>(module, "Stage")
       .def(py::init(&open))
       .def("render", &render)
       .def("view", [](const StageHandle& self,
-                      const py::dict& wishes) { return view_of(self.get().pose(), view_wishes(wishes)); })
-      .def("first_view", [](const StageHandle& self, int width,
-                            int height) { return first_view(self.get().pose(), width, height); })
+                      const py::dict& wishes) { return StandMethods::view(self.get().stand(), wishes); })
+      .def("first_view",
+           [](const StageHandle& self, int width, int height) {
+             return StandMethods::first_view(self.get().stand(), width, height);
+           })
+      .def("inside", [](const StageHandle& self,
+                        const Camera& camera) { return StandMethods::inside(self.get().stand(), camera); })
       .def("set_color",
            [](const StageHandle& self, const py::dict& wishes) {
              const ColorSettings color = colors_of(wishes);
@@ -283,13 +389,10 @@ void bind_stage(py::module_& module) {
       .def("close", &StageHandle::close)
       .def_property_readonly(
           "technique", [](const StageHandle& self) { return self.get().choice().techniques.front()->name; })
-      .def_property_readonly("up",
-                             [](const StageHandle& self) { return to_string(self.get().pose().upright.up); })
-      .def_property_readonly("up_vector",
-                             [](const StageHandle& self) {
-                               const dvec3 up = up_vector(self.get().pose().upright.up);
-                               return py::make_tuple(up.x, up.y, up.z);
-                             })
+      .def_property_readonly(
+          "up", [](const StageHandle& self) { return to_string(self.get().stand().pose.upright.up); })
+      .def_property_readonly(
+          "up_vector", [](const StageHandle& self) { return StandMethods::up_vector(self.get().stand()); })
       .def("__len__", [](const StageHandle& self) { return self.get().points(); });
 
   py::class_<Shot, std::shared_ptr<Shot>>(module, "Shot")
@@ -322,6 +425,7 @@ void bind_stage(py::module_& module) {
       .def_property_readonly("analysis_parameters",
                              [](const Shot& s) { return dict_of(s.analysis_parameters); })
       .def_readonly("color_by", &Shot::color_by)
+      .def_property_readonly("legend", &legend_of)
       .def_readonly("notes", &Shot::notes)
       .def_property_readonly(
           "background",
@@ -343,6 +447,22 @@ void bind_stage(py::module_& module) {
     return rows;
   });
   module.def("colormap_names", &Colormap::names);
+  module.def("colormap", [](const std::string& name, int count) {
+    const Colormap map = Colormap::named(name);
+    py::array_t<std::uint8_t> out({py::ssize_t(count), py::ssize_t(3)});
+    std::uint8_t* to = out.mutable_data();
+    for (int i = 0; i < count; ++i, to += 3) {
+      const Rgba8 color = map.at(count > 1 ? double(i) / (count - 1) : 0.5);
+      to[0] = color.r, to[1] = color.g, to[2] = color.b;
+    }
+    return out;
+  });
+  module.def("contact_sheet", &sheet_of);
+  // Asked before anything is read.
+  module.def("has_shadows", [](const std::string& technique, const Settings& parameters,
+                               const py::dict& wishes, const Settings& on_top) {
+    return Stage(options_of(technique, parameters, wishes)).has_shadows(on_top);
+  });
   module.def("nearest_word", [](const std::string& word, const std::vector<std::string>& candidates) {
     return nearest_word(word, candidates);
   });

@@ -19,6 +19,8 @@ void bind_camera(py::module_& module);
 void bind_cloud(py::module_& module);
 void bind_analysis(py::module_& module);
 void bind_stage(py::module_& module);
+void bind_levels(py::module_& module);
+void bind_looks(py::module_& module);
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 

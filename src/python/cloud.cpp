@@ -65,28 +65,6 @@ CloudPtr from_columns(const std::vector<std::tuple<std::string, py::array, bool>
   return cloud;
 }
 
-CloudPtr read(const std::vector<std::string>& words, const std::vector<std::string>& columns,
-              const std::optional<std::uint64_t>& max_points, const std::optional<std::string>& up,
-              const py::dict& wishes, bool every_attribute, const py::object& progress) {
-  scene::SceneOptions options;
-  options.read.columns = columns;
-  options.read.max_points = max_points;
-  options.read.every_attribute = every_attribute;
-  options.selection = selection_of(wishes);
-  options.up = up_axis(up);
-  auto cloud = std::make_shared<Cloud>();
-  run(
-      [&](Progress& reporter) {
-        const std::vector<std::string> files = scene::expand_inputs(words);
-        if (files.empty()) throw Error(ErrorCode::usage, "no file given");
-        cloud->file = files.front();
-        cloud->up = options.up;
-        cloud->scene = scene::read_scene(files, options, reporter);
-      },
-      progress);
-  return cloud;
-}
-
 std::vector<std::string> write(Cloud& cloud, const std::string& file, const py::object& progress) {
   std::vector<std::string> notes;
   run([&](Progress& reporter) { notes = io::write(file, cloud.points(), reporter).notes; }, progress);
@@ -302,7 +280,6 @@ void bind_cloud(py::module_& module) {
         return py::make_tuple(tuple_of(box.min), tuple_of(box.max));
       });
   module.def("from_columns", &from_columns);
-  module.def("read", &read);
   module.def("write", &write);
   module.def("synth", &synthesise);
   module.def("scene_names", &synth::scene_names);

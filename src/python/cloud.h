@@ -25,4 +25,7 @@ struct Cloud {
 std::optional<UpAxis> up_axis(const std::optional<std::string>& text);
 Selection selection_of(const py::dict& wishes);
 
+/// World from points, given as 16 numbers row by row. Throws Error(usage) for what is no such transform.
+dmat4 transform_of(const std::vector<double>& rows);
+
 }  // namespace sfumato::python

@@ -24,14 +24,18 @@ ANNOTATIONS = {
     "crop_relative": "Optional[Sequence[float]]", "filters": "Union[str, Sequence[str]]", "every_attribute": "bool", "scene": "str",
     "mesh": "Optional[Path]", "name": "Optional[str]", "neighbors": "int", "min_size": "int", "point_threshold": "float",
     "region_threshold": "float", "gap": "Optional[float]", "angle": "float", "bend": "float", "text": "str", "width": "int",
-    "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any"}
+    "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any", "exposure": "Optional[float]",
+    "memory": "Union[int, str, None]", "preset": "Union[Path, Dict[str, Any], None]", "panorama": "bool", "legend": "Optional[bool]",
+    "direction": "Optional[Sequence[float]]", "view_up": "Optional[Sequence[float]]", "shadows": "bool", "items": "Any", "camera": "CameraLike",
+    "transform": "Optional[ArrayLike]", "pictures": "Iterable[Picture]", "labels": "Optional[Sequence[str]]", "count": "int"}
 RETURNS = {
     "render": "Picture", "read": "Cloud", "synth": "Cloud", "write": "List[str]", "formats": "List[Dict[str, Any]]",
     "colormaps": "List[str]", "techniques": "Any", "analysis_parameters": "List[Parameter]", "orbit": "List[Camera]",
     "path": "List[Camera]", "view": "Camera", "frames": "Iterator[Picture]", "look_at": "Camera", "from_pose": "Camera",
     "from_opencv": "Camera", "from_json": "Camera", "load": "Camera", "resized": "Camera", "replace": "Camera", "pose": "Array",
     "matrix": "Array", "project": "Array", "unproject": "Array", "to_structured": "Array", "__len__": "int", "__getitem__": "Cloud",
-    "__enter__": "Renderer", "to_json": "str", "spacing": "float", "normals": "Array", "uncertainty": "Array", "clusters": "Array"}
+    "__enter__": "Renderer", "open": "Levels", "colormap": "Array", "contact_sheet": "Picture",
+    "rules": "List[str]", "to_json": "str", "spacing": "float", "normals": "Array", "uncertainty": "Array", "clusters": "Array"}
 PROPERTIES = {
     "Cloud": {"positions": "Array", "xyz": "Array", "origin": "Tuple[float, float, float]", "colors": "Optional[Array]",
               "normals": "Optional[Array]", "radii": "Optional[Array]", "scalars": "Scalars", "up": "Optional[str]", "crs": "str",
@@ -40,7 +44,8 @@ PROPERTIES = {
     "Picture": {"rgba": "Array", "linear": "Array", "depth": "Array", "normal": "Array", "alpha": "Array", "camera": "Camera",
                 "size": "Tuple[int, int]", "technique": "str", "reason": "str", "parameters": "Dict[str, Any]",
                 "analysis_parameters": "Dict[str, Any]", "color_by": "str", "background": "Tuple[float, float, float]",
-                "notes": "List[str]"},
+                "legend": "Optional[Dict[str, Any]]", "notes": "List[str]"},
+    "Levels": {"bounds": "Tuple[Tuple[float, float, float], Tuple[float, float, float]]", "levels": "List[Tuple[int, float]]", "crs": "str"},
     "Renderer": {"technique": "str", "up": "str"}}
 HEAD = '''# Written by src/python/make_stubs.py when the package was built.
 import os
@@ -110,6 +115,12 @@ def function_stub(name, function, parameters, indent="", decorator=""):
     return text + (quoted(inspect.getdoc(function), indent + "    ") or "") + f"{indent}    ...\n"
 
 
+#: What objects have beside their properties.
+FIELDS = {"Renderer": {"legend": "bool"}, "Item": {"points": "Any", "transform": "Any", "technique": "Optional[str]",
+          "parameters": "Dict[str, Any]"}, "Scene": {"items": "List[Item]", "draw": "List[str]", "camera": "Optional[Camera]",
+          "look": "Dict[str, Any]"}}
+
+
 def class_stub(name, kind, parameters):
     base = {"Error": "Exception", "Scalars": "MutableMapping[str, Array]"}.get(name)
     text = f"class {name}{'(' + base + ')' if base else ''}:\n" + quoted(inspect.getdoc(kind), "    ")
@@ -124,18 +135,23 @@ def class_stub(name, kind, parameters):
         text += "    @property\n    def intrinsics(self) -> Tuple[float, float, float, float]: ...\n"
         text += "    @property\n    def direction(self) -> Tuple[float, float, float]: ...\n"
         text += "    def view_matrix(self) -> Array: ...\n    def to_json(self) -> str: ...\n"
+    text += "".join(f"    {field}: {of}\n" for field, of in FIELDS.get(name, {}).items())
     for member, value in vars(kind).items():
         if isinstance(value, property):
+            if member.startswith("_"):
+                continue
             returns = PROPERTIES[name][member]
             text += f"    @property\n    def {member}(self) -> {returns}:\n" + quoted(value.__doc__, "        ") + "        ...\n"
             if value.fset:
                 text += f"    @{member}.setter\n    def {member}(self, value: Any) -> None: ...\n"
         elif isinstance(value, classmethod):
-            text += function_stub(member, value.__func__, {}, "    ", "@classmethod\n")
+            stub = function_stub(member, value.__func__, {}, "    ", "@classmethod\n")
+            text += stub.replace("-> Camera", f"-> {name}")
         elif inspect.isfunction(value) and (not member.startswith("_") or member in ("__init__", "__len__", "__getitem__", "__enter__")):
             if name == "Scalars":
                 continue
-            text += function_stub(member, value, parameters if name == "Renderer" else {}, "    ")
+            takes_all = name in ("Renderer", "Scene", "Item")
+            text += function_stub(member, value, parameters if takes_all else {}, "    ")
     return text if text.endswith("\n") else text + "    ...\n"
 
 
@@ -154,7 +170,7 @@ def main():
         if inspect.isclass(thing) and name not in ("Parameter", "Technique"):
             text += class_stub(name, thing, parameters) + "\n"
     text += "CameraLike = Union[Camera, str, 'os.PathLike[str]', Dict[str, Any], None]\n\n"
-    for name in sfumato.__all__:
+    for name in [*sfumato.__all__, "open"]:
         thing = getattr(sfumato, name)
         if inspect.isfunction(thing):
             text += function_stub(name, thing, parameters if name == "render" else {}) + "\n"

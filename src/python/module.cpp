@@ -65,6 +65,8 @@ PYBIND11_MODULE(_engine, module) {
   bind_cloud(module);
   bind_analysis(module);
   bind_stage(module);
+  bind_levels(module);
+  bind_looks(module);
   module.def("version", &sfumato::version);
   module.def("stop", &stop_gl);
 }

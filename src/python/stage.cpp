@@ -4,7 +4,9 @@
 
 #include "analysis/neighbors.h"
 #include "core/error.h"
+#include "labels/legend.h"
 #include "passes/shadows.h"
+#include "session/standpoint.h"
 
 namespace sfumato::python {
 namespace {
@@ -37,27 +39,62 @@ std::optional<std::string> own_name(const std::string& name, const std::string& 
 
 }  // namespace
 
+// As CameraOptions::resolve of the command (src/apps/cli/camera_options.cpp), so that the same wishes give
+// the same camera.
 Camera view_of(const Pose& pose, const ViewWishes& wishes) {
   const UpAxis up = pose.upright.up;
-  const double azimuth = glm::radians(wishes.azimuth.value_or(pose.upright.azimuth_deg));
-  const double elevation = glm::radians(wishes.elevation.value_or(pose.upright.elevation_deg));
-  Camera camera =
-      frame(pose.subject.box, up, wishes.width, wishes.height, azimuth, elevation, glm::radians(45.0),
-            wishes.orthographic ? Projection::orthographic : Projection::perspective);
-  fit(camera, pose.subject);
-  if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
+  const auto radians = [](const std::optional<double>& degrees) {
+    return degrees ? std::optional(glm::radians(*degrees)) : std::nullopt;
+  };
+  const std::optional<double> azimuth = radians(wishes.azimuth), elevation = radians(wishes.elevation);
+  Camera camera;
+  if (wishes.start) {
+    camera = *wishes.start;
+    if (camera.custom_intrinsics && (wishes.size || wishes.fov || wishes.orthographic))
+      throw Error(
+          ErrorCode::usage,
+          "size, fov and orthographic do not go with the intrinsics of a camera: they hold for its own "
+          "width and height");
+    if (wishes.size) camera = camera.resized(wishes.size->first, wishes.size->second);
+    if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
+  } else {
+    const Compass compass(up);
+    double first_azimuth = azimuth.value_or(glm::radians(pose.upright.azimuth_deg)),
+           first_elevation = elevation.value_or(glm::radians(pose.upright.elevation_deg));
+    if (wishes.direction) {
+      first_azimuth = compass.azimuth(-glm::normalize(*wishes.direction));
+      first_elevation = compass.elevation(-glm::normalize(*wishes.direction));
+    }
+    const auto [width, height] = wishes.size.value_or(std::pair(1280, 720));
+    camera = frame(pose.subject.box, up, width, height, first_azimuth, first_elevation, glm::radians(45.0),
+                   wishes.orthographic ? Projection::orthographic : Projection::perspective);
+    if (wishes.view_up) camera.up = *wishes.view_up;
+    fit(camera, pose.subject);
+    if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
+  }
+  const double reach_before = glm::length(camera.target - camera.position);
+  if (wishes.position) camera.position = *wishes.position;
   if (wishes.look_at) {
-    camera.position += *wishes.look_at - camera.target;
+    if (!wishes.position) camera.position += *wishes.look_at - camera.target;
     camera.target = *wishes.look_at;
   }
-  if (wishes.azimuth || wishes.elevation)
-    look_from(camera, up, wishes.azimuth ? std::optional(azimuth) : std::nullopt,
-              wishes.elevation ? std::optional(elevation) : std::nullopt, wishes.upright);
+  if (wishes.direction) {
+    const dvec3 along = glm::normalize(*wishes.direction);
+    if (wishes.position)
+      camera.target = camera.position + along * reach_before;
+    else
+      camera.position = camera.target - along * glm::length(camera.target - camera.position);
+  }
+  if (azimuth || elevation) look_from(camera, up, azimuth, elevation, wishes.upright);
   if (wishes.distance) {
     const double before = glm::length(camera.target - camera.position);
     camera.position = camera.target - camera.direction() * *wishes.distance;
     camera.height_world *= *wishes.distance / before;
   }
+  if (glm::length(camera.target - camera.position) <= 0)
+    throw Error(ErrorCode::usage, "the camera's position and the place it looks at are the same point");
+  if (wishes.view_up) camera.up = *wishes.view_up;
+  if (wishes.orthographic) make_orthographic(camera);
   if (wishes.zoom != 1) magnify(camera, wishes.zoom);
   if (wishes.roll != 0) roll(camera, glm::radians(wishes.roll));
   return camera;
@@ -67,40 +104,67 @@ Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(optio
   if (choice_.count != 1)
     throw Error(ErrorCode::usage,
                 "technique: '" + options_.technique + "' names several; render them one by one");
-  for (const auto& [name, value] : options_.parameters) {
+  const auto find = [&](const std::string& name) {
     std::vector<Param*> found = choice_.find(name);
     for (const auto& look : choice_.techniques)
       if (const auto own = own_name(name, look->name); own && *own != name)
         if (Param* param = look->parameters.find(*own)) found.push_back(param);
+    return found;
+  };
+  // What is given wins over the preset, whose parameters of techniques that are not drawn wait.
+  for (const auto& [name, value] : options_.preset.parameters)
+    for (Param* param : find(name)) param->set(value);
+  for (const auto& [name, value] : options_.parameters) {
+    const std::vector<Param*> found = find(name);
     if (found.empty()) refuse_parameter(name, options_.technique, names_of(choice_));
     for (Param* param : found) param->set(value);
   }
   choice_.given = options_.parameters;
+  for (const auto& each : options_.preset.parameters_for(choice_.looks(), choice_.prepare_parameters))
+    choice_.given.push_back(each);
   for (const auto& look : choice_.techniques) look->check();
 }
 
-void Stage::open(gl::Context& context, scene::Scene scene, const std::string& file, Progress& progress) {
+void Stage::open(gl::Context& context, scene::Scene scene, const std::string& file,
+                 const std::optional<Stand>& stand, Progress& progress) {
   if (scene.cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
-  scene.selected = apply(options_.selection, scene.cloud);
   notes_ = scene.notes;
-  notes_.insert(notes_.end(), scene.selected.notes.begin(), scene.selected.notes.end());
+  if (options_.selection) {
+    scene.selected = apply(*options_.selection, scene.cloud);
+    notes_.insert(notes_.end(), scene.selected.notes.begin(), scene.selected.notes.end());
+    if (options_.max_points && scene.cloud.size() > *options_.max_points)
+      scene.cloud = subsample(scene.cloud, std::size_t(*options_.max_points));
+  }
+  for (const std::string& part : scene.damage) notes_.push_back(part + "; it is left out");
+  if (scene.levels && !scene.levels->is_complete())
+    notes_.push_back(std::to_string(scene.levels->points_needed - scene.levels->points) + " of " +
+                     std::to_string(scene.levels->points_needed) +
+                     " points that this view can show are left out: memory or max_points are used up");
   if (scene.selected.hidden > 0)
     notes_.push_back(std::to_string(scene.selected.hidden) +
                      " points are withheld or of a hidden class (hide_classes=() shows them)");
   const UpAxis custom = scene.cloud.up;
-  pose_ = stand_upright(scene, file, options_.up, !options_.whole);
-  if (pose_.upright.up != custom && !options_.up)
-    notes_.push_back("up: " + to_string(pose_.upright.up) + " (" + pose_.upright.reason + "); up=\"" +
+  if (stand) {
+    stand_ = *stand;
+    scene.cloud.up = stand_.pose.upright.up;
+  } else {
+    stand_.pose = stand_upright(scene, file, options_.up, !options_.whole);
+    stand_.place = place_inside(scene.cloud);
+  }
+  const Pose& pose = stand_.pose;
+  if (pose.upright.up != custom && !options_.up)
+    notes_.push_back("up: " + to_string(pose.upright.up) + " (" + pose.upright.reason + "); up=\"" +
                      to_string(custom) + "\" turns it back");
-  if (pose_.subject.room)
+  if (pose.subject.room)
     notes_.push_back("a room: ceiling and walls before it are left out; whole=True draws them");
   session_ = std::make_unique<Session>(context);
   const auto needs_of = [&](const Session::Suggest& suggest) {
     if (choice_.automatic()) choice_.settle(suggest());
     return choice_.techniques.front()->technique->needs();
   };
-  session_->set_scene(std::move(scene), pose_, {choice_.prepare, options_.color, options_.background, options_.draw},
-                      needs_of, progress);
+  session_->set_scene(std::move(scene), pose,
+                      {choice_.prepare, options_.color, options_.background, options_.draw}, needs_of,
+                      progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
   if (!chosen.reason.empty())
@@ -111,6 +175,19 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::string& fi
                      " points share their places with others and are left out");
   points_ = 0;
   for (std::size_t part = 0; part < session_->parts().size(); ++part) points_ += session_->cloud(part).size();
+}
+
+bool Stage::has_shadows(const Settings& parameters) const {
+  // Asked before anything is read for what is not settled yet.
+  Settings all;
+  for (const auto* each : {&options_.preset.parameters, &options_.parameters, &parameters})
+    all.insert(all.end(), each->begin(), each->end());
+  bool any = false;
+  for (const auto& [name, value] : all) {
+    const std::size_t dot = name.find('.');
+    if (name.substr(dot == std::string::npos ? 0 : dot + 1) == "shadows") any = value != "off";
+  }
+  return any;
 }
 
 void Stage::set_color(const ColorSettings& color) {
@@ -153,11 +230,12 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
     look = other.get();
   }
   look->reset();
-  for (const auto& [key, value] : options_.parameters) {
-    // What was given to the stage for its own technique is not meant for another one that lacks it.
-    const auto own = own_name(key, look->name);
-    if (Param* param = own ? look->parameters.find(*own) : nullptr) param->set(value);
-  }
+  // What was given to the stage for its own technique is not meant for another one that lacks it.
+  for (const auto* each : {&options_.preset.parameters, &options_.parameters})
+    for (const auto& [key, value] : *each) {
+      const auto own = own_name(key, look->name);
+      if (Param* param = own ? look->parameters.find(*own) : nullptr) param->set(value);
+    }
   for (const auto& [key, value] : request.parameters) set(*look, key, value);
   look->check();
   look->settings.transparent = options_.transparent;
@@ -167,16 +245,21 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
 void Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress) {
   if (!session_) throw Error(ErrorCode::usage, "the renderer is closed");
   ChosenTechnique& look = look_for(request);
-  shot.camera = request.camera.value_or(first_view(pose_, request.width, request.height));
+  shot.camera = request.camera.value_or(first_view(stand_.pose, request.width, request.height));
+  if (request.panorama && shot.camera.width != 2 * shot.camera.height)
+    throw Error(ErrorCode::usage, "size: a panorama is twice as wide as high: (" +
+                                      std::to_string(2 * shot.camera.height) + ", " +
+                                      std::to_string(shot.camera.height) + ")");
   const int limit = context.limits().max_texture_size;
   if (shot.camera.width > limit || shot.camera.height > limit)
     throw Error(ErrorCode::usage, std::to_string(shot.camera.width) + "x" +
                                       std::to_string(shot.camera.height) +
                                       " is beyond the largest picture of this driver (" +
                                       std::to_string(limit) + " px a side): give a smaller size");
-  if (request.light_from) fix_light(look.settings, *request.light_from, pose_.upright.up);
+  if (request.light_from) fix_light(look.settings, *request.light_from, stand_.pose.upright.up);
   progress.update(0, "rendering " + look.name);
-  shot.images = session_->render(look, shot.camera, request.wants, progress);
+  shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)
+                                 : session_->render(look, shot.camera, request.wants, progress);
   shot.transparent = options_.transparent;
   shot.technique = look.name;
   shot.reason = look.reason;
@@ -184,6 +267,13 @@ void Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot,
   shot.background = session_->background();
   shot.notes = notes_;
   for (const std::string& note : session_->coloring().notes) shot.notes.push_back(note);
+  shot.coloring = session_->coloring();
+  const bool explains_itself = shot.coloring.kind != ColorKind::scalar && shot.coloring.swatches.empty();
+  if (request.legend && explains_itself)
+    shot.notes.push_back("legend has no effect: the points are coloured by " + shot.coloring.source +
+                         ", which explains itself");
+  else if (request.legend && !shot.images.rgba8.empty())
+    labels::draw_legend(shot.images.rgba8, shot.coloring, shot.background);
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
   shot.parameters = resolved(look.parameters);
   shot.analysis_parameters = resolved(choice_.prepare_parameters);

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "cloud.h"
+#include "levels.h"
 #include "run.h"
 #include "session/choice.h"
+#include "session/preset.h"
 #include "session/session.h"
 
 namespace sfumato::python {
@@ -21,9 +23,11 @@ struct StageOptions {
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
   bool transparent = false;
   std::optional<UpAxis> up;
-  bool whole = false;  ///< rooms with the walls that hide them from outside
-  Selection selection;
+  bool whole = false;                       ///< rooms with the walls that hide them from outside
+  std::optional<Selection> selection;       ///< nothing: the cloud was read with what is wanted
+  std::optional<std::uint64_t> max_points;  ///< of what is selected
   std::vector<DrawRule> draw = {};
+  Preset preset = {};  ///< its parameters hold where the technique has them
 };
 
 struct ShotRequest {
@@ -32,6 +36,8 @@ struct ShotRequest {
   std::optional<std::string> technique;  ///< nothing: that of the stage
   Settings parameters;                   ///< on top of those of the stage
   std::optional<Camera> light_from;      ///< the light stays where it is for this camera, as along a path
+  bool panorama = false;                 ///< everything around the camera
+  bool legend = false;                   ///< drawn into the sRGB picture
   RenderWants wants;
 };
 
@@ -45,15 +51,17 @@ struct Shot {
   std::string color_by;
   vec3 background{1};
   std::vector<std::string> notes;
+  Coloring coloring;  ///< without `colors`
 };
 
 /// How to look at a cloud; angles in degrees.
 struct ViewWishes {
+  std::optional<Camera> start;  ///< instead of the view that shows the scan
   std::optional<double> azimuth, elevation, fov, distance;
-  std::optional<dvec3> look_at;
+  std::optional<dvec3> position, look_at, direction, view_up;
   double zoom = 1, roll = 0;
   bool orthographic = false, upright = false;
-  int width = 1280, height = 720;
+  std::optional<std::pair<int, int>> size;
 };
 /// As the options of the command with these names (src/apps/cli/camera_options.h).
 Camera view_of(const Pose& pose, const ViewWishes& wishes);
@@ -64,13 +72,17 @@ class Stage final : public OnGl {
   explicit Stage(StageOptions options);
 
   // All of these on the thread of the context.
-  void open(gl::Context& context, scene::Scene scene, const std::string& file, Progress& progress);
+  /// `stand`: how the scene presents itself, where that is known already.
+  void open(gl::Context& context, scene::Scene scene, const std::string& file,
+            const std::optional<Stand>& stand, Progress& progress);
   void set_color(const ColorSettings& color);
   void clear() override;
   void render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress);
 
   /// The cloud's; once `open`.
-  const Pose& pose() const { return pose_; }
+  const Stand& stand() const { return stand_; }
+  /// Whether anything is drawn with shadows, with these parameters on top.
+  bool has_shadows(const Settings& parameters) const;
   std::size_t points() const { return points_; }
   Choice& choice() { return choice_; }
 
@@ -83,9 +95,8 @@ class Stage final : public OnGl {
   Choice choice_;
   std::map<std::string, std::unique_ptr<ChosenTechnique>> looks_;  ///< of the techniques that were asked for
   std::unique_ptr<Session> session_;
-  Pose pose_;
+  Stand stand_;
   std::vector<std::string> notes_;  ///< of reading and selecting
-  std::string up_note_;
   std::size_t points_ = 0;
 };
 

@@ -23,7 +23,7 @@ Bounds bounds_of(const std::vector<copc::Tree>& trees) {
 }  // namespace
 
 std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& files,
-                                               const SceneOptions& options, std::uint64_t memory) {
+                                               const SceneOptions& options, std::uint64_t memory, bool always) {
   const auto is_tree = [](const SceneFile& file) { return !file.transform && copc::is_tree(file.name); };
   if (files.empty() || !std::all_of(files.begin(), files.end(), is_tree)) return std::nullopt;
   LeveledScene scene;
@@ -34,7 +34,7 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   }
   scene.budget_ = std::max<std::uint64_t>(1, memory / memory_of_point);
   if (options.read.max_points) scene.budget_ = std::min(scene.budget_, *options.read.max_points);
-  if (points <= scene.budget_) return std::nullopt;
+  if (points <= scene.budget_ && !always) return std::nullopt;
   scene.files_ = files;
   scene.options_ = options;
   // Shares of a box mean that of the files, not that of the nodes which happen to be read.
@@ -48,8 +48,11 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
 }
 
 Scene LeveledScene::overview(Progress& progress) const {
-  return read(copc::select_overview(trees_, std::min(budget_, overview_points), options_.selection.crop),
-              progress);
+  return coarse(overview_points, progress);
+}
+
+Scene LeveledScene::coarse(std::uint64_t points, Progress& progress) const {
+  return read(copc::select_overview(trees_, std::min(budget_, points), options_.selection.crop), progress);
 }
 
 Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Progress& progress) const {

@@ -15,14 +15,18 @@ namespace sfumato::scene {
 class LeveledScene {
  public:
   /// Nothing unless all files are COPC, stand where their points say and have more points together than
-  /// `read.max_points` and `memory` allow.
+  /// `read.max_points` and `memory` allow; `always`: also where they have fewer.
   static std::optional<LeveledScene> open(const std::vector<SceneFile>& files, const SceneOptions& options,
-                                          std::uint64_t memory);
+                                          std::uint64_t memory, bool always = false);
 
   /// The coarse levels: from where to look follows from them.
   Scene overview(Progress& progress = no_progress()) const;
+  /// As many whole levels as `points` and the budget allow, the coarsest in any case.
+  Scene coarse(std::uint64_t points, Progress& progress = no_progress()) const;
   /// What the views need, within the budget. `has_shadows`: what is out of view counts too, coarsely.
   Scene read(std::span<const copc::View> views, bool has_shadows, Progress& progress = no_progress()) const;
+
+  const std::vector<copc::Tree>& trees() const { return trees_; }
 
  private:
   Scene read(const copc::NodeSelection& selection, Progress& progress) const;

@@ -162,7 +162,7 @@ Preset load_config() {
 
 void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
                  const NamesAndValues& given, const std::optional<Camera>& camera,
-                 const std::vector<scene::SceneFile>& files) {
+                 const std::vector<scene::SceneFile>& files, bool automatic) {
   Json json;
   json["sfumato"] = version();
   std::string names;
@@ -179,8 +179,11 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
       for (int column = 0; column < 4; ++column) rows.push_back((*each.transform)[column][row]);
     json["files"].push_back({{"file", name}, {"transform", rows}});
   }
-  json["technique"] = names;
+  json["technique"] = automatic ? "auto" : names;
   json["parameters"] = Json::object();
+  const auto add = [&](Json& to, const Param& param) {
+    if (!automatic || param.get() != param.default_text) to[param.name] = param.get();
+  };
   // A parameter that all chosen techniques share stands once, so that it also holds for others.
   const Look& first = *looks.front();
   for (std::size_t k = first.own_count; k < first.parameters.all().size(); ++k) {
@@ -190,13 +193,15 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
           const Param* theirs = chosen->parameters.find(param.name);
           return theirs && theirs->get() == param.get();
         });
-    if (agreed) json["parameters"][param.name] = param.get();
+    if (agreed) add(json["parameters"], param);
   }
-  for (const Param& param : analysis.all()) json["parameters"][param.name] = param.get();
-  for (const Look* chosen : looks)
+  for (const Param& param : analysis.all()) add(json["parameters"], param);
+  for (const Look* chosen : looks) {
+    Json own = Json::object();
     for (const Param& param : chosen->parameters.all())
-      if (!json["parameters"].contains(param.name))
-        json["parameters"][chosen->name][param.name] = param.get();
+      if (!json["parameters"].contains(param.name)) add(own, param);
+    if (!own.empty()) json["parameters"][chosen->name] = own;
+  }
   json["options"] = Json::object();
   for (const auto& [name, value] : given) {
     bool is_parameter = name.find('.') != std::string::npos;  // saved above

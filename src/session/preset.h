@@ -46,11 +46,13 @@ Preset load_preset(const std::filesystem::path& file);
 Preset load_config();
 
 /// `given`: the options of the command line (and of a preset it loaded); those that name files are left out.
+/// `automatic`: the technique is "auto", and only parameters that are not at their defaults are written, for they
+/// choose it.
 /// `files` make it a scene, their names relative to the folder of `file`.
 /// Every parameter is written, also those at their default, so that the picture outlives a change of
 /// defaults.
 void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
                  const NamesAndValues& given, const std::optional<Camera>& camera,
-                 const std::vector<scene::SceneFile>& files = {});
+                 const std::vector<scene::SceneFile>& files = {}, bool automatic = false);
 
 }  // namespace sfumato

@@ -74,4 +74,11 @@ Standpoint standpoint_for(const Subject& subject, UpAxis up) {
   return best;
 }
 
+dvec3 place_inside(const PointCloud& cloud) {
+  if (!cloud.scanners.empty()) return cloud.scanners.front();
+  for (const Grid& grid : cloud.grids)
+    if (grid.viewpoint) return *grid.viewpoint;
+  return bounds(cloud).center();
+}
+
 }  // namespace sfumato

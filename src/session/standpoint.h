@@ -14,4 +14,7 @@ struct Standpoint {
 /// above. Land has no front: it is seen from where it fills most of a picture of 16 to 9.
 Standpoint standpoint_for(const Subject& subject, UpAxis up);
 
+/// A place inside of a scan to look around from: where a scanner stood, else the middle. World.
+dvec3 place_inside(const PointCloud& cloud);
+
 }  // namespace sfumato

@@ -12,5 +12,5 @@ def test_the_page_runs(tmp_path, monkeypatch):
     names = {}
     for block in blocks:
         exec(compile(block, str(PAGE), "exec"), names)
-    assert {file.name for file in tmp_path.iterdir()} == {"courtyard.png", "upper.laz", "camera.json"}
+    assert {file.name for file in tmp_path.iterdir()} == {"courtyard.png", "upper.laz", "camera.json", "look.json", "scene.json"}
     assert names["normals"].shape == (20_000, 3) and names["pixels"].shape == (20_000, 3)

@@ -18,6 +18,7 @@
 #include "report.h"
 #include "scene/leveled_scene.h"
 #include "session/preset.h"
+#include "session/standpoint.h"
 #include "studio.h"
 #ifdef SFUMATO_VIEWER
 #include "../viewer/viewer.h"
@@ -116,13 +117,7 @@ Camera view_of(const RenderOptions& options, const Subject& subject, const Point
   Camera camera = options.camera.resolve(subject, cloud.up);
   if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset) return camera;
   const dvec3 direction = camera.direction();
-  camera.position = bounds(cloud).center();
-  for (const Grid& grid : cloud.grids)
-    if (grid.viewpoint) {
-      camera.position = *grid.viewpoint;
-      break;
-    }
-  if (!cloud.scanners.empty()) camera.position = cloud.scanners.front();
+  camera.position = place_inside(cloud);
   camera.target = camera.position + direction;
   return camera;
 }

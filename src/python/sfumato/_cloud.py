@@ -4,6 +4,7 @@ from collections.abc import MutableMapping
 
 from . import _convert, _engine, _progress
 from ._error import Error
+from ._look import count_of
 from ._techniques import Parameter, text_of
 
 
@@ -258,14 +259,103 @@ def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=Non
 
     Raises `Error`: "io" when a file cannot be opened, "bad_input" when it is damaged or holds no points, "usage".
     """
+    wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
+    return Cloud._of(_engine.read(items_of(_words_of(files, more)), list(columns), count_of("max_points", max_points), up, wishes,
+                                  every_attribute, _progress.callback(progress)))
+
+
+class Levels:
+    """COPC files, of which only what is needed is read; `open` makes it. `render` and `Renderer` take it as points: each picture
+    reads what its view shows."""
+
+    def __init__(self, engine):
+        self._engine = engine
+
+    def __len__(self):
+        """Points in the files."""
+        return len(self._engine)
+
+    @property
+    def bounds(self):
+        """World-space box of the files: ((x, y, z) of the low corner, (x, y, z) of the high one)."""
+        return self._engine.bounds
+
+    @property
+    def levels(self):
+        """Of the first file, from the coarsest on: (points, spacing in scene units) of each level."""
+        return self._engine.levels
+
+    @property
+    def crs(self):
+        """Coordinate reference system as text, may be empty."""
+        return self._engine.crs
+
+    def read(self, cameras=None, max_points=None, shadows=False, panorama=False, progress=None):
+        """A `Cloud` of what is needed, and no more points than `open` allows.
+
+        Parameters
+        ----------
+        cameras : `Camera` or list of them, optional
+            Every point that these views can show, near ones in full and far ones coarsely; without cameras whole levels of
+            the scan or of `crop`, as many as there is room for.
+        max_points : int, optional
+            Without cameras: the most points.
+        shadows : bool
+            What is out of view counts too, coarsely, for it casts shadows.
+        panorama : bool
+            The cameras look all around.
+        """
+        report = _progress.callback(progress)
+        if cameras is None:
+            return Cloud._of(self._engine.coarse(count_of("max_points", max_points) or len(self), report))
+        if max_points is not None:
+            raise Error("max_points goes with whole levels; for what cameras see give it to sfumato.open")
+        cameras = list(cameras) if isinstance(cameras, (list, tuple)) else [cameras]
+        if not all(isinstance(camera, _engine.Camera) for camera in cameras):
+            raise Error("cameras: give a Camera or a list of them; renderer.view makes one")
+        return Cloud._of(self._engine.read(cameras, bool(panorama), bool(shadows), report))
+
+    def __repr__(self):
+        size = [f"{high - low:.4g}" for low, high in zip(*self.bounds)]
+        return f"<Levels of {len(self):,} points, {' x '.join(size)}; {self._engine.file}>"
+
+
+def open(files, *more, max_points=None, memory=None, crop=None, crop_relative=None, show_classes=None, hide_classes=None, filters=(),
+         up=None):
+    """Opens COPC files of any size, reading only their hierarchy; ``sfumato build`` makes such files.
+
+    Parameters
+    ----------
+    files : path, or list of paths
+    max_points : int, optional
+        The most points that are read at once.
+    memory : int or str, optional
+        Bytes that their points may take, 100 each: ``"2G"``; 4 GB.
+    crop, crop_relative, show_classes, hide_classes, filters, up
+        As in `read`. Only the parts of the files that reach into the box are read.
+
+    Returns `Levels`. Raises `Error`: "usage" for files that are not COPC, "io", "bad_input".
+    """
+    wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
+    return Levels(_engine.open(items_of(_words_of(files, more)), [], count_of("max_points", max_points), count_of("memory", memory), up,
+                               wishes, True))
+
+
+def _words_of(files, more=()):
     words = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    words = [os.fspath(word) for word in (*words, *more)]
+    return [os.fspath(word) for word in (*words, *more)]
+
+
+def items_of(things, rows=None):
+    """Files and clouds as the engine takes them, all of them moved by the same 16 numbers."""
+    return [(thing if isinstance(thing, str) else as_cloud(thing)._engine, rows) for thing in things]
+
+
+def selection_of(crop, crop_relative, show_classes, hide_classes, filters):
+    """What is wanted of the points, as the engine takes it."""
     filters = [filters] if isinstance(filters, str) else list(filters)
-    if max_points is not None and max_points < 1:
-        raise Error("max_points: give at least 1")
-    wishes = _wishes(crop=_six(crop), crop_relative=_six(crop_relative), show_classes=_list(show_classes),
-                     hide_classes=_list(hide_classes), filters=filters)
-    return Cloud._of(_engine.read(words, list(columns), max_points, up, wishes, every_attribute, _progress.callback(progress)))
+    return _wishes(crop=_six(crop), crop_relative=_six(crop_relative), show_classes=_list(show_classes),
+                   hide_classes=_list(hide_classes), filters=filters)
 
 
 def _list(values):

@@ -2,14 +2,15 @@
 import os
 
 from . import _engine, _progress
-from ._camera import Camera, orbit, path
-from ._cloud import Cloud, as_cloud
+from ._camera import Camera, orbit
+from ._cloud import Cloud, Levels, selection_of
 from ._error import Error
+from ._look import KEYWORDS, Look, count_of, options_of
+from ._scene import Scene
 from ._techniques import settings_of
 
 ALL_OUTPUTS = ("rgba", "linear", "depth", "normal")
-_KEYWORDS = ("colors", "technique", "camera", "size", "normals", "scalars", "radii", "background", "up", "color", "color_by",
-             "colormap", "range", "hide_classes", "whole", "draw", "outputs", "progress")
+_KEYWORDS = ("colors", "camera", "size", "normals", "scalars", "radii", "memory", "preset", "outputs", "panorama", "progress", *KEYWORDS)
 
 
 class Picture:
@@ -82,6 +83,12 @@ class Picture:
         return self._shot.color_by
 
     @property
+    def legend(self):
+        """What the colours mean, as a dict: `title` and either `low`, `high` and `colormap` (see `colormap`), or `swatches`: (label,
+        (r, g, b), points) each. None where colours explain themselves."""
+        return self._shot.legend
+
+    @property
     def background(self):
         """sRGB from 0 to 1."""
         return self._shot.background
@@ -137,9 +144,10 @@ def _color_text(name, value):
     return ",".join(repr(v) for v in values)
 
 
-def _color_wishes(color, color_by, colormap, range):
+def _color_wishes(color, color_by, colormap, range, exposure):
     wishes = {"color": _color_text("color", color), "color_by": color_by, "colormap": colormap,
-              "range": None if range is None else tuple(float(v) for v in range)}
+              "range": None if range is None else tuple(float(v) for v in range),
+              "exposure": None if exposure is None else float(exposure)}
     return {name: value for name, value in wishes.items() if value is not None}
 
 
@@ -151,51 +159,130 @@ class Renderer:
     ...         ...
 
     The parameters are those of `render`. Any thread may use it; all renderers share one OpenGL context and take turns.
+    Of COPC files with more points than `memory` and `max_points` allow, and of `Levels`, each picture reads what it shows.
     """
 
     def __init__(self, points, colors=None, technique="auto", normals=None, scalars=None, radii=None, background="auto",
-                 up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False, draw=(),
-                 progress=None, **parameters):
+                 up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
+                 show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
+                 preset=None, progress=None, **parameters):
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
             color, colors = colors, None
-        own = None
-        if isinstance(points, Cloud):
-            if any(each is not None for each in (colors, normals, scalars, radii)):
-                raise Error("a Cloud brings its own colours, normals, scalars and radii; set them there")
-            own = points
-        elif isinstance(points, (str, os.PathLike)) or all(each is None for each in (colors, normals, scalars, radii)):
-            cloud = as_cloud(points, progress)
-        else:
-            cloud = Cloud(points, colors, normals, scalars, radii, progress=progress)
-        wishes = _color_wishes(color, color_by, colormap, range)
-        wishes["hide_classes"] = [int(each) for each in hide_classes or ()]
-        wishes["background"] = _color_text("background", background) or "auto"
-        wishes["up"] = up
-        wishes["whole"] = bool(whole)
-        wishes["draw"] = [draw] if isinstance(draw, str) else [str(rule) for rule in draw]
-        # A cloud that nobody else sees is handed over.
-        self._stage = _engine.Stage((own or cloud)._engine, own is None, technique, settings, wishes, _progress.callback(progress))
+        given = {"technique": technique, "background": background, "up": up, "color": color, "color_by": color_by,
+                 "colormap": colormap, "range": range, "exposure": exposure, "hide_classes": tuple(hide_classes or ()),
+                 "show_classes": show_classes, "filters": [filters] if isinstance(filters, str) else list(filters), "crop": crop,
+                 "crop_relative": crop_relative, "max_points": max_points, "whole": whole,
+                 "draw": [draw] if isinstance(draw, str) else [str(rule) for rule in draw]}
+        # Each wins over what comes before it: what is always so, the scene, the preset, what is given.
+        look = points._look() if isinstance(points, Scene) else Look()
+        preset = Look.of(preset)
+        wanted = {**KEYWORDS, **look.keywords, **preset.keywords,
+                  **{name: value for name, value in given.items() if not (value is None or value == KEYWORDS[name] or value == [])}}
+        self._wanted, self._settings = wanted, settings
+        self._preset_parameters = look.parameters + preset.parameters
+        self._first = {**look.view, **preset.view}
+        self._first_camera = preset.camera or look.camera
+        self._progress = _progress.callback(progress)
+        self.legend = bool(wanted["legend"])
 
-    def render(self, camera=None, size=None, technique=None, outputs=ALL_OUTPUTS, progress=None, **parameters):
+        wishes = _color_wishes(*(wanted[name] for name in ("color", "color_by", "colormap", "range", "exposure")))
+        selection = selection_of(wanted["crop"], wanted["crop_relative"], wanted["show_classes"], wanted["hide_classes"], wanted["filters"])
+        wishes["background"] = _color_text("background", wanted["background"]) or "auto"
+        wishes["up"] = wanted["up"]
+        wishes["whole"] = bool(wanted["whole"])
+        wishes["draw"] = wanted["draw"]
+        if self._preset_parameters:
+            wishes["preset_parameters"] = self._preset_parameters
+            wishes["preset_file"] = preset.file or look.file
+        max_points = count_of("max_points", wanted["max_points"])
+
+        brings = any(each is not None for each in (colors, normals, scalars, radii))
+        self._levels = self._opened = self._key = self._sources = None
+        if isinstance(points, (str, os.PathLike)):
+            self._sources = [(os.fspath(points), None)]
+        elif isinstance(points, (list, tuple)) and points and all(isinstance(each, (str, os.PathLike)) for each in points):
+            self._sources = [(os.fspath(each), None) for each in points]
+        elif isinstance(points, Scene):
+            self._sources = points._sources()
+        if brings and (self._sources or isinstance(points, (Cloud, Levels))):
+            raise Error("a Cloud, a file or a scene brings its own colours, normals, scalars and radii; set them there")
+        if isinstance(points, Levels):
+            self._levels = points._engine
+        elif self._sources:
+            self._levels = _engine.open(self._sources, list(wanted["columns"]), max_points, count_of("memory", memory), wanted["up"],
+                                        selection, False)
+        if self._levels:
+            wishes["is_selected"] = True
+            self._wishes = wishes
+            _engine.has_shadows(wanted["technique"], settings, wishes, [])  # what is wrong is said before anything is read
+            self._stand = self._levels.stand(wanted["up"], bool(wanted["whole"]), self._progress)
+            return
+        own = False
+        if self._sources:
+            _engine.has_shadows(wanted["technique"], settings, wishes, [])
+            cloud = _engine.read(self._sources, list(wanted["columns"]), max_points, wanted["up"], selection, False, self._progress)
+            wishes["is_selected"] = True
+        else:
+            own = isinstance(points, Cloud)
+            cloud = (points if own else Cloud(points, colors, normals, scalars, radii, progress=progress))._engine
+            wishes.update(selection)
+            if max_points is not None:
+                wishes["max_points"] = max_points
+        # A cloud that nobody else sees is handed over.
+        self._opened = self._stand = _engine.Stage(cloud, not own, wanted["technique"], settings, wishes, None, self._progress)
+
+    @property
+    def _stage(self):
+        """Of files that are read in parts, with what the last picture needed, or the first view."""
+        if self._opened is None:
+            self._read([self._stand.first_view(1280, 720)], False, [])
+        return self._opened
+
+    def _read(self, cameras, panorama, settings):
+        """Reads what these views need of files that are read in parts."""
+        if self._levels is None:
+            return
+        shadows = _engine.has_shadows(self._wanted["technique"], self._settings, self._wishes, settings)
+        key = tuple(camera.to_json() for camera in cameras), panorama, shadows
+        if key == self._key:
+            return
+        self._key = None
+        if self._opened is not None:
+            self._opened.close()  # room for what comes
+        cloud = self._levels.read(cameras, panorama, shadows, self._progress)
+        self._opened = _engine.Stage(cloud, True, self._wanted["technique"], self._settings, self._wishes, self._stand, self._progress)
+        self._key = key
+
+    def render(self, camera=None, size=None, technique=None, outputs=ALL_OUTPUTS, progress=None, panorama=False, legend=None,
+               **parameters):
         """A `Picture`. Everything is as in the function `render`; technique and parameters given here hold for this
         picture, on top of those of the renderer. What another technique needs is computed once."""
-        return self._render(self._camera(camera, size), size, technique, outputs, None, progress, settings_of(parameters, _KEYWORDS))
+        settings = settings_of(parameters, _KEYWORDS)
+        camera = self._panorama(camera, size) if panorama else self._camera(camera, size)
+        self._read([camera or self._stand.first_view(*_size(size or (1280, 720)))], panorama, settings)
+        return self._render(camera, size, technique, outputs, None, progress, settings, panorama, legend)
 
-    def _render(self, camera, size, technique, outputs, light_from, progress, settings):
+    def _render(self, camera, size, technique, outputs, light_from, progress, settings, panorama=False, legend=None):
         outputs = [outputs] if isinstance(outputs, str) else list(outputs)
-        return Picture(self._stage.render(camera, _size(size or (1280, 720)), technique, settings, outputs, light_from,
+        legend = self.legend if legend is None else bool(legend)
+        return Picture(self._stage.render(camera, _size(size or (1280, 720)), technique, settings, outputs, light_from, panorama, legend,
                                           _progress.callback(progress)))
 
-    def _camera(self, camera, size):
+    def _camera(self, camera, size, default=(1280, 720)):
         """None is the first view of `size`."""
         if camera is None:
-            return None
+            if self._first_camera is None and not self._first:
+                return None
+            wishes = {**self._first, **({"size": size} if size else {})}
+            if self._first_camera is None:
+                return self.view(**{"size": default, **wishes})
+            return self.view(start=self._first_camera, **wishes) if wishes else self._first_camera
         if isinstance(camera, (str, os.PathLike)):
             name = os.fspath(camera)
-            camera = Camera.load(name) if name.endswith(".json") else self.view(name, **({"size": size} if size else {}))
+            camera = Camera.load(name) if name.endswith(".json") else self.view(name, size=size or self._first.get("size", default))
         elif isinstance(camera, dict):
-            camera = self.view(**{"size": size or (1280, 720), **camera})
+            camera = self.view(**{"size": size or self._first.get("size", default), **camera})
         if not isinstance(camera, _engine.Camera):
             raise Error("camera: give a Camera, the name of a side, angles as a dict, or a JSON file")
         if size is None or _size(size) == camera.size:
@@ -204,8 +291,22 @@ class Renderer:
             raise Error("size does not go with the intrinsics of a camera: they hold for its own width and height")
         return camera.resized(*_size(size))
 
+    def _panorama(self, camera, size):
+        """Where to look around, as the command finds it."""
+        stands = camera is None and self._first_camera is not None or isinstance(camera, _engine.Camera)
+        stands = stands or isinstance(camera, dict) and camera.get("position") is not None
+        stands = stands or isinstance(camera, (str, os.PathLike)) and os.fspath(camera).endswith(".json")
+        stands = stands or camera is None and "position" in self._first
+        found = self._camera(camera, size, (2048, 1024)) or self._stand.first_view(*_size(size or (2048, 1024)))
+        return found if stands else self._stand.inside(found)
+
+    def save_preset(self, file, camera=None):
+        """Writes technique, parameters, colours and selection as JSON, for ``preset=`` and ``sfumato --preset``; with a `Camera`
+        also the view. The file appears when it is complete."""
+        _engine.save_preset(os.fspath(file), self.technique, [*self._preset_parameters, *self._settings], options_of(self._wanted), camera, [])
+
     def view(self, side=None, azimuth=None, elevation=None, zoom=1.0, roll=0.0, look_at=None, distance=None, fov=None,
-             orthographic=False, size=(1280, 720)):
+             orthographic=False, size=None, position=None, direction=None, view_up=None, start=None):
         """A `Camera` that shows the cloud.
 
         Parameters
@@ -226,11 +327,23 @@ class Renderer:
             Full vertical angle in degrees, from where 45 degrees show everything.
         orthographic : bool
             Parallel projection.
-        size : (width, height)
-            Pixels.
+        size : (width, height), optional
+            Pixels; (1280, 720), or those of `start`.
+        position : three numbers, optional
+            World: stands there, looking at `look_at`, along `direction`, or at the middle.
+        direction, view_up : three numbers, optional
+            Of the view, and what is up in the picture.
+        start : `Camera`, optional
+            Changes this one, in place of the view that shows the scan.
         """
-        wishes = {"zoom": float(zoom), "roll": float(roll), "orthographic": bool(orthographic), "size": _size(size)}
+        wishes = {"zoom": float(zoom), "roll": float(roll), "orthographic": bool(orthographic)}
+        if size is not None:
+            wishes["size"] = _size(size)
+        if start is not None:
+            wishes["start"] = start
         if side is not None:
+            if position is not None or direction is not None:
+                raise Error("a side and position or direction contradict each other: give one of them")
             if azimuth is not None or elevation is not None:
                 raise Error("a side and azimuth or elevation contradict each other: give one of them")
             azimuth, elevation = _engine.find_view(side)
@@ -238,14 +351,15 @@ class Renderer:
         for name, value in (("azimuth", azimuth), ("elevation", elevation), ("distance", distance), ("fov", fov)):
             if value is not None:
                 wishes[name] = float(value)
-        if look_at is not None:
-            wishes["look_at"] = tuple(float(v) for v in look_at)
-        return Camera._of(self._stage.view(wishes))
+        for name, value in (("look_at", look_at), ("position", position), ("direction", direction), ("view_up", view_up)):
+            if value is not None:
+                wishes[name] = tuple(float(v) for v in value)
+        return Camera._of(self._stand.view(wishes))
 
     def orbit(self, frames=120, degrees=360.0, start=None, size=None):
         """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view."""
-        camera = self._camera(start, size) or self._stage.first_view(*_size(size or (1280, 720)))
-        return orbit(camera, frames, degrees, self._stage.up_vector)
+        camera = self._camera(start, size) or self._stand.first_view(*_size(size or (1280, 720)))
+        return orbit(camera, frames, degrees, self._stand.up_vector)
 
     def frames(self, cameras, technique=None, outputs=("rgba",), progress=None, **parameters):
         """Yields a `Picture` for each camera. The light stays where it is for the first.
@@ -256,8 +370,11 @@ class Renderer:
         report = _progress.callback(progress)
         total = len(cameras) if hasattr(cameras, "__len__") else None
         first = None
+        if self._levels is not None:  # read once, for all of them
+            cameras = [self._camera(camera, None) or self._stand.first_view(1280, 720) for camera in cameras]
+            self._read(cameras, False, settings)
         for number, camera in enumerate(cameras):
-            camera = self._camera(camera, None) or self._stage.first_view(1280, 720)
+            camera = self._camera(camera, None) or self._stand.first_view(1280, 720)
             # A single picture has the light of single pictures.
             first = first or (camera if total != 1 else None)
             yield self._render(camera, None, technique, outputs, first, None, settings)
@@ -303,9 +420,15 @@ class Renderer:
                 process.kill()
                 process.wait()
 
-    def color(self, color=None, color_by=None, colormap=None, range=None):
+    def color(self, color=None, color_by=None, colormap=None, range=None, exposure=None):
         """Other colours for the same points, as in `render`."""
-        self._stage.set_color(_color_wishes(color, color_by, colormap, range))
+        wishes = _color_wishes(color, color_by, colormap, range, exposure)
+        self._stage.set_color(wishes)
+        self._wanted.update(color=color, color_by=color_by, colormap=colormap, range=range, exposure=exposure)
+        if self._levels is not None:  # also for what is read next
+            for name in ("color", "color_by", "colormap", "range", "exposure"):
+                self._wishes.pop(name, None)
+            self._wishes.update(wishes)
 
     @property
     def technique(self):
@@ -315,14 +438,15 @@ class Renderer:
     @property
     def up(self):
         """The axis that is up: what "auto" became."""
-        return self._stage.up
+        return self._stand.up
 
     def __len__(self):
         return len(self._stage)
 
     def close(self):
         """Frees the GPU's memory; so does deleting the renderer."""
-        self._stage.close()
+        if self._opened is not None:
+            self._opened.close()
 
     def __enter__(self):
         return self
@@ -332,16 +456,18 @@ class Renderer:
 
 
 def render(points, colors=None, technique="auto", camera=None, size=None, normals=None, scalars=None, radii=None,
-           background="auto", up=None, color=None, color_by=None, colormap=None, range=None, hide_classes=(7, 18), whole=False,
-           draw=(), outputs=ALL_OUTPUTS, progress=None, **parameters):
+           background="auto", up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
+           show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
+           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, **parameters):
     """A picture of points: the same bytes as the command gives for the same view and parameters.
 
     >>> sfumato.render(xyz, rgb, technique="surface", shadows="soft").save("scan.png")
 
     Parameters
     ----------
-    points : array (N, 3), path, `Cloud`, or a point cloud of another library
-        World coordinates, scene units, float32 or float64; see `Cloud` for what else is taken, `read` for files.
+    points : array (N, 3), path, `Cloud`, `Scene`, `Levels`, or a point cloud of another library
+        World coordinates, scene units, float32 or float64; see `Cloud` for what else is taken, `read` for files. A list of
+        paths is one scene.
     colors : array (N, 3) or (N, 4), or one colour, optional
         sRGB, bytes or floats from 0 to 1; "steelblue" paints every point alike.
     technique : str
@@ -365,15 +491,29 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         `colormaps()` lists them.
     range : (low, high), optional
         Values at the ends of the colour map; the 2-98 % percentiles.
+    exposure : float, optional
+        Brightness of the file's own colours, 1: as they are; what suits them.
     hide_classes : list of int
         Classification codes that are left out, with withheld points: noise. () shows all.
+    show_classes, filters, crop, crop_relative, max_points
+        As in `read`.
+    memory : int or str, optional
+        Bytes that the points of COPC files may take, ``"2G"``; 4 GB. Beyond it, or `max_points`, only what the view shows is read.
     whole : bool
         Draws a room with the walls that hide it from outside.
     draw : list of str
         Other techniques for some points: "classification 3-5: soft opacity=0.2". The first rule that selects a point draws
         it; the others are drawn by `technique`. As ``--draw`` of the command.
+    preset : path or dict, optional
+        Technique, parameters, colours and view that hold unless others are given here: a file of ``--save-preset`` or
+        `Renderer.save_preset`, or keywords.
     outputs : list of "rgba", "linear", "depth", "normal"
         Which arrays the picture has; fewer are faster.
+    panorama : bool
+        Everything around a place in one picture twice as wide as high, (2048, 1024): around the camera, else where the scanner
+        stood, else in the middle. Depth is the distance from there.
+    legend : bool
+        Explains the colours in a corner of `Picture.rgba`.
     progress : function of (share, text) or a tqdm bar, optional
     **parameters
         Any parameter of the technique (`techniques`) or the analysis: ``point_size=2``, ``shadows="soft"``, ``samples=8``.
@@ -389,11 +529,31 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         driver (software will do), "out_of_memory".
     """
     renderer = Renderer(points, colors, technique, normals, scalars, radii, background, up, color, color_by, colormap, range,
-                        hide_classes, whole, draw, progress, **parameters)
+                        exposure, hide_classes, show_classes, filters, crop, crop_relative, max_points, memory, whole, draw, preset,
+                        progress, **parameters)
     with renderer:
-        return renderer.render(camera, size, None, outputs, progress)
+        return renderer.render(camera, size, None, outputs, progress, panorama, legend)
+
+
+def contact_sheet(pictures, labels=None):
+    """Pictures of one size side by side, each below its label, as ``-t all`` of the command makes them: a `Picture` with `rgba` alone.
+
+    `labels` are by default the names of the techniques.
+    """
+    pictures = list(pictures)
+    labels = [picture.technique for picture in pictures] if labels is None else [str(label) for label in labels]
+    if not pictures or len(labels) != len(pictures):
+        raise Error(f"contact_sheet: found {len(pictures)} pictures and {len(labels)} labels, expected one label a picture")
+    return Picture(_engine.contact_sheet([picture._shot for picture in pictures], labels))
 
 
 def colormaps():
     """The names of the colour maps."""
     return list(_engine.colormap_names())
+
+
+def colormap(name, count=256):
+    """The colours of a map from its low end to its high one, uint8 (count, 3), sRGB; `colormaps` lists the names."""
+    if count < 1:
+        raise Error("count: give at least 1")
+    return _engine.colormap(name, int(count))

@@ -87,17 +87,22 @@ def text_of(name, value):
 _known = None
 
 
-def settings_of(parameters, keywords=()):
-    """Names and values as texts. Raises `Error` for a name that neither a technique nor a keyword has."""
-    from ._error import Error
-
+def is_parameter(name):
+    """Whether a technique or the analysis has it, with underscores or dashes, maybe qualified by a technique."""
     global _known
     if _known is None:
         _known = {p["name"] for row in _engine.techniques() for key in ("parameters", "shared_parameters") for p in row[key]}
         _known |= {p["name"] for p in _engine.analysis_parameters()}
+    return name.rpartition(".")[2].replace("-", "_") in _known
+
+
+def settings_of(parameters, keywords=()):
+    """Names and values as texts. Raises `Error` for a name that neither a technique nor a keyword has."""
+    from ._error import Error
+
     for name in parameters:
         plain = name.rpartition(".")[2].replace("-", "_")
-        if plain not in _known:
+        if not is_parameter(name):
             near = _engine.nearest_word(plain, sorted(_known) + list(keywords))
             raise Error(f"no technique has a parameter '{name}'" + (f"; did you mean '{near}'?" if near else "; sfumato.techniques() lists them"))
     return [(name, text_of(name, value)) for name, value in parameters.items()]

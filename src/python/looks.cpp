@@ -1,0 +1,69 @@
+// Presets and scenes as files.
+#include "bindings.h"
+#include "cloud.h"
+#include "core/param.h"
+#include "session/choice.h"
+#include "session/preset.h"
+
+namespace sfumato::python {
+namespace {
+
+py::list list_of(const NamesAndValues& values) {
+  py::list rows;
+  for (const auto& [name, value] : values) rows.append(py::make_tuple(name, value));
+  return rows;
+}
+
+py::dict load(const std::string& file) {
+  const Preset preset = load_preset(file);
+  py::dict out;
+  out["technique"] = preset.technique;
+  out["options"] = list_of(preset.options);
+  out["parameters"] = list_of(preset.parameters);
+  out["camera"] = preset.camera;
+  py::list files;
+  for (const scene::SceneFile& each : preset.files) {
+    py::object rows = py::none();
+    if (each.transform) {
+      py::list numbers;
+      for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column) numbers.append((*each.transform)[column][row]);
+      rows = numbers;
+    }
+    files.append(py::make_tuple(each.name, rows));
+  }
+  out["files"] = files;
+  return out;
+}
+
+/// `given`: options as the command spells them; `files`: names and 16 numbers or None.
+void save(const std::string& file, const std::string& technique, const Settings& parameters,
+          const NamesAndValues& given, const std::optional<Camera>& camera, const py::list& files) {
+  Choice choice(technique);
+  for (const auto& [name, value] : parameters) {
+    const std::size_t dot = name.find('.');
+    for (const auto& look : choice.techniques)
+      if (dot == std::string::npos || name.substr(0, dot) == look->name)
+        if (Param* param = look->parameters.find(name.substr(dot == std::string::npos ? 0 : dot + 1)))
+          param->set(value);
+    if (Param* param = choice.prepare_parameters.find(name)) param->set(value);
+  }
+  std::vector<scene::SceneFile> placed;
+  for (const py::handle& each : files) {
+    const auto pair = each.cast<py::tuple>();
+    placed.push_back({pair[0].cast<std::string>(), {}});
+    if (!pair[1].is_none()) placed.back().transform = transform_of(pair[1].cast<std::vector<double>>());
+  }
+  const py::gil_scoped_release release;
+  save_preset(file, choice.looks(), choice.prepare_parameters, given, camera, placed, choice.automatic());
+}
+
+}  // namespace
+
+void bind_looks(py::module_& module) {
+  module.def("load_preset", &load);
+  module.def("save_preset", &save);
+  module.def("parse_count", &parse_count);
+}
+
+}  // namespace sfumato::python
