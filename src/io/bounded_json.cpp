@@ -42,6 +42,8 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
     what = what.substr(0, what.find("; last read"));
     refuse("not valid JSON: line " + std::to_string(line) + ", column " + std::to_string(column) +
            (what.empty() ? "" : ": " + what));
+  } catch (const Json::exception&) {  // 1e400
+    refuse("a number is too large; numbers end at 1.8e308");
   }
   return {};
 }

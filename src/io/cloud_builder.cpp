@@ -81,6 +81,9 @@ void load(const Column& column, const std::byte* from, std::size_t count, bool s
   }
 }
 
+/// The differences of coordinates are floats, whatever the file holds: beyond this they would be infinite.
+bool is_coordinate(double value) { return std::abs(value) <= 1e37; }
+
 /// Adds the finite values to `stats`; false when some were not finite. Eight independent lanes, so that the
 /// compiler can use vector registers.
 template <class T>
@@ -224,12 +227,13 @@ void CloudBuilder::decode_positions(Cursor& cursor, Batch& batch, std::vector<V>
     const Column& column = columns_[std::size_t(xyz_[k])];
     load(column, batch.at(column), batch.count, swap_, axis[k]);
     finite = accumulate(axis[k], batch.count, stats[k]) && finite;
+    finite = finite && (stats[k].count == 0 || (is_coordinate(stats[k].min) && is_coordinate(stats[k].max)));
   }
   batch.kept = batch.count;
   if (!finite) {
     batch.kept = 0;
     for (std::size_t i = 0; i < batch.count; ++i)
-      if (std::isfinite(axis[0][i]) && std::isfinite(axis[1][i]) && std::isfinite(axis[2][i]))
+      if (is_coordinate(axis[0][i]) && is_coordinate(axis[1][i]) && is_coordinate(axis[2][i]))
         batch.keep[batch.kept++] = std::uint16_t(i);
     for (int k = 0; k < 3; ++k) {
       batch.compact(axis[k]);

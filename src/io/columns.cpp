@@ -100,6 +100,7 @@ dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {
   dvec3 origin(0);
   for (int k = 0; k < 3; ++k) {
     const double largest = std::max(std::abs(min[k]), std::abs(max[k]));
+    if (largest < 1e-30) continue;  // the steps below would be no numbers
     // Floats at 16 times the extent still resolve a millionth of it.
     if (largest <= 16 * extent || (extent == 0 && double(float(min[k])) == min[k])) continue;
     // A multiple of a power of two no finer than float's step at these numbers: float - origin is then exact.

@@ -30,7 +30,7 @@ void Choice::settle(const TechniqueChoice& found) {
   const auto has_all = [&](ChosenTechnique& one, std::string* lacks) {
     for (const auto& [name, value] : given) {
       if (one.parameters.find(name) || prepare_parameters.find(name)) continue;
-      const bool of_another = std::any_of(techniques.begin(), techniques.end(), [&](const auto& other) {
+      const bool of_another = std::any_of(techniques.begin(), techniques.end(), [&, name = name](const auto& other) {
         return other->candidate && other->parameters.find(name);
       });
       if (of_another) return *lacks = name, false;
