@@ -114,7 +114,7 @@ std::unique_ptr<Source> open_source(const std::filesystem::path& file, const std
   } else {
     refuse_large(file, size, memory);
     io::ReadOptions options;
-    options.every_attribute = true;
+    options.every_attribute = options.strict = true;
     const io::ReadResult result = io::read(file, options, progress);
     try {
       source = std::make_unique<CloudSource>(result, output, progress);

@@ -83,12 +83,12 @@ Tree read_tree(const std::filesystem::path& path) {
 }
 
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
-                          std::vector<std::string>& damage, Progress& progress) {
+                          Progress& progress) {
   std::vector<std::size_t> in_order = nodes;
   std::sort(in_order.begin(), in_order.end());
   std::vector<io::las::LazChunk> chunks;
   for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);
-  return io::read_las_chunks(tree.file, chunks, damage, progress);
+  return io::read_las_chunks(tree.file, chunks, progress);
 }
 
 }  // namespace sfumato::copc

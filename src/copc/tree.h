@@ -48,9 +48,9 @@ bool is_tree(const std::filesystem::path& file);
 /// Reads header and hierarchy. Throws Error(bad_input) when they are damaged.
 Tree read_tree(const std::filesystem::path& file);
 
-/// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. `damage`: one line for each
-/// node that cannot be decoded and is left out.
+/// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. Nodes that cannot be decoded
+/// are left out: see the report.
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
-                          std::vector<std::string>& damage, Progress& progress = no_progress());
+                          Progress& progress = no_progress());
 
 }  // namespace sfumato::copc

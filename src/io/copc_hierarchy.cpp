@@ -79,6 +79,7 @@ std::vector<CopcNode> read_copc_tree(const InputFile& file, const Header& header
     if (node.byte < end)
       file.fail(node.byte, "found two octree nodes that overlap, expected one behind the other; the file is damaged");
     end = node.byte + node.size;
+    node.level = one.level, node.x = one.x, node.y = one.y, node.z = one.z;
     node.first = first;
     first += node.count;
   }

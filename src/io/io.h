@@ -22,6 +22,7 @@ struct AttributeStats {
 struct ReadOptions {
   std::vector<std::string> columns;          ///< text files: names by position, wins over the guess
   std::optional<std::uint64_t> max_points;   ///< deterministic subsample while or after reading
+  bool strict = false;                       ///< refuse a file of which parts are damaged
   bool every_attribute = false;              ///< also those of LAS that are zero everywhere: for conversions
 };
 
@@ -30,11 +31,13 @@ struct ReadReport {
   std::string format;                        ///< "las", "laz", "copc", "ply", "pcd", "text", ...
   std::uint64_t points = 0;                  ///< records in the file
   std::uint64_t points_finite = 0;           ///< kept (before any subsampling)
-  std::uint64_t points_dropped = 0;          ///< non-finite coordinates
+  std::uint64_t points_dropped = 0;          ///< coordinates that are not finite, or beyond 1e37
+  std::uint64_t points_missing = 0;          ///< in parts that are damaged and left out
   std::uint64_t normals_dropped = 0;         ///< zero or non-finite normals
   dvec3 bounds_min{0}, bounds_max{0};        ///< world, doubles, over the finite points
   std::vector<AttributeStats> attributes;    ///< in file order
   std::string crs;
+  std::vector<std::string> damage;           ///< the parts left out, one line each
   std::vector<std::string> notes;            ///< guesses and choices the user should see, one line each
 };
 
@@ -44,7 +47,8 @@ struct ReadResult {
 };
 
 /// Reads any supported file; the format is found by content first, extension second.
-/// Throws Error(bad_input) with file, byte or line, found, expected; Error(io) when it cannot be opened.
+/// Throws Error(bad_input) with file, byte or line, found, expected; Error(io) when it cannot be opened. Chunks of LAZ and
+/// nodes of COPC that are damaged are left out, and the report says so, unless `options.strict` or nothing else is left.
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options = {},
                 Progress& progress = no_progress());
 

@@ -3,11 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
 
 #include "core/subsample.h"
+#include "io/decoder_pool.h"
 #include "io/las_points.h"
 #include "io/las_records.h"
 
@@ -18,6 +20,8 @@ namespace {
 // Memory that is taken on the word of a compressed file: so much costs little when the word is wrong. Beyond it, and
 // beyond what compresses 64-fold, the cloud grows only as points come out.
 constexpr std::uint64_t trusted_bytes = 16 << 20, trusted_ratio = 64;
+// Chunks of a file that may end their decoder.
+constexpr int most_ended = 20;
 
 bool is_trusted(const InputFile& file, std::uint64_t cloud_bytes) {
   return cloud_bytes <= std::max(trusted_bytes, trusted_ratio * file.size());
@@ -115,15 +119,14 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
   const bool grows = !is_trusted(file, total * points.bytes_per_point());
   if (!grows) points.resize(total);
   std::vector<Stats> stats(chunks.size(), points.empty_stats());
+  std::atomic<int> ended = 0;
   const auto decode_all = [&](std::size_t i) {
     const LazChunk& chunk = chunks[i];
-    LazDecoder decoder(file, layout, chunk);
-    std::vector<std::uint8_t> records;
-    for (std::size_t done = 0; done < chunk.count;) {
+    LazDecoder decoder(file, layout, chunk, false, progress);
+    std::size_t done = 0;
+    for (std::span<std::uint8_t> records; !(records = decoder.next()).empty();) {
       progress.check();
-      const std::size_t count = std::min<std::size_t>(records_at_a_time(layout.record_length), chunk.count - done);
-      records.resize(count * layout.record_length);
-      decoder.decode(records.data(), count);
+      const std::size_t count = records.size() / layout.record_length;
       if (grows) points.resize(thinning.before(chunk.first + done + count));
       thinning.store(points, chunk.first + done, records.data(), count, stats[i]);
       done += count;
@@ -135,6 +138,8 @@ ReadResult read_chunks(const InputFile& file, const Header& header, const LazLay
     } catch (const Error& error) {
       if (!damage || error.code() != ErrorCode::bad_input) throw;
       (*damage)[i] = error.what();
+      // Each may have cost two seconds: this is no accident.
+      if ((*damage)[i].find("ended their decoder") != std::string::npos && ++ended > most_ended) throw;
     }
   };
   if (!grows)
@@ -151,14 +156,12 @@ ReadResult read_run(const InputFile& file, const Header& header, const LazLayout
                     const ReadOptions& options, Progress& progress) {
   PointCollector points(header, first_record(file, header, run.byte));
   const Thinning thinning(file, header, points.bytes_per_point(), options);
-  LazDecoder decoder(file, layout, run, true);
+  LazDecoder decoder(file, layout, run, true, progress);
   Stats stats = points.empty_stats();
-  const std::size_t block = records_at_a_time(header.record_length);
-  std::vector<std::uint8_t> records(block * header.record_length);
-  for (std::uint64_t done = 0; done < header.count;) {
+  std::uint64_t done = 0;
+  for (std::span<std::uint8_t> records; !(records = decoder.next()).empty();) {
     progress.check();
-    const std::size_t count = std::min<std::uint64_t>(block, header.count - done);
-    decoder.decode(records.data(), count);
+    const std::size_t count = records.size() / header.record_length;
     points.resize(thinning.before(done + count));
     thinning.store(points, done, records.data(), count, stats);
     done += count;
@@ -169,11 +172,45 @@ ReadResult read_run(const InputFile& file, const Header& header, const LazLayout
   return result;
 }
 
+void note_decoders(ReadResult& result) {
+  if (const std::string reason = why_no_decoders(); !reason.empty())
+    result.report.notes.push_back("LASzip decodes in this process, which a damaged file may end: " + reason);
+}
+
+// What of these chunks can be decoded.
+ReadResult read_intact(const InputFile& file, const Header& header, const LazLayout& layout,
+                       std::vector<LazChunk> wanted, const ReadOptions& options, Progress& progress) {
+  std::vector<std::string> damage;
+  std::uint64_t missing = 0;
+  while (true) {
+    std::uint64_t first = 0;
+    for (LazChunk& chunk : wanted) chunk.first = first, first += chunk.count;
+    std::vector<std::string> errors(wanted.size());
+    ReadResult result = read_chunks(file, header, layout, wanted, options, progress, &errors);
+    std::vector<LazChunk> whole;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (errors[i].empty()) whole.push_back(wanted[i]);
+      else damage.push_back(errors[i]), missing += wanted[i].count;
+    }
+    if (whole.size() == wanted.size()) {
+      result.report.damage = std::move(damage);
+      result.report.points += missing;
+      result.report.points_missing = missing;
+      return result;
+    }
+    wanted = std::move(whole);  // once more without them: damage is rare
+  }
+}
+
 ReadResult read_compressed(const InputFile& file, const Header& header, const ReadOptions& options, Progress& progress) {
   const LazChunks found = find_chunks(file, header);
   ReadResult result = found.is_run ? read_run(file, header, found.layout, found.chunks.front(), options, progress)
-                                   : read_chunks(file, header, found.layout, found.chunks, options, progress);
+                      : options.strict ? read_chunks(file, header, found.layout, found.chunks, options, progress)
+                                       : read_intact(file, header, found.layout, found.chunks, options, progress);
+  if (result.cloud.empty() && !result.report.damage.empty())
+    throw Error(ErrorCode::bad_input, result.report.damage.front());
   if (!found.note.empty()) result.report.notes.push_back(found.note);
+  note_decoders(result);
   return result;
 }
 
@@ -199,36 +236,24 @@ ReadResult read_las(const std::filesystem::path& path, const ReadOptions& option
   ReadResult result = header.compressed ? las::read_compressed(file, header, options, progress)
                                         : las::read_uncompressed(file, header, options, progress);
   // Columns of nothing but zeros were left out to save memory; a format that is not LAS would not know of them.
-  for (const auto& [name, type] :
+  for (const auto& column :
        {std::pair("user_data", StoredType::uint8), std::pair("point_source_id", StoredType::uint16)})
-    if (options.every_attribute && !result.cloud.scalar(name) &&
+    if (options.every_attribute && !result.cloud.scalar(column.first) &&
         std::any_of(result.report.attributes.begin(), result.report.attributes.end(),
-                    [&](const AttributeStats& attribute) { return attribute.name == name; }))
-      result.cloud.set_scalar({name, 0, std::vector<float>(result.cloud.size(), 0.0f), type});
+                    [&](const AttributeStats& attribute) { return attribute.name == column.first; }))
+      result.cloud.set_scalar({column.first, 0, std::vector<float>(result.cloud.size(), 0.0f), column.second});
   return result;
 }
 
-ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks,
-                           std::vector<std::string>& damage, Progress& progress) {
+ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks, Progress& progress) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
   const las::LazLayout layout = las::read_laz_layout(file, header);
-  std::vector<las::LazChunk> wanted = chunks;
-  while (true) {
-    std::uint64_t first = 0;
-    for (las::LazChunk& chunk : wanted) chunk.first = first, first += chunk.count;
-    std::vector<std::string> errors(wanted.size());
-    ReadResult result = las::read_chunks(file, header, layout, wanted, {}, progress, &errors);
-    std::vector<las::LazChunk> whole;
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (errors[i].empty()) whole.push_back(wanted[i]);
-      else damage.push_back(errors[i]);
-    }
-    result.report.file = path;
-    result.report.format = "copc";
-    if (whole.size() == wanted.size()) return result;
-    wanted = std::move(whole);  // once more without them: damage is rare
-  }
+  ReadResult result = las::read_intact(file, header, layout, chunks, {}, progress);
+  las::note_decoders(result);
+  result.report.file = path;
+  result.report.format = "copc";
+  return result;
 }
 
 }  // namespace sfumato::io

@@ -23,10 +23,8 @@ bool is_copc(std::string_view head);
 /// Throws Error(bad_input) with byte, found, expected, what to do.
 ReadResult read_las(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
-/// Reads only these chunks of a compressed file, in their order. Chunks that are damaged are left out; their errors go to
-/// `damage`, one line each.
-ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks,
-                           std::vector<std::string>& damage, Progress& progress);
+/// Reads only these chunks of a compressed file, in their order. Those that are damaged are left out: see the report.
+ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks, Progress& progress);
 
 /// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the values
 /// fit, else the least format that holds them and steps of about a float's precision.

@@ -26,6 +26,10 @@ std::optional<Bounds> header_bounds(const InputFile& file) {
   return box;
 }
 
+void number(std::vector<LazChunk>& chunks) {
+  for (std::size_t i = 0; i < chunks.size(); ++i) chunks[i].number = std::uint32_t(i);
+}
+
 }  // namespace
 
 std::size_t records_at_a_time(std::size_t record_length) {
@@ -47,11 +51,13 @@ LazChunks find_chunks(const InputFile& file, const Header& header) {
   std::string reason;
   if (auto chunks = read_chunk_table(file, header, found.layout, reason)) {
     found.chunks = std::move(*chunks);
+    number(found.chunks);
     return found;
   }
   found.note = reason + "; the points were found without it";
   if (found.layout.is_layered) {
     found.chunks = walk_layered_chunks(file, header, found.layout);
+    number(found.chunks);
     return found;
   }
   // Without a chunk table the chunks of point formats 0 to 5 can only be found by decoding one after the
@@ -85,16 +91,21 @@ void RecordFile::read(
     const std::function<void(std::uint64_t, const std::uint8_t*, std::size_t)>& sink) const {
   const InputFile file(path_);
   const auto [first, total] = parts_[part];
+  if (header_.compressed) {
+    LazDecoder decoder(file, chunks_.layout, chunks_.chunks[part], chunks_.is_run);
+    std::uint64_t done = 0;
+    for (std::span<std::uint8_t> records; !(records = decoder.next()).empty();) {
+      const std::size_t count = records.size() / header_.record_length;
+      sink(first + done, records.data(), count);
+      done += count;
+    }
+    return;
+  }
   const std::size_t length = header_.record_length, block = records_at_a_time(length);
   std::vector<std::uint8_t> records(std::min<std::uint64_t>(block, total) * length);
-  std::optional<LazDecoder> decoder;
-  if (header_.compressed) decoder.emplace(file, chunks_.layout, chunks_.chunks[part], chunks_.is_run);
   for (std::uint64_t done = 0; done < total;) {
     const std::size_t count = std::min<std::uint64_t>(block, total - done);
-    if (decoder)
-      decoder->decode(records.data(), count);
-    else
-      file.read(header_.point_data + (first + done) * length, records.data(), count * length);
+    file.read(header_.point_data + (first + done) * length, records.data(), count * length);
     sink(first + done, records.data(), count);
     done += count;
   }

@@ -1,11 +1,12 @@
 #include "io/laz_chunk.h"
 
 #include <algorithm>
-#include <istream>
-#include <streambuf>
+#include <optional>
 #include <utility>
 
-#include "io/laz_point.h"
+#include "io/decoder_pool.h"
+#include "io/las_records.h"
+#include "io/laz_raw.h"
 
 namespace sfumato::io::las {
 namespace {
@@ -48,49 +49,12 @@ std::uint32_t layer_count(const Header& header) {
          (header.record_length - min_record_length[std::size_t(format)]);
 }
 
-// A read-only stream over bytes which never ends: LASzip does not survive an end of file where a chunk begins, so
-// zeros follow, and `is_overrun` tells that they were asked for.
-class ChunkBuffer : public std::streambuf {
- public:
-  explicit ChunkBuffer(std::vector<std::uint8_t>& bytes) {
-    begin_ = reinterpret_cast<char*>(bytes.data());
-    end_ = begin_ + bytes.size();
-    setg(begin_, begin_, end_);
-  }
-  bool is_overrun() const { return is_overrun_; }
-
- protected:
-  int_type underflow() override {
-    is_overrun_ = true;
-    setg(zeros_, zeros_, zeros_ + sizeof zeros_);
-    return 0;
-  }
-  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-    const off_type here = is_overrun_ ? end_ - begin_ : gptr() - begin_;
-    const off_type base = from == std::ios_base::beg ? 0 : from == std::ios_base::end ? end_ - begin_ : here;
-    return seekpos(pos_type(base + offset), std::ios_base::in);
-  }
-  pos_type seekpos(pos_type position, std::ios_base::openmode) override {
-    const off_type at = std::clamp<off_type>(off_type(position), 0, end_ - begin_);
-    setg(begin_, begin_ + at, end_);
-    return pos_type(at);
-  }
-
- private:
-  char* begin_ = nullptr;
-  char* end_ = nullptr;
-  char zeros_[4096] = {};
-  bool is_overrun_ = false;
-};
-
-// A LAS 1.4 file that holds one chunk (formats_and_faults: way b): header, the LASzip record, and the address of a
+// What stands before the chunk in a LAS 1.4 file that holds it alone: header, the LASzip record, and the address of a
 // chunk table equal to its own place, which LASzip takes as "no table, read on".
-std::vector<std::uint8_t> chunk_file(const LazLayout& layout, std::uint32_t count, std::uint32_t chunk_size,
-                                     std::uint64_t room) {
+std::vector<std::uint8_t> chunk_head(const LazLayout& layout, std::uint32_t count, std::uint32_t chunk_size) {
   constexpr std::uint32_t header_size = 375, vlr_header = 54;
   const std::uint32_t points = header_size + vlr_header + std::uint32_t(layout.vlr.size());
   std::vector<std::uint8_t> bytes(points + (layout.is_chunked ? 8 : 0));
-  bytes.reserve(bytes.size() + room);
   std::uint8_t* b = bytes.data();
   std::memcpy(b, "LASF", 4);
   b[24] = 1;
@@ -176,35 +140,33 @@ std::uint64_t layered_chunk_size(const LazLayout& layout, std::span<const std::u
   return size <= available ? size : 0;
 }
 
+// Of memory that LASzip takes beside the chunk: some MB.
+constexpr std::uint64_t decoder_memory_limit = 192 << 20;
+
+std::string name_of(const LazChunk& chunk) {
+  if (chunk.level < 0) return "chunk " + std::to_string(chunk.number);
+  std::string name = "node " + std::to_string(chunk.level);
+  for (const std::int32_t place : {chunk.x, chunk.y, chunk.z}) name += "-" + std::to_string(place);
+  return name;
+}
+
 struct LazDecoder::State {
   const InputFile& file;
   LazLayout layout;
   LazChunk chunk;
-  std::vector<std::uint8_t> bytes;
-  std::unique_ptr<ChunkBuffer> buffer;
-  std::unique_ptr<std::istream> stream;
-  laszip_POINTER laszip = nullptr;
-  laszip_point_struct* point = nullptr;
+  Progress& progress;
+  std::size_t block_points = 0;
   std::uint64_t decoded = 0;
-
-  ~State() {
-    if (!laszip) return;
-    laszip_close_reader(laszip);
-    laszip_destroy(laszip);
-  }
+  std::optional<DecoderJob> job;
+  // Where there are no decoder processes.
+  std::vector<std::uint8_t> bytes, records;
+  std::unique_ptr<LazRawDecoder> here;
 
   [[noreturn]] void fail(const std::string& what) const {
     file.fail(chunk.byte, "found " + what + " in the compressed points from point " +
-                              std::to_string(chunk.first + decoded) + " on; the file is truncated or damaged");
-  }
-
-  void check(laszip_I32 result) const {
-    if (result == 0) return;
-    laszip_CHAR* message = nullptr;
-    laszip_get_error(laszip, &message);
-    std::string text = message ? message : "an error";
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    fail("\"" + text + "\"");
+                              std::to_string(chunk.first + decoded) + " on (" + name_of(chunk) + ", points " +
+                              std::to_string(chunk.first) + " to " + std::to_string(chunk.first + chunk.count - 1) +
+                              "); the file is truncated or damaged");
   }
 
   // Heads of the streams inside the chunk, where LASzip trusts what it reads.
@@ -230,35 +192,71 @@ struct LazDecoder::State {
   }
 };
 
-LazDecoder::LazDecoder(const InputFile& file, const LazLayout& layout, const LazChunk& chunk, bool is_run)
-    : state_(new State{file, layout, chunk}) {
+LazDecoder::LazDecoder(const InputFile& file, const LazLayout& layout, const LazChunk& chunk, bool is_run,
+                       Progress& progress)
+    : state_(new State{file, layout, chunk, progress}) {
   State& s = *state_;
-  s.bytes = chunk_file(layout, chunk.count, is_run ? layout.chunk_size : std::max(1u, chunk.count), chunk.size);
-  const std::size_t head = s.bytes.size();
+  s.block_points = std::min<std::size_t>(records_at_a_time(layout.record_length), chunk.count);
   if (chunk.byte > file.size() || chunk.size > file.size() - chunk.byte)
     file.fail(chunk.byte, "found a chunk of " + std::to_string(chunk.size) + " bytes, expected it to end before the " +
                               "file's " + std::to_string(file.size()) + "; the file is truncated or damaged");
-  s.bytes.resize(head + chunk.size);
-  file.read(chunk.byte, s.bytes.data() + head, chunk.size);
-  s.check_chunk(s.bytes.data() + head);
-  s.buffer = std::make_unique<ChunkBuffer>(s.bytes);
-  s.stream = std::make_unique<std::istream>(s.buffer.get());
-  if (laszip_create(&s.laszip) != 0) throw Error(ErrorCode::out_of_memory, "LASzip cannot be started: no memory");
-  laszip_BOOL is_compressed = 0;
-  s.check(laszip_open_reader_stream(s.laszip, *s.stream, &is_compressed));
-  s.check(laszip_get_point_pointer(s.laszip, &s.point));
+  if (chunk.count == 0) return;
+  const std::vector<std::uint8_t> head =
+      chunk_head(layout, chunk.count, is_run ? layout.chunk_size : std::max(1u, chunk.count));
+  const std::size_t size = head.size() + chunk.size, block_size = s.block_points * layout.record_length;
+  std::span<std::uint8_t> input;
+  if (why_no_decoders().empty()) {
+    s.job.emplace();
+    input = s.job->make_room(size, block_size);
+  } else {
+    s.bytes.resize(size);
+    input = s.bytes;
+  }
+  std::copy(head.begin(), head.end(), input.begin());
+  file.read(chunk.byte, input.data() + head.size(), chunk.size);
+  s.check_chunk(input.data() + head.size());
+  try {
+    if (!s.job) {
+      s.records.resize(block_size);
+      s.here = std::make_unique<LazRawDecoder>(input, layout.format, layout.record_length);
+      return;
+    }
+    DecodeJob job;
+    job.format = std::uint32_t(layout.format), job.record_length = layout.record_length;
+    job.block_points = std::uint32_t(s.block_points), job.points = chunk.count;
+    job.input_size = size;
+    s.job->begin(job, decoder_memory_limit);
+  } catch (const LazFault& fault) {
+    s.fail(fault.what());
+  } catch (const DecodeFault& fault) {
+    s.fail(fault.what());
+  }
 }
 
-LazDecoder::~LazDecoder() = default;
+LazDecoder::~LazDecoder() {
+  if (state_->job && state_->decoded == state_->chunk.count) state_->job->done();
+}
 
-void LazDecoder::decode(std::uint8_t* records, std::size_t count) {
+std::span<std::uint8_t> LazDecoder::next() {
   State& s = *state_;
-  for (std::size_t i = 0; i < count; ++i) {
-    s.check(laszip_read_point(s.laszip));
-    if (s.buffer->is_overrun()) s.fail("the end");
-    pack_point(*s.point, s.layout.format, s.layout.record_length, records + i * s.layout.record_length);
-    ++s.decoded;
+  const std::size_t count = std::min<std::uint64_t>(s.block_points, s.chunk.count - s.decoded);
+  if (count == 0) return {};
+  std::span<std::uint8_t> records;
+  try {
+    if (s.job) {
+      records = s.job->next(count, s.layout.record_length, s.progress);
+      if (records.size() != count * s.layout.record_length) s.fail("too few points");
+    } else {
+      records = std::span(s.records).first(count * s.layout.record_length);
+      s.here->decode(records.data(), count);
+    }
+  } catch (const LazFault& fault) {
+    s.fail(fault.what());
+  } catch (const DecodeFault& fault) {
+    s.fail(fault.what());
   }
+  s.decoded += count;
+  return records;
 }
 
 }  // namespace sfumato::io::las

@@ -1,5 +1,4 @@
-// Decoding of one LASzip chunk in memory. All that touches LASzip's decoder is behind LazDecoder, so that it can
-// be moved into a process of its own.
+// Decoding of one LASzip chunk in memory, by a decoder process where there are some.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +33,8 @@ struct LazChunk {
   std::uint64_t byte = 0, size = 0;  ///< in the file
   std::uint64_t first = 0;           ///< number of its first point
   std::uint32_t count = 0;
+  std::uint32_t number = 0;                      ///< in the file, from 0
+  std::int32_t level = -1, x = 0, y = 0, z = 0;  ///< of COPC: its node
 };
 
 /// Bytes of the layered chunk at the start of `bytes`, which end where the file ends, found from its own layer
@@ -46,12 +47,16 @@ std::uint64_t layered_chunk_size(const LazLayout& layout, std::span<const std::u
 class LazDecoder {
  public:
   /// Reads the chunk's bytes and checks what can be checked before LASzip sees them. Throws Error(bad_input).
-  /// `is_run`: the bytes are several chunks one after the other, without a chunk table.
-  LazDecoder(const InputFile& file, const LazLayout& layout, const LazChunk& chunk, bool is_run = false);
+  /// `is_run`: the bytes are several chunks one after the other, without a chunk table. `progress` is asked while the
+  /// decoder process works.
+  LazDecoder(const InputFile& file, const LazLayout& layout, const LazChunk& chunk, bool is_run = false,
+             Progress& progress = no_progress());
   ~LazDecoder();
 
-  /// Decodes the next `count` points into packed records of layout.record_length bytes in the caller's memory.
-  void decode(std::uint8_t* records, std::size_t count);
+  /// The next points as packed records of layout.record_length bytes, `records_at_a_time` of them or what is left; empty
+  /// behind the last. They may be written over, and last until the next call. Throws Error(bad_input), also when the bytes
+  /// have ended their decoder; Cancelled.
+  std::span<std::uint8_t> next();
 
  private:
   struct State;

@@ -273,7 +273,12 @@ void bind_cloud(py::module_& module) {
       .def_property(
           "crs", [](Cloud& self) { return self.points().crs; },
           [](Cloud& self, const std::string& text) { self.points().crs = text; })
-      .def_property_readonly("notes", [](Cloud& self) { return self.scene.notes; })
+      .def_property_readonly("notes",
+                             [](Cloud& self) {
+                               std::vector<std::string> notes = self.scene.notes;
+                               for (const std::string& part : self.scene.damage) notes.push_back(part + "; it is left out");
+                               return notes;
+                             })
       .def_property_readonly("file", [](Cloud& self) { return self.file; })
       .def_property_readonly("bounds", [](Cloud& self) {
         const Bounds box = bounds(self.points());

@@ -63,7 +63,10 @@ def _write(wheel_directory, files):
     record = ""
     with zipfile.ZipFile(os.path.join(wheel_directory, f"{name}-{tag}.whl"), "w", zipfile.ZIP_DEFLATED) as wheel:
         for each, content in files.items():
-            wheel.writestr(each, content)
+            entry = zipfile.ZipInfo(each)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if each.endswith("/sfumato-decoder") else 0o644) << 16
+            wheel.writestr(entry, content)
             digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
             record += f"{each},sha256={digest},{len(content)}\n"
         wheel.writestr(f"{info}/RECORD", record + f"{info}/RECORD,,\n")
@@ -74,7 +77,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     package = os.path.join(_build(config_settings), "sfumato")
     files = {}
     for name in sorted(os.listdir(package)):
-        if name.endswith((".py", ".pyi", ".so")) or name == "py.typed":
+        if name.endswith((".py", ".pyi", ".so")) or name in ("py.typed", "sfumato-decoder"):
             with open(os.path.join(package, name), "rb") as file:
                 files[f"sfumato/{name}"] = file.read()
     return _write(wheel_directory, files)

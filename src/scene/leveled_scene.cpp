@@ -64,12 +64,8 @@ Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Pr
 }
 
 Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progress) const {
-  std::vector<std::string> damage;
-  const auto read_one = [&](std::size_t i) {
-    return copc::read_nodes(trees_[i], selection.nodes[i], damage, progress);
-  };
+  const auto read_one = [&](std::size_t i) { return copc::read_nodes(trees_[i], selection.nodes[i], progress); };
   Scene scene = assemble(files_, options_, read_one, true);
-  scene.damage = std::move(damage);
   scene.levels = {selection.points,     selection.points_needed, selection.points_in_files,
                   selection.nodes_read, selection.nodes_needed,  selection.nodes_in_files,
                   selection.widest_px};

@@ -32,7 +32,12 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     io::ReadResult result = read(i);
     const std::string name = result.report.file.filename().string();
     for (const std::string& note : result.report.notes) scene.notes.push_back(file + ": " + note);
+    for (const std::string& part : result.report.damage) {
+      if (options.read.strict) throw Error(ErrorCode::bad_input, part);
+      scene.damage.push_back(part);
+    }
     scene.points_read += result.report.points;
+    scene.points_missing += result.report.points_missing;
     scene.file_names.push_back(file == "-" ? "standard input" : name);
     if (result.cloud.empty() && !may_be_empty) throw Error(ErrorCode::bad_input, file + ": there is no point in it");
     if (files[i].transform) transform(result.cloud, *files[i].transform);

@@ -34,7 +34,8 @@ struct LevelsReport {
 struct Scene {
   PointCloud cloud;
   std::vector<io::ReadReport> files;
-  std::uint64_t points_read = 0;
+  std::uint64_t points_read = 0;     ///< in the files
+  std::uint64_t points_missing = 0;  ///< of those, in parts that are damaged and left out
   SelectionReport selected;
   std::vector<std::string> notes;       ///< of readers ("FILE: ..."), of putting together and of selecting
   std::vector<std::string> damage;      ///< parts of files that could not be read and are left out, one line each

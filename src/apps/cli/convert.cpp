@@ -56,6 +56,8 @@ int convert_command(const Words& words) {
   input.scene.read.every_attribute = true;
   const scene::Scene scene = scene::read_scene(inputs, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
+  for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
+  if (scene.points_missing > 0) console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())
     console.say("sfumato: " + note);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
@@ -66,7 +68,7 @@ int convert_command(const Words& words) {
   const std::string of =
       scene.cloud.size() == scene.points_read ? "" : " of " + std::to_string(scene.points_read);
   console.say("wrote " + output + " (" + std::to_string(scene.cloud.size()) + of + " points)");
-  return 0;
+  return scene.damage.empty() ? 0 : int(ErrorCode::partial);
 }
 
 }  // namespace sfumato::cli

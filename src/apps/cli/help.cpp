@@ -99,7 +99,7 @@ const std::vector<Topic>& topics() {
       {"exit-codes", "what scripts learn",
        "  0    done\n  1    usage: something asked for does not exist or contradicts itself\n"
        "  2    bad input: a file is damaged, empty or not what it claims to be\n"
-       "  3    partial: some files of a batch failed\n  4    no usable OpenGL\n  5    out of memory\n"
+       "  3    partial: some files of a batch failed, or parts of a file are damaged\n  4    no usable OpenGL\n  5    out of memory\n"
        "  6    reading or writing failed\n  70   a fault of sfumato\n  130  interrupted"},
   };
   return all;

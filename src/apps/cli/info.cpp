@@ -59,6 +59,7 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
   row("points", std::to_string(r.points));
   row("points_finite", std::to_string(r.points_finite));
   row("points_dropped", std::to_string(r.points_dropped));
+  if (r.points_missing > 0) row("points_missing", std::to_string(r.points_missing) + " in damaged parts");
   row("bounds_min", r.points_finite ? point(r.bounds_min) : "-");
   row("bounds_max", r.points_finite ? point(r.bounds_max) : "-");
   row("extent", r.points_finite ? fmt::format("{:.6g} x {:.6g} x {:.6g}", size.x, size.y, size.z) : "-");
@@ -104,13 +105,15 @@ std::string tree_text(const copc::Tree& tree) {
 
 int info_command(const Words& words) {
   Words files;
-  bool json = false, stats = false;
+  bool json = false, stats = false, is_partial = false;
   std::optional<std::string> columns;
   CommonOptions common;
+  scene::SceneOptions options;
   CommandLine line("sfumato info", "Prints what a point cloud file holds; several files give a table.");
   line.positionals("FILE", files, "point clouds, folders or patterns; - is standard input");
   line.flag("--json", json, "machine-readable");
   line.flag("--stats", stats, "COPC: read every point for attributes' values and the spacing; others always are");
+  line.flag("--strict", options.read.strict, "refuse a file of which parts are damaged, instead of leaving those out");
   line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
   common.declare(line);
   if (!line.parse(words)) return 0;
@@ -118,7 +121,6 @@ int info_command(const Words& words) {
   if (files.empty()) throw Error(ErrorCode::usage, "info needs a file: sfumato info FILE... [--json]");
 
   Console console(common);
-  scene::SceneOptions options;
   if (columns) options.read.columns = split(*columns, ',');
   files = scene::expand_inputs(files);
   const bool several = files.size() > 1;
@@ -136,6 +138,8 @@ int info_command(const Words& words) {
       }
       io::ReadResult result = scene::read_file(files[i], options.read, console);
       for (const std::string& note : result.report.notes) console.say("sfumato: " + files[i] + ": " + note);
+      for (const std::string& part : result.report.damage) console.complain("sfumato: " + part + "; it is left out");
+      is_partial |= !result.report.damage.empty();
       if (columns && result.report.format != "text" && result.report.format != "pts")
         console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +
                     " files name their own columns");
@@ -154,7 +158,8 @@ int info_command(const Words& words) {
                                  "file")
                    : "") +
           text);
-  return batch.exit_code();
+  const int code = batch.exit_code();
+  return code == 0 && is_partial ? int(ErrorCode::partial) : code;
 }
 
 }  // namespace sfumato::cli

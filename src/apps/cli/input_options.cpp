@@ -45,6 +45,7 @@ void InputOptions::declare(CommandLine& line) {
   line.text("--max-points", max_points_, "N",
             "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...", "text files: names of the columns, instead of the guess");
+  line.flag("--strict", scene.read.strict, "refuse a file of which parts are damaged, instead of leaving those out");
   line.text("--up", up_, "auto|+Z|-Z|+Y|...", "axis that points up (auto: what the file says, else what its shape tells)");
 }
 
@@ -74,6 +75,11 @@ std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions&
   for (const io::ReadReport& report : scene.files)
     if (report.format == "text" || report.format == "pts") return "";
   return "--columns has no effect: " + scene.files.front().format + " files name their own columns";
+}
+
+std::string missing_points(std::uint64_t missing, std::uint64_t points) {
+  return std::to_string(missing) + " of " + std::to_string(points) +
+         " points are missing: they lie in damaged parts (--strict refuses such files)";
 }
 
 }  // namespace sfumato::cli

@@ -30,4 +30,7 @@ class InputOptions {
 /// What --columns could not do: the files are no text. Empty when there is nothing to say.
 std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options);
 
+/// What is said of files whose damaged parts were left out.
+std::string missing_points(std::uint64_t missing, std::uint64_t points);
+
 }  // namespace sfumato::cli

@@ -88,6 +88,7 @@ std::string info_json(const io::ReadReport& report, double median_spacing) {
   json["points"] = report.points;
   json["points_finite"] = report.points_finite;
   json["points_dropped"] = report.points_dropped;
+  json["points_missing"] = report.points_missing;
   json["bounds_min"] = report.points_finite ? list(report.bounds_min) : Json();
   json["bounds_max"] = report.points_finite ? list(report.bounds_max) : Json();
   json["attributes"] = Json::object();
@@ -105,6 +106,7 @@ std::string tree_json(const copc::Tree& tree) {
   json["points"] = tree.points;
   json["points_finite"] = tree.points;
   json["points_dropped"] = 0;
+  json["points_missing"] = 0;
   json["bounds_min"] = list(tree.bounds.min);
   json["bounds_max"] = list(tree.bounds.max);
   json["attributes"] = Json::object();
@@ -150,6 +152,7 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["cutaway"] = report.cutaway;
   json["up_reason"] = report.up_reason;
   json["points_read"] = report.points_read;
+  json["points_missing"] = report.points_missing;
   json["points_hidden"] = report.points_hidden;
   json["points_left_out"] = report.points_left_out;
   json["points_rendered"] = report.points_rendered;

@@ -87,8 +87,7 @@ TEST_F(CopcSelect, EveryPointInViewIsOfASpacingBelowTheLimit) {
       const copc::Key key = tree().nodes[i].key;
       if (chosen.contains(key)) continue;
       ++nodes_left_out;
-      std::vector<std::string> damage;
-      const io::ReadResult node = copc::read_nodes(tree(), {i}, damage);
+      const io::ReadResult node = copc::read_nodes(tree(), {i});
       for (std::size_t k = 0; k < node.cloud.size(); ++k) {
         const dvec3 eye(to_eye * glm::dvec4(node.cloud.world(k), 1));
         const double x = lens.fx * eye.x / -eye.z + lens.cx, y = -lens.fy * eye.y / -eye.z + lens.cy;
@@ -166,16 +165,16 @@ TEST_F(CopcSelect, DamagedNodesAreLeftOutAndTold) {
   const Tree damaged = copc::read_tree(folder_ / "damaged.copc.laz");
   std::vector<std::size_t> all(damaged.nodes.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  std::vector<std::string> damage;
-  const io::ReadResult result = copc::read_nodes(damaged, all, damage);
-  ASSERT_EQ(damage.size(), 1u);
-  EXPECT_THAT(damage[0], testing::HasSubstr("damaged.copc.laz: byte"));
+  const io::ReadResult result = copc::read_nodes(damaged, all);
+  ASSERT_EQ(result.report.damage.size(), 1u);
+  EXPECT_THAT(result.report.damage[0], testing::HasSubstr("damaged.copc.laz: byte"));
+  EXPECT_THAT(result.report.damage[0], testing::HasSubstr("node " + std::to_string(node.key.level) + "-"));
+  EXPECT_EQ(result.report.points_missing, node.chunk.count);
   EXPECT_EQ(result.cloud.size(), 600'000u - node.chunk.count);
   // The others are those of the file.
-  damage.clear();
   std::vector<std::size_t> whole = all;
   whole.erase(whole.begin() + std::ptrdiff_t(all.size() / 2));
-  EXPECT_TRUE(copc::read_nodes(tree(), whole, damage).cloud.positions == result.cloud.positions);
+  EXPECT_TRUE(copc::read_nodes(tree(), whole).cloud.positions == result.cloud.positions);
 }
 
 }  // namespace

@@ -51,7 +51,9 @@ class Damage {
     std::ofstream(path_, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
     try {
-      const io::ReadResult result = io::read(path_);
+      io::ReadOptions options;
+      options.strict = true;
+      const io::ReadResult result = io::read(path_, options);
       if (points) *points = result.cloud.size();
       return {};
     } catch (const Error& error) {
