@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan format install uninstall clean help
+.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan fuzz format install uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -57,6 +57,11 @@ asan:  ## every test under the address and undefined behaviour sanitizers
 	  $(call check,asan) --label-regex unit
 	@# Mesa leaves 240 bytes a context behind, and is unloaded before anybody could tell that they are its.
 	@export ASAN_OPTIONS=detect_leaks=0 && $(call check,asan) --label-exclude unit
+
+fuzz:  ## every parser under libFuzzer and sanitizers (clang), FUZZ_SECONDS=60 each, FUZZ="las laz ..."; then 10,000 damaged files a format
+	@$(call configure,fuzz) && cmake --build build/fuzz --target sfumato_fuzz write_seeds
+	@$(call configure,test) && cmake --build build/test --target damage_test
+	@scripts/fuzz
 
 format:  ## clang-format over the C++
 	@find src tests bench examples include -name '*.cpp' -o -name '*.h' 2>/dev/null | xargs clang-format -i

@@ -1,0 +1,147 @@
+// Files of formats that we do not write, made byte by byte.
+#pragma once
+
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "io/e57_file.h"
+#include "unit/io/files.h"
+
+namespace sfumato::test {
+
+inline std::string le(std::uint64_t value, int bytes) {
+  std::string text;
+  for (int i = 0; i < bytes; ++i) text += char(value >> (8 * i));
+  return text;
+}
+
+/// Bits, least significant first.
+class Bits {
+ public:
+  void add(std::uint64_t value, int bits) {
+    for (int i = 0; i < bits; ++i, ++count_) {
+      if (count_ % 8 == 0) bytes_ += '\0';
+      bytes_.back() = char(bytes_.back() | char((value >> i & 1) << (count_ % 8)));
+    }
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  int count_ = 0;
+};
+
+/// An E57 file of 1024-byte pages: sections of points, then the XML, whose %0, %1 become the sections' offsets.
+inline std::string e57(const std::vector<std::vector<std::string>>& sections, std::string xml, std::size_t packet = 40) {
+  const auto physical = [](std::size_t logical) { return logical / 1020 * 1024 + logical % 1020; };
+  std::string logical(48, '\0');
+  for (std::size_t s = 0; s < sections.size(); ++s) {
+    while (logical.size() % 4) logical += '\0';
+    const std::size_t begin = logical.size();
+    // Each packet takes up to `packet` bytes of every stream, so that values run across packets.
+    std::string packets;
+    std::size_t longest = 0;
+    for (const std::string& stream : sections[s]) longest = std::max(longest, stream.size());
+    for (std::size_t at = 0; at < longest; at += packet) {
+      std::string lengths, bytes;
+      for (const std::string& stream : sections[s]) {
+        const std::string part = stream.substr(std::min(at, stream.size()), packet);
+        lengths += le(part.size(), 2);
+        bytes += part;
+      }
+      std::string one = lengths + bytes;
+      while ((one.size() + 6) % 4) one += '\0';
+      packets += le(1, 1) + le(0, 1) + le(one.size() + 6 - 1, 2) + le(sections[s].size(), 2) + one;
+      if (at == 0) packets += le(2, 1) + le(0, 1) + le(8 - 1, 2) + le(0, 4);  // an empty packet
+    }
+    logical += le(1, 1) + std::string(7, '\0') + le(32 + packets.size(), 8) + le(physical(begin + 32), 8) + le(0, 8) + packets;
+    const std::string mark = "%" + std::to_string(s);
+    xml.replace(xml.find(mark), mark.size(), std::to_string(physical(begin)));
+  }
+  const std::size_t xml_at = logical.size();
+  logical += xml;
+  while (logical.size() % 1020) logical += '\0';
+  const std::string head = "ASTM-E57" + le(1, 4) + le(0, 4) + le(logical.size() / 1020 * 1024, 8) + le(physical(xml_at), 8) +
+                           le(xml.size(), 8) + le(1024, 8);
+  logical.replace(0, 48, head);
+  std::string file;
+  for (std::size_t at = 0; at < logical.size(); at += 1020) {
+    const std::string page = logical.substr(at, 1020);
+    const std::uint32_t crc = io::crc32c(reinterpret_cast<const std::byte*>(page.data()), page.size());
+    file += page;
+    for (int i = 3; i >= 0; --i) file += char(crc >> (8 * i));  // big-endian
+  }
+  return file;
+}
+
+/// One cartesian scan of scaled integers, moved and turned; one spherical scan of floats with invalid cells.
+inline std::string two_scans() {
+  Bits x, y, z, red, empty;
+  for (int i = 0; i < 100; ++i) {
+    x.add(std::uint64_t(i), 7);  // minimum -50, 7 bits
+    y.add(std::uint64_t(2 * i), 11);
+    z.add(std::uint64_t(i % 2), 1);
+    red.add(std::uint64_t(i), 8);
+  }
+  std::string range, azimuth, elevation;
+  Bits invalid;
+  for (int i = 0; i < 30; ++i) {
+    range += bytes_of(2.0f);
+    azimuth += bytes_of(std::numbers::pi / 2);
+    elevation += bytes_of(i == 29 ? std::numbers::pi / 2 : 0.0);
+    invalid.add(i < 10 ? 2 : 0, 2);
+  }
+  const std::string xml = R"(<?xml version="1.0"?><e57Root type="Structure"><data3D type="Vector">
+<vectorChild type="Structure"><pose type="Structure"><rotation type="Structure"><w type="Float">0.7071067811865476</w>
+<x type="Float">0</x><y type="Float"/><z type="Float">0.7071067811865476</z></rotation>
+<translation type="Structure"><x type="Float">1e3</x><y type="Float">200</y><z type="Float"/></translation></pose>
+<points type="CompressedVector" fileOffset="%0" recordCount="100"><prototype type="Structure">
+<cartesianX type="ScaledInteger" minimum="-50" maximum="49" scale="0.5" offset="1"/>
+<cartesianY type="Integer" minimum="0" maximum="2047"/><cartesianZ type="Integer" minimum="5" maximum="6"/>
+<colorRed type="Integer" minimum="0" maximum="255"/><colorGreen type="Integer" minimum="7" maximum="7"/>
+<colorBlue type="Integer" minimum="0" maximum="0"/></prototype></points></vectorChild>
+<vectorChild type="Structure"><points type="CompressedVector" fileOffset="%1" recordCount="30"><prototype type="Structure">
+<sphericalRange type="Float" precision="single"/><sphericalAzimuth type="Float"/><sphericalElevation type="Float"/>
+<sphericalInvalidState type="Integer" minimum="0" maximum="2"/></prototype></points></vectorChild></data3D></e57Root>)";
+  return e57({{x.bytes(), y.bytes(), z.bytes(), red.bytes(), "", ""}, {range, azimuth, elevation, invalid.bytes()}}, xml);
+}
+
+inline const char* const ptx_head = "10 20 30\n1 0 0\n0 1 0\n0 0 1\n";
+
+inline std::string npy(const std::string& descr, const std::string& shape, const std::string& body, bool fortran = false) {
+  std::string head = "{'descr': " + descr + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': (" + shape + "), }\n";
+  return std::string("\x93NUMPY\x01\x00", 8) + le(head.size(), 2) + head + body;
+}
+
+/// A grey PNG of 16 bits, stored without compression.
+inline std::string png16(std::uint32_t width, std::uint32_t height, const std::vector<std::uint16_t>& samples) {
+  const auto be = [](std::uint64_t value, int bytes) {
+    std::string text = le(value, bytes);
+    return std::string(text.rbegin(), text.rend());
+  };
+  const auto crc32 = [](const std::string& text) {
+    std::uint32_t crc = ~0u;
+    for (unsigned char c : text) {
+      crc ^= c;
+      for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) ? 0xEDB88320u : 0);
+    }
+    return ~crc;
+  };
+  const auto chunk = [&](const std::string& type, const std::string& data) {
+    return be(data.size(), 4) + type + data + be(crc32(type + data), 4);
+  };
+  std::string raw;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    raw += '\0';
+    for (std::uint32_t x = 0; x < width; ++x) raw += be(samples[y * width + x], 2);
+  }
+  std::uint32_t a = 1, b = 0;
+  for (unsigned char c : raw) a = (a + c) % 65521, b = (b + a) % 65521;
+  const std::string packed = std::string("\x78\x01\x01", 3) + le(raw.size(), 2) + le(~raw.size() & 0xFFFF, 2) + raw + be(b << 16 | a, 4);
+  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", be(width, 4) + be(height, 4) + std::string("\x10\0\0\0\0", 5)) +
+         chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+}  // namespace sfumato::test
