@@ -75,7 +75,7 @@ class Completion {
     std::vector<float> new_radii;
     if (normals) new_normals = cloud_.normals, new_normals.resize(cloud_.size(), vec3(0));
     if (radii) new_radii = cloud_.radii, new_radii.resize(cloud_.size(), 0.0f);
-    const bool keep = uncertainty && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
+    const bool keep = uncertainty && !cloud_.scalar(unevenness_name) && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
     KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
 
     const Orientation orientation(cloud_);
@@ -109,10 +109,16 @@ class Completion {
             if (keep) kept.keep(i, ids);
           },
           normals ? "normals" : "radii", progress_);
-    if (uncertainty)
-      cloud_.set_scalar(measure_uncertainty(normals ? new_normals : cloud_.normals,
-                                            radii ? new_radii : whole_radii.empty() ? cloud_.radii : whole_radii,
+    const ScalarField* unevenness = uncertainty ? cloud_.scalar(unevenness_name) : nullptr;
+    const std::vector<float>& radii_on_surface = radii ? new_radii : whole_radii.empty() ? cloud_.radii : whole_radii;
+    if (unevenness) {
+      ScalarField field{"uncertainty", 0, radii_on_surface, StoredType::float32};
+      for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] *= float(unevenness->value(i));
+      cloud_.set_scalar(std::move(field));
+    } else if (uncertainty) {
+      cloud_.set_scalar(measure_uncertainty(normals ? new_normals : cloud_.normals, radii_on_surface,
                                             keep ? &kept : nullptr));
+    }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
     if (shrink) shrink_in_clutter(std::move(flatness), narrow, new_radii);

@@ -2,12 +2,17 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "analysis/neighbors.h"
 #include "analysis/prepare.h"
 
 namespace sfumato::analysis {
+
+/// A scalar that stands for an uncertainty measured at another density: F_i / r_i of Eq. 21, between 1 and 4, which
+/// `complete` multiplies by the radius of the points there are.
+inline const std::string unevenness_name = "unevenness";
 
 /// What is there for every point: a cloud with some zero normals or non-positive radii does not have them yet.
 Attributes attributes_of(const PointCloud& cloud);

@@ -10,9 +10,11 @@
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
+#include <cstring>
 #include <map>
 #include <mutex>
 
+#include "copc/attributes.h"
 #include "copc/file_writer.h"
 #include "copc/sources.h"
 #include "core/subsample.h"
@@ -20,12 +22,17 @@
 namespace sfumato::copc {
 namespace {
 
-// Of the memory: bins that wait, work at hand, roots that wait.
-constexpr double share_of_bins = 0.25, share_of_work = 0.4, share_of_roots = 0.1;
+// Of the memory: bins that wait, work at hand, roots that wait, neighbours of bins.
+constexpr double share_of_bins = 0.25, share_of_work = 0.4, share_of_roots = 0.1, share_of_halos = 0.1;
 // Points of a stretch made at once: enough to be worth a start, few enough for all threads to have some.
 constexpr std::uint64_t most_at_once = 1 << 20;
 // A stretch takes its records, their places, order and marks, and what is gathered and compressed of them.
 constexpr std::uint64_t work_per_point = 40, work_per_stretch = 24 << 20;
+// Of what is computed: places, their order, neighbours and results (memory.h of analysis).
+constexpr std::uint64_t work_of_attributes = 160;
+// A cell keeps what lies within this share of its width around it as neighbours for attributes. Of points_per_bin on a
+// surface, 512 lie side by side: 24 neighbours reach three of them, and ten are kept.
+constexpr double halo_share = 0.02;
 constexpr int most_levels_at_once = 6;
 constexpr std::uint64_t points_per_bin = 1 << 18;
 
@@ -226,6 +233,9 @@ class Builder {
       names.push_back(source->name);
     }
     schema_ = choose_schema(headers, names, box);
+    add_computed_fields(schema_, options_.attributes);
+    if (options_.average_colors && schema_.format < 7)
+      schema_.notes.push_back("the files have no colours to average");
     report_.notes.insert(report_.notes.end(), schema_.notes.begin(), schema_.notes.end());
     maps_.clear();
     bool is_exact = true;
@@ -238,7 +248,7 @@ class Builder {
     points_ = 0;
     wanted_ = std::min<std::uint64_t>(in_box_, options_.max_points.value_or(in_box_));
     const double work = share_of_work * double(options_.memory) / 2;
-    at_once_ = std::clamp<std::uint64_t>(std::uint64_t(work) / (schema_.record_length + work_per_point),
+    at_once_ = std::clamp<std::uint64_t>(std::uint64_t(work) / (schema_.record_length + work_of_a_point()),
                                          leave_room, most_at_once);
     refuse_small_disk();
     file_.emplace(output_,
@@ -269,42 +279,87 @@ class Builder {
     return std::max(levels, 1);
   }
 
-  Spool new_spool(double share) const {
-    return Spool(output_.parent_path(), output_, std::uint64_t(share * double(options_.memory)));
+  /// The cells of one level below `region`, with their points and, for attributes, with what lies around them.
+  struct Bins {
+    Bins(const Key& of, int at, const std::filesystem::path& purpose, std::uint64_t memory, bool has_halos)
+        : region(of), level(at), points(purpose.parent_path(), purpose, std::uint64_t(share_of_bins * double(memory))) {
+      if (has_halos) halos.emplace(purpose.parent_path(), purpose, std::uint64_t(share_of_halos * double(memory)));
+    }
+    Key region;
+    int level;
+    Spool points;
+    std::optional<Spool> halos;
+  };
+
+  std::unique_ptr<Bins> new_bins(const Key& region, int level) const {
+    return std::make_unique<Bins>(region, level, output_, options_.memory, schema_.computes() && level > 0);
   }
 
   /// Records put where they belong before they go to the spool, a block at a time.
   class Sorter {
    public:
-    Sorter(Spool& spool, const Locator& locator, int level, std::size_t length)
-        : spool_(spool), locator_(locator), level_(level), length_(length), record_(length) {}
+    Sorter(Bins& bins, const Locator& locator, std::size_t length)
+        : bins_(bins), locator_(locator), length_(length), record_(length) {}
     std::uint8_t* next() { return record_.data(); }
-    void put() {
-      const Key key = locator_(record_.data()).node(level_);
-      if (!last_ || key != last_key_) last_ = &bins_[key], last_key_ = key;
-      last_->insert(last_->end(), record_.begin(), record_.end());
+    /// `is_neighbor`: it lies outside of the region and is put around cells of it alone.
+    void put(bool is_neighbor = false) {
+      const Place place = locator_(record_.data());
+      const Key key = place.node(bins_.level);
+      if (!is_neighbor) {
+        if (!last_ || key != last_key_) last_ = &held_[key], last_key_ = key;
+        last_->insert(last_->end(), record_.begin(), record_.end());
+      }
+      if (bins_.halos) put_around(place, key);
     }
     void flush() {
-      for (const auto& [key, bytes] : bins_) spool_.append(key, bytes);
-      bins_.clear();
+      for (const auto& [key, bytes] : held_) bins_.points.append(key, bytes);
+      for (const auto& [key, bytes] : around_) bins_.halos->append(key, bytes);
+      held_.clear();
+      around_.clear();
       last_ = nullptr;
     }
 
    private:
-    Spool& spool_;
+    /// To every cell that the place is near to, over faces, edges and corners.
+    void put_around(const Place& place, const Key& key) {
+      const int shift = 32 - bins_.level;
+      const auto width = std::uint64_t{1} << shift;
+      const auto margin = std::uint64_t(halo_share * double(width));
+      int step[3];
+      const std::uint32_t at[3] = {place.x, place.y, place.z};
+      for (int axis = 0; axis < 3; ++axis) {
+        const std::uint64_t within = at[axis] & (width - 1);
+        step[axis] = within < margin ? -1 : within >= width - margin ? 1 : 0;
+      }
+      for (int which = 1; which < 8; ++which) {
+        std::int64_t to[3] = {key.x, key.y, key.z};
+        bool is_cell = true;
+        for (int axis = 0; axis < 3; ++axis) {
+          if (!(which >> axis & 1)) continue;
+          to[axis] += step[axis];
+          is_cell = is_cell && step[axis] != 0;
+        }
+        const int up = bins_.level - bins_.region.level;
+        if (!is_cell || to[0] >> up != bins_.region.x || to[1] >> up != bins_.region.y || to[2] >> up != bins_.region.z)
+          continue;
+        std::vector<std::uint8_t>& bytes =
+            around_[Key{bins_.level, std::uint32_t(to[0]), std::uint32_t(to[1]), std::uint32_t(to[2])}];
+        bytes.insert(bytes.end(), record_.begin(), record_.end());
+      }
+    }
+
+    Bins& bins_;
     const Locator& locator_;
-    int level_;
     std::size_t length_;
     std::vector<std::uint8_t> record_;
-    std::unordered_map<Key, std::vector<std::uint8_t>, KeyHash> bins_;
+    std::unordered_map<Key, std::vector<std::uint8_t>, KeyHash> held_, around_;
     std::vector<std::uint8_t>* last_ = nullptr;
     Key last_key_;
   };
 
   void read_points() {
     bin_level_ = levels_for(wanted_);
-    bins_ = std::make_unique<Spool>(output_.parent_path(), output_,
-                                    std::uint64_t(share_of_bins * double(options_.memory)));
+    bins_ = new_bins(Key{}, bin_level_);
     std::atomic<std::uint64_t> kept{0};
     const Subsample all(in_box_, wanted_);
     io::las::parallel_tasks(readings_.size(), progress_, "reading points", [&](std::size_t i) {
@@ -313,7 +368,7 @@ class Builder {
       const RecordMap& map = maps_[reading.source];
       const dvec3 low = box_.min, high = box_.max;
       std::uint64_t number = reading.first;
-      Sorter sorter(*bins_, *locator_, bin_level_, schema_.record_length);
+      Sorter sorter(*bins_, *locator_, schema_.record_length);
       source.read(reading.part, [&](std::uint64_t, const std::uint8_t* records, std::size_t count) {
         progress_.check();
         std::uint64_t taken = 0;
@@ -365,27 +420,28 @@ class Builder {
     for (unsigned octant = 0; octant < 8; ++octant) cut(key.child(octant), children[octant], level, plan);
   }
 
+  std::uint64_t work_of_a_point() const { return work_per_point + (schema_.computes() ? work_of_attributes : 0); }
   std::uint64_t work_of(std::uint64_t points) const {
-    return points * (schema_.record_length + work_per_point) + work_per_stretch;
+    return points * (schema_.record_length + work_of_a_point()) + work_per_stretch;
   }
 
   void make_nodes() {
     roots_ = std::make_unique<Spool>(output_.parent_path(), output_,
                                      std::uint64_t(share_of_roots * double(options_.memory)));
-    make_region(Key{}, *bins_, bin_level_);
+    make_region(*bins_);
     bins_.reset();
     // What nobody took is the root's own.
-    NodeMaker maker(schema_, *locator_, progress_);
+    NodeMaker maker(schema_, *locator_, progress_, options_.average_colors);
     maker.encode(Key{}, maker.add(roots_->load(Key{})));
     for (const EncodedNode& node : maker.nodes) file_->append(node);
     summary_.add(maker.summary);
   }
 
   /// Every node below `region`, whose own points come to lie in `roots_`.
-  void make_region(const Key& region, Spool& bins, int level) {
+  void make_region(Bins& bins) {
     Plan plan;
-    const auto all = bins.bins();
-    cut(region, all, level, plan);
+    const auto all = bins.points.bins();
+    cut(bins.region, all, bins.level, plan);
     std::vector<Key> done;
     for (const Plan::Stretch& heavy : plan.heavy) {
       divide(heavy, bins);
@@ -396,44 +452,71 @@ class Builder {
       const Plan::Stretch& stretch = plan.stretches[i];
       const Gate::Pass pass(gate_, work_of(stretch.points));
       progress_.check();
-      NodeMaker maker(schema_, *locator_, progress_);
+      NodeMaker maker(schema_, *locator_, progress_, options_.average_colors);
       std::vector<std::uint8_t> records;
       if (stretch.bins.size() == 1) {
-        records = bins.load(stretch.bins[0]);
+        records = bins.points.load(stretch.bins[0]);
       } else {
         records.reserve(stretch.points * schema_.record_length);
         for (const Key& key : stretch.bins) {
-          const std::vector<std::uint8_t> bytes = bins.load(key);
+          const std::vector<std::uint8_t> bytes = bins.points.load(key);
           records.insert(records.end(), bytes.begin(), bytes.end());
         }
       }
+      if (schema_.computes()) compute_fields(schema_, records, halo_of(stretch, bins), progress_);
       maker.take(std::move(records));
       roots_->append(stretch.key, maker.records_of(maker.build(stretch.key)));
       output.deliver(i, maker);
     });
     for (const Plan::Stretch& stretch : plan.stretches) done.push_back(stretch.key);
-    join_up(region, std::move(done));
+    join_up(bins.region, std::move(done));
+  }
+
+  /// What lies around a stretch, once, and without what lies in it.
+  std::vector<std::uint8_t> halo_of(const Plan::Stretch& stretch, Bins& bins) const {
+    std::vector<std::uint8_t> halo;
+    if (!bins.halos) return halo;
+    const std::size_t length = schema_.record_length;
+    for (const Key& key : stretch.bins) {
+      const std::vector<std::uint8_t> bytes = bins.halos->load(key);
+      for (auto at = bytes.begin(); at != bytes.end(); at += std::ptrdiff_t(length))
+        if ((*locator_)(&*at).node(stretch.key.level) != stretch.key)
+          halo.insert(halo.end(), at, at + std::ptrdiff_t(length));
+    }
+    if (stretch.bins.size() == 1) return halo;
+    // One near an edge is a neighbour of several bins.
+    std::vector<const std::uint8_t*> order;
+    for (std::size_t at = 0; at < halo.size(); at += length) order.push_back(halo.data() + at);
+    const auto compare = [&](const std::uint8_t* a, const std::uint8_t* b) { return std::memcmp(a, b, length); };
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return compare(a, b) < 0; });
+    order.erase(std::unique(order.begin(), order.end(), [&](auto a, auto b) { return compare(a, b) == 0; }), order.end());
+    std::vector<std::uint8_t> once;
+    for (const std::uint8_t* record : order) once.insert(once.end(), record, record + length);
+    return once;
   }
 
   /// A bin of more points than are made at once: sorted again, into cells of deeper levels.
-  void divide(const Plan::Stretch& heavy, Spool& bins) {
+  void divide(const Plan::Stretch& heavy, Bins& bins) {
     const int level = std::min(deepest_level, heavy.key.level + levels_for(heavy.points));
-    Spool finer = new_spool(share_of_bins);
-    Spool::Bin bin = bins.take(heavy.key);
-    Sorter sorter(finer, *locator_, level, schema_.record_length);
-    const double whole = double(bin.size);
-    while (true) {
-      progress_.check();
-      progress_.update(1 - double(bin.size) / whole, "dividing a dense part");
-      const std::vector<std::uint8_t> records = bins.load_some(bin, 4 << 20, schema_.record_length);
-      if (records.empty()) break;
-      for (std::size_t at = 0; at < records.size(); at += schema_.record_length) {
-        std::copy_n(records.data() + at, schema_.record_length, sorter.next());
-        sorter.put();
+    const std::unique_ptr<Bins> finer = new_bins(heavy.key, level);
+    Sorter sorter(*finer, *locator_, schema_.record_length);
+    for (Spool* spool : {&bins.points, bins.halos ? &*bins.halos : nullptr}) {
+      if (!spool) continue;
+      Spool::Bin bin = spool->take(heavy.key);
+      const double whole = double(bin.size);
+      while (true) {
+        progress_.check();
+        progress_.update(whole > 0 ? 1 - double(bin.size) / whole : 1, "dividing a dense part");
+        const std::vector<std::uint8_t> records = spool->load_some(bin, 4 << 20, schema_.record_length);
+        if (records.empty()) break;
+        for (std::size_t at = 0; at < records.size(); at += schema_.record_length) {
+          std::copy_n(records.data() + at, schema_.record_length, sorter.next());
+          sorter.put(spool != &bins.points);
+        }
+        sorter.flush();
       }
-      sorter.flush();
     }
-    make_region(heavy.key, finer, level);
+    make_region(*finer);
   }
 
   /// From the roots of stretches up to `region`, a level at a time.
@@ -457,7 +540,7 @@ class Builder {
         std::uint64_t size = 0;
         for (const Key& child : children) size += taken.emplace_back(roots_->take(child)).size;
         const Gate::Pass pass(gate_, work_of(size / schema_.record_length));
-        NodeMaker maker(schema_, *locator_, progress_);
+        NodeMaker maker(schema_, *locator_, progress_, options_.average_colors);
         std::array<std::vector<std::uint32_t>, 8> points;
         for (std::size_t k = 0; k < children.size(); ++k) {
           const Key& child = children[k];
@@ -489,7 +572,8 @@ class Builder {
   Cube cube_;
   std::optional<Locator> locator_;
   int bin_level_ = 0;
-  std::unique_ptr<Spool> bins_, roots_;
+  std::unique_ptr<Bins> bins_;
+  std::unique_ptr<Spool> roots_;
   Gate gate_;
   Summary summary_;
 };

@@ -17,7 +17,7 @@ constexpr double least_distance = 0.5;
 // Where points fill space instead of lying on surfaces a grid has two million cells. So many points of them,
 // chosen without regard to place, still stand eight deep before each other, and a node stays quick to read.
 constexpr std::size_t most_chosen = 1 << 17;
-constexpr std::size_t gps_time_byte = 22;
+constexpr std::size_t gps_time_byte = 22, color_byte = 30;
 
 // The bits of a place, interleaved, without the last eleven of each axis.
 std::uint64_t morton(const Place& place) {
@@ -98,8 +98,12 @@ void Summary::add(const Summary& other) {
   points += other.points;
 }
 
-NodeMaker::NodeMaker(const Schema& schema, const Locator& locator, Progress& progress)
-    : schema_(schema), locator_(locator), progress_(progress), length_(schema.record_length) {}
+NodeMaker::NodeMaker(const Schema& schema, const Locator& locator, Progress& progress, bool average_colors)
+    : schema_(schema),
+      locator_(locator),
+      progress_(progress),
+      length_(schema.record_length),
+      is_averaging_(average_colors && schema.format >= 7) {}
 
 std::vector<std::uint32_t> NodeMaker::add(std::span<const std::uint8_t> records) {
   std::vector<std::uint32_t> added(records.size() / length_);
@@ -205,7 +209,28 @@ void NodeMaker::mark_chosen(const Key& parent, const std::array<std::vector<std:
               [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
     for (std::size_t i = most_chosen; i < chosen.size(); ++i) is_chosen_[candidates_[chosen[i]].point] = 0;
   }
+  if (is_averaging_) average_colors(children, shift);
   for (const Candidate& candidate : candidates_) grid_[candidate.cell] = 0;
+}
+
+// Of what the level below shows in the cell: means of means, of much the same number of points each.
+void NodeMaker::average_colors(const std::array<std::vector<std::uint32_t>, 8>& children, int shift) {
+  struct Sum {
+    std::uint64_t channel[3] = {0, 0, 0}, points = 0;
+  };
+  std::vector<Sum> sums(candidates_.size());
+  for (const std::vector<std::uint32_t>& points : children)
+    for (std::uint32_t i : points) {
+      Sum& sum = sums[grid_[cell_of(places_[i], shift)] - 1];
+      for (std::size_t k = 0; k < 3; ++k) sum.channel[k] += io::las::get<std::uint16_t>(record(i) + color_byte + 2 * k);
+      ++sum.points;
+    }
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    if (!is_chosen_[candidates_[c].point]) continue;
+    std::uint8_t* color = records_.data() + std::size_t(candidates_[c].point) * length_ + color_byte;
+    for (std::size_t k = 0; k < 3; ++k)
+      io::las::put(color + 2 * k, std::uint16_t((sums[c].channel[k] + sums[c].points / 2) / sums[c].points));
+  }
 }
 
 bool NodeMaker::is_crowded(const Candidate& candidate, int shift) const {

@@ -72,7 +72,8 @@ struct EncodedNode {
 /// Some points of the tree, and the nodes made of them. One thread uses it.
 class NodeMaker {
  public:
-  NodeMaker(const Schema& schema, const Locator& locator, Progress& progress);
+  /// `average_colors`: a point that moves up takes the mean colour of the points in its cell.
+  NodeMaker(const Schema& schema, const Locator& locator, Progress& progress, bool average_colors = false);
 
   /// Adds records and returns their numbers.
   std::vector<std::uint32_t> add(std::span<const std::uint8_t> records);
@@ -101,12 +102,14 @@ class NodeMaker {
   std::vector<std::uint32_t> build(const Key& node, std::vector<std::uint32_t>&& points);
   void mark_chosen(const Key& parent, const std::array<std::vector<std::uint32_t>, 8>& children);
   bool is_crowded(const Candidate& candidate, int shift) const;
+  void average_colors(const std::array<std::vector<std::uint32_t>, 8>& children, int shift);
   std::vector<std::uint32_t> in_order(std::span<const std::uint32_t> points) const;
 
   const Schema& schema_;
   Locator locator_;
   Progress& progress_;
   std::size_t length_;
+  bool is_averaging_;
   std::vector<std::uint8_t> records_;
   std::vector<Place> places_;
   std::vector<char> is_chosen_;

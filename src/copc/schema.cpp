@@ -191,6 +191,7 @@ Schema choose_schema(const std::vector<Header>& headers, const std::vector<std::
                                       " extra bytes a point leave no room; "
                                       "convert it to .ply");
   schema.record_length = std::uint16_t(min_record_length[std::size_t(schema.format)] + extra);
+  schema.file_length = schema.record_length;
   choose_scaling(headers, box, schema);
   choose_crs(headers, names, schema);
   return schema;
@@ -218,7 +219,7 @@ RecordMap::RecordMap(const Header& source, const Schema& schema)
   const std::size_t from = min_record_length[std::size_t(source.format)],
                     to = min_record_length[std::size_t(schema.format)];
   if (schema.is_verbatim) {
-    if (record_length_ > to) copies_.push_back({from, to, record_length_ - to});
+    if (schema.file_length > to) copies_.push_back({from, to, schema.file_length - to});
     return;
   }
   std::vector<std::string> ignored;

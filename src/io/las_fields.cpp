@@ -135,6 +135,12 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
   return fields;
 }
 
+std::size_t described_length(const std::uint8_t* descriptor) {
+  const int type = descriptor[2];
+  if (type == 0) return descriptor[3];
+  return type > 30 ? 0 : std::size_t((type - 1) / 10 + 1) * size_of(extra_types[(type - 1) % 10]);
+}
+
 std::vector<std::uint8_t> extra_bytes_record(const std::vector<Field>& fields) {
   std::vector<std::uint8_t> record(fields.size() * descriptor_size);
   for (std::size_t i = 0; i < fields.size(); ++i) {

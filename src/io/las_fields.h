@@ -39,6 +39,9 @@ bool has_color(int format);
 /// undescribed bytes one by one, at most 16. Notes say what was left out.
 std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& notes);
 
+/// How many bytes of a point the descriptor (192 bytes) covers; one of no type says so itself, one of an unknown type 0.
+std::size_t described_length(const std::uint8_t* descriptor);
+
 /// The extra bytes record (192 bytes a field) that describes `fields`.
 std::vector<std::uint8_t> extra_bytes_record(const std::vector<Field>& fields);
 

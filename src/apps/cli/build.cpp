@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <sstream>
 
 #include "commands.h"
 #include "common_options.h"
@@ -27,12 +28,24 @@ Bounds parse_box(const std::string& text) {
   return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
 }
 
+Attributes parse_attributes(const std::string& text) {
+  Attributes wanted;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    if (word == "normal") wanted = wanted | Attribute::normal;
+    else if (word == "uncertainty") wanted = wanted | Attribute::uncertainty;
+    else throw Error(ErrorCode::usage, "--attributes: '" + word + "' cannot be stored; write normal, uncertainty or both");
+  }
+  return wanted;
+}
+
 }  // namespace
 
 int build_command(const Words& words) {
   std::string output, memory = "4G";
-  std::optional<std::string> box, max_points;
+  std::optional<std::string> box, max_points, attributes;
   Words inputs;
+  copc::BuildOptions options;
   CommonOptions common;
   CommandLine line(
       "sfumato build",
@@ -45,6 +58,9 @@ int build_command(const Words& words) {
   line.text("--max-points", max_points, "N",
             "an even subset of so many points, the same one every time (1e6, 250k, 2M)");
   line.text("--box", box, "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates");
+  line.text("--attributes", attributes, "normal,uncertainty",
+            "compute these of all points and store them, so that coarse levels carry the normals of the surface");
+  line.flag("--average-colors", options.average_colors, "points of coarse levels get the mean colour around them");
   common.declare(line);
   line.usage(usage);
   if (!line.parse(words)) return 0;
@@ -55,10 +71,10 @@ int build_command(const Words& words) {
                     "; usage: " + usage);
   if (!output.ends_with(".copc.laz") || io::is_standard_output(output))
     throw Error(ErrorCode::usage, "-o " + output + ": build writes COPC: name a file that ends in .copc.laz");
-  copc::BuildOptions options;
   options.memory = std::uint64_t(parse_whole("--memory", memory, long(copc::least_memory)));
   if (max_points) options.max_points = std::uint64_t(parse_whole("--max-points", *max_points, 1));
   if (box) options.box = parse_box(*box);
+  if (attributes) options.attributes = parse_attributes(*attributes);
 
   inputs = scene::expand_inputs(inputs);
   io::FileNames names;

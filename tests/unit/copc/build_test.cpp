@@ -7,8 +7,10 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <map>
 #include <random>
 
+#include "analysis/attributes.h"
 #include "copc/file_writer.h"
 #include "copc/tree.h"
 #include "core/threads.h"
@@ -153,6 +155,85 @@ TEST_F(CopcBuild, ReadsBackWithEveryAttribute) {
     EXPECT_EQ(after.cloud.las->offset, before.cloud.las->offset);
     EXPECT_TRUE(rows(before.cloud) == rows(after.cloud)) << format;
   }
+}
+
+/// Of each point by its time, which numbers the points of `scan`.
+std::map<double, std::size_t> by_time(const PointCloud& cloud) {
+  std::map<double, std::size_t> places;
+  for (std::size_t i = 0; i < cloud.size(); ++i) places[cloud.scalar("gps_time")->value(i)] = i;
+  return places;
+}
+
+// Parts are made one after the other, and what lies around a part counts: normals at its rim are those of the whole.
+TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
+  const auto input = write(scan(450'000), "in.laz");
+  copc::BuildOptions options;
+  options.memory = little_memory;
+  options.attributes = Attribute::normal | Attribute::uncertainty;
+  build({input}, options);
+  validated();
+  const PointCloud got = io::read(path("out.copc.laz")).cloud;
+  analysis::PrepareOptions whole;
+  whole.clutter_radius = 1;
+  const PreparedCloud expected = analysis::prepare(
+      io::read(input).cloud, Attribute::normal | Attribute::radius | Attribute::uncertainty, whole);
+  ASSERT_EQ(got.size(), 450'000u);
+  ASSERT_EQ(got.normals.size(), got.size());
+  const ScalarField* unevenness = got.scalar(analysis::unevenness_name);
+  ASSERT_TRUE(unevenness);
+  const std::map<double, std::size_t> at = by_time(got);
+  std::size_t turned = 0, uneven = 0, near_rim = 0;
+  for (std::size_t i = 0; i < expected.cloud.size(); ++i) {
+    const std::size_t k = at.at(expected.cloud.scalar("gps_time")->value(i));
+    // Steps of 1e-4 turn a normal by no more than 1e-4; half a degree is another neighbourhood.
+    turned += std::abs(glm::dot(got.normals[k], expected.cloud.normals[i])) < std::cos(0.5 * 3.14159265 / 180);
+    const double even = double(expected.cloud.scalar("uncertainty")->values[i]) / expected.cloud.radii[i];
+    uneven += std::abs(unevenness->value(k) - std::min(even, 3.0)) > 0.02;
+    const dvec3 from_middle = glm::abs(got.world(k) - dvec3(500050, 4100050, 100));
+    near_rim += std::min(from_middle.x, from_middle.y) < 0.5;
+  }
+  // Parts of the cube meet in its middle. Which of two neighbours at one distance is the 24th may differ, as may what
+  // such a point means for others.
+  EXPECT_GT(near_rim, 6000u);
+  EXPECT_LT(turned, 100u);
+  EXPECT_LT(uneven, 200u);
+  // Such a cloud is drawn with them.
+  const PreparedCloud drawn = analysis::prepare(got, Attribute::normal | Attribute::uncertainty, whole);
+  EXPECT_TRUE(drawn.computed.has(Attribute::uncertainty));
+  EXPECT_FALSE(drawn.computed.has(Attribute::normal));
+}
+
+TEST_F(CopcBuild, AttributesOfTheFilesAreKept) {
+  PointCloud cloud = scan(3000);
+  cloud.normals.assign(cloud.size(), {0, 0.6f, 0.8f});
+  const auto input = write(cloud, "in.laz");
+  copc::BuildOptions options;
+  options.attributes = Attribute::normal | Attribute::uncertainty;
+  const copc::BuildReport report = build({input}, options);
+  EXPECT_THAT(report.notes, testing::Contains(HasSubstr("have normals, which are kept")));
+  const PointCloud got = io::read(path("out.copc.laz")).cloud;
+  for (const vec3& normal : got.normals) ASSERT_EQ(normal, vec3(0, 0.6f, 0.8f));
+  EXPECT_TRUE(got.scalar(analysis::unevenness_name));
+}
+
+// Black and white by turns: a coarse level without averages is as black and white as the points.
+TEST_F(CopcBuild, CoarseLevelsHaveMeanColorsOnRequest) {
+  PointCloud cloud = scan(300'000);
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.colors[i] = i % 2 ? Rgba8{250, 250, 250, 255} : Rgba8{0, 0, 0, 255};
+  const auto input = write(cloud, "in.laz");
+  std::size_t gray[2] = {0, 0};
+  for (const bool average : {false, true}) {
+    copc::BuildOptions options;
+    options.memory = little_memory;
+    options.average_colors = average;
+    build({input}, options);
+    validated();
+    const PointCloud got = io::read(path("out.copc.laz")).cloud;
+    EXPECT_EQ(got.size(), cloud.size());
+    for (const Rgba8& c : got.colors) gray[average] += c.r > 20 && c.r < 230;
+  }
+  EXPECT_EQ(gray[0], 0u);
+  EXPECT_GT(gray[1], 5000u);
 }
 
 TEST_F(CopcBuild, PutsFilesOfDifferentKindsTogether) {

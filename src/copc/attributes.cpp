@@ -1,0 +1,114 @@
+#include "copc/attributes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "analysis/attributes.h"
+#include "analysis/prepare.h"
+
+namespace sfumato::copc {
+namespace {
+
+using io::las::Field;
+using io::las::get;
+using io::las::put;
+
+constexpr double step = 1e-4;
+constexpr std::size_t descriptor = 192, name_byte = 4, name_length = 32, most_undescribed = 255;
+
+bool has_field(const Schema& schema, const std::string& name) {
+  for (std::size_t at = 0; at + descriptor <= schema.extra_bytes.size(); at += descriptor) {
+    const char* text = reinterpret_cast<const char*>(schema.extra_bytes.data() + at + name_byte);
+    if (std::string(text, std::find(text, text + name_length, 0)) == name) return true;
+  }
+  return false;
+}
+
+/// Extra bytes that no descriptor covers get one of no type, so that those behind it are where theirs say.
+void describe_the_rest(Schema& schema) {
+  std::size_t described = 0;
+  for (std::size_t at = 0; at + descriptor <= schema.extra_bytes.size(); at += descriptor)
+    described += io::las::described_length(schema.extra_bytes.data() + at);
+  std::size_t rest = schema.record_length - io::las::min_record_length[std::size_t(schema.format)];
+  rest -= std::min(rest, described);
+  for (; rest > 0; rest -= std::min(rest, most_undescribed)) {
+    schema.extra_bytes.resize(schema.extra_bytes.size() + descriptor, 0);
+    std::uint8_t* d = schema.extra_bytes.data() + schema.extra_bytes.size() - descriptor;
+    d[3] = std::uint8_t(std::min(rest, most_undescribed));
+    std::memcpy(d + name_byte, "undescribed", 11);
+  }
+}
+
+std::int16_t steps_of(double value) { return std::int16_t(std::lround(std::clamp(value, -3.0, 3.0) / step)); }
+
+}  // namespace
+
+void add_computed_fields(Schema& schema, Attributes wanted) {
+  std::vector<Field> added;
+  const auto add = [&](const std::string& name) {
+    Field field;
+    field.name = name, field.type = StoredType::int16, field.scale = step;
+    field.byte = std::uint16_t(schema.record_length + 2 * added.size());
+    added.push_back(field);
+    return field.byte;
+  };
+  describe_the_rest(schema);
+  if (wanted.has(Attribute::normal)) {
+    if (has_field(schema, "nx"))
+      schema.notes.push_back("the files have normals, which are kept: none are computed");
+    else
+      schema.normal_byte = add("nx"), add("ny"), add("nz");
+  }
+  if (wanted.has(Attribute::uncertainty)) {
+    if (has_field(schema, "uncertainty") || has_field(schema, analysis::unevenness_name))
+      schema.notes.push_back("the files have an uncertainty, which is kept: none is computed");
+    else
+      schema.unevenness_byte = add(analysis::unevenness_name);
+  }
+  if (schema.record_length + 2 * added.size() > 65535)
+    throw Error(ErrorCode::usage, "the files have so many extra attributes that a record has no room for --attributes");
+  const std::vector<std::uint8_t> described = io::las::extra_bytes_record(added);
+  schema.extra_bytes.insert(schema.extra_bytes.end(), described.begin(), described.end());
+  schema.record_length = std::uint16_t(schema.record_length + 2 * added.size());
+}
+
+void compute_fields(const Schema& schema, std::span<std::uint8_t> records, std::span<const std::uint8_t> halo,
+                    Progress& progress) {
+  const std::size_t length = schema.record_length, count = records.size() / length;
+  if (count == 0 || !schema.computes()) return;
+  PointCloud cloud;
+  cloud.positions.reserve(count + halo.size() / length);
+  std::int32_t first[3];
+  std::memcpy(first, records.data(), sizeof first);
+  const auto append = [&](std::span<const std::uint8_t> bytes) {
+    for (std::size_t at = 0; at < bytes.size(); at += length) {
+      vec3 place;
+      for (int axis = 0; axis < 3; ++axis)  // from the first point, where float has digits enough for a part of a scan
+        place[axis] = float(double(std::int64_t{get<std::int32_t>(bytes.data() + at + std::size_t(4 * axis))} - first[axis]) *
+                            schema.scale[axis]);
+      cloud.positions.push_back(place);
+    }
+  };
+  append(records);
+  append(halo);
+
+  analysis::PrepareOptions options;
+  options.clutter_radius = 1;  // radii are of what is drawn, and not stored
+  Attributes needs = Attribute::normal;
+  if (schema.unevenness_byte) needs = needs | Attribute::uncertainty | Attribute::radius;
+  const PreparedCloud prepared = analysis::prepare(std::move(cloud), needs, options, progress);
+  const PointCloud& found = prepared.cloud;
+  const ScalarField* uncertainty = schema.unevenness_byte ? found.scalar("uncertainty") : nullptr;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found.source_index[i] >= count) continue;
+    std::uint8_t* record = records.data() + found.source_index[i] * length;
+    for (int axis = 0; schema.normal_byte && axis < 3; ++axis)
+      put(record + schema.normal_byte + 2 * axis, steps_of(found.normals[i][axis]));
+    // 1 on a plane, 7/3 among directions by chance: 16 bits hold 3 in these steps, and what is more counts as 3.
+    if (uncertainty && found.radii[i] > 0)
+      put(record + schema.unevenness_byte, steps_of(double(uncertainty->values[i]) / found.radii[i]));
+  }
+}
+
+}  // namespace sfumato::copc
