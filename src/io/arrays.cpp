@@ -9,6 +9,7 @@
 #include "io/columns.h"
 #include "io/file.h"
 #include "io/format.h"
+#include "io/npy_array.h"
 
 namespace sfumato::io {
 namespace {
@@ -32,7 +33,9 @@ std::optional<StoredType> type_of(std::string_view text) {
 /// The header of an NPY file: a Python dictionary with descr, fortran_order and shape.
 class NpyHeader {
  public:
-  NpyHeader(const File& file, const ReadOptions& options) : file_(file), options_(options) {}
+  /// `is_cloud`: x, y and z are wanted; otherwise any numbers, also a list of them.
+  NpyHeader(const File& file, const ReadOptions& options, bool is_cloud = true)
+      : file_(file), options_(options), is_cloud_(is_cloud) {}
 
   Array parse() {
     const std::string head = file_.read_text(0, 12);
@@ -75,6 +78,7 @@ class NpyHeader {
       if (error == std::errc()) shape_.push_back(size);
       text.remove_prefix(error == std::errc() ? std::size_t(end - text.data()) : 1);
     }
+    if (!is_cloud_ && shape_.size() == 1) shape_.push_back(1), is_list_ = true;
     if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull || (shape_.size() == 2 && shape_[1] > 256))
       fail("found an array of another shape than (points, columns); save the points as rows");
     array_.rows = shape_[0];
@@ -85,7 +89,9 @@ class NpyHeader {
     if (descr.starts_with('\'')) {
       const StoredType type = element(descr.substr(1, descr.find('\'', 1) - 1));
       if (shape_.size() != 2) fail("found a list of numbers, expected (points, columns)");
-      const std::vector<std::string> names = names_of(std::size_t(shape_[1]), type);
+      std::vector<std::string> names;
+      if (is_cloud_) names = names_of(std::size_t(shape_[1]), type);
+      else names.resize(std::size_t(shape_[1]));
       const std::size_t size = size_of(type);
       for (std::size_t k = 0; k < names.size(); ++k)
         array_.columns.push_back({names[k], type, type, array_.by_column ? k * size * std::size_t(array_.rows) : k * size,
@@ -94,11 +100,11 @@ class NpyHeader {
     } else {
       read_records(descr);
     }
-    if (!assign_roles(array_.columns)) fail("the columns lack x, y or z; name them with --columns");
+    if (is_cloud_ && !assign_roles(array_.columns)) fail("the columns lack x, y or z; name them with --columns");
   }
 
   void read_records(std::string_view descr) {
-    if (shape_.size() != 1) fail("found a grid of records, expected a list of them");
+    if (shape_.size() != 1 && !is_list_) fail("found a grid of records, expected a list of them");
     // [('x', '<f4'), ('y', '<f4'), ...]: names and types alternate.
     descr = descr.substr(0, descr.find(']'));
     std::vector<std::string_view> words;
@@ -157,9 +163,29 @@ class NpyHeader {
   const ReadOptions& options_;
   std::string text_;
   std::vector<std::uint64_t> shape_;
-  bool seen_little_ = false;
+  bool is_cloud_ = true, is_list_ = false, seen_little_ = false;
   Array array_;
 };
+
+double number_of(StoredType type, const std::byte* bytes) {
+  const auto as = [&]<class T>(T value) {
+    std::memcpy(&value, bytes, sizeof value);
+    return double(value);
+  };
+  switch (type) {
+    case StoredType::uint8: return as(std::uint8_t());
+    case StoredType::int8: return as(std::int8_t());
+    case StoredType::uint16: return as(std::uint16_t());
+    case StoredType::int16: return as(std::int16_t());
+    case StoredType::uint32: return as(std::uint32_t());
+    case StoredType::int32: return as(std::int32_t());
+    case StoredType::uint64: return as(std::uint64_t());
+    case StoredType::int64: return as(std::int64_t());
+    case StoredType::float32: return as(float());
+    case StoredType::float64: return as(double());
+  }
+  return 0;
+}
 
 ReadResult read_array(const File& file, const Array& array, Progress& progress) {
   const std::size_t rows = std::size_t(array.rows), step = array.by_column ? std::max<std::size_t>(rows, 1) : 1 << 16;
@@ -180,6 +206,29 @@ ReadResult read_array(const File& file, const Array& array, Progress& progress) 
 }
 
 }  // namespace
+
+NpyValues read_npy_values(const std::filesystem::path& path, Progress& progress) {
+  const File file(path);
+  const Array array = NpyHeader(file, {}, false).parse();
+  NpyValues result;
+  const auto rows = std::size_t(array.rows);
+  if (rows > 0 && array.record == 0) bad_input(path, "header", "found records of no bytes; the file is damaged");
+  const std::string bytes = file.read_text(array.begin, std::size_t(array.record) * rows);
+  for (const Column& column : array.columns) {
+    progress.check();
+    if (!column.name.empty()) result.names.push_back(column.name);
+    result.types.push_back(column.stored);
+    std::vector<double>& values = result.columns.emplace_back(rows);
+    const std::size_t size = size_of(column.stored);
+    for (std::size_t i = 0; i < rows; ++i) {
+      std::byte one[8];
+      std::memcpy(one, bytes.data() + column.offset + i * column.stride, size);
+      if (array.big_endian) std::reverse(one, one + size);
+      values[i] = number_of(column.stored, one);
+    }
+  }
+  return result;
+}
 
 bool is_npy(std::string_view head) { return head.starts_with("\x93NUMPY"); }
 

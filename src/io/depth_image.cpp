@@ -3,12 +3,16 @@
 //   {"depth": "depth/1.png", "color": "rgb/1.png", "fx": 525, "fy": 525, "cx": 319.5, "cy": 239.5, "depth_scale": 5000,
 //    "pose": [tx, ty, tz, qx, qy, qz, qw]}
 //
-// As in the TUM RGB-D data: 16 bits a pixel, `depth_scale` of them a metre (5000), 0 where nothing was measured; the
+// As in the TUM RGB-D data: 16 bits a pixel, `depth_scale` of them a metre (5000), 0 where nothing was measured. Or an
+// OpenEXR with depth as floats in its channel Z, `depth_scale` 1, and 0 or no number where nothing was measured. The
 // middle of the first pixel is (0, 0); x right, y down, z forward; the pose takes the camera to the world. `color` and
 // `pose` may be left out.
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "io/bounded_json.h"
+#include "io/exr_read.h"
 #include "io/format.h"
 #include "io/png_read.h"
 #include "io/table.h"
@@ -18,7 +22,7 @@ namespace {
 
 struct Frame {
   std::filesystem::path depth, color;
-  double fx = 0, fy = 0, cx = 0, cy = 0, scale = 5000;
+  double fx = 0, fy = 0, cx = 0, cy = 0, scale = 0;
   double q[4] = {0, 0, 0, 1};  // x y z w
   dvec3 place{0};
   bool has_pose = false;
@@ -68,6 +72,29 @@ Frame read_frame(const std::filesystem::path& path) {
   return frame;
 }
 
+/// Of either kind of picture.
+struct Depth {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint16_t> whole;
+  std::vector<float> real;
+  double scale = 1;
+  double metres(std::size_t i) const { return (real.empty() ? double(whole[i]) : double(real[i])) / scale; }
+};
+
+Depth read_depth(const Frame& frame) {
+  std::string extension = frame.depth.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  if (extension == ".exr") {
+    ExrDepth exr = read_exr_depth(frame.depth);
+    return {exr.width, exr.height, {}, std::move(exr.values), frame.scale > 0 ? frame.scale : 1};
+  }
+  PngPicture png = read_png(frame.depth);
+  if (png.channels != 1 || png.bits != 16)
+    bad_input(frame.depth, "header", "found " + std::to_string(png.channels) + " channels of " + std::to_string(png.bits) +
+                                         " bits, expected depth as one channel of 16 bits");
+  return {png.width, png.height, std::move(png.samples), {}, frame.scale > 0 ? frame.scale : 5000};
+}
+
 }  // namespace
 
 bool is_depth_image(std::string_view head) {
@@ -77,10 +104,7 @@ bool is_depth_image(std::string_view head) {
 
 ReadResult read_depth_image(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const Frame frame = read_frame(path);
-  const PngPicture depth = read_png(frame.depth);
-  if (depth.channels != 1 || depth.bits != 16)
-    bad_input(frame.depth, "header", "found " + std::to_string(depth.channels) + " channels of " + std::to_string(depth.bits) +
-                                         " bits, expected depth as one channel of 16 bits");
+  const Depth depth = read_depth(frame);
   PngPicture color;
   if (!frame.color.empty()) {
     color = read_png(frame.color);
@@ -98,8 +122,8 @@ ReadResult read_depth_image(const std::filesystem::path& path, const ReadOptions
     if (i % 65536 == 0) progress.check();
     for (std::size_t k = 0; k < 3 && !color.samples.empty(); ++k)
       table.column(3 + k)[i] = color.samples[i * std::size_t(color.channels) + k];
-    if (depth.samples[i] == 0) continue;
-    const double z = depth.samples[i] / frame.scale;
+    const double z = depth.metres(i);
+    if (!(z > 0)) continue;
     dvec3 p((double(i % depth.width) - frame.cx) * z / frame.fx, (double(i / depth.width) - frame.cy) * z / frame.fy, z);
     if (frame.has_pose) {
       const dvec3 t = 2.0 * glm::cross(axis, p);

@@ -57,6 +57,12 @@ bool is_npy(std::string_view head);
 ReadResult read_npy_points(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 ReadResult read_kitti(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
+bool is_npz(std::string_view head);
+ReadResult read_npz(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+bool is_draco(std::string_view head);
+ReadResult read_draco(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
 bool is_depth_image(std::string_view head);
 ReadResult read_depth_image(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 

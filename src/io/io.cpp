@@ -24,7 +24,11 @@ const std::vector<Format>& table() {
       {"npy", {".npy"}, "NumPy array, a row or a record a point", is_npy, read_npy_points, write_npy_cloud},
       {"e57", {".e57"}, "ASTM E2807, all scans", is_e57, read_e57},
       {"ptx", {".ptx"}, "Leica PTX, all scans", is_ptx, read_ptx},
-      {"depth", {".json"}, "depth image (16-bit PNG) and its camera as JSON", is_depth_image, read_depth_image},
+      {"npz", {".npz"}, "NumPy arrays in one file: xyz, rgb, normals and scalars by name", is_npz, read_npz},
+#ifdef SFUMATO_DRACO
+      {"draco", {".drc"}, "Draco point clouds, and the vertices of Draco meshes", is_draco, read_draco},
+#endif
+      {"depth", {".json"}, "depth image (16-bit PNG or EXR) and its camera as JSON", is_depth_image, read_depth_image},
       {"kitti", {".bin"}, "KITTI, x y z intensity as floats", nullptr, read_kitti},
       // Last: any lines of numbers are text.
       {"text",

@@ -50,7 +50,7 @@ void read_cloud(std::string_view bytes) {
 }
 
 constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd", obj[] = ".obj", e57[] = ".e57",
-               ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz", npy[] = ".npy", kitti[] = ".bin";
+               ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz", npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin";
 
 void read_mesh(std::string_view bytes) {
   static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj");
@@ -111,6 +111,7 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
       {"las", read_cloud<las>}, {"laz", read_cloud<laz>}, {"copc", read_cloud<copc>}, {"ply", read_cloud<ply>},
       {"pcd", read_cloud<pcd>}, {"obj", read_cloud<obj>}, {"e57", read_cloud<e57>},   {"ptx", read_cloud<ptx>},
       {"pts", read_cloud<pts>}, {"text", read_cloud<text>}, {"npy", read_cloud<npy>}, {"kitti", read_cloud<kitti>},
+      {"npz", read_cloud<npz>}, {"draco", read_cloud<draco>},
       {"mesh", read_mesh},      {"depth", read_depth},    {"camera", read_camera},    {"preset", read_preset},
       {"command_line", read_command_line}};
   return all;

@@ -99,6 +99,11 @@ std::vector<Seed> seeds() {
   add("npy", ".npy", npy("'<f4'", "2, 3", bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f)));
   add("npy", ".npy", npy("[('x', '<f4'), ('y', '<f8'), ('z', '<i2'), ('ring', '|u1')]", "2,",
                          bytes_of(1.0f, 2.0, short(3)) + "\x05" + bytes_of(4.0f, 5.0, short(6)) + "\x06"));
+  add("npz", ".npz", npz_cloud(false));
+  add("npz", ".npz", npz_cloud(true));
+#ifdef SFUMATO_DRACO
+  add("draco", ".drc", draco_cloud());
+#endif
   add("kitti", ".bin", bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f));
   const std::string frame = R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
   all.push_back({"depth", ".json", frame, "d.png", png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500})});

@@ -16,7 +16,7 @@
 #include "io/decoder_messages.h"
 #include "io/laz_raw.h"
 #ifdef SFUMATO_DRACO
-#include "io/draco_raw.h"
+#include "draco_raw.h"
 #endif
 
 using namespace sfumato::io;
@@ -109,7 +109,7 @@ void decode_laszip(const DecodeJob& job, std::uint8_t* memory) {
 
 #ifdef SFUMATO_DRACO
 void decode_draco(const DecodeJob& job, std::uint8_t* memory) {
-  const DracoCloud cloud({memory + job.input, job.input_size});
+  const sfumato::DracoCloud cloud({memory + job.input, job.input_size});
   DecodeReply reply;
   reply.kind = DecodeReply::fields;
   reply.total = cloud.points();

@@ -1,10 +1,18 @@
 // Files of formats that we do not write, made byte by byte.
 #pragma once
 
+#include <zlib.h>
+
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
+
+#ifdef SFUMATO_DRACO
+#include <draco/compression/encode.h>
+#include <draco/point_cloud/point_cloud_builder.h>
+#endif
 
 #include "io/e57_file.h"
 #include "unit/io/files.h"
@@ -115,6 +123,43 @@ inline std::string npy(const std::string& descr, const std::string& shape, const
   return std::string("\x93NUMPY\x01\x00", 8) + le(head.size(), 2) + head + body;
 }
 
+/// A zip of files as numpy.savez (stored) and savez_compressed write it.
+inline std::string zip(const std::vector<std::pair<std::string, std::string>>& files, bool deflated) {
+  std::string bytes, list;
+  for (const auto& [name, content] : files) {
+    std::string packed = content;
+    if (deflated) {
+      z_stream stream{};
+      deflateInit2(&stream, 6, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+      packed.resize(deflateBound(&stream, content.size()));
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));
+      stream.avail_in = uInt(content.size());
+      stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+      stream.avail_out = uInt(packed.size());
+      deflate(&stream, Z_FINISH);
+      packed.resize(stream.total_out);
+      deflateEnd(&stream);
+    }
+    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(content.data()), uInt(content.size()));
+    const std::string common = le(20, 2) + le(0, 2) + le(deflated ? 8 : 0, 2) + le(0, 4) + le(crc, 4) + le(packed.size(), 4) +
+                               le(content.size(), 4) + le(name.size(), 2);
+    list += "PK\1\2" + le(20, 2) + common + le(0, 2) + le(0, 2) + le(0, 2) + le(0, 2) + le(0, 4) + le(bytes.size(), 4) + name;
+    // numpy leaves room for sizes of 64 bits before each array.
+    bytes += "PK\3\4" + common + le(20, 2) + name + le(1, 2) + le(16, 2) + le(content.size(), 8) + le(packed.size(), 8) + packed;
+  }
+  return bytes + list + "PK\5\6" + le(0, 4) + le(files.size(), 2) + le(files.size(), 2) + le(list.size(), 4) + le(bytes.size(), 4) + le(0, 2);
+}
+
+/// Four points in two colours, with normals, an intensity, and a list that belongs to nothing.
+inline std::string npz_cloud(bool deflated) {
+  const std::string rows = bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f);
+  return zip({{"points.npy", npy("'<f4'", "4, 3", rows)},
+              {"colors.npy", npy("'|u1'", "4, 3", std::string("\x01\x02\x03\x01\x02\x03\xff\x02\x03\x04\x02\x03", 12))},
+              {"intensity.npy", npy("'<f8'", "4,", bytes_of(0.5, 1.5, 2.5, 1e-3))},
+              {"other.npy", npy("'<i4'", "2,", bytes_of(7, 8))}},
+             deflated);
+}
+
 /// A grey PNG of 16 bits, stored without compression.
 inline std::string png16(std::uint32_t width, std::uint32_t height, const std::vector<std::uint16_t>& samples) {
   const auto be = [](std::uint64_t value, int bytes) {
@@ -143,5 +188,34 @@ inline std::string png16(std::uint32_t width, std::uint32_t height, const std::v
   return "\x89PNG\r\n\x1a\n" + chunk("IHDR", be(width, 4) + be(height, 4) + std::string("\x10\0\0\0\0", 5)) +
          chunk("IDAT", packed) + chunk("IEND", "");
 }
+
+#ifdef SFUMATO_DRACO
+/// A thousand points with colours and a scalar called "intensity", as Draco writes it.
+inline std::string draco_cloud() {
+  constexpr int points = 1000;
+  draco::PointCloudBuilder builder;
+  builder.Start(points);
+  const int place = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int color = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
+  const int scalar = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT16);
+  for (int i = 0; i < points; ++i) {
+    const float xyz[] = {float(i % 10), float(i / 10 % 10), float(i / 100)};
+    const std::uint8_t rgb[] = {std::uint8_t(i), 2, 3};
+    const auto value = std::uint16_t(i * 7);
+    builder.SetAttributeValueForPoint(place, draco::PointIndex(std::uint32_t(i)), xyz);
+    builder.SetAttributeValueForPoint(color, draco::PointIndex(std::uint32_t(i)), rgb);
+    builder.SetAttributeValueForPoint(scalar, draco::PointIndex(std::uint32_t(i)), &value);
+  }
+  const auto cloud = builder.Finalize(false);
+  auto metadata = std::make_unique<draco::AttributeMetadata>();
+  metadata->AddEntryString("name", "intensity");
+  cloud->AddAttributeMetadata(scalar, std::move(metadata));
+  draco::Encoder encoder;
+  draco::EncoderBuffer buffer;
+  encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+  if (!encoder.EncodePointCloudToBuffer(*cloud, &buffer).ok()) return {};
+  return {buffer.data(), buffer.size()};
+}
+#endif
 
 }  // namespace sfumato::test

@@ -5,9 +5,12 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <fstream>
+#include <limits>
 #include <random>
 
 #include "io/e57_file.h"
+#include "io/image_exr.h"
 #include "unit/io/files.h"
 #include "unit/io/format_bytes.h"
 
@@ -125,6 +128,53 @@ TEST(Npy, RowsColumnsAndRecords) {
   test::expect_changes_are_safe("a.npy", file);
 }
 
+TEST(Npz, ArraysBecomeColumnsByTheirNames) {
+  for (const bool deflated : {false, true}) {
+    const std::string bytes = npz_cloud(deflated);
+    const io::ReadResult result = io::read(test::write_file("a.npz", bytes));
+    EXPECT_EQ(result.report.format, "npz");
+    const PointCloud& cloud = result.cloud;
+    ASSERT_EQ(cloud.size(), 4u);
+    EXPECT_EQ(cloud.positions[3], vec3(10, 11, 12));
+    EXPECT_EQ(cloud.colors.at(2).r, 255);
+    EXPECT_NEAR(cloud.scalar("intensity")->value(3), 1e-3, 1e-9);
+    EXPECT_FALSE(cloud.scalar("other"));
+    ASSERT_EQ(result.report.notes.size(), 1u);
+    EXPECT_NE(result.report.notes[0].find("'other' is left out"), std::string::npos) << result.report.notes[0];
+    test::expect_cuts_are_safe("a.npz", bytes, 4);
+    test::expect_changes_are_safe("a.npz", bytes);
+  }
+  const auto lists = test::write_file("b.npz", zip({{"x.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))},
+                                                    {"y.npy", npy("'<f4'", "2,", test::bytes_of(3.0f, 4.0f))},
+                                                    {"z.npy", npy("'<i2'", "2,", test::bytes_of(short(5), short(6)))}}, true));
+  EXPECT_EQ(io::read(lists).cloud.positions.at(1), vec3(2, 4, 6));
+  const auto none = test::error_of(test::write_file("c.npz", zip({{"q.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))}}, true)));
+  ASSERT_TRUE(none);
+  EXPECT_NE(std::string(none->what()).find("name one so"), std::string::npos) << none->what();
+  // Zeros pack a thousandfold; a file that unpacks to gigabytes is no scan.
+  EXPECT_TRUE(test::error_of(test::write_file("d.npz", zip({{"xyz.npy", npy("'<f4'", "8000000, 3", std::string(96'000'000, '\0'))}}, true))));
+}
+
+#ifdef SFUMATO_DRACO
+TEST(Draco, PointsColoursAndScalars) {
+  const io::ReadResult result = io::read(test::write_file("a.drc", draco_cloud()));
+  EXPECT_EQ(result.report.format, "draco");
+  const PointCloud& cloud = result.cloud;
+  ASSERT_EQ(cloud.size(), 1000u);
+  for (std::size_t i = 0; i < 1000; ++i) {
+    ASSERT_EQ(cloud.positions[i], vec3(float(i % 10), float(i / 10 % 10), float(i / 100))) << i;  // sequential: in order, exact
+    ASSERT_EQ(cloud.colors[i].r, i % 256);
+    ASSERT_EQ(cloud.scalar("intensity")->value(i), double(i * 7 % 65536));
+  }
+  const std::string bytes = draco_cloud();
+  for (std::size_t length = 0; length < bytes.size(); length += 101) {
+    const auto error = test::error_of(test::write_file("b.drc", bytes.substr(0, length)));
+    ASSERT_TRUE(error) << length;
+    EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
+  }
+}
+#endif
+
 TEST(Kitti, FloatsByExtension) {
   const io::ReadResult result = io::read(test::write_file("000000.bin", test::bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f)));
   EXPECT_EQ(result.report.format, "kitti");
@@ -132,6 +182,32 @@ TEST(Kitti, FloatsByExtension) {
   EXPECT_EQ(result.cloud.scalar("intensity")->value(0), 0.5);
   EXPECT_TRUE(test::error_of(test::write_file("a.bin", std::string(20, 'x'))));
   EXPECT_TRUE(test::error_of(test::write_file("b.bin", std::string(1600, 'x')))) << "1e21 m is no street";
+}
+
+TEST(DepthImage, OfFloatsIsAnExr) {
+  Image<float> depth(3, 2);
+  const float values[] = {1, 0, 2, 1, std::numeric_limits<float>::infinity(), 0.5f};
+  std::copy(std::begin(values), std::end(values), depth.data());
+  const std::filesystem::path exr = test::temp_file("d.exr");
+  io::write_exr(exr, {}, depth, {});
+  const std::string json = "{\"depth\": \"" + exr.filename().string() + "\", \"fx\": 2, \"fy\": 4, \"cx\": 1, \"cy\": 0}";
+  const io::ReadResult result = io::read(test::write_file("a.json", json));
+  EXPECT_EQ(result.report.points, 6u);
+  ASSERT_EQ(result.cloud.size(), 4u) << "0 and infinity are no measurements";
+  EXPECT_EQ(result.cloud.world(1), dvec3(1, 0, 2));
+  EXPECT_EQ(result.cloud.world(3), dvec3(0.25, 0.125, 0.5));
+  EXPECT_EQ(result.cloud.grids.at(0).width, 3u);
+  std::ifstream in(exr, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  std::mt19937 random(5);
+  for (int run = 0; run < 300; ++run) {
+    std::string damaged = bytes;
+    if (run % 2) damaged.resize(random() % damaged.size());
+    else damaged[random() % damaged.size()] = char(random());
+    test::write_file("d.exr", damaged);
+    if (const auto error = test::error_of(test::write_file("a.json", json)))
+      EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
+  }
 }
 
 TEST(DepthImage, IsAnOrganisedCloud) {

@@ -1,0 +1,27 @@
+// A Draco point cloud (or the vertices of a Draco mesh) as packed records.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace sfumato {
+
+class DracoCloud {
+ public:
+  /// Decodes all of it. Throws std::runtime_error with what Draco found.
+  explicit DracoCloud(std::span<const std::uint8_t> bytes);
+  ~DracoCloud();
+  std::uint64_t points() const;
+  /// "NAME TYPE;" for each number of a record, in order; types as io::StoredType counts them.
+  const std::string& fields() const;
+  std::size_t record_length() const;
+  void pack(std::uint64_t first, std::size_t count, std::uint8_t* records) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sfumato
