@@ -22,6 +22,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
   program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
+  program.set("wide_px", footprint.wide_px);
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   if (lists && !index) program.set("inverse_bin", inverse_bin_);
   if (casters) program.set("caster_range", vec2(casters->from, casters->below));

@@ -21,6 +21,9 @@ struct Footprint {
   float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
   /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more.
   float largest_medians = 4;
+  /// Discs wider than this grow with the root of what they would be; 0: no. Points that far apart are no surface any
+  /// more to whoever looks, and discs that close it would hide what shape there is. px
+  float wide_px = 0;
 };
 
 /// Only points that stop this share of the light (GpuCloud::set_casters): `from` <= share < `below`.

@@ -57,7 +57,7 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
       {"object", scan("spheres", synth::Sampling::area, 60'000), "splats", "surfaces"},
       {"place", scan("courtyard", synth::Sampling::scanners, 200'000), "splats", "surfaces"},
       {"room", scan("room", synth::Sampling::area, 100'000), "splats", "surfaces"},
-      {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "splats", "vegetation"},
+      {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "points", "vegetation"},
       {"depth pictures", scan("room", synth::Sampling::cameras, 100'000), "splats", "depth picture"},
       {"street sweep", street_sweep(), "points", "lines"},
       {"a few points", scan("spheres", synth::Sampling::area, 500), "points", "500"},

@@ -5,6 +5,8 @@
 // the survivors only. Points are round and as large as the local spacing asks for, so that a surface near the
 // camera does not fall apart; eye-dome lighting gives shape to clouds without normals.
 
+#include <algorithm>
+
 #include "passes/points_to_pixels.h"
 #include "passes/shade.h"
 #include "techniques/technique.h"
@@ -27,6 +29,8 @@ class Points final : public Technique {
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    // 16 px of 720, so that a picture looks the same in every size.
+    footprint_.wide_px = std::max(8.0f, float(frame.camera.height) / 45);
     to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
 
     // Resolve straight into the target; only what has to be shaded takes the way through another texture. Points
