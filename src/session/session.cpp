@@ -110,6 +110,12 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointClou
   return colors;
 }
 
+std::size_t Session::prepared_points() const {
+  std::size_t points = 0;
+  for (std::size_t k = 0; !is_empty_ && k < parts_.size(); ++k) points += cloud(k).size();
+  return points;
+}
+
 std::uint64_t Session::source(std::size_t part, std::size_t i) const {
   const std::uint32_t in_part = cloud(part).source_index[i];
   const std::vector<std::uint32_t>& of_part = parts_[part].source_index;
@@ -174,6 +180,12 @@ void Session::set_background(const std::optional<vec3>& background) {
   for (std::size_t k = 0; !background && k < parts_.size(); ++k)
     all.insert(all.end(), renderer_.colors(k).begin(), renderer_.colors(k).end());
   background_ = background.value_or(contrasting_background(all));
+}
+
+void Session::complete(const Look& look, Progress& progress) {
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    analysis::complete(renderer_.prepared(k), (parts_[k].look ? *parts_[k].look : look).technique->needs(),
+                       options_.prepare, progress);
 }
 
 std::vector<Item> Session::settle(Look& look, Progress& progress) {

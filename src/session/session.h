@@ -60,6 +60,9 @@ class Session {
   /// Draws until the picture is final: points that no rule selects with `look`, the others by their rules in its light. What
   /// a technique needs and its points lack is computed and kept. What is automatic is settled in `look.settings`.
   RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {}, Progress& progress = no_progress());
+  /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who calls pictures
+  /// off more often than this takes.
+  void complete(const Look& look, Progress& progress = no_progress());
   /// Everything around the camera's position (techniques/panorama.h).
   RenderOutput render_panorama(Look& look, const Camera& camera, const RenderWants& wants = {},
                                Progress& progress = no_progress());
@@ -75,6 +78,7 @@ class Session {
   const std::vector<Part>& parts() const { return parts_; }
   const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }
   const PointCloud& cloud(std::size_t part = 0) const { return prepared(part).cloud; }   ///< in prepared order
+  std::size_t prepared_points() const;   ///< of all parts
   /// The place in the scene's files of a point of `cloud(part)`.
   std::uint64_t source(std::size_t part, std::size_t i) const;
   /// Of all parts, world.

@@ -11,6 +11,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t most_points_of_all_looks = 5'000'000;
+
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
@@ -59,13 +61,17 @@ class Painter::Watch final : public Progress {
 struct Painter::Easel {
   std::unique_ptr<gl::Context> context;
   std::unique_ptr<Session> session;
-  std::unique_ptr<Look> look;  ///< of the last picture: another one of the same technique needs nothing made anew
+  /// By technique: another picture of one needs no programs or tables made anew.
+  std::map<std::string, std::unique_ptr<Look>> looks;
   std::string color_key;
   std::optional<vec3> background;
   std::vector<std::string> file_names;
 
   Look& look_of(const std::string& technique, const NamesAndValues& parameters) {
-    if (!look || look->name != technique) look = std::make_unique<Look>(technique);
+    // Of very large clouds the tables of several techniques would not fit beside each other.
+    if (!looks.contains(technique) && session->prepared_points() > most_points_of_all_looks) looks.clear();
+    std::unique_ptr<Look>& look = looks[technique];
+    if (!look) look = std::make_unique<Look>(technique);
     look->reset();
     for (const auto& [name, value] : parameters) look->set(name, value);
     look->check();
@@ -145,7 +151,7 @@ void Painter::answer(Answer answer) {
 void Painter::do_scene(Easel& easel, SceneJob job, Watch& watch) {
   SceneReady ready;
   ready.id = job.id;
-  easel.look.reset();  // what it holds of the last cloud is of no use for this one
+  easel.looks.clear();  // what they hold of the last cloud is of no use for this one
   easel.color_key = job.color_key;
   easel.background = job.options.background;
   easel.file_names = job.scene.file_names;
@@ -159,7 +165,7 @@ void Painter::do_scene(Easel& easel, SceneJob job, Watch& watch) {
     return easel.look_of(technique, job.parameters_of(technique)).technique->needs();
   };
   easel.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
-  for (std::size_t k = 0; k < easel.session->parts().size(); ++k) ready.points += easel.session->cloud(k).size();
+  ready.points = easel.session->prepared_points();
   ready.notes = easel.session->notes();
   ready.left_out = easel.session->left_out();
   ready.coloring = easel.session->coloring();
@@ -167,7 +173,7 @@ void Painter::do_scene(Easel& easel, SceneJob job, Watch& watch) {
 }
 
 Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
-  const auto start = Clock::now();
+  const auto asked = Clock::now();
   Session& session = *easel.session;
   Look& look = easel.look_of(job.technique, job.parameters);
   if (easel.color_key != job.color_key) {
@@ -179,6 +185,11 @@ Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
     session.set_background(job.background);
     easel.background = job.background;
   }
+  // What is measured once for all pictures is not called off with this one: a hand that moves on would never see its end.
+  Watch for_all(*this, Watch::Kind::scene);
+  session.complete(look, for_all);
+  watch.check();
+  const auto start = Clock::now();
   RenderWants wants;
   wants.timings = job.timings;
   RenderOutput out = session.render(look, job.camera, wants, watch);
@@ -194,7 +205,8 @@ Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
   picture.points_drawn = out.points_drawn;
   picture.coloring = session.coloring();
   picture.background = session.background();
-  picture.took_ms = ms_since(start);
+  picture.draw_ms = ms_since(start);
+  picture.took_ms = ms_since(asked);
   return picture;
 }
 
@@ -283,7 +295,7 @@ void Painter::run() {
     }
   }
   // What techniques hold on the GPU goes before its context does.
-  easel.look.reset();
+  easel.looks.clear();
   easel.session.reset();
 }
 

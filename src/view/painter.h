@@ -62,6 +62,7 @@ struct Picture {
   std::vector<std::string> notes;
   std::vector<PassTiming> timings;
   double took_ms = 0;         ///< from taking the job to the picture in memory
+  double draw_ms = 0;         ///< of it, without what is measured once for all pictures
   std::uint64_t points_drawn = 0;
   Coloring coloring;          ///< without colours
   vec3 background{1};

@@ -11,6 +11,24 @@ int rung_of(const Quality& quality) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> motion_parameters(const std::string& technique,
+                                                                   const std::map<std::string, std::string>& own) {
+  if (technique == "layers") {
+    // Two layers show that there is something behind; closing the gaps of so coarse a picture takes one step.
+    std::vector<std::pair<std::string, std::string>> less{{"antialias", "false"}, {"smoothing_iterations", "0"},
+                                                          {"background_iterations", "1"}, {"occluded_iterations", "1"}};
+    const auto layers = own.find("layers");
+    const bool has_few = layers != own.end() && layers->second == "1";
+    if (!has_few && !own.contains("show_layer")) less.emplace_back("layers", "2");
+    return less;
+  }
+  // Splats of a pixel or two need no disc of a pixel around them, and a short row of bins no hashes.
+  if (technique == "denoise") return {{"antialias", "false"}, {"bins", "dense"}, {"dense_bins", "16"}};
+  if (technique == "strokes") return {{"two_layers", "false"}, {"underpainting", "false"}};
+  if (technique == "soft") return {{"order", "axis"}, {"antialias", "false"}};
+  return {};
+}
+
 void Refinement::changed(double now_ms) {
   last_change_ms_ = now_ms;
   ++change_;
@@ -61,6 +79,11 @@ void Refinement::done(const Quality& quality, double took_ms) {
   if (ms > wanted_ms) {
     if (at + 1 == ladder.size() || (int(at) == coarsest_own && ms < hopeless_ms)) return;
     times.rung = int(at) + 1;
+    // Less than by its pixels a picture does not get faster: rungs that cannot be enough are passed over.
+    while (at >= 2 && times.rung < 5 &&
+           ms * double(quality.divisor * quality.divisor) > wanted_ms * double(ladder[std::size_t(times.rung)].divisor) *
+                                                                double(ladder[std::size_t(times.rung)].divisor))
+      ++times.rung;
   } else if (ms < 0.4 * wanted_ms && at > 2 && int(at) != coarsest_own + 1) {
     // Up only where it is not known to be too slow: no swinging between two rungs.
     const double above = times.ms[at - 1];

@@ -6,6 +6,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace sfumato::view {
 
@@ -13,9 +15,15 @@ namespace sfumato::view {
 struct Quality {
   bool whole_cloud = true;  ///< else the sample
   int divisor = 1;          ///< pixels of the view a pixel of the picture, along each axis
+  bool fast = false;        ///< with `motion_parameters`, where fewer pixels and points are not enough
   bool stand_in = false;    ///< by `points`, where the technique itself is far too slow to move
   bool operator==(const Quality&) const = default;
 };
+
+/// Parameters of a technique that are drawn with where every millisecond counts, in place of `own`, which somebody set: the
+/// same look with less care. Empty where it has no such way.
+std::vector<std::pair<std::string, std::string>> motion_parameters(const std::string& technique,
+                                                                   const std::map<std::string, std::string>& own = {});
 
 class Refinement {
  public:
@@ -23,14 +31,15 @@ class Refinement {
   static constexpr double rest_ms = 160;      ///< without a change, until the whole picture begins
   static constexpr double hopeless_ms = 250;  ///< a picture at the coarsest: then `points` stand in
   /// From the best to the fastest.
-  static constexpr std::array<Quality, 8> ladder{{{true, 1, false},
-                                                  {true, 2, false},
-                                                  {false, 1, false},
-                                                  {false, 2, false},
-                                                  {false, 3, false},
-                                                  {false, 4, false},
-                                                  {false, 2, true},
-                                                  {false, 4, true}}};
+  static constexpr std::array<Quality, 9> ladder{{{true, 1, false, false},
+                                                  {true, 2, false, false},
+                                                  {false, 1, false, false},
+                                                  {false, 2, false, false},
+                                                  {false, 3, false, false},
+                                                  {false, 4, false, false},
+                                                  {false, 4, true, false},
+                                                  {false, 2, false, true},
+                                                  {false, 4, false, true}}};
 
   /// The view or a setting changed at `now_ms`: pictures asked for before it are stale.
   void changed(double now_ms);
@@ -58,11 +67,11 @@ class Refinement {
 
  private:
   struct Times {
-    std::array<double, 8> ms{};  ///< 0: not known
-    std::array<bool, 8> is_warm{};
+    std::array<double, ladder.size()> ms{};  ///< 0: not known
+    std::array<bool, ladder.size()> is_warm{};
     int rung = 3;                ///< in motion
   };
-  static constexpr int coarsest_own = 5;
+  static constexpr int coarsest_own = 6;
   int rung() const;
 
   std::map<std::string, Times> known_;

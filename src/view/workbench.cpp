@@ -237,7 +237,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       }
     if (picture->id != in_flight_) return;
     in_flight_ = 0;
-    refinement_.done(in_flight_quality_, picture->took_ms);
+    refinement_.done(in_flight_quality_, picture->draw_ms);
     const bool in_motion = !(in_flight_quality_ == Refinement::ladder[0]);
     if (in_motion || refinement_.moving(now_ms_)) {
       const double since = now_ms_ - last_motion_ms_;
@@ -299,7 +299,17 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
     job.parameters = NamesAndValues(wishes_.shared.begin(), wishes_.shared.end());
   if (!(quality == Refinement::ladder[0])) {
     // In motion one sample a pixel does, and a few of the light.
-    std::erase_if(job.parameters, [](const auto& each) { return each.first == "samples"; });
+    const auto set = [&](const std::string& name, const std::string& value) {
+      std::erase_if(job.parameters, [&](const auto& each) { return each.first == name; });
+      job.parameters.emplace_back(name, value);
+    };
+    set("samples", "1");
+    if (quality.divisor > 1) set("smooth_outlines", "false");  // magnified, nobody sees it
+    if (quality.fast && known) {
+      const auto own = wishes_.own.find(job.technique);
+      for (const auto& [name, value] : motion_parameters(job.technique, own == wishes_.own.end() ? Wishes::Values{} : own->second))
+        set(name, value);
+    }
     const bool soft = std::any_of(job.parameters.begin(), job.parameters.end(),
                                   [](const auto& each) { return each.first == "shadows" && each.second == "soft"; });
     if (soft && !quality.whole_cloud) {

@@ -43,7 +43,7 @@ void Interface::draw_view(double now_ms, float width, float height) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::Begin("view", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoSavedSettings);
+                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
   bench_.set_size(int(std::lround(width * pixels.x)), int(std::lround(height * pixels.y)));
@@ -53,7 +53,7 @@ void Interface::draw_view(double now_ms, float width, float height) {
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);
   const bool hovered = ImGui::IsItemHovered();
-  if (uploaded_) list->AddImage(ImTextureID(window_.texture()), {0, 0}, {width, height});
+  window_.place_picture(bench_.width(), bench_.height());
   navigate(now_ms, pixels.x, pixels.y, hovered);
   draw_box(pixels.x, pixels.y);
   draw_marks(pixels.x, pixels.y);

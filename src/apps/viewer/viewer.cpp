@@ -78,7 +78,7 @@ int run(view::Start start, const Settings& settings) {
   int lively = 3;
   while (!window.closing() && !interrupts.cancelled()) {
     double wait_s = 0.5;
-    for (const auto& due : {bench.wait_ms(now_ms()), interface.wait_ms(now_ms())})
+    for (const auto& due : {bench.wait_ms(now_ms()), interface.wait_ms(now_ms()), window.owed_ms(now_ms())})
       if (due) wait_s = std::min(wait_s, 1e-3 * *due);
     if (lively > 0) wait_s = std::min(wait_s, 0.004);
     const double before = now_ms();
@@ -87,7 +87,7 @@ int run(view::Start start, const Settings& settings) {
     bench.tick(now_ms());
     interface.draw(now_ms());
     bench.tick(now_ms());  // what the hand just did is asked for at once
-    window.end_frame();
+    window.end_frame(now_ms());
     if (settings.verbose) teller.tell();
     if (const auto& fatal = bench.fatal()) throw Error(fatal->code, fatal->message);
     if (bench.wishes().files != shown_files) window.set_title(title_of(shown_files = bench.wishes().files));

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
+#include <string_view>
 
 #include "core/error.h"
 #include "view/keys.h"
@@ -86,6 +87,10 @@ Window::Window(int width, int height, const std::string& title) {
   glfwGetWindowContentScale(window_, &x, &y);
   user_scale_ = std::clamp(std::max(x, y), 1.0f, 4.0f);
   glGenTextures(1, &texture_);
+  glGenFramebuffers(1, &picture_);
+  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  for (const char* name : {"llvmpipe", "softpipe", "SWR", "SwiftShader"})
+    is_software_ = is_software_ || (renderer && std::string_view(renderer).find(name) != std::string_view::npos);
 }
 
 Window::~Window() {
@@ -193,34 +198,48 @@ void Window::begin_frame(double wait_s) {
   ImGui::NewFrame();
 }
 
-void Window::end_frame() {
+std::optional<double> Window::owed_ms(double now_ms) const {
+  if (!owes_frame_) return std::nullopt;
+  return std::max(0.0, shown_ms_ + software_pause_ms - now_ms);
+}
+
+void Window::end_frame(double now_ms) {
   ImGui::Render();
+  owes_frame_ = is_software_ && now_ms - shown_ms_ < software_pause_ms;
+  if (owes_frame_) return;
+  shown_ms_ = now_ms;
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   glViewport(0, 0, width, height);
-  glClearColor(0.12f, 0.13f, 0.15f, 1);
+  const ImVec4 ground = ImGui::GetStyle().Colors[ImGuiCol_WindowBg];
+  glClearColor(ground.x, ground.y, ground.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
+  if (texture_width_ > 0) {
+    // The texture's first row is the picture's top.
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
+    glBlitFramebuffer(0, 0, texture_width_, texture_height_, 0, height, picture_size_[0], height - picture_size_[1],
+                      GL_COLOR_BUFFER_BIT, is_exact_ ? GL_NEAREST : GL_LINEAR);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+  }
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
 }
 
 void Window::upload(const Image<Rgba8>& image, bool exact) {
+  is_exact_ = exact;
   glBindTexture(GL_TEXTURE_2D, texture_);
-  const GLint filter = exact ? GL_NEAREST : GL_LINEAR;
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   if (image.width() != texture_width_ || image.height() != texture_height_) {
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data());
     texture_width_ = image.width(), texture_height_ = image.height();
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
+    glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
   } else {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE, image.data());
   }
   glBindTexture(GL_TEXTURE_2D, 0);
 }
-
-void* Window::texture() const { return reinterpret_cast<void*>(std::uintptr_t(texture_)); }
 
 }  // namespace sfumato::viewer

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,10 @@ class Window {
   void close();
   /// Waits for input, for `wake` or for so long, then starts a frame of the interface.
   void begin_frame(double wait_s);
-  void end_frame();
+  /// Ends the frame; shows it unless the last one was shown so short ago that software GL would have no time for pictures.
+  void end_frame(double now_ms);
+  /// Milliseconds until a frame that was not shown is due; nothing when all is shown.
+  std::optional<double> owed_ms(double now_ms) const;
   /// From any thread.
   static void wake();
 
@@ -41,7 +45,9 @@ class Window {
 
   /// The picture, kept until the next one. `exact`: shown pixel by pixel.
   void upload(const Image<Rgba8>& image, bool exact);
-  void* texture() const;
+  /// Where it lies, in pixels of the framebuffer from the top left corner: below all of the interface. Copied, not drawn:
+  /// software GL takes several times as long to blend it.
+  void place_picture(int width, int height) { picture_size_[0] = width, picture_size_[1] = height; }
 
   std::function<void(int key, int modifiers)> on_key;
   std::function<void(const std::vector<std::string>& files, bool add)> on_drop;
@@ -50,10 +56,16 @@ class Window {
   void style();
   struct Callbacks;
   GLFWwindow* window_ = nullptr;
+  /// Between two frames on software GL: they cost it as much as a picture in motion.
+  static constexpr double software_pause_ms = 40;
+  bool is_software_ = false, owes_frame_ = false;
+  double shown_ms_ = -1e9;
   bool dark_ = true, restyle_ = true, is_full_ = false, has_interface_ = false;
   float scale_ = 1, user_scale_ = 1;
   unsigned texture_ = 0;
-  int texture_width_ = 0, texture_height_ = 0;
+  unsigned picture_ = 0;  ///< framebuffer that has the texture
+  bool is_exact_ = false;
+  int texture_width_ = 0, texture_height_ = 0, picture_size_[2] = {0, 0};
   int place_[4] = {0, 0, 1280, 720};
 };
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "session/look.h"
+
 namespace sfumato::view {
 namespace {
 
@@ -141,6 +143,46 @@ TEST(Refinement, PointsStandInOnlyForTheHopeless) {
   EXPECT_TRUE(Drag(policy, now, 12, speed(600)).last.stand_in);
   policy.set_subject("layers");  // each has its own
   EXPECT_FALSE(Drag(policy, now, 2, speed(150)).last.stand_in);
+}
+
+TEST(Refinement, GoesStraightToWhereItCanBeFastEnough) {
+  Refinement policy;
+  policy.set_subject("layers");
+  policy.set_whole_ready(true);
+  const auto pixels_only = [](const Quality& q) { return 1600.0 / (q.divisor * q.divisor); };
+  double now = 0;
+  // Two pictures of 400 ms at half of the resolution, then a quarter of it: a third would not do.
+  const Drag drag(policy, now, 1.5, pixels_only);
+  EXPECT_EQ(drag.last.divisor, 4);
+  EXPECT_LE(drag.pictures, 2 + 7);
+}
+
+TEST(Refinement, TheFastWayIsTheLastOfItsOwn) {
+  Refinement policy;
+  policy.set_subject("layers");
+  policy.set_whole_ready(true);
+  double now = 0;
+  const Drag drag(policy, now, 8, [](const Quality& q) { return q.fast ? 50.0 : 150.0; });
+  EXPECT_TRUE(drag.last.fast);
+  EXPECT_FALSE(drag.last.stand_in);
+  EXPECT_EQ(drag.last.divisor, 4);
+}
+
+// A technique that renames a parameter would have nothing to draw with in motion.
+TEST(Refinement, ParametersInMotionAreThoseOfTheTechnique) {
+  for (const TechniqueInfo& info : all_techniques())
+    for (const auto& [name, value] : motion_parameters(info.name)) {
+      Look look(info);
+      EXPECT_NO_THROW(look.set(name, value)) << info.name << " " << name;
+    }
+  const auto layers_of = [](const std::map<std::string, std::string>& own) {
+    for (const auto& [name, value] : motion_parameters("layers", own))
+      if (name == "layers") return value;
+    return std::string();
+  };
+  EXPECT_EQ(layers_of({{"layers", "8"}}), "2");
+  EXPECT_EQ(layers_of({{"layers", "1"}}), "");
+  EXPECT_EQ(layers_of({{"show_layer", "3"}}), "");
 }
 
 TEST(Refinement, AMistakeIsNotRepeatedUntilSomethingChanges) {
