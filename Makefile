@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan fuzz format install uninstall clean help
+.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -68,6 +68,9 @@ format:  ## clang-format over the C++
 
 install: release  ## command, manual page, completions, Python and CMake packages, documentation below PREFIX
 	@cmake --install build/release --prefix "$(PREFIX)"
+
+deb:  ## Debian packages in build/deb: sfumato, libsfumato-dev, python3-sfumato
+	@scripts/deb
 
 uninstall:  ## removes what the last install put into place
 	@test -f build/release/install_manifest.txt || { echo "nothing was installed from this checkout" >&2; exit 1; }

@@ -12,10 +12,11 @@ import measure
 PYTHON = '/usr/bin/python3'  # Debian's: another python3 on the PATH does not see Debian's modules
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'peers')
 XVFB = ['xvfb-run', '-a', '-s', '-screen 0 1024x1024x24']
+TIMER = [PYTHON, os.path.join(os.path.dirname(SCRIPTS), 'measure.py')]
 THREADS = str(os.cpu_count())
 NEIGHBORS = '24'
 FRAMES = {128000: '7', 1000000: '5', 6000000: '3'}
-FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms', 'array': 'array_ms'}
+FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms', 'array': 'array_ms', 'views': 'views_ms'}
 
 
 class Missing(Exception):
@@ -55,19 +56,22 @@ def _vtk(what, cloud, count, build, timeout):
     _need_xvfb()
     script = [PYTHON, os.path.join(SCRIPTS, 'peer_vtk.py'), cloud]
     if what == 'process':  # start, load with numpy, two frames, a PNG, exit; timed inside the X server
-        timer = [PYTHON, os.path.join(os.path.dirname(SCRIPTS), 'measure.py')]
         png = ['env', 'PNG_DIR=' + measure.scratch()]
-        value, _ = _report(png + XVFB + timer + script + ['points', '0'], 'wall_ms', timeout)
+        value, _ = _report(png + XVFB + TIMER + script + ['points', '0'], 'wall_ms', timeout)
         return value, 'vtk script'
-    return _report(XVFB + script + [what, FRAMES.get(count, '5')], 'frame_ms', timeout)
+    if what == 'script':
+        return _report(XVFB + TIMER + script + ['array'], 'wall_ms', timeout)[0], 'vtk script'
+    return _report(XVFB + script + [what, FRAMES.get(count, '5')], FIELDS.get(what, 'frame_ms'), timeout)
 
 
 def _open3d(what, cloud, count, build, timeout):
     _need_module('open3d', 'python3-open3d')
-    draws = what in ('points', 'array')
+    draws = what in ('points', 'views', 'array', 'script')
     if draws:
         _need_xvfb()
-    command = [PYTHON, os.path.join(SCRIPTS, 'peer_open3d.py'), cloud, what]
+    command = [PYTHON, os.path.join(SCRIPTS, 'peer_open3d.py'), cloud, 'array' if what == 'script' else what]
+    if what == 'script':  # start, import, read, picture, exit; timed inside the X server
+        return _report(XVFB + TIMER + command, 'wall_ms', timeout)[0], 'open3d script'
     return _report((XVFB if draws else []) + command, FIELDS[what], timeout)
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Open3D peer.   usage: peer_open3d.py FILE.ply load|normals|points|array   prints one JSON line
+"""Open3D peer.   usage: peer_open3d.py FILE.ply load|normals|points|views|array   prints one JSON line
 
 load: read_point_cloud. normals: KDTreeSearchParamKNN(24), tree included. points: legacy renderer, one frame
-and its read-back, 1024 x 1024, 1 px (opens a window: needs an X server). array: from arrays of numpy to a PNG.
+and its read-back, 1024 x 1024, 1 px (opens a window: needs an X server). views: 100 views as arrays, a turn by 100 degrees. array: from arrays of numpy to a PNG.
 """
 import json
 import resource
@@ -39,6 +39,20 @@ def render(cloud):
     return statistics.median(times[1:])
 
 
+def views(cloud):
+    window = open3d.visualization.Visualizer()
+    window.create_window(width=1024, height=1024, visible=False)
+    window.add_geometry(cloud)
+    window.get_render_option().point_size = 1.0
+    view = window.get_view_control()
+    np.asarray(window.capture_screen_float_buffer(True))
+    start = time.perf_counter()
+    for _ in range(100):
+        view.rotate(1000 / 180 / 3, 0)  # pixels of a drag
+        np.asarray(window.capture_screen_float_buffer(True))
+    return elapsed_ms(start)
+
+
 def picture_of_arrays(cloud):
     """Both are arrays before the clock starts."""
     xyz, rgb = np.array(cloud.points), np.array(cloud.colors)
@@ -67,6 +81,8 @@ def main():
         result['normals_ms'] = elapsed_ms(start)
     elif mode == 'points':
         result['frame_ms'] = render(cloud)
+    elif mode == 'views':
+        result['views_ms'] = views(cloud)
     elif mode == 'array':
         result['array_ms'] = picture_of_arrays(cloud)
     result['peak_mb'] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024

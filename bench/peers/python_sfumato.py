@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Ours, as peer_open3d.py does it.   usage: python_sfumato.py FILE.ply array|frames   prints one JSON line
+"""Ours, as peer_open3d.py does it.   usage: python_sfumato.py FILE.ply array|frames|views   prints one JSON line
 
 array: from arrays (float64 and colours, as both libraries give them) to a PNG, everything but reading them included. frames: one
-picture of many, 1024 x 1024, as an array.
+picture of many, 1024 x 1024, as an array. views: 100 views as arrays, a turn by 100 degrees.
 """
 import json
 import statistics
@@ -31,6 +31,14 @@ def main():
     if mode == 'array':
         sfumato.render(xyz, rgb, size=(1024, 1024), **plain).save(out)
         result['array_ms'] = elapsed_ms(start)
+    elif mode == 'views':
+        renderer = sfumato.Renderer(xyz, rgb, **plain)
+        cameras = renderer.orbit(101, degrees=101, size=(1024, 1024))
+        renderer.render(cameras[0], outputs='rgba')
+        start = time.perf_counter()
+        for camera in cameras[1:]:
+            np.asarray(renderer.render(camera, outputs='rgba').rgba)
+        result['views_ms'] = elapsed_ms(start)
     else:
         renderer = sfumato.Renderer(xyz, rgb, **plain)
         times = []

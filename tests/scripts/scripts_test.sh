@@ -37,7 +37,8 @@ fresh_machine() { # MISSING_PACKAGE USER_ID
 
 install_deps() { PATH=$work/bin "$source_dir/scripts/install-deps" >"$work/output" 2>&1; }
 
-for script in demo test scripts/install-deps scripts/demo scripts/pictures scripts/first-look scripts/strip; do
+for script in demo test scripts/install-deps scripts/demo scripts/pictures scripts/first-look scripts/strip \
+  scripts/deb scripts/check-deb; do
   sh -n "$source_dir/$script" || fail "$script does not parse"
   [ -x "$source_dir/$script" ] || fail "$script is not executable"
 done
