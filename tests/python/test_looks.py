@@ -104,6 +104,16 @@ def test_presets_of_the_command(command, tmp_path, scan):
         assert renderer.render(technique="splats").rgba.tobytes() == other.rgba.tobytes()
 
 
+def test_numbers_of_numpy_in_looks(tmp_path, scan):
+    given = {"technique": "points", "range": np.array([0, 4.0]), "crop_relative": np.array([[0, 0, 0], [1, 1, 0.5]]),
+             "color_by": "elevation", "max_points": np.int64(5000), "background": np.array([0.1, 0.2, 0.3])}
+    with sfumato.Renderer(scan, **given) as renderer:
+        wanted = renderer.render(size=SIZE)
+        renderer.save_preset(tmp_path / "look.json")
+    equal(sfumato.render(scan, preset=tmp_path / "look.json", size=SIZE), wanted.rgba)
+    equal(sfumato.render(scan, preset=given, size=SIZE), wanted.rgba)
+
+
 def test_presets_with_a_camera(command, tmp_path, scan):
     command(scan, *RESOLUTION, "--view", "top", "--output-camera", tmp_path / "camera.json", "-o", tmp_path / "x.png")
     wanted = pixels(command, tmp_path, scan, "-t", "splats", "--camera", tmp_path / "camera.json", "--save-preset", tmp_path / "look.json")

@@ -23,11 +23,15 @@ sed -n '/^Build-Depends:/,/^[^ ]/s/^ \([a-z0-9.+-]*\).*/\1/p' debian/control | g
 sed -n '/^packages="/,/^"/p' scripts/install-deps | tr ' ' '\n' | grep '^[a-z]' | grep -v '^packages=' | sort >"$work/installs"
 missing=$(comm -23 "$work/needs" "$work/installs")
 [ -z "$missing" ] || fail "debian/control builds with what scripts/install-deps does not install: $(echo "$missing" | tr '\n' ' ')"
+# And libraries that are used where they are there are there.
+grep -- '-dev$' "$work/installs" | grep -v '^libgtest-dev$\|^libgmock-dev$\|^libbenchmark-dev$' >"$work/libraries"
+missing=$(comm -13 "$work/needs" "$work/libraries")
+[ -z "$missing" ] || fail "scripts/install-deps installs what debian/control does not build with: $(echo "$missing" | tr '\n' ' ')"
 [ "$(wc -l <"$work/needs")" -ge 20 ] || fail "fewer packages to build with than there are: the reader of debian/control is broken"
 # What the CMake package asks for comes with libsfumato-dev.
 for words in "glm libglm-dev" "TBB libtbb-dev" "Eigen3 libeigen3-dev" "PNG libpng-dev" "JPEG libjpeg62-turbo-dev" "pugixml libpugixml-dev" \
   "nlohmann_json nlohmann-json3-dev" "LASzip liblaszip-dev" "PkgConfig pkgconf" "epoxy libepoxy-dev" "openexr libopenexr-dev" \
-  "webp libwebp-dev" "lzf liblzf-dev" "Threads libc6-dev"; do
+  "webp libwebp-dev" "ZLIB zlib1g-dev" "lzf liblzf-dev" "Threads libc6-dev"; do
   echo "$words"
 done >"$work/finds"
 sed -n 's/^foreach(package IN ITEMS \(.*\))/\1/p; s/^pkg_check_modules(\([a-z]*\) .*/\1/p' cmake/sfumatoConfig.cmake.in | tr ' ' '\n' >"$work/asked"

@@ -145,19 +145,29 @@ KEYWORDS = {"technique": "auto", "background": "auto", "up": None, "color": None
             "max_points": None, "columns": (), "whole": False, "draw": (), "legend": False}
 
 
+def is_default(name, value):
+    """Whether a keyword is as when nobody says otherwise. Arrays of numpy never are."""
+    if isinstance(value, (list, tuple)):
+        return tuple(value) == KEYWORDS[name]
+    return value is None or (isinstance(value, (str, bool, int, float)) and value == KEYWORDS[name])
+
+
 def options_of(keywords):
     """Keywords as options of the command, for a preset; what is as always is left out."""
     names = {keyword: option for option, (keyword, _) in _OPTIONS.items()}
     options = []
     for name, value in keywords.items():
-        if name == "technique" or value == KEYWORDS[name] or (name in ("hide_classes", "draw", "filters") and tuple(value) == KEYWORDS[name]):
+        if name == "technique" or is_default(name, value):
             continue
-        if name == "background" and value == "transparent":
+        if name == "background" and isinstance(value, str) and value == "transparent":
             options.append(("no-background", "true"))
         elif name in ("draw", "filters"):
             options += [("draw" if name == "draw" else "filter", rule) for rule in value]
         elif name == "hide_classes":
             options.append(("hide-classes", ",".join(map(str, value)) or "none"))
+        elif name == "crop_relative":
+            numbers = [number for each in value for number in (each if hasattr(each, "__iter__") else (each,))]  # maybe two corners
+            options.append(("crop-relative", text_of(name, numbers)))
         elif name in names:
             options.append((names[name], text_of(name, value)))
         elif name == "crop":

@@ -5,7 +5,7 @@ from . import _engine, _progress
 from ._camera import Camera, orbit
 from ._cloud import Cloud, Levels, selection_of
 from ._error import Error
-from ._look import KEYWORDS, Look, count_of, options_of
+from ._look import KEYWORDS, Look, count_of, is_default, options_of
 from ._scene import Scene
 from ._techniques import settings_of
 
@@ -178,7 +178,7 @@ class Renderer:
         look = points._look() if isinstance(points, Scene) else Look()
         preset = Look.of(preset)
         wanted = {**KEYWORDS, **look.keywords, **preset.keywords,
-                  **{name: value for name, value in given.items() if not (value is None or value == KEYWORDS[name] or value == [])}}
+                  **{name: value for name, value in given.items() if not is_default(name, value)}}
         self._wanted, self._settings = wanted, settings
         self._preset_parameters = look.parameters + preset.parameters
         self._first = {**look.view, **preset.view}
