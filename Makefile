@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan fuzz format install deb uninstall clean help
+.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -62,6 +62,11 @@ fuzz:  ## every parser under libFuzzer and sanitizers (clang), FUZZ_SECONDS=60 e
 	@$(call configure,fuzz) && cmake --build build/fuzz --target sfumato_fuzz write_seeds
 	@$(call configure,test) && cmake --build build/test --target damage_test
 	@scripts/fuzz
+
+soak:  ## the window under random input for MINUTES (10), SEED (1); PRESET=asan: under the address sanitizer
+	@$(call configure,$(or $(PRESET),test)) && cmake --build build/$(or $(PRESET),test) --target sfumato_soak
+	@export ASAN_OPTIONS=detect_leaks=0 && xvfb-run -a -s '-screen 0 1280x720x24' \
+	  build/$(or $(PRESET),test)/bin/sfumato_soak --minutes $(or $(MINUTES),10) --seed $(or $(SEED),1)
 
 format:  ## clang-format over the C++
 	@find src tests bench examples include -name '*.cpp' -o -name '*.h' 2>/dev/null | xargs clang-format -i

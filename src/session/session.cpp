@@ -116,6 +116,18 @@ std::size_t Session::prepared_points() const {
   return points;
 }
 
+std::uint64_t Session::point_bytes() const {
+  std::uint64_t bytes = 0;
+  for (std::size_t k = 0; !is_empty_ && k < parts_.size(); ++k) {
+    const PointCloud& points = cloud(k);
+    bytes += points.positions.size() * sizeof(vec3) + points.normals.size() * sizeof(vec3) +
+             (points.colors.size() + colors(k).size()) * sizeof(Rgba8) + points.radii.size() * sizeof(float) +
+             (points.source_index.size() + parts_[k].source_index.size()) * sizeof(std::uint32_t);
+    for (const ScalarField& field : points.scalars) bytes += field.values.size() * sizeof(float);
+  }
+  return bytes;
+}
+
 std::uint64_t Session::source(std::size_t part, std::size_t i) const {
   const std::uint32_t in_part = cloud(part).source_index[i];
   const std::vector<std::uint32_t>& of_part = parts_[part].source_index;

@@ -79,8 +79,10 @@ class Session {
   const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }
   const PointCloud& cloud(std::size_t part = 0) const { return prepared(part).cloud; }   ///< in prepared order
   std::size_t prepared_points() const;   ///< of all parts
+  std::uint64_t point_bytes() const;     ///< of their positions and attributes in memory
   /// The place in the scene's files of a point of `cloud(part)`.
   std::uint64_t source(std::size_t part, std::size_t i) const;
+  const std::vector<Rgba8>& colors(std::size_t part = 0) const { return renderer_.colors(part); }
   /// Of all parts, world.
   Bounds box() const { return box_; }
   /// Lines on what the rules selected.

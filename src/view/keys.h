@@ -11,7 +11,7 @@ enum class Action {
   technique_1, technique_2, technique_3, technique_4, technique_5, technique_6, technique_7,
   reset_view, frame_view, orthographic, front, back, right, left, top, bottom, fullscreen, panels, help, quit,
   screenshot, copy_command, copy_camera, paste_camera, undo, redo, larger_points, smaller_points, eye_dome, shadows, legend,
-  clear_picks, add_key, play, larger_interface, smaller_interface, theme
+  clear_picks, profile, add_key, play, larger_interface, smaller_interface, theme
 };
 
 enum Modifier { none = 0, shift = 1, control = 2 };

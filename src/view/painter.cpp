@@ -117,6 +117,12 @@ void Painter::pick(PickJob job) {
   work_.notify_all();
 }
 
+void Painter::profile(ProfileJob job) {
+  const std::lock_guard lock(mutex_);
+  profile_ = std::move(job);
+  work_.notify_all();
+}
+
 void Painter::call_off() {
   const std::lock_guard lock(mutex_);
   if (live_) answers_.push_back(CalledOff{live_->id});
@@ -127,6 +133,11 @@ void Painter::call_off() {
 std::vector<Answer> Painter::take_answers() {
   const std::lock_guard lock(mutex_);
   return std::exchange(answers_, {});
+}
+
+std::vector<std::string> Painter::take_driver_messages() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(driver_messages_, {});
 }
 
 Activity Painter::activity() const {
@@ -229,6 +240,16 @@ PickAnswer Painter::do_pick(Easel& easel, const PickJob& job) {
   return found;
 }
 
+Profile Painter::do_profile(Easel& easel, const ProfileJob& job) {
+  const Session& session = *easel.session;
+  Profile profile;
+  profile.id = job.id, profile.line = job.line, profile.width = job.width;
+  for (std::size_t k = 0; k < session.parts().size(); ++k)
+    add_to_profile(profile, session.cloud(k), session.colors(k), session.pose().upright.up,
+                   [&](std::size_t i) { return session.source(k, i); });
+  return profile;
+}
+
 void Painter::run() {
   Easel easel;
   try {
@@ -254,12 +275,13 @@ void Painter::run() {
     std::optional<SceneJob> scene;
     std::optional<PictureJob> picture;
     std::optional<PickJob> pick;
+    std::optional<ProfileJob> profile;
     auto kind = Watch::Kind::live;
     {
       std::unique_lock lock(mutex_);
       work_.wait(lock, [&] {
         const bool can_draw = !easel.session->empty();
-        return stop_ || scene_ || (can_draw && (live_ || !kept_.empty() || !picks_.empty()));
+        return stop_ || scene_ || (can_draw && (live_ || profile_ || !kept_.empty() || !picks_.empty()));
       });
       if (stop_) break;
       if (scene_) {
@@ -269,6 +291,8 @@ void Painter::run() {
       } else if (!picks_.empty()) {
         pick = std::move(picks_.front());
         picks_.pop_front();
+      } else if (profile_) {
+        profile = std::exchange(profile_, std::nullopt);
       } else if (!kept_.empty()) {
         picture = std::move(kept_.front());
         kept_.pop_front();
@@ -278,13 +302,15 @@ void Painter::run() {
         cancel_live_ = false;
       }
     }
-    const std::uint64_t id = scene ? scene->id : picture ? picture->id : pick->id;
+    const std::uint64_t id = scene ? scene->id : picture ? picture->id : pick ? pick->id : profile->id;
     Watch watch(*this, kind);
     try {
       if (scene) {
         do_scene(easel, std::move(*scene), watch);
       } else if (picture) {
         answer(do_picture(easel, *picture, watch));
+      } else if (profile) {
+        answer(do_profile(easel, *profile));
       } else {
         answer(do_pick(easel, *pick));
       }
@@ -293,6 +319,11 @@ void Painter::run() {
     } catch (...) {
       answer(failure_of(id));
     }
+    point_bytes_ = easel.session->point_bytes();
+    const std::vector<std::string> complaints = easel.context->take_messages();
+    const std::lock_guard lock(mutex_);
+    driver_messages_.insert(driver_messages_.end(), complaints.begin(), complaints.end());
+    if (driver_messages_.size() > 100) driver_messages_.resize(100);
   }
   // What techniques hold on the GPU goes before its context does.
   easel.looks.clear();

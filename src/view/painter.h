@@ -18,6 +18,7 @@
 #include "session/preset.h"
 #include "session/session.h"
 #include "view/picking.h"
+#include "view/profile.h"
 
 namespace sfumato::view {
 
@@ -50,6 +51,12 @@ struct PickJob {
   std::uint64_t id = 0;
   Camera camera;
   double x_px = 0, y_px = 0;
+};
+
+struct ProfileJob {
+  std::uint64_t id = 0;
+  std::vector<dvec3> line;
+  double width = 0;
 };
 
 /// A finished picture and what is known of it.
@@ -91,7 +98,7 @@ struct Failure {
   std::string message;
 };
 
-using Answer = std::variant<Picture, SceneReady, PickAnswer, CalledOff, Failure>;
+using Answer = std::variant<Picture, SceneReady, PickAnswer, Profile, CalledOff, Failure>;
 
 /// What is going on, for a progress bar.
 struct Activity {
@@ -122,11 +129,17 @@ class Painter {
   /// Not called off by newer ones: for files.
   void paint_for_keeps(PictureJob job);
   void pick(PickJob job);
+  /// The newest wins.
+  void profile(ProfileJob job);
   /// Calls off the live picture, if one is under way or waiting.
   void call_off();
 
   std::vector<Answer> take_answers();
   Activity activity() const;
+  /// What the driver complained of since the last call; tests fail on any.
+  std::vector<std::string> take_driver_messages();
+  /// What the points take in memory, as of the last picture.
+  std::uint64_t point_bytes() const { return point_bytes_; }
   /// Of the context; empty while there is none.
   std::string renderer_name() const;
 
@@ -137,6 +150,7 @@ class Painter {
   void answer(Answer answer);
   void do_scene(Easel& easel, SceneJob job, Watch& watch);
   PickAnswer do_pick(Easel& easel, const PickJob& job);
+  Profile do_profile(Easel& easel, const ProfileJob& job);
   Picture do_picture(Easel& easel, const PictureJob& job, Watch& watch);
 
   std::shared_ptr<Gate> gate_;
@@ -147,9 +161,12 @@ class Painter {
   std::optional<PictureJob> live_;
   std::deque<PictureJob> kept_;
   std::deque<PickJob> picks_;
+  std::optional<ProfileJob> profile_;
   std::vector<Answer> answers_;
   Activity activity_;
   std::string renderer_name_;
+  std::vector<std::string> driver_messages_;
+  std::atomic<std::uint64_t> point_bytes_{0};
   std::atomic<bool> stop_{false}, cancel_live_{false}, cancel_scene_{false};
   std::thread thread_;  // last: it uses all the others
 };

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -23,6 +25,7 @@ Workbench::Workbench(Start start)
       sample_(std::make_unique<Painter>(gate_, start_.wake)),
       whole_(std::make_unique<Painter>(gate_, start_.wake)),
       loader_(std::make_unique<Loader>(start_.wake)) {
+  frames_ = start_.frames;
   load(false);
 }
 
@@ -76,6 +79,24 @@ void Workbench::say(const std::string& text, bool is_error) {
   if (on_message) on_message(messages_.back());
 }
 
+std::vector<std::string> Workbench::take_driver_messages() {
+  std::vector<std::string> all = sample_->take_driver_messages();
+  for (std::string& each : whole_->take_driver_messages()) all.push_back(std::move(each));
+  return all;
+}
+
+Memory Workbench::memory() const {
+  Memory memory;
+  memory.points = whole_->point_bytes();
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    const auto kilobytes = [&] { return 1024 * std::strtoull(line.c_str() + line.find(':') + 1, nullptr, 10); };
+    if (line.starts_with("VmRSS:")) memory.process = kilobytes();
+    if (line.starts_with("VmHWM:")) memory.process_peak = kilobytes();
+  }
+  return memory;
+}
+
 void Workbench::touched() { refinement_.changed(now_ms_); }
 void Workbench::repaint() { touched(); }
 
@@ -87,6 +108,8 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
     return say(error.what(), true);
   }
   frame_on_load_ = true;
+  frames_.clear();
+  is_playing_frames_ = false;
   change("open", [&](Wishes& wishes) {
     if (!add) {
       wishes.files.clear();
@@ -123,8 +146,18 @@ dvec3 Workbench::place_at(double x_px, double y_px) const {
   return ray.origin + ray.direction * (wishes_.camera.distance() / std::max(0.05, glm::dot(ray.direction, seen.direction())));
 }
 
-void Workbench::pick(double x_px, double y_px) {
+void Workbench::cut_profile(double width) {
+  std::vector<dvec3> line;
+  for (const Picked& each : picked_) line.push_back(each.world);
+  if (horizontal_length(line, navigator_.up_axis()) <= 0)
+    return say("a profile needs a line: click two points that do not stand above each other", true);
+  profile_id_ = next_id_++;
+  whole_->profile({profile_id_, std::move(line), width});
+}
+
+void Workbench::pick(double x_px, double y_px, bool add) {
   pick_id_ = next_id_++;
+  pick_adds_ = add;
   whole_->pick({pick_id_, camera(), x_px, y_px});
 }
 
@@ -134,6 +167,18 @@ void Workbench::shoot(int width, int height) {
   job.id = next_id_++;
   waiting_shots_.emplace_back(job.id, Shot{{}, wishes_.words(width, height), wishes_.legend});
   whole_->paint_for_keeps(std::move(job));
+}
+
+std::size_t Workbench::frame() const {
+  const auto found = wishes_.files.empty() ? frames_.end() : std::find(frames_.begin(), frames_.end(), wishes_.files.front());
+  return found == frames_.end() ? 0 : std::size_t(found - frames_.begin());
+}
+
+void Workbench::show_frame(std::size_t i) {
+  if (i >= frames_.size() || i == frame()) return;
+  wishes_.files = {frames_[i]};
+  wishes_.transforms.clear();
+  frame_since_ms_ = now_ms_;
 }
 
 void Workbench::play(bool on) {
@@ -190,6 +235,7 @@ void Workbench::take_loaded(Loaded loaded) {
   }
   for (const std::string& note : loaded.notes) say(note);
   picked_.clear();
+  profile_.reset();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);
   if (frame_on_load_ && width_ > 0) {
     try {
@@ -202,6 +248,12 @@ void Workbench::take_loaded(Loaded loaded) {
     }
     navigator_.set_home(wishes_.camera);
     frame_on_load_ = false;
+    if (!frames_.empty() && !wishes_.scene.up) {
+      // The other frames stand as the first does.
+      wishes_.scene.up = loaded.pose.upright.up;
+      wishes_.input.emplace_back("up", to_string(loaded.pose.upright.up));
+      loaded_key_ = wanted_key_ = wishes_.scene_key();
+    }
     if (!scene_) history_ = History<Wishes>(wishes_);
   }
   send_scene(loaded);
@@ -250,8 +302,9 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
   } else if (auto* pick = std::get_if<PickAnswer>(&answer)) {
     if (pick->id != pick_id_) return;
     if (!pick->picked) return say("no point there");
+    if (!pick_adds_ && picked_.size() > 2) picked_.clear();  // after a line begins the next one
     picked_.push_back(std::move(*pick->picked));
-    if (picked_.size() > 2) picked_.erase(picked_.begin());
+    if (!pick_adds_ && picked_.size() > 2) picked_.erase(picked_.begin());
     if (on_message) {
       const double size = navigator_.scene_size();
       const dvec3 at = picked_.back().world;
@@ -263,6 +316,11 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       }
       on_message({text, false});
     }
+  } else if (auto* profile = std::get_if<Profile>(&answer)) {
+    if (profile->id != profile_id_) return;
+    if (profile->points.empty()) return say("no point within the corridor: make it wider", true);
+    say("profile of " + std::to_string(profile->points.size()) + " points");
+    profile_ = std::make_shared<const Profile>(std::move(*profile));
   } else if (auto* off = std::get_if<CalledOff>(&answer)) {
     if (off->id == in_flight_ && in_flight_) {
       in_flight_ = 0;
@@ -376,6 +434,12 @@ void Workbench::tick(double now_ms) {
   for (Answer& each : whole_->take_answers()) take_answer(std::move(each), true);
   watch_files();
 
+  if (is_playing_frames_ && settled() && now_ms - frame_since_ms_ >= 1000 / frames_per_second) {
+    show_frame((frame() + 1) % frames_.size());
+    key_changed_ms_ = now_ms - reload_rest_ms;  // nobody drags a slider here
+    wanted_key_ = wishes_.scene_key();
+  }
+
   if (const std::string key = wishes_.look_key(); key != look_key_) {
     look_key_ = key;
     touched();
@@ -395,6 +459,7 @@ void Workbench::tick(double now_ms) {
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
   if (play_began_ms_) return 0;
+  if (is_playing_frames_ && settled()) return std::max(0.0, frame_since_ms_ + 1000 / frames_per_second - now_ms);
   std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
   if (wanted_key_ != loaded_key_) {
     const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);

@@ -26,7 +26,14 @@ struct Start {
   std::function<Camera(const Pose&, int width, int height)> first_camera;
   std::uint64_t memory = scene::default_memory;
   bool watch = false;         ///< read files again when they change
+  std::vector<std::string> frames; ///< of a sequence: files that are shown one at a time; the first is among the wishes
   std::function<void()> wake; ///< from any thread: there is something to `tick` for
+};
+
+/// Bytes.
+struct Memory {
+  std::uint64_t process = 0, process_peak = 0;  ///< resident; 0 where the system does not tell
+  std::uint64_t points = 0;                     ///< of the whole cloud, with what was measured of it
 };
 
 /// A line for the person, and whether it is about a mistake.
@@ -74,9 +81,14 @@ class Workbench {
   /// What a turn that begins there turns about: the point under the cursor, else the target.
   dvec3 pivot_at(double x_px, double y_px) const;
   /// Asks for the point under the cursor with all that it holds; it comes to `picked`.
-  void pick(double x_px, double y_px);
-  const std::vector<Picked>& picked() const { return picked_; }  ///< the last two, newest last
+  /// `add`: to a line of as many points as are picked so; else the last two remain.
+  void pick(double x_px, double y_px, bool add = false);
+  const std::vector<Picked>& picked() const { return picked_; }  ///< newest last
   void clear_picked() { picked_.clear(); }
+  /// Along the line of picked points, of whatever stands in a corridor that wide; it comes to `profile`.
+  void cut_profile(double width);
+  const std::shared_ptr<const Profile>& profile() const { return profile_; }   ///< null: none
+  void close_profile() { profile_.reset(); }
 
   /// The newest picture; null before the first.
   std::shared_ptr<const Picture> picture() const { return shown_; }
@@ -91,6 +103,9 @@ class Workbench {
   bool whole_ready() const { return whole_ready_; }
   std::size_t left_out() const { return left_out_; }
   std::string renderer_name() const { return whole_->renderer_name(); }
+  /// What the drivers of both painters complained of since the last call.
+  std::vector<std::string> take_driver_messages();
+  Memory memory() const;
   void set_timings(bool on) { timings_ = on; }
   void repaint();
 
@@ -110,6 +125,15 @@ class Workbench {
   void play(bool on);
   bool playing() const { return play_began_ms_.has_value(); }
   double play_time_s() const { return play_began_ms_ ? 1e-3 * (now_ms_ - *play_began_ms_) : 0; }
+
+  /// Files of a sequence, seen from one camera; empty: there is none.
+  const std::vector<std::string>& frames() const { return frames_; }
+  std::size_t frame() const;
+  void show_frame(std::size_t i);
+  /// Shows the next frame as soon as the present one stands, and `frames_per_second` allow.
+  void play_frames(bool on) { is_playing_frames_ = on; }
+  bool playing_frames() const { return is_playing_frames_; }
+  double frames_per_second = 5;
 
   bool watch = false;
 
@@ -145,11 +169,17 @@ class Workbench {
   std::size_t left_out_ = 0;
   Activity activity_;
   std::vector<Picked> picked_;
+  bool pick_adds_ = false;
+  std::shared_ptr<const Profile> profile_;
+  std::uint64_t profile_id_ = 0;
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;
   std::optional<Failure> fatal_;
   std::optional<double> play_began_ms_;
+  std::vector<std::string> frames_;
+  bool is_playing_frames_ = false;
+  double frame_since_ms_ = 0;
   std::vector<std::pair<std::string, std::int64_t>> file_times_;
 
   std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);

@@ -187,6 +187,9 @@ TEST_F(WindowTest, PicksAndMeasures) {
       for (int dx = -9; dx <= 9; ++dx) amber += seen.at(x + dx, 347 + dy) == Rgba8{0xff, 0xb0, 0x00, 255};
     EXPECT_GT(amber, 20) << x;  // a mark of radius 4
   }
+  hand("key v");
+  wait_for("sfumato: profile of ");
+  hand("key Escape");
   close();
 }
 

@@ -252,6 +252,10 @@ int view_command(RenderOptions& options, Choice& choice, const CommandLine& line
   view::Start start;
   view::Wishes& wishes = start.wishes;
   wishes.files = options.files;
+  if (options.sequence) {
+    start.frames = options.files;
+    wishes.files.resize(1);
+  }
   for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);
   for (const std::string& rule : options.draw) wishes.draw.push_back(view::DrawRow::from(rule));
   wishes.scene = options.input.scene;

@@ -154,7 +154,7 @@ void RenderOptions::check_window(std::size_t technique_count) const {
                                 "to a picture");
 #endif
   if (technique_count > 1) refuse("a window shows one technique at a time: name one, or add -o OUT.png for a sheet of all");
-  for (const auto& [option, given] : {std::pair("--each", each), {"--sequence", sequence}, {"--path", !path.empty()},
+  for (const auto& [option, given] : {std::pair("--each", each), {"--path", !path.empty()},
                                       {"--panorama", camera.panorama}, {"--save-scene", !save_scene.empty()},
                                       {"--no-background", no_background},
                                       {"--save-preset", !save_preset.empty()}, {"--json", json}, {"--timings", timings}})

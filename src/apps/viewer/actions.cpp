@@ -156,13 +156,20 @@ void Interface::act(Action action) {
     case Action::clear_picks:
       help_ = false;
       bench_.clear_picked();
+      bench_.close_profile();
       bench_.play(false);
       break;
+    case Action::profile: bench_.cut_profile(double(corridor())); break;
     case Action::add_key:
       bench_.path.add(bench_.wishes().camera);
       bench_.say(fmt::format("key {} of the camera path", bench_.path.keys().size()));
       break;
-    case Action::play: bench_.play(!bench_.playing()); break;
+    case Action::play:
+      if (bench_.frames().size() > 1 && bench_.path.keys().size() < 2)
+        bench_.play_frames(!bench_.playing_frames());
+      else
+        bench_.play(!bench_.playing());
+      break;
     case Action::larger_interface: window_.zoom_interface(1.125f); break;
     case Action::smaller_interface: window_.zoom_interface(1 / 1.125f); break;
     case Action::theme: window_.set_dark(!window_.is_dark()); break;

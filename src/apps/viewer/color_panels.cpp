@@ -36,6 +36,7 @@ void Interface::color_panel() {
                                                 ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)));
     }
     ImGui::Dummy({width, height});
+    histogram(coloring);
     float range[2] = {float(coloring.low), float(coloring.high)};
     const float speed = std::max(1e-6f, 0.005f * std::abs(range[1] - range[0]));
     if (ImGui::DragFloat2("range", range, speed, 0, 0, "%.5g") && range[0] != range[1])
@@ -49,6 +50,24 @@ void Interface::color_panel() {
       tooltip("back to 2-98 % of the points");
     }
   }
+  if (picture() && has_swatches()) {
+    // What the colours stand for; a long list is scrolled.
+    const auto& swatches = picture()->coloring.swatches;
+    const float line = ImGui::GetTextLineHeightWithSpacing();
+    ImGui::BeginChild("swatches", {0, line * float(std::min<std::size_t>(swatches.size(), 8)) + 4});
+    for (const Swatch& each : swatches) {
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      const float side = 0.75f * ImGui::GetTextLineHeight();
+      ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 2}, {at.x + side, at.y + 2 + side},
+                                                paint(each.color.r << 16 | each.color.g << 8 | each.color.b), 2);
+      ImGui::Dummy({side, side});
+      ImGui::SameLine();
+      ImGui::TextUnformatted(each.label.c_str());
+      ImGui::SameLine();
+      ImGui::TextDisabled("%s", thousands(each.points).c_str());
+    }
+    ImGui::EndChild();
+  }
   const auto color_edit = [&](const char* label, std::string value, auto assign) {
     if (edit_text(label, "as it suits", value)) bench_.change(label, [&](view::Wishes& next) { assign(next, value); });
     tooltip("a name (steelblue), #hex (#4682b4) or R,G,B from 0 to 1; Enter");
@@ -58,6 +77,52 @@ void Interface::color_panel() {
   color_edit("one colour", wishes.point_color, [](view::Wishes& next, const std::string& text) { next.point_color = text; });
   bool legend = wishes.legend;
   if (ImGui::Checkbox("legend", &legend)) act(view::Action::legend);
+}
+
+bool Interface::has_swatches() const { return !picture()->coloring.swatches.empty(); }
+
+void Interface::histogram(const Coloring& coloring) {
+  const view::Loaded* scene = bench_.scene();
+  if (!scene || !scene->near) return;
+  constexpr std::size_t steps = 96;
+  if (const std::string key = fmt::format("{} {}", fmt::ptr(scene->near.get()), coloring.source); key != histogram_key_) {
+    histogram_key_ = key;
+    histogram_ = view::histogram_of(*scene->near, coloring.source, steps);
+  }
+  if (histogram_.counts.empty()) return;
+  const Colormap map = Colormap::named(coloring.colormap);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = 54 * window_.scale();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), 2);
+  // Heights by the square root: what is rare is seen beside what is common.
+  const float most = std::sqrt(float(*std::max_element(histogram_.counts.begin(), histogram_.counts.end())));
+  const double span = histogram_.high - histogram_.low, colors = coloring.high - coloring.low;
+  for (std::size_t i = 0; i < steps; ++i) {
+    const double value = histogram_.low + (double(i) + 0.5) / steps * span;
+    const Rgba8 c = map.at(std::clamp(colors != 0 ? (value - coloring.low) / colors : 0.5, 0.0, 1.0));
+    const float tall = std::sqrt(float(histogram_.counts[i])) / most * (height - 2);
+    list->AddRectFilled({at.x + width * float(i) / steps, at.y + height - tall},
+                        {at.x + width * float(i + 1) / steps, at.y + height}, paint(c.r << 16 | c.g << 8 | c.b));
+  }
+  for (const double end : {coloring.low, coloring.high})
+    if (span > 0 && end >= histogram_.low && end <= histogram_.high) {
+      const float x = at.x + width * float((end - histogram_.low) / span);
+      list->AddLine({x, at.y}, {x, at.y + height}, ImGui::GetColorU32(ImGuiCol_Text));
+    }
+  // A drag over it chooses the range.
+  ImGui::InvisibleButton("histogram", {width, height});
+  tooltip(fmt::format("{} from {:.5g} to {:.5g}, of a sample of the points; drag over it: the range of the colours", coloring.source,
+                      histogram_.low, histogram_.high));
+  if (ImGui::IsItemActivated()) histogram_from_ = ImGui::GetIO().MousePos.x;
+  if (ImGui::IsItemActive() && std::abs(ImGui::GetIO().MousePos.x - histogram_from_) > 3) {
+    const auto value_at = [&](float x) { return histogram_.low + double(std::clamp((x - at.x) / width, 0.0f, 1.0f)) * span; };
+    const double a = value_at(histogram_from_), b = value_at(ImGui::GetIO().MousePos.x);
+    if (a != b)
+      bench_.change("color-range", [&](view::Wishes& next) {
+        next.color_range = fmt::format("{:.5g},{:.5g}", std::min(a, b), std::max(a, b));
+      });
+  }
 }
 
 void Interface::class_panel() {

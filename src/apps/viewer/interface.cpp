@@ -36,6 +36,7 @@ void Interface::draw(double now_ms) {
   const float width = std::max(32.0f, std::floor(screen.x - panel)), height = std::max(32.0f, std::floor(screen.y - status));
   bench_.set_timings(timings_);
   draw_view(now_ms, width, height);
+  draw_profile(width, height);
   if (panels_) draw_panels(width, screen.x - width, height);
   draw_status(height, screen.x, screen.y - height);
   if (help_) draw_help();
@@ -49,7 +50,7 @@ void Interface::draw_panels(float x, float width, float height) {
   ImGui::Begin("panels", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-  ImGui::PushItemWidth(0.44f * width);
+  ImGui::PushItemWidth(0.41f * width);
   technique_panel();
   if (look_) {
     parameter_panel();
@@ -58,6 +59,7 @@ void Interface::draw_panels(float x, float width, float height) {
     class_panel();
     light_panel();
     clip_panel();
+    measure_panel();
     camera_panel();
     path_panel();
     scene_panel();

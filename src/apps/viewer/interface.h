@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "view/controls.h"
+#include "view/histogram.h"
 #include "view/keys.h"
 #include "view/workbench.h"
 #include "window.h"
@@ -45,13 +46,19 @@ class Interface {
   void parameter_panel();
   void item_panel();
   void color_panel();
+  void histogram(const Coloring& coloring);
+  bool has_swatches() const;
   void class_panel();
   void light_panel();
   void clip_panel();
   void camera_panel();
   void path_panel();
   void scene_panel();
+  void measure_panel();
   void timing_panel();
+  void draw_profile(float width, float height);
+  double line_length() const;
+  float corridor() const;
   /// Draws one and changes the wishes where a hand changed it.
   void control(view::Control control);
   void controls(const std::vector<view::Control>& all);
@@ -79,6 +86,11 @@ class Interface {
   bool panels_ = true, help_ = false, clip_ = false, timings_ = false;
   enum class Drag { none, rotate, pan } drag_ = Drag::none;
   dvec3 pivot_{0};
+  float corridor_ = 0;        ///< width, scene units; 0: not chosen yet
+  std::string profile_key_;   ///< of the plot in the window's texture
+  view::Histogram histogram_;
+  std::string histogram_key_;
+  float histogram_from_ = 0;
   double drag_px_ = 0, last_fly_ms_ = 0, now_ms_ = 0;
   bool swallow_click_ = false;
 };

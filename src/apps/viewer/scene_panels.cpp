@@ -95,6 +95,15 @@ void Interface::scene_panel() {
   if (!heading("Scene", false)) return;
   const view::Loaded* scene = bench_.scene();
   if (!scene) return;
+  if (const int frames = int(bench_.frames().size()); frames > 1) {
+    int frame = int(bench_.frame()) + 1;
+    if (ImGui::Button(bench_.playing_frames() ? "pause" : "play")) bench_.play_frames(!bench_.playing_frames());
+    ImGui::SameLine();
+    if (ImGui::SliderInt("frame", &frame, 1, frames)) bench_.show_frame(std::size_t(frame - 1));
+    float rate = float(bench_.frames_per_second);
+    if (ImGui::SliderFloat("a second", &rate, 0.2f, 30, "%.1f", ImGuiSliderFlags_Logarithmic)) bench_.frames_per_second = double(rate);
+    tooltip("frames a second, as far as whole pictures keep up");
+  }
   for (const std::string& file : bench_.wishes().files) ImGui::BulletText("%s", file.c_str());
   note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read), thousands(scene->points_shown),
                    bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
@@ -115,7 +124,7 @@ void Interface::scene_panel() {
 }
 
 void Interface::timing_panel() {
-  const bool open = heading("Timings", false);
+  const bool open = heading("Timings and memory", false);
   if (open && !timings_) {
     timings_ = true;
     bench_.set_timings(true);
@@ -134,6 +143,17 @@ void Interface::timing_panel() {
   };
   for (const PassTiming& pass : picture()->timings) row(pass.name, pass.ms);
   row("request to picture", picture()->took_ms);
+  ImGui::Spacing();
+  const auto mega = [&](const char* name, double bytes) {
+    if (bytes == 0) return;
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(ImGui::GetContentRegionAvail().x - 80 * window_.scale());
+    ImGui::Text("%9.0f MB", bytes / 1e6);
+  };
+  const view::Memory memory = bench_.memory();
+  mega("the process", double(memory.process));
+  mega("at most so far", double(memory.process_peak));
+  mega("points and their attributes", double(memory.points));
 }
 
 }  // namespace sfumato::viewer

@@ -73,7 +73,7 @@ void Interface::control(view::Control control) {
   }
   tooltip(control.tooltip + (control.can_be_auto || control.kind == ParamKind::boolean ? "" : "\nCtrl+click: type a value"));
   ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
-  const auto label_column = [&] { ImGui::SameLine(0.44f * ImGui::GetWindowWidth() + 46 * window_.scale()); };
+  const auto label_column = [&] { ImGui::SameLine(0.41f * ImGui::GetWindowWidth() + 46 * window_.scale()); };
   if (control.can_be_auto) {
     bool automatic = control.is_auto;
     if (automatic)

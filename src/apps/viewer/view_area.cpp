@@ -103,7 +103,7 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
       });
     }
     if (!io.MouseDown[0] && !io.MouseDown[1] && !io.MouseDown[2]) {
-      if (drag_ == Drag::rotate && drag_px_ <= 3 && !swallow_click_) bench_.pick(x, y);
+      if (drag_ == Drag::rotate && drag_px_ <= 3 && !swallow_click_) bench_.pick(x, y, io.KeyCtrl);
       drag_ = Drag::none;
     }
   }
@@ -141,16 +141,16 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddCircle(at, r + 1, paint(0xffffff), 24, 1.5f);
     }
   const auto& picked = bench_.picked();
-  if (picked.size() == 2) {
-    const auto [a, seen_a] = place(picked[0].world);
-    const auto [b, seen_b] = place(picked[1].world);
+  for (std::size_t i = 1; i < picked.size(); ++i) {
+    const auto [a, seen_a] = place(picked[i - 1].world);
+    const auto [b, seen_b] = place(picked[i].world);
     if (seen_a && seen_b) {
       list->AddLine(a, b, rim, 3.5f);
       list->AddLine(a, b, accent, 1.5f);
-      const view::Measure m = view::measure(picked[0].world, picked[1].world, bench_.navigator().up_axis());
+      const view::Measure m = view::measure(picked[i - 1].world, picked[i].world, bench_.navigator().up_axis());
       const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
       const double size = bench_.navigator().scene_size();
-      label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
+      if (picked.size() <= 12) label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
             fmt::format("{} {}", view::coordinate_text(m.distance, size), unit));
     }
   }

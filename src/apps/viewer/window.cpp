@@ -120,6 +120,8 @@ void Window::zoom_interface(float factor) {
   restyle_ = true;
 }
 
+void Window::resize(int width, int height) { glfwSetWindowSize(window_, width, height); }
+
 void Window::toggle_fullscreen() {
   is_full_ = !is_full_;
   if (!is_full_) return glfwSetWindowMonitor(window_, nullptr, place_[0], place_[1], place_[2], place_[3], 0);
@@ -195,6 +197,7 @@ void Window::begin_frame(double wait_s) {
   if (restyle_) style();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  if (on_input) on_input();
   ImGui::NewFrame();
 }
 
@@ -241,5 +244,17 @@ void Window::upload(const Image<Rgba8>& image, bool exact) {
   }
   glBindTexture(GL_TEXTURE_2D, 0);
 }
+
+void Window::upload_plot(const Image<Rgba8>& image) {
+  if (!plot_) glGenTextures(1, &plot_);
+  glBindTexture(GL_TEXTURE_2D, plot_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data());
+  glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+void* Window::plot() const { return reinterpret_cast<void*>(std::uintptr_t(plot_)); }
 
 }  // namespace sfumato::viewer

@@ -35,6 +35,7 @@ class Window {
   bool is_down(int key) const;
   void set_title(const std::string& title);
   void toggle_fullscreen();
+  void resize(int width, int height);
   bool is_dark() const { return dark_; }
   void set_dark(bool dark) { dark_ = dark, restyle_ = true; }
   /// Of letters and everything, against one pixel a point of the layout.
@@ -49,6 +50,12 @@ class Window {
   /// software GL takes several times as long to blend it.
   void place_picture(int width, int height) { picture_size_[0] = width, picture_size_[1] = height; }
 
+  /// Another picture, for the interface to show.
+  void upload_plot(const Image<Rgba8>& image);
+  void* plot() const;
+
+  /// Called when the input of a frame is known and nothing has looked at it: a test puts another hand in its place.
+  std::function<void()> on_input;
   std::function<void(int key, int modifiers)> on_key;
   std::function<void(const std::vector<std::string>& files, bool add)> on_drop;
 
@@ -62,7 +69,7 @@ class Window {
   double shown_ms_ = -1e9;
   bool dark_ = true, restyle_ = true, is_full_ = false, has_interface_ = false;
   float scale_ = 1, user_scale_ = 1;
-  unsigned texture_ = 0;
+  unsigned texture_ = 0, plot_ = 0;
   unsigned picture_ = 0;  ///< framebuffer that has the texture
   bool is_exact_ = false;
   int texture_width_ = 0, texture_height_ = 0, picture_size_[2] = {0, 0};
