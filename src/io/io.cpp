@@ -86,7 +86,9 @@ const Format& find_format(const std::filesystem::path& file) {
 }  // namespace
 
 void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what) {
-  throw Error(ErrorCode::bad_input, file.string() + ": " + place + ": " + what);
+  std::string line = what;  // which may quote the file
+  std::replace_if(line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+  throw Error(ErrorCode::bad_input, file.string() + ": " + place + ": " + line);
 }
 
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options, Progress& progress) {

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "io/large_vector.h"
+
 namespace sfumato::io::las {
 namespace {
 
@@ -53,6 +55,9 @@ PointCollector::PointCollector(const Header& header, const std::vector<std::uint
       const double value = std::trunc(raw_value(field, first_record.data()));
       if (std::abs(value) >= 65536 && std::abs(value) < 1e15) column.base = value;
     }
+    // Those that the cloud does not get when they are zero everywhere.
+    column.may_be_absent = column.base == 0 && field.offset == 0 && !field.is_color() &&
+                           (field.optional || (!field.is_extra && (field.name == "user_data" || field.name == "point_source_id")));
     columns_.push_back(std::move(column));
   }
 }
@@ -63,29 +68,36 @@ std::size_t PointCollector::bytes_per_point() const {
   return bytes;
 }
 
-void PointCollector::reserve(std::size_t points) {
-  positions_.reserve(points);
-  if (color_columns_[0] >= 0) colors_.reserve(points);
-  for (Column& column : columns_) {
-    if (column.field.is_color()) continue;
-    column.values.reserve(points);
-    if (column.field.needs_residual()) column.residuals.reserve(points);
-  }
-}
-
 void PointCollector::resize(std::size_t points) {
   // Fresh memory is cleared page by page, a tenth of the time of decoding: the columns share the threads.
+  points_ = points;
   parallel_tasks(columns_.size() + 1, no_progress(), "", [&](std::size_t task) {
     if (task == columns_.size()) {
-      positions_.resize(points);
-      if (color_columns_[0] >= 0) colors_.resize(points);
+      enlarge(positions_, points);
+      if (color_columns_[0] >= 0) enlarge(colors_, points);
       return;
     }
     Column& column = columns_[task];
     if (column.field.is_color()) return;
-    column.values.resize(points);
-    if (column.field.needs_residual()) column.residuals.resize(points);
+    if (!column.may_be_absent || *column.values_at) {
+      enlarge(column.values, points);
+      *column.values_at = column.values.data();
+    }
+    if (*column.residuals_at) {
+      enlarge(column.residuals, points);
+      *column.residuals_at = column.residuals.data();
+    }
   });
+}
+
+float* PointCollector::numbers(std::vector<float>& values, std::atomic<float*>& at) {
+  if (float* made = at.load(std::memory_order_acquire)) return made;
+  const std::lock_guard lock(making_);
+  if (!at) {
+    allocate(values, points_);
+    at.store(values.data(), std::memory_order_release);
+  }
+  return at;
 }
 
 PointCollector::Stats PointCollector::empty_stats() const {
@@ -102,7 +114,19 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
   const Field& field = column.field;
   const std::size_t stride = header_.record_length;
   const std::uint8_t* at = records + field.byte;
-  float* out = column.values.data() + first;
+  if (column.may_be_absent && !*column.values_at) {
+    const unsigned mask = field.bits ? ((1u << field.bits) - 1) << field.shift : ~0u;
+    bool is_zero = true;
+    for (std::size_t i = 0; i < count; ++i)
+      is_zero &= field.bits ? (at[i * stride] & mask) == 0 : get<T>(at + i * stride) == T(0);
+    if (is_zero) {
+      stats.min = std::min(stats.min, 0.0);
+      stats.max = std::max(stats.max, 0.0);
+      stats.count += count;
+      return;
+    }
+  }
+  float* out = numbers(column.values, *column.values_at) + first;
   if (field.bits) {
     const unsigned mask = (1u << field.bits) - 1;
     unsigned low = mask, high = 0;
@@ -120,7 +144,8 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
     stats.count += count;
     return;
   }
-  float* residual = field.needs_residual() ? column.residuals.data() + first : nullptr;
+  const bool has_residual = field.needs_residual();
+  float* residual = has_residual && *column.residuals_at ? column.residuals_at->load() + first : nullptr;
   double low = stats.min, high = stats.max, sum = 0;
   std::uint64_t finite = 0;
   for (std::size_t i = 0; i < count; ++i, at += stride) {
@@ -133,11 +158,13 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
     }
     const double delta = value - column.base;
     out[i] = float(delta);
-    if (!residual) continue;
-    const float rest = float(delta - double(out[i]));
-    residual[i] = std::isfinite(rest) ? rest : 0;
-    stats.has_residual |= residual[i] != 0;
-    stats.is_inexact |= std::isfinite(value) && column.base + (double(out[i]) + double(residual[i])) != value;
+    if (!has_residual) continue;
+    float rest = float(delta - double(out[i]));
+    if (!std::isfinite(rest)) rest = 0;
+    if (rest != 0 && !residual) residual = numbers(column.residuals, *column.residuals_at) + first;
+    if (residual) residual[i] = rest;
+    stats.has_residual |= rest != 0;
+    stats.is_inexact |= std::isfinite(value) && column.base + (double(out[i]) + double(rest)) != value;
   }
   stats.min = low;
   stats.max = high;
@@ -279,8 +306,9 @@ void PointCollector::place_colors(ReadResult& result, const Stats& total, Progre
   result.cloud.las->colors_16bit = !is_8bit;
   if (is_8bit && high > 0) result.report.notes.push_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
   std::vector<Rgba8>& colors = result.cloud.colors;
-  colors.resize(colors_.size());
-  std::vector<float> low(is_8bit ? 0 : colors_.size());
+  allocate(colors, colors_.size());
+  std::vector<float> low;
+  if (!is_8bit) allocate(low, colors_.size());
   const std::size_t tasks = (colors_.size() + pass_size - 1) / pass_size;
   // Which of the two usual ways from 8 to 16 bits the file used, if any: then the low bytes are known.
   std::vector<char> repeats(tasks, 1), shifts(tasks, 1);
@@ -327,6 +355,7 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     if (field.is_scaled()) type = field.is_extra ? StoredType::float64 : StoredType::float32;
     if (field.is_scaled() && field.is_extra)
       result.cloud.las->steps.push_back({field.name, field.type, field.scale, field.offset});
+    numbers(column.values, *column.values_at);  // none was other than zero in a cloud that is not all there
     result.cloud.set_scalar({field.name, column.base, std::move(column.values), type});
     if (stats.has_residual)
       result.cloud.set_scalar({field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
@@ -341,7 +370,7 @@ void PointCollector::place_normals_and_radii(ReadResult& result) {
   PointCloud& cloud = result.cloud;
   const ScalarField *x = cloud.scalar("nx"), *y = cloud.scalar("ny"), *z = cloud.scalar("nz");
   if (x && y && z) {
-    cloud.normals.resize(cloud.size());
+    allocate(cloud.normals, cloud.size());
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const vec3 normal(float(x->value(i)), float(y->value(i)), float(z->value(i)));
       const float squared = glm::dot(normal, normal);

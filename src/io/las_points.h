@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "io/io.h"
@@ -28,7 +31,6 @@ class PointCollector {
   /// `first_record`: the file's first point, whose large values (GPS time) become the offsets of the scalars.
   PointCollector(const Header& header, const std::vector<std::uint8_t>& first_record);
 
-  void reserve(std::size_t points);
   /// Room for `points` points in all.
   void resize(std::size_t points);
   std::size_t bytes_per_point() const;
@@ -42,8 +44,14 @@ class PointCollector {
   struct Column {
     Field field;
     double base = 0;  ///< offset of the scalar
+    /// Columns that are mostly zeros are not there before a number is: fresh memory costs more than unpacking.
+    bool may_be_absent = false;
     std::vector<float> values, residuals;
+    std::unique_ptr<std::atomic<float*>> values_at = std::make_unique<std::atomic<float*>>(nullptr),
+                                         residuals_at = std::make_unique<std::atomic<float*>>(nullptr);
   };
+  /// The numbers of a column, made when they are asked for; from any thread.
+  float* numbers(std::vector<float>& values, std::atomic<float*>& at);
 
   void unpack_column(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
                      FieldStats& stats);
@@ -57,6 +65,8 @@ class PointCollector {
   void place_normals_and_radii(ReadResult& result);
 
   Header header_;
+  std::size_t points_ = 0;
+  std::mutex making_;
   std::vector<std::string> notes_;
   std::vector<Column> columns_;
   std::vector<vec3> positions_;  ///< until `finish`, the bits of the file's integers
