@@ -9,7 +9,7 @@ configure = cmake --preset $(1) $(CCACHE)
 build = $(configure) && cmake --build build/$(1)
 # Mesa repeats no warning for a shader that it finds in its cache, and any GL message fails a test: each run starts
 # with an empty cache of its own.
-check = rm -rf build/$(1)/shader_cache && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
+check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release

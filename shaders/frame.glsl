@@ -41,4 +41,4 @@ vec3 ray_direction(vec2 pixel) {
 // Unit vector from an eye position towards the camera.
 vec3 to_camera(vec3 eye) { return frame.orthographic != 0 ? vec3(0.0, 0.0, 1.0) : normalize(-eye); }
 
-const float infinity = uintBitsToFloat(0x7f800000u);
+#define infinity uintBitsToFloat(0x7f800000u)  // no constant to every compiler

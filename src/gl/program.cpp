@@ -1,6 +1,12 @@
 #include "gl/program.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 
 #include "core/error.h"
 #include "gl/context.h"
@@ -8,8 +14,25 @@
 namespace sfumato::gl {
 namespace {
 
+/// SFUMATO_KEEP_SHADERS=FOLDER: every variant that is compiled, for other compilers to look at.
+void keep(GLenum stage, std::string name, const std::string& text) {
+  const char* folder = std::getenv("SFUMATO_KEEP_SHADERS");
+  if (!folder || !*folder) return;
+  std::replace(name.begin(), name.end(), '/', '.');
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  const char* extension = stage == GL_COMPUTE_SHADER ? ".comp" : stage == GL_VERTEX_SHADER ? ".vert" : ".frag";
+  const std::filesystem::path path =
+      std::filesystem::path(folder) / (name + "." + std::to_string(std::hash<std::string>()(text)) + extension);
+  // Under a name of its own first: another process may write the same.
+  const std::string own = path.string() + "." + std::to_string(::getpid());
+  std::ofstream(own, std::ios::binary) << text;
+  std::filesystem::rename(own, path, ignored);
+}
+
 GLuint compile(GLenum stage, const std::string& file, const Defines& defines, const std::string& head) {
   const ShaderSource source = load_shader(file, defines, head);
+  keep(stage, file, source.text);
   const GLuint shader = glCreateShader(stage);
   const char* text = source.text.c_str();
   glShaderSource(shader, 1, &text, nullptr);

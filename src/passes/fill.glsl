@@ -27,7 +27,7 @@ layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
 uniform float d_min;
 #endif
 
-const float infinity = uintBitsToFloat(0x7f800000u);
+#define infinity uintBitsToFloat(0x7f800000u)  // no constant to every compiler
 const ivec2 ring[8] = ivec2[8](ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(1, 0), ivec2(1, 1), ivec2(0, 1),
                                ivec2(-1, 1), ivec2(-1, 0));
 
