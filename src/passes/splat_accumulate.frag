@@ -6,6 +6,19 @@
 layout(binding = UNIT_INPUT) uniform sampler2D nearest_t;
 uniform float epsilon;  // scene units along the ray
 
+const float grazing = 0.35;  // cosine of the view ray and the normal, 70 degrees
+
+// Towards the side of the picture where the surface lies deeper or ends: a normal points there on the screen.
+vec2 deeper_side(ivec2 pixel, float nearest) {
+  ivec2 last = ivec2(frame.image_size) - 1;
+  vec4 around = vec4(texelFetch(nearest_t, min(pixel + ivec2(2, 0), last), 0).x,
+                     texelFetch(nearest_t, max(pixel - ivec2(2, 0), ivec2(0)), 0).x,
+                     texelFetch(nearest_t, min(pixel + ivec2(0, 2), last), 0).x,
+                     texelFetch(nearest_t, max(pixel - ivec2(0, 2), ivec2(0)), 0).x);
+  around = clamp(around - nearest, -epsilon, epsilon);
+  return vec2(around.x - around.y, around.z - around.w);
+}
+
 layout(location = 0) out vec4 color_sum;   // w rgb, w
 layout(location = 1) out vec4 normal_sum;  // w n (eye, facing the camera), w t
 #ifdef SPLAT_SHADOW
@@ -23,8 +36,17 @@ void main() {
   if (!(hit.t < nearest + epsilon)) discard;
   float w = splat_weight(hit.rho);
 #endif
-  vec3 normal = splat_normal_radius.xyz;
-  if (dot(normal, ray_slope(gl_FragCoord.xy)) > 0.0) normal = -normal;
+  vec3 normal = splat_normal_radius.xyz, slope = ray_slope(gl_FragCoord.xy);
+  float facing = dot(normal, slope);
+  if (facing > 0.0) normal = -normal;
+#ifndef BLEND_OPAQUE
+  // Scans know no inside. At an outline discs from beyond the horizon show as well: turned to the camera each on its own
+  // they would cancel those on this side of it, and what is left points anywhere.
+  if (facing * facing < grazing * grazing * dot(slope, slope)) {
+    vec2 deeper = deeper_side(ivec2(gl_FragCoord.xy), nearest);
+    if (dot(deeper, vec2(normal.x, -normal.y)) < 0.0) normal = -normal;
+  }
+#endif
   color_sum = vec4(w * splat_color.rgb, w);
   normal_sum = vec4(w * float(splat_has_normal) * normal, w * hit.t);
 #ifdef SPLAT_SHADOW

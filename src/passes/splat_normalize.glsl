@@ -17,6 +17,8 @@ bool filter_pixel(ivec2 pixel) {
   }
   vec4 normal = texelFetch(normal_sum, pixel, 0) / color.a;
   vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(vec2(pixel) + 0.5, 1.0);
+  // On an outline, half of it beyond: then it is seen from the side.
+  normal.xyz -= max(dot(normal.xyz, slope), 0.0) / dot(slope, slope) * slope;
   vec3 n = transpose(mat3(frame.eye_from_cloud)) * normal.xyz;
   float size = length(n);
   out_0 = vec4(color.rgb / color.a, 1.0);

@@ -105,9 +105,16 @@ struct OracleSurface {
   bool fragile = false;
 };
 
+/// Where the nearest hits around a pixel are farther: in the picture to the right and up, world, of any length; 0 where
+/// nobody asks. Discs seen from more than 70 degrees aside turn their normals there, for they know no inside.
+struct OracleDeeper {
+  dvec3 way{0};
+  bool fragile = false;
+};
+
 template <class Weight>
 OracleSurface oracle_surface(const OracleRay& ray, const std::vector<OracleSplat>& splats, double near_plane,
-                             double epsilon, Weight weight) {
+                             double epsilon, Weight weight, const OracleDeeper& deeper = {}) {
   OracleSurface out;
   const std::vector<OracleHit> hits = oracle_hits(ray, splats, near_plane, &out.fragile);
   dvec3 normal(0);
@@ -120,12 +127,21 @@ OracleSurface oracle_surface(const OracleRay& ray, const std::vector<OracleSplat
     const double w = weight(hit.rho);
     out.weight += w;
     out.color += w * s.color;
-    normal += w * (glm::dot(s.normal, ray.direction) > 0 ? -s.normal : s.normal);
+    const double cosine = glm::dot(s.normal, ray.direction);
+    dvec3 turned = cosine > 0 ? -s.normal : s.normal;
+    if (deeper.way != dvec3(0) && std::abs(cosine) < 0.35) {
+      const double along = glm::dot(deeper.way, turned);
+      if (deeper.fragile || std::abs(along) < 2e-3 * epsilon) out.fragile = true;
+      if (along < 0) turned = -turned;
+    }
+    if (std::abs(std::abs(cosine) - 0.35) < 1e-3) out.fragile = true;
+    normal += w * turned;
     t += w * hit.t;
     shadow += w * s.shadow;
   }
   if (out.weight > 0) {
     out.color /= out.weight;
+    normal -= std::max(0.0, glm::dot(normal, ray.direction)) * ray.direction;
     out.normal = glm::normalize(normal);
     out.t = t / out.weight;
     out.depth = out.t * ray.cosine;
