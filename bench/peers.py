@@ -61,6 +61,8 @@ def _vtk(what, cloud, count, build, timeout):
         return value, 'vtk script'
     if what == 'script':
         return _report(XVFB + TIMER + script + ['array'], 'wall_ms', timeout)[0], 'vtk script'
+    if what in ('interactor', 'first'):  # a window, points of 1 px as VTK draws them by default
+        return _report(XVFB + script + ['interactor'], 'motion_ms' if what == 'interactor' else 'first_ms', timeout)
     return _report(XVFB + script + [what, FRAMES.get(count, '5')], FIELDS.get(what, 'frame_ms'), timeout)
 
 

@@ -197,11 +197,43 @@ def of_arrays(path, mode, size):
     print(json.dumps(result), flush=True)
 
 
+def interact(path):
+    """The interactor of a window on the display: a drag of the left button, a picture for every move of the mouse."""
+    began = time.perf_counter()
+    cloud = load(path)
+    window, renderer, _ = scene(mapper_of(poly_data(cloud, False, True), 'points', len(cloud)), 'points', False, 1024)
+    window.SetOffScreenRendering(0)
+    window.SetSize(950, 694)
+    interactor = vtk.vtkRenderWindowInteractor()
+    interactor.SetRenderWindow(window)
+    interactor.SetInteractorStyle(vtk.vtkInteractorStyleTrackballCamera())
+    interactor.Initialize()
+    window.Render()
+    window.WaitForCompletion()
+    first_ms = 1e3 * (time.perf_counter() - began)
+    x, y, times = 475, 350, []
+    interactor.SetEventInformation(x, y, 0, 0)
+    interactor.LeftButtonPressEvent()
+    for k in range(40):
+        x, y = x + (3 if k % 20 < 10 else -3), y + k % 5 - 2
+        start = time.perf_counter()
+        interactor.SetEventInformation(x, y, 0, 0)
+        interactor.MouseMoveEvent()
+        window.WaitForCompletion()
+        times.append(1e3 * (time.perf_counter() - start))
+    interactor.LeftButtonReleaseEvent()
+    print(json.dumps({'peer': 'vtk ' + vtk.vtkVersion().GetVTKVersion(), 'mode': 'interactor', 'n': len(cloud),
+                      'motion_ms': round(statistics.mean(times[5:]), 1), 'first_ms': round(first_ms, 1)}), flush=True)
+
+
 def main():
     path, modes = sys.argv[1], sys.argv[2].split(',')
     frames = int(sys.argv[3]) if len(sys.argv) > 3 else 7
     size = int(sys.argv[4]) if len(sys.argv) > 4 else 1024
     for mode in modes:
+        if mode == 'interactor':
+            interact(path)
+            continue
         if mode in ('array', 'views'):
             of_arrays(path, mode, size)
             continue

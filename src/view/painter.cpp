@@ -1,5 +1,6 @@
 #include "view/painter.h"
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 
@@ -11,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t most_points_of_all_looks = 5'000'000;
+constexpr std::size_t most_points_of_looks = 5'000'000;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -61,21 +62,25 @@ class Painter::Watch final : public Progress {
 struct Painter::Easel {
   std::unique_ptr<gl::Context> context;
   std::unique_ptr<Session> session;
-  /// By technique: another picture of one needs no programs or tables made anew.
-  std::map<std::string, std::unique_ptr<Look>> looks;
+  /// Those drawn last, newest first: another picture of one needs no programs or tables made anew.
+  std::vector<std::unique_ptr<Look>> looks;
   std::string color_key;
   std::optional<vec3> background;
   std::vector<std::string> file_names;
 
   Look& look_of(const std::string& technique, const NamesAndValues& parameters) {
+    const auto found = std::find_if(looks.begin(), looks.end(), [&](const auto& each) { return each->name == technique; });
+    if (found == looks.end())
+      looks.insert(looks.begin(), std::make_unique<Look>(technique));
+    else
+      std::rotate(looks.begin(), found, found + 1);
     // Of very large clouds the tables of several techniques would not fit beside each other.
-    if (!looks.contains(technique) && session->prepared_points() > most_points_of_all_looks) looks.clear();
-    std::unique_ptr<Look>& look = looks[technique];
-    if (!look) look = std::make_unique<Look>(technique);
-    look->reset();
-    for (const auto& [name, value] : parameters) look->set(name, value);
-    look->check();
-    return *look;
+    if (const std::size_t most = session->prepared_points() > most_points_of_looks ? 1 : 3; looks.size() > most) looks.resize(most);
+    Look& look = *looks.front();
+    look.reset();
+    for (const auto& [name, value] : parameters) look.set(name, value);
+    look.check();
+    return look;
   }
 };
 

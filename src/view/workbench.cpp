@@ -423,6 +423,8 @@ void Workbench::tick(double now_ms) {
     const double time = play_time_s();
     if (time > path.duration_s()) {
       play_began_ms_.reset();
+      wishes_.camera = path.keys().back();
+      touched();
     } else {
       wishes_.camera = path.at(time);
       touched();
@@ -434,7 +436,12 @@ void Workbench::tick(double now_ms) {
   for (Answer& each : whole_->take_answers()) take_answer(std::move(each), true);
   watch_files();
 
-  if (is_playing_frames_ && settled() && now_ms - frame_since_ms_ >= 1000 / frames_per_second) {
+  // A frame that stands is shown for a moment, else fast ones would never be seen whole.
+  if (!settled())
+    frame_stood_ms_.reset();
+  else if (!frame_stood_ms_)
+    frame_stood_ms_ = now_ms;
+  if (is_playing_frames_ && frame_stood_ms_ && frame_due_ms() <= now_ms) {
     show_frame((frame() + 1) % frames_.size());
     key_changed_ms_ = now_ms - reload_rest_ms;  // nobody drags a slider here
     wanted_key_ = wishes_.scene_key();
@@ -459,7 +466,7 @@ void Workbench::tick(double now_ms) {
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
   if (play_began_ms_) return 0;
-  if (is_playing_frames_ && settled()) return std::max(0.0, frame_since_ms_ + 1000 / frames_per_second - now_ms);
+  if (is_playing_frames_ && frame_stood_ms_) return std::max(0.0, frame_due_ms() - now_ms);
   std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
   if (wanted_key_ != loaded_key_) {
     const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);

@@ -3,6 +3,7 @@
 // never waits. All of it is used on one thread.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -148,6 +149,7 @@ class Workbench {
   void touched();
   bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
+  double frame_due_ms() const { return std::max(frame_since_ms_ + 1000 / frames_per_second, *frame_stood_ms_ + 60); }
 
   Start start_;
   Wishes wishes_;
@@ -180,6 +182,7 @@ class Workbench {
   std::vector<std::string> frames_;
   bool is_playing_frames_ = false;
   double frame_since_ms_ = 0;
+  std::optional<double> frame_stood_ms_;  ///< since then its whole picture is shown
   std::vector<std::pair<std::string, std::int64_t>> file_times_;
 
   std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);

@@ -193,6 +193,64 @@ TEST_F(WindowTest, PicksAndMeasures) {
   close();
 }
 
+// The panel opens a second file beside the first, saves the look and the scene, and both bring back what they are of.
+TEST_F(WindowTest, OpensASecondFileAndSavesLookAndScene) {
+  write_cube("cube.ply", 20);
+  write_cube("again.ply", 30);
+  open({"cube.ply", "-t", "points", "--color-by", "elevation"});
+  wait_for("final picture");
+  // The headings above are closed, so that the last but one, of the scene, is where the test says: Parameters first.
+  hand("mousemove 1010 73 click 1 sleep 0.5 mousemove 1010 273 click 1 sleep 0.7");
+  const int before = count("final picture");
+  // The field for a name, below a bullet and four notes; Ctrl and the button beside it: beside what is open.
+  type_over(1050, 413, "again.ply");
+  hand("sleep 0.3 keydown ctrl sleep 0.2 mousemove 1238 413 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2 keyup ctrl mousemove 475 20");
+  wait_for("final picture", before + 1);
+  const std::string both = save();
+  EXPECT_THAT(png_texts(both)["Command"], HasSubstr("cube.ply again.ply"));
+  close();
+  expect_reproducible(both);
+}
+
+// A path made of key views is played: its pictures are in motion, its end is the last key.
+TEST_F(WindowTest, PlaysAPathOfKeyViews) {
+  write_cube("cube.ply", 20);
+  open({"cube.ply", "-t", "points"});
+  wait_for("final picture");
+  hand("key KP_1");
+  wait_for("final picture", 2);
+  hand("key k");
+  wait_for("key 1 of the camera path");
+  hand("key KP_7");
+  wait_for("final picture", 3);
+  const std::string top = save();
+  hand("key k");
+  wait_for("key 2 of the camera path");
+  hand("key KP_1");
+  wait_for("final picture", 4);
+  EXPECT_FALSE(equal(read_png(save()), read_png(top)));
+  hand("key space");
+  wait_for("final picture", 5);
+  EXPECT_THAT(said(), HasSubstr("in motion: "));
+  EXPECT_TRUE(equal(read_png(save()), read_png(top)));  // it ends at the last key
+  close();
+}
+
+// Files of a sequence are seen from one camera, and played.
+TEST_F(WindowTest, PlaysTheFilesOfASequence) {
+  write_cube("f1.ply", 10);
+  write_cube("f2.ply", 25);
+  open({"f1.ply", "f2.ply", "--sequence", "-t", "points"});
+  wait_for("final picture");
+  const std::string first = save();
+  hand("key space");
+  wait_for("final picture", 3);  // the second, and the first again
+  hand("key space");
+  close();
+  EXPECT_THAT(png_texts(first)["Command"], HasSubstr("sfumato f1.ply -t points"));
+  expect_reproducible(first);
+}
+
 TEST_F(WindowTest, ReadsFilesAgainWhenTheyChange) {
   write_cube("cube.ply", 20);
   open({"cube.ply", "-t", "points", "--watch"});
