@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "core/interleave.h"
+
 namespace sfumato::bench {
 
 namespace {
@@ -25,19 +27,9 @@ struct Random {
   }
 };
 
-std::uint64_t spread_bits(std::uint64_t v) {
-  v &= 0x1fffff;
-  v = (v | v << 32) & 0x1f00000000ffffull;
-  v = (v | v << 16) & 0x1f0000ff0000ffull;
-  v = (v | v << 8) & 0x100f00f00f00f00full;
-  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-  return (v | v << 2) & 0x1249249249249249ull;
-}
-
 std::uint64_t morton_key(const TorusPoint& p) {
   auto quantise = [](float x) { return std::uint64_t((x + 1.5f) / 3.f * 2097151.f); };
-  return spread_bits(quantise(p.position[0])) | spread_bits(quantise(p.position[1])) << 1 |
-         spread_bits(quantise(p.position[2])) << 2;
+  return interleaved(quantise(p.position[0]), quantise(p.position[1]), quantise(p.position[2]));
 }
 
 std::vector<TorusPoint> sort_morton(const std::vector<TorusPoint>& points) {

@@ -11,6 +11,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/interleave.h"
+
 namespace sfumato::analysis {
 namespace {
 
@@ -19,16 +21,6 @@ constexpr float finest_spacings = 2;      // of the parts of the smallest cells:
 constexpr float most_spacings = 1000;
 
 using Sample = std::array<float, values>;
-
-/// Every third bit.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
 
 struct Cell {
   std::uint64_t key = 0;
@@ -51,7 +43,7 @@ class Grid {
     tbb::parallel_for(std::size_t(0), positions.size(), [&](std::size_t i) {
       std::uint64_t key = 0;
       for (int k = 0; k < 3; ++k)
-        key |= spread(std::uint64_t(std::max(std::floor((double(positions[i][k]) + corner[k]) / size), 0.0))) << k;
+        key |= every_third_bit(std::uint64_t(std::max(std::floor((double(positions[i][k]) + corner[k]) / size), 0.0))) << k;
       order_[i] = {key, std::uint32_t(i)};
     });
     tbb::parallel_sort(order_.begin(), order_.end());

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "core/interleave.h"
 #include "io/laz_encode.h"
 
 namespace sfumato::copc {
@@ -21,15 +22,7 @@ constexpr std::size_t gps_time_byte = 22, color_byte = 30;
 
 // The bits of a place, interleaved, without the last eleven of each axis.
 std::uint64_t morton(const Place& place) {
-  auto spread = [](std::uint64_t v) {
-    v &= 0x1FFFFF;
-    v = (v | v << 32) & 0x1F00000000FFFFull;
-    v = (v | v << 16) & 0x1F0000FF0000FFull;
-    v = (v | v << 8) & 0x100F00F00F00F00Full;
-    v = (v | v << 4) & 0x10C30C30C30C30C3ull;
-    return (v | v << 2) & 0x1249249249249249ull;
-  };
-  return spread(place.x >> 11) | spread(place.y >> 11) << 1 | spread(place.z >> 11) << 2;
+  return interleaved(place.x >> 11, place.y >> 11, place.z >> 11);
 }
 
 // Bits whose order as whole numbers is that of the doubles.

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <sstream>
 
 #include "commands.h"
 #include "common_options.h"
@@ -30,8 +29,7 @@ Bounds parse_box(const std::string& text) {
 
 Attributes parse_attributes(const std::string& text) {
   Attributes wanted;
-  std::istringstream words(text);
-  for (std::string word; std::getline(words, word, ',');) {
+  for (const std::string& word : split(text, ',')) {
     if (word == "normal") wanted = wanted | Attribute::normal;
     else if (word == "uncertainty") wanted = wanted | Attribute::uncertainty;
     else throw Error(ErrorCode::usage, "--attributes: '" + word + "' cannot be stored; write normal, uncertainty or both");
