@@ -16,7 +16,7 @@ TIMER = [PYTHON, os.path.join(os.path.dirname(SCRIPTS), 'measure.py')]
 THREADS = str(os.cpu_count())
 NEIGHBORS = '24'
 FRAMES = {128000: '7', 1000000: '5', 6000000: '3'}
-FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms', 'array': 'array_ms', 'views': 'views_ms'}
+FIELDS = {'load': 'load_ms', 'normals': 'normals_ms', 'points': 'frame_ms', 'array': 'array_ms', 'views': 'view_ms'}
 
 
 class Missing(Exception):
