@@ -29,7 +29,8 @@ void answer(const std::function<void()>& work, bool may_be_usage = false) {
   } catch (const Error& error) {
     if (std::string_view(error.what()).find('\n') != std::string_view::npos) fault("an error of several lines");
     if (error.code() == ErrorCode::bad_input) return;
-    if (may_be_usage && (error.code() == ErrorCode::usage || error.code() == ErrorCode::io)) return;
+    const bool is_other = error.code() == ErrorCode::usage || error.code() == ErrorCode::io || error.code() == ErrorCode::no_gl;
+    if (may_be_usage && is_other) return;  // words that make no sense, files that are not there, no window
     fault(error.what());
   } catch (const std::exception& error) {
     fault(error.what());
