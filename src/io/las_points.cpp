@@ -108,23 +108,42 @@ PointCollector::Stats PointCollector::empty_stats() const {
   return stats;
 }
 
+namespace {
+
+/// Which bits some record has set, byte by byte.
+void gather_bits(const std::uint8_t* records, std::size_t count, std::size_t length, std::vector<std::uint8_t>& seen) {
+  constexpr std::size_t word = 8;
+  seen.assign((length + word - 1) / word * word, 0);
+  for (std::size_t at = 0; at < length; at += word) {
+    const std::size_t from = std::min(at, length - word);  // records are 20 bytes long and more
+    std::uint64_t bits = 0;
+    const std::uint8_t* record = records + from;
+    for (std::size_t i = 0; i < count; ++i, record += length) bits |= get<std::uint64_t>(record);
+    for (std::size_t b = 0; b < word; ++b) seen[from + b] |= std::uint8_t(bits >> (8 * b));
+  }
+}
+
+bool is_zero(const Field& field, const std::vector<std::uint8_t>& seen) {
+  if (field.bits) return (seen[field.byte] >> field.shift & ((1u << field.bits) - 1)) == 0;
+  for (std::size_t b = 0; b < size_of(field.type); ++b)
+    if (seen[field.byte + b]) return false;
+  return true;
+}
+
+}  // namespace
+
 template <class T>
 void PointCollector::unpack_values(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
-                                   FieldStats& stats) {
+                                   const std::vector<std::uint8_t>& seen, FieldStats& stats) {
   const Field& field = column.field;
   const std::size_t stride = header_.record_length;
   const std::uint8_t* at = records + field.byte;
-  if (column.may_be_absent && !*column.values_at) {
-    const unsigned mask = field.bits ? ((1u << field.bits) - 1) << field.shift : ~0u;
-    bool is_zero = true;
-    for (std::size_t i = 0; i < count; ++i)
-      is_zero &= field.bits ? (at[i * stride] & mask) == 0 : get<T>(at + i * stride) == T(0);
-    if (is_zero) {
-      stats.min = std::min(stats.min, 0.0);
-      stats.max = std::max(stats.max, 0.0);
-      stats.count += count;
-      return;
-    }
+  // Zeros are there already, or need not be.
+  if (column.base == 0 && field.offset == 0 && is_zero(field, seen)) {
+    stats.min = std::min(stats.min, 0.0);
+    stats.max = std::max(stats.max, 0.0);
+    stats.count += count;
+    return;
   }
   float* out = numbers(column.values, *column.values_at) + first;
   if (field.bits) {
@@ -173,23 +192,24 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
 }
 
 void PointCollector::unpack_column(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
-                                   FieldStats& stats) {
+                                   const std::vector<std::uint8_t>& seen, FieldStats& stats) {
   switch (column.field.type) {
-    case StoredType::uint8: return unpack_values<std::uint8_t>(column, first, records, count, stats);
-    case StoredType::int8: return unpack_values<std::int8_t>(column, first, records, count, stats);
-    case StoredType::uint16: return unpack_values<std::uint16_t>(column, first, records, count, stats);
-    case StoredType::int16: return unpack_values<std::int16_t>(column, first, records, count, stats);
-    case StoredType::uint32: return unpack_values<std::uint32_t>(column, first, records, count, stats);
-    case StoredType::int32: return unpack_values<std::int32_t>(column, first, records, count, stats);
-    case StoredType::uint64: return unpack_values<std::uint64_t>(column, first, records, count, stats);
-    case StoredType::int64: return unpack_values<std::int64_t>(column, first, records, count, stats);
-    case StoredType::float32: return unpack_values<float>(column, first, records, count, stats);
-    case StoredType::float64: return unpack_values<double>(column, first, records, count, stats);
+    case StoredType::uint8: return unpack_values<std::uint8_t>(column, first, records, count, seen, stats);
+    case StoredType::int8: return unpack_values<std::int8_t>(column, first, records, count, seen, stats);
+    case StoredType::uint16: return unpack_values<std::uint16_t>(column, first, records, count, seen, stats);
+    case StoredType::int16: return unpack_values<std::int16_t>(column, first, records, count, seen, stats);
+    case StoredType::uint32: return unpack_values<std::uint32_t>(column, first, records, count, seen, stats);
+    case StoredType::int32: return unpack_values<std::int32_t>(column, first, records, count, seen, stats);
+    case StoredType::uint64: return unpack_values<std::uint64_t>(column, first, records, count, seen, stats);
+    case StoredType::int64: return unpack_values<std::int64_t>(column, first, records, count, seen, stats);
+    case StoredType::float32: return unpack_values<float>(column, first, records, count, seen, stats);
+    case StoredType::float64: return unpack_values<double>(column, first, records, count, seen, stats);
   }
 }
 
 void PointCollector::unpack(std::size_t first, const std::uint8_t* records, std::size_t count, Stats& stats) {
   const std::size_t stride = header_.record_length;
+  std::vector<std::uint8_t> seen;
   for (std::size_t begin = 0; begin < count; begin += batch) {
     const std::size_t n = std::min(batch, count - begin);
     const std::uint8_t* block = records + begin * stride;
@@ -202,8 +222,9 @@ void PointCollector::unpack(std::size_t first, const std::uint8_t* records, std:
         std::memcpy(&position[axis], &value, sizeof value);
       }
     }
+    gather_bits(block, n, stride, seen);
     for (std::size_t c = 0; c < columns_.size(); ++c)
-      if (!columns_[c].field.is_color()) unpack_column(columns_[c], first + begin, block, n, stats.fields[c]);
+      if (!columns_[c].field.is_color()) unpack_column(columns_[c], first + begin, block, n, seen, stats.fields[c]);
     for (std::size_t channel = 0; channel < 3 && color_columns_[channel] >= 0; ++channel) {
       const std::size_t c = std::size_t(color_columns_[channel]);
       FieldStats& s = stats.fields[c];

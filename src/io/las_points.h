@@ -54,10 +54,10 @@ class PointCollector {
   float* numbers(std::vector<float>& values, std::atomic<float*>& at);
 
   void unpack_column(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
-                     FieldStats& stats);
+                     const std::vector<std::uint8_t>& seen, FieldStats& stats);
   template <class T>
   void unpack_values(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
-                     FieldStats& stats);
+                     const std::vector<std::uint8_t>& seen, FieldStats& stats);
   std::int32_t median_step(int axis) const;
   void place_points(ReadResult& result, const Stats& total, Progress& progress);
   void place_colors(ReadResult& result, const Stats& total, Progress& progress);
