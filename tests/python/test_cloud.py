@@ -99,6 +99,19 @@ def test_structured_arrays_both_ways(scan):
            {name: values.tolist() for name, values in cloud.scalars.items()}
 
 
+def test_records_of_pdal_both_ways(scan):
+    cloud = sfumato.read(scan)
+    records = cloud.to_structured("pdal")
+    assert {"X", "Y", "Z", "NormalX", "Red", "Classification"} <= set(records.dtype.names) and records["Red"].dtype == np.uint16
+    assert (records["Red"] == cloud.colors[:, 0].astype(int) * 257).all()
+    again = sfumato.Cloud(records)
+    for got, wanted in ((again.xyz, cloud.xyz), (again.colors, cloud.colors), (again.normals, cloud.normals)):
+        assert (got == wanted).all()
+    assert set(again.scalars) == set(cloud.scalars)
+    with pytest.raises(sfumato.Error, match="not one of plain, pdal"):
+        cloud.to_structured("las")
+
+
 @pytest.mark.parametrize("extension", ["ply", "las", "laz", "pcd", "npy", "csv"])
 def test_written_files_are_read_again(tmp_path, scan, extension):
     cloud = sfumato.read(scan)

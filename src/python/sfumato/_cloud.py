@@ -189,15 +189,21 @@ class Cloud:
         size = [f"{high - low:.4g}" for low, high in zip(*self.bounds)]
         return f"<Cloud of {len(self):,} points, {' x '.join(size)}; {', '.join(has + list(self.scalars)) or 'positions only'}>"
 
-    def to_structured(self):
+    def to_structured(self, names="plain"):
         """A record a point: x, y, z (float64), then nx, ny, nz, red, green, blue, alpha, radius and the scalars of the types
-        that their file had. A new array."""
+        that their file had. A new array.
+
+        `names`: "plain", as laspy and pyntcloud spell them, or "pdal": X, Y, Z, Red (16 bits, as LAS has them), GpsTime ...
+        """
         import numpy as np
 
+        if names not in ("plain", "pdal"):
+            raise Error(f"names: '{names}' is not one of plain, pdal")
+
         columns = [(axis, self.xyz[:, k]) for k, axis in enumerate("xyz")]
-        for names, values in ((("nx", "ny", "nz"), self.normals), (("red", "green", "blue", "alpha"), self.colors)):
+        for group, values in ((("nx", "ny", "nz"), self.normals), (("red", "green", "blue", "alpha"), self.colors)):
             if values is not None:
-                columns += [(name, values[:, k]) for k, name in enumerate(names)]
+                columns += [(name, values[:, k]) for k, name in enumerate(group)]
         if self.radii is not None:
             columns.append(("radius", self.radii))
         types = self._engine.scalar_types()
@@ -205,6 +211,9 @@ class Cloud:
             # A type of whole numbers has no place for what is missing.
             fits = np.isfinite(values).all() or np.dtype(types[name]).kind == "f"
             columns.append((name, values.astype(types[name]) if fits else values))
+        if names == "pdal":
+            columns = [(_convert.pdal_name(name), values.astype(np.uint16) * np.uint16(257) if name in ("red", "green", "blue") else values)
+                       for name, values in columns]
         records = np.empty(len(self), [(name, values.dtype) for name, values in columns])
         for name, values in columns:
             records[name] = values

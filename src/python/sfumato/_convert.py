@@ -3,7 +3,8 @@ from ._error import Error
 
 #: Names of PDAL and others, besides those in CamelCase that become snake_case.
 _OTHER_NAMES = {"return_num": "return_number", "num_returns": "number_of_returns", "nb_of_returns": "number_of_returns",
-                "reflectance": "intensity", "class": "classification"}
+                "reflectance": "intensity", "class": "classification", "normal_x": "nx", "normal_y": "ny",
+                "normal_z": "nz"}
 
 
 def _plain(name):
@@ -12,6 +13,11 @@ def _plain(name):
 
     plain = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
     return _OTHER_NAMES.get(plain, plain)
+
+
+def pdal_name(name):
+    """gps_time is GpsTime; x is X."""
+    return {"nx": "NormalX", "ny": "NormalY", "nz": "NormalZ"}.get(name) or "".join(word[:1].upper() + word[1:] for word in name.split("_"))
 
 
 def _numbers(name, values):
