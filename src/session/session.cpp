@@ -200,6 +200,12 @@ void Session::complete(const Look& look, Progress& progress) {
                        options_.prepare, progress);
 }
 
+bool Session::complete(Attributes attributes, Progress& progress) {
+  if (is_empty_ || parts_.front().rule || attributes.without(renderer_.prepared().available).empty()) return false;
+  analysis::complete(renderer_.prepared(), attributes, options_.prepare, progress);
+  return true;
+}
+
 std::vector<Item> Session::settle(Look& look, Progress& progress) {
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
   RenderSettings& settings = look.settings;

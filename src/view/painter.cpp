@@ -12,6 +12,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Without a wish, until attributes are measured that somebody may want.
+constexpr std::chrono::milliseconds idle_time(1500);
 constexpr std::size_t most_points_of_looks = 5'000'000;
 
 double ms_since(Clock::time_point start) {
@@ -36,7 +38,7 @@ Failure failure_of(std::uint64_t id) {
 /// Progress of the job under way, and the way to call it off.
 class Painter::Watch final : public Progress {
  public:
-  enum class Kind { scene, live, kept };
+  enum class Kind { scene, live, kept, idle };
   Watch(Painter& painter, Kind kind) : painter_(painter), kind_(kind) {}
   void update(double fraction, std::string_view text) override {
     const std::lock_guard lock(painter_.mutex_);
@@ -49,6 +51,7 @@ class Painter::Watch final : public Progress {
   }
   bool cancelled() const override {
     if (painter_.stop_ || painter_.cancel_scene_) return true;
+    if (kind_ == Kind::idle) return painter_.cancel_idle_;
     return kind_ == Kind::live && painter_.cancel_live_;
   }
 
@@ -98,7 +101,7 @@ void Painter::show(SceneJob job) {
   if (live_) answers_.push_back(CalledOff{live_->id});
   live_.reset();
   scene_ = std::move(job);
-  cancel_scene_ = true;
+  cancel_scene_ = cancel_idle_ = true;
   work_.notify_all();
 }
 
@@ -106,25 +109,28 @@ void Painter::paint(PictureJob job) {
   const std::lock_guard lock(mutex_);
   if (live_) answers_.push_back(CalledOff{live_->id});
   live_ = std::move(job);
-  cancel_live_ = true;
+  cancel_live_ = cancel_idle_ = true;
   work_.notify_all();
 }
 
 void Painter::paint_for_keeps(PictureJob job) {
   const std::lock_guard lock(mutex_);
   kept_.push_back(std::move(job));
+  cancel_idle_ = true;
   work_.notify_all();
 }
 
 void Painter::pick(PickJob job) {
   const std::lock_guard lock(mutex_);
   picks_.push_back(std::move(job));
+  cancel_idle_ = true;
   work_.notify_all();
 }
 
 void Painter::profile(ProfileJob job) {
   const std::lock_guard lock(mutex_);
   profile_ = std::move(job);
+  cancel_idle_ = true;
   work_.notify_all();
 }
 
@@ -132,7 +138,7 @@ void Painter::call_off() {
   const std::lock_guard lock(mutex_);
   if (live_) answers_.push_back(CalledOff{live_->id});
   live_.reset();
-  cancel_live_ = true;
+  cancel_live_ = cancel_idle_ = true;
 }
 
 std::vector<Answer> Painter::take_answers() {
@@ -245,6 +251,25 @@ PickAnswer Painter::do_pick(Easel& easel, const PickJob& job) {
   return found;
 }
 
+/// While nothing is asked for: measures what other techniques will want, so that the first switch to one does not wait for
+/// it. False when there is nothing to do.
+bool Painter::prepare_ahead(Easel& easel) {
+  if (easel.session->prepared_points() > most_points_of_looks) return false;
+  Watch watch(*this, Watch::Kind::idle);
+  bool did = false;
+  try {
+    const Attributes of_most = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty;
+    did = easel.session->complete(of_most, watch) || easel.session->complete(of_most | Attribute::cluster, watch);
+  } catch (const Cancelled&) {
+    did = true;  // another time
+  } catch (const std::exception&) {
+    prepares_ahead_ = false;  // who asks for it will be told
+  }
+  const std::lock_guard lock(mutex_);
+  activity_ = {};
+  return did;
+}
+
 Profile Painter::do_profile(Easel& easel, const ProfileJob& job) {
   const Session& session = *easel.session;
   Profile profile;
@@ -284,10 +309,17 @@ void Painter::run() {
     auto kind = Watch::Kind::live;
     {
       std::unique_lock lock(mutex_);
-      work_.wait(lock, [&] {
+      const auto is_wanted = [&] {
         const bool can_draw = !easel.session->empty();
         return stop_ || scene_ || (can_draw && (live_ || profile_ || !kept_.empty() || !picks_.empty()));
-      });
+      };
+      if (!work_.wait_for(lock, idle_time, is_wanted)) {
+        cancel_idle_ = false;
+        lock.unlock();
+        if (prepares_ahead_ && prepare_ahead(easel)) continue;
+        lock.lock();
+        work_.wait(lock, is_wanted);
+      }
       if (stop_) break;
       if (scene_) {
         scene = std::exchange(scene_, std::nullopt);

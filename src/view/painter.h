@@ -150,6 +150,7 @@ class Painter {
   void answer(Answer answer);
   void do_scene(Easel& easel, SceneJob job, Watch& watch);
   PickAnswer do_pick(Easel& easel, const PickJob& job);
+  bool prepare_ahead(Easel& easel);
   Profile do_profile(Easel& easel, const ProfileJob& job);
   Picture do_picture(Easel& easel, const PictureJob& job, Watch& watch);
 
@@ -167,7 +168,8 @@ class Painter {
   std::string renderer_name_;
   std::vector<std::string> driver_messages_;
   std::atomic<std::uint64_t> point_bytes_{0};
-  std::atomic<bool> stop_{false}, cancel_live_{false}, cancel_scene_{false};
+  bool prepares_ahead_ = true;  ///< of the thread alone
+  std::atomic<bool> stop_{false}, cancel_live_{false}, cancel_scene_{false}, cancel_idle_{false};
   std::thread thread_;  // last: it uses all the others
 };
 
