@@ -69,6 +69,13 @@ void read_depth(std::string_view bytes) {
   answer([] { io::read(file.path()); }, true);  // other pictures that it names are not there
 }
 
+void read_exr(std::string_view bytes) {
+  static const MemoryFolder::File file(folder(), "exr.json"), picture(folder(), "d.exr");
+  file.set(R"({"depth": "d.exr", "fx": 2, "fy": 4, "cx": 1, "cy": 0})");
+  picture.set(bytes);
+  answer([] { io::read(file.path()); });
+}
+
 void read_camera(std::string_view bytes) {
   static const MemoryFolder::File file(folder(), "path.json");
   answer([&] { io::camera_from_json(bytes, "camera"); });
@@ -113,7 +120,7 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
       {"pcd", read_cloud<pcd>}, {"obj", read_cloud<obj>}, {"e57", read_cloud<e57>},   {"ptx", read_cloud<ptx>},
       {"pts", read_cloud<pts>}, {"text", read_cloud<text>}, {"npy", read_cloud<npy>}, {"kitti", read_cloud<kitti>},
       {"npz", read_cloud<npz>}, {"draco", read_cloud<draco>},
-      {"mesh", read_mesh},      {"depth", read_depth},    {"camera", read_camera},    {"preset", read_preset},
+      {"mesh", read_mesh},      {"depth", read_depth},    {"exr", read_exr},    {"camera", read_camera},    {"preset", read_preset},
       {"command_line", read_command_line}};
   return all;
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "copc/build.h"
+#include "io/image_exr.h"
 #include "io/io.h"
 #include "unit/io/format_bytes.h"
 
@@ -107,6 +108,10 @@ std::vector<Seed> seeds() {
   add("kitti", ".bin", bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f));
   const std::string frame = R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
   all.push_back({"depth", ".json", frame, "d.png", png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500})});
+  Image<float> depth(8, 6);
+  std::fill_n(depth.data(), depth.size(), 2.5f);
+  io::write_exr(folder.path() / "d.exr", {}, depth, {});
+  all.push_back({"depth", ".json", R"({"depth": "d.exr", "fx": 2, "fy": 4, "cx": 1, "cy": 0})", "d.exr", folder.bytes("d.exr")});
   return all;
 }
 

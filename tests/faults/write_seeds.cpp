@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
     std::ofstream(folder / ("seed" + std::to_string(number++)), std::ios::binary) << bytes;
   };
   for (const sfumato::test::Seed& seed : sfumato::test::seeds()) {
-    write(seed.format, seed.companion.empty() ? seed.bytes : seed.bytes + '\0' + seed.companion);
+    if (seed.companion_name.ends_with(".exr")) write("exr", seed.companion);
+    else write(seed.format, seed.companion.empty() ? seed.bytes : seed.bytes + '\0' + seed.companion);
     if (seed.format == "ply" || seed.format == "obj") write("mesh", seed.bytes);
   }
   write("camera", R"({"position": [1,2,3], "target": [0,0,0], "up": [0,0,1], "fov_y_deg": 45, "width": 640, "height": 480})");

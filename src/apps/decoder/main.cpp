@@ -1,6 +1,7 @@
 // sfumato-decoder: runs LASzip's and Draco's decoders on bytes that nobody vouches for, away from whoever wants the points. It is
 // started by io/decoder_pool.cpp, which also limits its memory and time; it gives up everything else itself.
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -133,6 +134,7 @@ int main() {
   struct rlimit none {};
   setrlimit(RLIMIT_CORE, &none);
   setrlimit(RLIMIT_FSIZE, &none);
+  mallopt(M_ARENA_MAX, 1);  // or malloc, out of memory, opens a file to count processors, which it may not
   ::close_range(decoder_memory + 1, ~0u, 0);  // what whoever started us has open is no business of ours
   if (const char* what = sfumato::confine()) {
     refuse(what);
