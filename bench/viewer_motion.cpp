@@ -114,7 +114,7 @@ class Desk {
     bench_.tick(now_ms());
     interface_.draw(now_ms());
     bench_.tick(now_ms());
-    window_.end_frame(now_ms());
+    window_.end_frame(now_ms(), bench_.moving());
     if (bench_.fatal()) throw Error(bench_.fatal()->code, bench_.fatal()->message);
   }
 

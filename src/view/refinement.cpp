@@ -30,6 +30,14 @@ std::vector<std::pair<std::string, std::string>> motion_parameters(const std::st
 }
 
 void Refinement::changed(double now_ms) {
+  // What was hopeless while something else kept the machine busy is tried again, once, when the next motion begins.
+  if (const auto found = known_.find(key_); found != known_.end() && now_ms - last_change_ms_ > new_motion_ms) {
+    Times& times = found->second;
+    if (times.rung > coarsest_own && now_ms - tried_ms_ > try_again_ms) {
+      times.rung = coarsest_own, times.ms[coarsest_own] = 0;
+      tried_ms_ = now_ms;
+    }
+  }
   last_change_ms_ = now_ms;
   ++change_;
 }

@@ -30,6 +30,8 @@ class Refinement {
   static constexpr double wanted_ms = 60;     ///< of a picture in motion: 15 a second and some room
   static constexpr double rest_ms = 160;      ///< without a change, until the whole picture begins
   static constexpr double hopeless_ms = 250;  ///< a picture at the coarsest: then `points` stand in
+  static constexpr double new_motion_ms = 1000;   ///< of rest before it
+  static constexpr double try_again_ms = 5000;    ///< between two trials of a technique that `points` stand in for
   /// From the best to the fastest.
   static constexpr std::array<Quality, 9> ladder{{{true, 1, false, false},
                                                   {true, 2, false, false},
@@ -76,7 +78,7 @@ class Refinement {
 
   std::map<std::string, Times> known_;
   std::string key_;
-  double last_change_ms_ = -1e9;
+  double last_change_ms_ = -1e9, tried_ms_ = -1e9;
   unsigned long change_ = 1, shown_change_ = 0, begun_change_ = 0, failed_change_ = 0;
   std::optional<Quality> shown_, begun_;
   bool whole_ready_ = false, begun_in_motion_ = false;

@@ -87,7 +87,7 @@ int run(view::Start start, const Settings& settings) {
     bench.tick(now_ms());
     interface.draw(now_ms());
     bench.tick(now_ms());  // what the hand just did is asked for at once
-    window.end_frame(now_ms());
+    window.end_frame(now_ms(), bench.moving());
     if (settings.verbose) teller.tell();
     if (const auto& fatal = bench.fatal()) throw Error(fatal->code, fatal->message);
     if (bench.wishes().files != shown_files) window.set_title(title_of(shown_files = bench.wishes().files));

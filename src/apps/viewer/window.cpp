@@ -203,13 +203,15 @@ void Window::begin_frame(double wait_s) {
 
 std::optional<double> Window::owed_ms(double now_ms) const {
   if (!owes_frame_) return std::nullopt;
-  return std::max(0.0, shown_ms_ + software_pause_ms - now_ms);
+  return std::max(0.0, shown_ms_ + pause_ms_ - now_ms);
 }
 
-void Window::end_frame(double now_ms) {
+void Window::end_frame(double now_ms, bool in_motion) {
   ImGui::Render();
-  owes_frame_ = is_software_ && now_ms - shown_ms_ < software_pause_ms;
+  pause_ms_ = in_motion && !is_new_ ? pause_in_motion_ms : software_pause_ms;
+  owes_frame_ = is_software_ && now_ms - shown_ms_ < pause_ms_;
   if (owes_frame_) return;
+  is_new_ = false;
   shown_ms_ = now_ms;
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
@@ -230,6 +232,7 @@ void Window::end_frame(double now_ms) {
 
 void Window::upload(const Image<Rgba8>& image, bool exact) {
   is_exact_ = exact;
+  is_new_ = true;
   glBindTexture(GL_TEXTURE_2D, texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   if (image.width() != texture_width_ || image.height() != texture_height_) {

@@ -26,7 +26,8 @@ class Window {
   /// Waits for input, for `wake` or for so long, then starts a frame of the interface.
   void begin_frame(double wait_s);
   /// Ends the frame; shows it unless the last one was shown so short ago that software GL would have no time for pictures.
-  void end_frame(double now_ms);
+  /// `in_motion`: without a new picture there is little to see.
+  void end_frame(double now_ms, bool in_motion = false);
   /// Milliseconds until a frame that was not shown is due; nothing when all is shown.
   std::optional<double> owed_ms(double now_ms) const;
   /// From any thread.
@@ -64,8 +65,9 @@ class Window {
   struct Callbacks;
   GLFWwindow* window_ = nullptr;
   /// Between two frames on software GL: they cost it as much as a picture in motion.
-  static constexpr double software_pause_ms = 40;
-  bool is_software_ = false, owes_frame_ = false;
+  static constexpr double software_pause_ms = 40, pause_in_motion_ms = 100;
+  bool is_software_ = false, owes_frame_ = false, is_new_ = false;
+  double pause_ms_ = software_pause_ms;
   double shown_ms_ = -1e9;
   bool dark_ = true, restyle_ = true, is_full_ = false, has_interface_ = false;
   float scale_ = 1, user_scale_ = 1;

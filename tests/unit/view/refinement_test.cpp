@@ -185,6 +185,22 @@ TEST(Refinement, ParametersInMotionAreThoseOfTheTechnique) {
   EXPECT_EQ(layers_of({{"show_layer", "3"}}), "");
 }
 
+TEST(Refinement, AStandInIsNotForEver) {
+  Refinement policy;
+  policy.set_subject("soft");
+  policy.set_whole_ready(true);
+  double now = 10'000, own_ms = 600;
+  const auto speed = [&](const Quality& q) { return q.stand_in ? 20.0 : own_ms; };
+  EXPECT_TRUE(Drag(policy, now, 12, speed).last.stand_in);
+  now += 20'000;
+  const Drag still(policy, now, 3, speed);
+  EXPECT_TRUE(still.last.stand_in);
+  EXPECT_GT(still.pictures, 3000 / 40);  // one trial, no more
+  own_ms = 40;  // what kept the machine busy is over
+  now += 20'000;
+  EXPECT_FALSE(Drag(policy, now, 3, speed).last.stand_in);
+}
+
 TEST(Refinement, AMistakeIsNotRepeatedUntilSomethingChanges) {
   Refinement policy;
   policy.set_subject("points");
