@@ -18,7 +18,11 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
   using Json = nlohmann::ordered_json;
   auto refuse = [&](const std::string& what) { throw Error(ErrorCode::bad_input, where + ": " + what); };
   std::vector<std::size_t> keys;  // of the open objects and lists
-  const auto bound = [&](int, Json::parse_event_t event, Json&) {
+  // Messages quote keys and values, and are one line.
+  const auto is_line = [](const std::string& quoted) {
+    return std::none_of(quoted.begin(), quoted.end(), [](unsigned char c) { return c < 32; });
+  };
+  const auto bound = [&](int, Json::parse_event_t event, Json& parsed) {
     using Event = Json::parse_event_t;
     if (event == Event::object_start || event == Event::array_start) {
       keys.push_back(0);
@@ -28,6 +32,9 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
     } else if (event == Event::key && ++keys.back() > most_keys) {
       refuse("an object of more than " + std::to_string(most_keys) + " keys; this is no file of ours");
     }
+    const bool is_text = event == Event::key || (event == Event::value && parsed.is_string());
+    if (is_text && !is_line(parsed.get_ref<const std::string&>()))
+      refuse("a key or a text holds a line break or another control character; this is no file of ours");
     return true;
   };
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark

@@ -21,7 +21,7 @@ std::string help_of(const Param& param) {
 
 /// A parameter that only techniques outside the choice have deserves to be told so.
 void explain_foreign(const std::string& word, const std::string& chosen) {
-  const std::string name = word.substr(word.find_first_not_of('-'));
+  const std::string name = word.substr(std::min(word.size(), word.find_first_not_of('-')));  // "---" has none
   const std::string owners = techniques_with(name);
   if (!owners.empty())
     throw Error(ErrorCode::usage,

@@ -238,7 +238,7 @@ void RenderOptions::expand_files() {
     if (colon == std::string::npos) wrong("there is no colon after the file's number");
     const long n = parse_whole("--transform", text.substr(0, colon), 1);
     if (std::size_t(n) > files.size()) wrong("there are " + std::to_string(files.size()) + " files");
-    const std::vector<double> numbers = parse_numbers("--transform", text.substr(text.find_first_not_of(' ', colon + 1)), 16);
+    const std::vector<double> numbers = parse_numbers("--transform", text.substr(std::min(text.size(), text.find_first_not_of(' ', colon + 1))), 16);
     const auto matrix = transform_of_rows(numbers);
     if (!matrix) wrong("the last row of a transform is 0 0 0 1, and it flattens nothing");
     if (scene_files.size() < files.size()) scene_files.resize(files.size());
