@@ -233,7 +233,8 @@ void Workbench::take_loaded(Loaded loaded) {
     say(loaded.failure->message, true);
     return;
   }
-  for (const std::string& note : loaded.notes) say(note);
+  for (const std::string& note : loaded.notes)
+    if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
   picked_.clear();
   profile_.reset();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);

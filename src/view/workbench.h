@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -177,6 +178,7 @@ class Workbench {
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;
+  std::set<std::string> notes_said_;  ///< of readers
   std::optional<Failure> fatal_;
   std::optional<double> play_began_ms_;
   std::vector<std::string> frames_;

@@ -42,6 +42,18 @@ void Interface::clip_panel() {
     tooltip("drag both ends; counted from the scene's corner");
     ImGui::PopID();
   }
+  // The box as a slice: one side moves, with its thickness.
+  if (const auto chosen = choose("slice along", std::string(1, "xyz"[slice_axis_]), {"x", "y", "z"})) slice_axis_ = chosen->front() - 'x';
+  const double from = scene->box.min[slice_axis_], size = std::max(1e-9, scene->box.max[slice_axis_] - from);
+  const double thickness = std::min(size, box.max[slice_axis_] - box.min[slice_axis_]);
+  float middle = float(0.5 * (box.min[slice_axis_] + box.max[slice_axis_]) - from), thick = float(thickness);
+  const bool moved = ImGui::SliderFloat("place", &middle, 0, float(size), "%.5g");
+  if (bool thinned = ImGui::SliderFloat("thickness", &thick, float(1e-3 * size), float(size), "%.4g", ImGuiSliderFlags_Logarithmic);
+      moved || thinned) {
+    box.min[slice_axis_] = from + double(middle) - 0.5 * double(thick);
+    box.max[slice_axis_] = box.min[slice_axis_] + double(thick);
+    clip(box);
+  }
 }
 
 void Interface::camera_panel() {

@@ -54,6 +54,7 @@ class Interface {
   void camera_panel();
   void path_panel();
   void scene_panel();
+  void file_list();
   void measure_panel();
   void timing_panel();
   void draw_profile(float width, float height);
@@ -86,6 +87,7 @@ class Interface {
   bool panels_ = true, help_ = false, clip_ = false, timings_ = false;
   enum class Drag { none, rotate, pan } drag_ = Drag::none;
   dvec3 pivot_{0};
+  int slice_axis_ = 2;
   float corridor_ = 0;        ///< width, scene units; 0: not chosen yet
   std::string profile_key_;   ///< of the plot in the window's texture
   view::Histogram histogram_;

@@ -91,6 +91,35 @@ void Interface::save_look(bool with_files) {
   }
 }
 
+void Interface::file_list() {
+  const view::Wishes& wishes = bench_.wishes();
+  if (wishes.files.size() < 2) {
+    for (const std::string& file : wishes.files) ImGui::BulletText("%s", file.c_str());
+    return;
+  }
+  // A file that is not shown is an item like others: "file 2: none".
+  for (std::size_t n = 0; n < wishes.files.size(); ++n) {
+    const std::string selection = fmt::format("file {}", n + 1);
+    const auto of_file = [&](const view::DrawRow& row) { return row.selection == selection; };
+    const auto row = std::find_if(wishes.draw.begin(), wishes.draw.end(), of_file);
+    bool shown = row == wishes.draw.end() || row->visible;
+    ImGui::PushID(int(n));
+    if (ImGui::Checkbox(wishes.files[n].c_str(), &shown))
+      bench_.change("file shown", [&](view::Wishes& next) {
+        const auto same = std::find_if(next.draw.begin(), next.draw.end(), of_file);
+        if (same == next.draw.end())
+          next.draw.insert(next.draw.begin(), {selection, next.technique, "", false});
+        else
+          same->visible = shown;
+        // What draws as the rest does needs no row.
+        std::erase_if(next.draw, [&](const view::DrawRow& each) {
+          return of_file(each) && each.visible && each.technique == next.technique && each.parameters.empty();
+        });
+      });
+    ImGui::PopID();
+  }
+}
+
 void Interface::scene_panel() {
   if (!heading("Scene", false)) return;
   const view::Loaded* scene = bench_.scene();
@@ -104,7 +133,7 @@ void Interface::scene_panel() {
     if (ImGui::SliderFloat("a second", &rate, 0.2f, 30, "%.1f", ImGuiSliderFlags_Logarithmic)) bench_.frames_per_second = double(rate);
     tooltip("frames a second, as far as whole pictures keep up");
   }
-  for (const std::string& file : bench_.wishes().files) ImGui::BulletText("%s", file.c_str());
+  file_list();
   note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read), thousands(scene->points_shown),
                    bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
   note(fmt::format("up {} ({})", to_string(scene->pose.upright.up), scene->pose.upright.reason));
