@@ -422,8 +422,8 @@ TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
 }
 
 TEST_F(ReachTest, ATerminalShowsProgress) {
-  if (std::system("command -v script > /dev/null") != 0)
-    GTEST_SKIP() << "no program `script` (Debian: bsdutils), which would be the terminal";
+  if (std::system("script -qec true /dev/null > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no terminal: the program `script` (Debian: bsdutils) is missing, or /dev/pts is not mounted";
   const std::string words = std::string(SFUMATO_BINARY) + " '" + path("cube.ply").string() +
                             "' -t points --path orbit --frames 200 --resolution 32x24 -o '" +
                             path("frame_{n:03}.png").string() + "'";
