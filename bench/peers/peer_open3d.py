@@ -23,11 +23,16 @@ def elapsed_ms(start):
     return round(1e3 * (time.perf_counter() - start), 1)
 
 
-def render(cloud):
+def window_of(cloud):
     window = open3d.visualization.Visualizer()
     window.create_window(width=1024, height=1024, visible=False)
     window.add_geometry(cloud)
     window.get_render_option().point_size = 1.0
+    return window
+
+
+def render(cloud):
+    window = window_of(cloud)
     view = window.get_view_control()
     times = []
     for _ in range(FRAMES + 1):  # the first is the warm-up
@@ -41,10 +46,7 @@ def render(cloud):
 
 
 def views(cloud):
-    window = open3d.visualization.Visualizer()
-    window.create_window(width=1024, height=1024, visible=False)
-    window.add_geometry(cloud)
-    window.get_render_option().point_size = 1.0
+    window = window_of(cloud)
     view = window.get_view_control()
     np.asarray(window.capture_screen_float_buffer(True))
     start = time.perf_counter()

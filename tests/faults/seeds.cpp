@@ -3,31 +3,19 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <random>
 
 #include "copc/build.h"
 #include "io/image_exr.h"
 #include "io/io.h"
 #include "unit/io/format_bytes.h"
+#include "unit/io/las_cloud.h"
 
 namespace sfumato::test {
 namespace {
 
-/// `format`: LAS point format, 0 to 8.
 PointCloud cloud_of(int points, int format) {
-  PointCloud cloud;
-  cloud.las.emplace();
-  cloud.las->point_format = format;
-  ScalarField time{"gps_time", 1000, {}, StoredType::float64}, intensity{"intensity", 0, {}, StoredType::uint16};
-  std::mt19937 random(7);
-  for (int i = 0; i < points; ++i) {
-    cloud.positions.push_back({float(i % 9), float(i / 9) * 0.1f, float(random() % 100) * 0.01f});
-    cloud.normals.push_back({0, 0, 1});
-    cloud.colors.push_back({std::uint8_t(random()), std::uint8_t(i), 9, 255});
-    time.values.push_back(float(i) * 0.125f);
-    intensity.values.push_back(float(random() % 4000));
-  }
-  cloud.scalars = {intensity, time};
+  PointCloud cloud = las_cloud(points, format, 9);
+  cloud.normals.assign(cloud.size(), {0, 0, 1});
   return cloud;
 }
 

@@ -8,6 +8,7 @@
 
 #include "io/io.h"
 #include "unit/io/las_bytes.h"
+#include "unit/io/las_cloud.h"
 
 using namespace sfumato;
 using test::Bytes;
@@ -16,21 +17,7 @@ namespace {
 
 constexpr std::size_t table_address_bytes = 8;
 
-PointCloud cloud_of(int points, int format) {
-  PointCloud cloud;
-  cloud.las.emplace();
-  cloud.las->point_format = format;
-  ScalarField time{"gps_time", 1000, {}, StoredType::float64}, intensity{"intensity", 0, {}, StoredType::uint16};
-  std::mt19937 random(7);
-  for (int i = 0; i < points; ++i) {
-    cloud.positions.push_back({float(i % 97), float(i / 97) * 0.1f, float(random() % 100) * 0.01f});
-    cloud.colors.push_back({std::uint8_t(random()), std::uint8_t(i), 9, 255});
-    time.values.push_back(float(i) * 0.125f);
-    intensity.values.push_back(float(random() % 4000));
-  }
-  cloud.scalars = {intensity, time};
-  return cloud;
-}
+PointCloud cloud_of(int points, int format) { return test::las_cloud(points, format, 97); }
 
 Bytes bytes_of(const PointCloud& cloud, const std::string& extension) {
   const auto path = test::temporary("seed" + extension);
