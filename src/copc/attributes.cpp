@@ -10,33 +10,37 @@
 namespace sfumato::copc {
 namespace {
 
+using io::las::descriptor_size;
 using io::las::Field;
 using io::las::get;
 using io::las::put;
 
 constexpr double step = 1e-4;
-constexpr std::size_t descriptor = 192, name_byte = 4, name_length = 32, most_undescribed = 255;
+constexpr std::size_t longest_untyped = 255;
 
 bool has_field(const Schema& schema, const std::string& name) {
-  for (std::size_t at = 0; at + descriptor <= schema.extra_bytes.size(); at += descriptor) {
-    const char* text = reinterpret_cast<const char*>(schema.extra_bytes.data() + at + name_byte);
-    if (std::string(text, std::find(text, text + name_length, 0)) == name) return true;
-  }
+  for (std::size_t at = 0; at + descriptor_size <= schema.extra_bytes.size(); at += descriptor_size)
+    if (io::las::descriptor_name(schema.extra_bytes.data() + at) == name) return true;
   return false;
 }
 
-/// Extra bytes that no descriptor covers get one of no type, so that those behind it are where theirs say.
+/// Extra bytes that no descriptor covers get one, so that those behind them are where theirs say: each as the number that
+/// readers take it for while they are few (`extra_fields`), else all as bytes of no type.
 void describe_the_rest(Schema& schema) {
   std::size_t described = 0;
-  for (std::size_t at = 0; at + descriptor <= schema.extra_bytes.size(); at += descriptor)
+  for (std::size_t at = 0; at + descriptor_size <= schema.extra_bytes.size(); at += descriptor_size)
     described += io::las::described_length(schema.extra_bytes.data() + at);
   std::size_t rest = schema.record_length - io::las::min_record_length[std::size_t(schema.format)];
   rest -= std::min(rest, described);
-  for (; rest > 0; rest -= std::min(rest, most_undescribed)) {
-    schema.extra_bytes.resize(schema.extra_bytes.size() + descriptor, 0);
-    std::uint8_t* d = schema.extra_bytes.data() + schema.extra_bytes.size() - descriptor;
-    d[3] = std::uint8_t(std::min(rest, most_undescribed));
-    std::memcpy(d + name_byte, "undescribed", 11);
+  Field byte;
+  byte.name = "extra", byte.type = StoredType::uint8;
+  const bool are_few = rest <= io::las::most_undescribed_fields;
+  while (rest > 0) {
+    const std::size_t length = are_few ? 1 : std::min(rest, longest_untyped);
+    std::vector<std::uint8_t> descriptor = io::las::extra_bytes_record({byte});
+    if (!are_few) descriptor[2] = 0, descriptor[3] = std::uint8_t(length);
+    schema.extra_bytes.insert(schema.extra_bytes.end(), descriptor.begin(), descriptor.end());
+    rest -= length;
   }
 }
 
@@ -45,6 +49,7 @@ std::int16_t steps_of(double value) { return std::int16_t(std::lround(std::clamp
 }  // namespace
 
 void add_computed_fields(Schema& schema, Attributes wanted) {
+  if (wanted.empty()) return;
   std::vector<Field> added;
   const auto add = [&](const std::string& name) {
     Field field;

@@ -6,18 +6,13 @@
 namespace sfumato::io::las {
 namespace {
 
-constexpr std::size_t descriptor_size = 192, longest_name = 32;
+constexpr std::size_t longest_name = 32;
 // Files have a few; a record of 65535 bytes could name as many, each with an array of its own.
 constexpr std::size_t most_extra_fields = 1024, most_notes = 16;
 // Types of extra bytes 1 to 10 in the order of LAS 1.4 R15, table 24.
 constexpr StoredType extra_types[] = {StoredType::uint8,  StoredType::int8,   StoredType::uint16, StoredType::int16,
                                       StoredType::uint32, StoredType::int32,  StoredType::uint64, StoredType::int64,
                                       StoredType::float32, StoredType::float64};
-
-std::string descriptor_name(const std::uint8_t* descriptor) {
-  const std::uint8_t* name = descriptor + 4;
-  return {name, std::find(name, name + longest_name, std::uint8_t{0})};
-}
 
 }  // namespace
 
@@ -128,11 +123,16 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
       }
     }
   }
-  if (byte < header.record_length && header.record_length - byte > 16)
+  if (byte < header.record_length && header.record_length - byte > most_undescribed_fields)
     notes.push_back(std::to_string(header.record_length - byte) + " undescribed extra bytes a point are left out");
   else
     while (byte < header.record_length) add("extra", StoredType::uint8, 1, 0);
   return fields;
+}
+
+std::string descriptor_name(const std::uint8_t* descriptor) {
+  const std::uint8_t* name = descriptor + 4;
+  return {name, std::find(name, name + longest_name, std::uint8_t{0})};
 }
 
 std::size_t described_length(const std::uint8_t* descriptor) {

@@ -39,7 +39,12 @@ bool has_color(int format);
 /// undescribed bytes one by one, at most 16. Notes say what was left out.
 std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& notes);
 
-/// How many bytes of a point the descriptor (192 bytes) covers; one of no type says so itself, one of an unknown type 0.
+/// More undescribed bytes of a point are left out.
+inline constexpr std::size_t most_undescribed_fields = 16;
+/// A record of extra bytes holds a descriptor for each field.
+inline constexpr std::size_t descriptor_size = 192;
+std::string descriptor_name(const std::uint8_t* descriptor);
+/// How many bytes of a point the descriptor covers; one of no type says so itself, one of an unknown type 0.
 std::size_t described_length(const std::uint8_t* descriptor);
 
 /// The extra bytes record (192 bytes a field) that describes `fields`.

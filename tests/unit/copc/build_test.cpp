@@ -11,6 +11,7 @@
 #include <random>
 
 #include "analysis/attributes.h"
+#include "copc/attributes.h"
 #include "copc/file_writer.h"
 #include "copc/tree.h"
 #include "core/threads.h"
@@ -214,6 +215,29 @@ TEST_F(CopcBuild, AttributesOfTheFilesAreKept) {
   const PointCloud got = io::read(path("out.copc.laz")).cloud;
   for (const vec3& normal : got.normals) ASSERT_EQ(normal, vec3(0, 0.6f, 0.8f));
   EXPECT_TRUE(got.scalar(analysis::unevenness_name));
+}
+
+TEST(CopcSchema, ComputedFieldsStandBehindBytesThatNobodyDescribes) {
+  for (const std::uint16_t undescribed : {0, 3, 300}) {
+    copc::Schema schema;
+    schema.record_length = schema.file_length = std::uint16_t(30 + undescribed);
+    copc::Schema untouched = schema;
+    copc::add_computed_fields(untouched, {});
+    EXPECT_THAT(untouched.extra_bytes, IsEmpty());
+    EXPECT_EQ(untouched.record_length, schema.record_length);
+
+    copc::add_computed_fields(schema, Attribute::normal);
+    io::las::Header header;
+    header.format = schema.format, header.record_length = schema.record_length;
+    header.vlrs.push_back({.user_id = "LASF_Spec", .record_id = 4, .data = schema.extra_bytes});
+    std::vector<std::string> notes;
+    const std::vector<io::las::Field> fields = io::las::extra_fields(header, notes);
+    ASSERT_EQ(fields.size(), 3u + (undescribed <= 16 ? undescribed : 0u));
+    const io::las::Field& nx = fields[fields.size() - 3];
+    EXPECT_EQ(nx.name, "nx");
+    EXPECT_EQ(nx.byte, 30 + undescribed);
+    if (undescribed == 3) EXPECT_EQ(fields[1].name, "extra_2");
+  }
 }
 
 // Black and white by turns: a coarse level without averages is as black and white as the points.
