@@ -43,16 +43,23 @@ struct Sample {
     return double(std::count_if(points.begin(), points.end(), holds)) / double(points.size());
   }
 
-  /// Whether all lies in the view of a camera at the origin that looks along `axis`: within 45 degrees of it, and
-  /// spread over 30 at least, which a far object that happens to lie there is not.
+  /// Whether all lies in the view of a camera at the origin that looks along `axis`: within 45 degrees of it, spread over
+  /// 30 at least and wide itself, which a far object that happens to lie there is not, nor a tile in map coordinates.
   bool seen_along(int axis, bool positive) const {
     const double sign = positive ? 1 : -1;
     const auto slope = [&](const dvec3& p) {
       const double depth = sign * p[axis];
       return depth > 0 ? std::max(std::abs(p[(axis + 1) % 3]), std::abs(p[(axis + 2) % 3])) / depth : 1e9;
     };
+    const auto width = [&](int aside) {
+      std::vector<double> slopes;
+      for (const dvec3& p : points) slopes.push_back(p[aside] / std::abs(p[axis]));
+      std::sort(slopes.begin(), slopes.end());
+      return slopes[slopes.size() - 1 - slopes.size() / 50] - slopes[slopes.size() / 50];
+    };
     return share([&](const dvec3& p) { return slope(p) < 1; }) > 0.98 &&
-           share([&](const dvec3& p) { return slope(p) > 0.27; }) > 0.05;
+           share([&](const dvec3& p) { return slope(p) > 0.27; }) > 0.05 &&
+           std::max(width((axis + 1) % 3), width((axis + 2) % 3)) > 0.27;
   }
 
   /// How well the cloud stands on its end: the share of the columns along `axis` that reach the lowest layer, weighted

@@ -214,11 +214,40 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
   return half < 0.48 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
 }
 
+/// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where fewer than
+/// `few_strays` of the points lie beyond a gap that nothing else has. `inner` is the box of nearly all points.
+Bounds without_strays(const PointCloud& cloud, const Bounds& inner, Bounds box) {
+  constexpr double wide_gap = 0.1, few_strays = 0.003;
+  const double gap = wide_gap * inner.diagonal();
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000), sampled = cloud.size() / stride;
+  std::vector<double> beyond;  // how far outside of `inner`, of a sample
+  for (int k = 0; k < 3; ++k)
+    for (const bool above : {false, true}) {
+      const double from = above ? inner.max[k] : -inner.min[k];
+      double& end = above ? box.max[k] : box.min[k];
+      const double last = (above ? end : -end) - from;
+      if (last <= gap) continue;
+      beyond = {0, last};
+      for (std::size_t i = 0; i < cloud.size(); i += stride) {
+        const double at = cloud.origin[k] + double(cloud.positions[i][k]), out = (above ? at : -at) - from;
+        if (out > 0) beyond.push_back(out);
+      }
+      std::sort(beyond.begin(), beyond.end());
+      for (std::size_t i = 1; i < beyond.size(); ++i) {
+        if (beyond[i] - beyond[i - 1] <= gap) continue;
+        if (double(beyond.size() - i) <= std::max(2.0, few_strays * double(sampled)))
+          end = (above ? 1 : -1) * (from + beyond[i - 1]);
+        break;
+      }
+    }
+  return box;
+}
+
 }  // namespace
 
 Subject subject_of(const PointCloud& cloud) {
-  const Bounds full = bounds(cloud);
   Bounds box = robust_bounds(cloud);
+  const Bounds full = without_strays(cloud, box, bounds(cloud));
   const double room = box.diagonal() / 3;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
   const dvec3 middle = robust_bounds(cloud, 0.5, 0.5).center(), up = up_vector(cloud.up);

@@ -227,7 +227,7 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
   settings.background = background_;
   settings.edl.resolve(wants_edl);
   settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
-  resolve_shadow_sizes(settings, box_, spacing_);
+  resolve_shadow_sizes(settings, pose_.subject.box, spacing_);
   return items;
 }
 

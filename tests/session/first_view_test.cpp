@@ -60,6 +60,22 @@ TEST(FirstView, WhatStandsIsSeenFromItsHeightAndWhatLiesFromAbove) {
   EXPECT_NEAR(pose_of(box_of({8, 8, 0.5})).upright.elevation_deg, 32, 1e-9);
 }
 
+TEST(FirstView, StraysFarOffMoveNothingAndThinTopsStay) {
+  PointCloud cloud = box_of({1, 1, 2});
+  for (int i = 0; i < 20; ++i) cloud.positions.push_back(vec3(0.5f, 0.5f, 2 + 0.03f * float(i)));  // an aerial
+  const Pose alone = pose_of(cloud);
+  for (const vec3& stray : {vec3(300, 200, 40), vec3(0.5f, 0.5f, 5), vec3(-2, 0, 0)}) {
+    PointCloud with = cloud;
+    with.positions.push_back(stray);
+    const Bounds box = pose_of(with).subject.box;
+    EXPECT_EQ(box.min, alone.subject.box.min) << stray.x;
+    EXPECT_EQ(box.max, alone.subject.box.max) << stray.x;
+  }
+  PointCloud two = cloud;  // a hundredth of the points is no stray
+  for (int i = 0; i < 200; ++i) two.positions.push_back(vec3(0.5f, 1.6f, 0.01f * float(i)));
+  EXPECT_NEAR(pose_of(two).subject.box.max.y, 1.6, 1e-6);
+}
+
 /// The share of a picture of 16 to 9 in 32 x 18 cells that hold a point.
 double filled(const Pose& pose) {
   const Camera camera = first_view(pose, 1280, 720);

@@ -132,6 +132,18 @@ TEST(Upright, RightInNineteenOfTwenty) {
   RecordProperty("right", std::to_string(right) + " of " + std::to_string(cases));
 }
 
+TEST(Upright, MapCoordinatesAreNoCamerasView) {
+  PointCloud tile = scan("forest", synth::Sampling::automatic, 60'000);
+  turn(tile, y_up);
+  tile.up = UpAxis::pos_y;
+  for (const dvec3& place : {dvec3(636e3, 400, -849e3), dvec3(636e3, 400, 849e3)}) {
+    tile.origin = place;
+    const Upright guess = guess_upright(tile);
+    EXPECT_EQ(guess.up, UpAxis::pos_y);
+    EXPECT_FALSE(guess.is_camera_view) << guess.reason;
+  }
+}
+
 TEST(Upright, NothingToGuessFromKeepsTheCustom) {
   PointCloud cloud;
   cloud.positions.assign(50, vec3(1, 2, 3));
