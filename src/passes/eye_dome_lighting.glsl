@@ -1,5 +1,7 @@
 // Eye-dome lighting (Boucheny 2009): each pixel is darkened by how far it lies behind its eight neighbours on a
-// circle, in log2 of depth, so that the look does not depend on the scene's scale.
+// circle, in log2 of depth, so that the look does not depend on the scene's scale. What one neighbour adds is bounded:
+// every step draws a line of one darkness, for in foliage each dot has one, and black ones would be all there is to see.
+// A wider circle sets one object off another.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
@@ -9,22 +11,32 @@ uniform float radius_px;
 uniform float strength;
 uniform float orthographic_distance;
 
+const float most_near = 0.008, most_wide = 0.005, wide = 6.0;
+
 float log_depth(float depth) {
   return frame.orthographic != 0 ? (depth / orthographic_distance) / log(2.0) : log2(depth);
+}
+
+float log_depth_at(ivec2 pixel, vec2 away) {
+  ivec2 at = ivec2(floor(vec2(pixel) + 0.5 + away));
+  return log_depth(texelFetch(depth_image, clamp(at, ivec2(0), textureSize(depth_image, 0) - 1), 0).x);
 }
 
 bool filter_pixel(ivec2 pixel) {
   out_0 = texelFetch(color_image, pixel, 0);
   float depth = texelFetch(depth_image, pixel, 0).x;
   if (isinf(depth) || out_0.a <= 0.0) return true;
-  float here = log_depth(depth);
-  ivec2 last = textureSize(depth_image, 0) - 1;
-  float response = 0.0;
-  for (int k = 0; k < 8; ++k) {
+  float here = log_depth(depth), response = 0.0;
+  for (int k = 0; k < 4; ++k) {
     float angle = float(k) * 0.785398163;
-    ivec2 at = clamp(ivec2(floor(vec2(pixel) + 0.5 + radius_px * vec2(cos(angle), sin(angle)))), ivec2(0), last);
-    float neighbor = texelFetch(depth_image, at, 0).x;
-    if (!isinf(neighbor)) response += max(0.0, here - log_depth(neighbor));
+    vec2 away = radius_px * vec2(cos(angle), sin(angle));
+    // How far the two opposite neighbours lie before this pixel; the background is behind everything.
+    vec2 near = here - vec2(log_depth_at(pixel, away), log_depth_at(pixel, -away));
+    vec2 far = here - vec2(log_depth_at(pixel, wide * away), log_depth_at(pixel, -wide * away));
+    vec2 bounded = clamp(near, 0.0, most_near);
+    response += bounded.x + bounded.y;
+    // On a plane, however steep, one is as far before it as the other behind.
+    response += 2.0 * clamp(far.x + far.y, 0.0, most_wide);
   }
   // 300 is Potree's constant. The shade was meant for encoded colour; 2.2 keeps that look in linear light.
   float shade = exp(-response / 8.0 * 300.0 * strength * 2.2);

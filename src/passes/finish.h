@@ -9,7 +9,7 @@
 namespace sfumato {
 
 /// Eye-dome lighting (Boucheny 2009), with the radius and strength that Potree users know. Darkens pixels that
-/// lie behind their neighbours; background neighbours do not count.
+/// lie behind their neighbours, a step of any height alike; background neighbours do not count.
 class EyeDomeLighting {
  public:
   void run(const View& view, const RenderSettings& settings, const gl::Texture& color, const gl::Texture& depth,

@@ -74,7 +74,7 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--colormap", color.colormap, "NAME",
             join(Colormap::names()) + " (gray for intensity, else viridis)");
   line.text("--color-range", color_range, "A,B",
-            "values at the ends of the colour map (2-98 % of the points)");
+            "values at the ends of the colour map (2-98 % of the points, nearly all of heights)");
   line.text("--exposure", exposure_text, "F",
             "brightness of the file's own colours, 1: as they are (what suits them)");
   line.flag("--legend", legend, "explain the colours in the picture");

@@ -29,8 +29,8 @@ class Points final : public Technique {
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
-    // 16 px of 720, so that a picture looks the same in every size.
-    footprint_.wide_px = std::max(8.0f, float(frame.camera.height) / 45);
+    // 8 px of 720, so that a picture looks the same in every size.
+    footprint_.wide_px = std::max(4.0f, float(frame.camera.height) / 90);
     to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
 
     // Resolve straight into the target; only what has to be shaded takes the way through another texture. Points
