@@ -15,11 +15,15 @@ constexpr int neighbors = 24;
 /// Across over along, in variances: on a surface of random points 0.8, and above 0.3 for 95 %.
 constexpr float line = 0.02f;
 
+/// The nearest places: points in one place are one, or a scan whose points come twice would be flat everywhere.
 class Nearest {
  public:
-  static constexpr bool merges_coincident = false;
+  static constexpr bool merges_coincident = true;
+  explicit Nearest(std::span<const vec3> positions) : positions_(positions) {}
   float limit() const { return count_ < neighbors ? std::numeric_limits<float>::infinity() : distance2_[neighbors - 1]; }
   void add(std::uint32_t id, float distance2) {
+    for (int i = count_; i-- > 0 && distance2_[i] >= distance2;)
+      if (distance2_[i] == distance2 && positions_[id_[i]] == positions_[id]) return;
     if (count_ < neighbors) ++count_;
     int at = count_ - 1;
     for (; at > 0 && distance2_[at - 1] > distance2; --at) distance2_[at] = distance2_[at - 1], id_[at] = id_[at - 1];
@@ -29,6 +33,7 @@ class Nearest {
   float reach() const { return count_ > 0 ? std::sqrt(distance2_[count_ - 1]) : 0; }
 
  private:
+  std::span<const vec3> positions_;
   int count_ = 0;
   float distance2_[neighbors];
   std::uint32_t id_[neighbors];
@@ -41,7 +46,7 @@ struct Seen {
 
 /// Among them is the point itself, at distance 0, which is as good as any other.
 Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::uint32_t at) {
-  Nearest nearest;
+  Nearest nearest(positions);
   tree.search(positions[at], nearest);
   const auto frame = local_frame(positions, at, nearest.ids());
   if (!frame || !(frame->variance.z > 0)) return {};

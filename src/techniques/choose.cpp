@@ -1,6 +1,8 @@
 #include "techniques/choose.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "analysis/survey.h"
 
@@ -18,13 +20,32 @@ constexpr float cluttered = 0.5f;
 /// they do where clutter is sparse: discs of 100,000 points or fewer, which fill the picture, invent walls.
 constexpr float only_clutter = 0.35f;
 constexpr std::size_t sparse = 100'000;
+/// The spacing that a tenth of the scan exceeds over that which nine tenths do: 1 to 2.3 of objects, rooms and tiles, 3 and
+/// more around a scanner in the open. Of a few points those far off would be discs as large as what they show.
+constexpr float thinning = 2.7f;
+constexpr std::size_t few_of_thinning = 10'000;
+
+float spacing_spread(const PreparedCloud& prepared) {
+  std::vector<float> spacings;  // of batches, which hold the same number of points each
+  for (const Batch& batch : prepared.batches) spacings.push_back(batch.spacing);
+  std::sort(spacings.begin(), spacings.end());
+  const std::size_t tenth = spacings.size() / 10;
+  return spacings[spacings.size() - 1 - tenth] / spacings[tenth];
+}
+
+/// Points in one place count once.
+std::size_t places_of(const std::vector<vec3>& in_order) {
+  std::size_t places = in_order.empty() ? 0 : 1;
+  for (std::size_t i = 1; i < in_order.size(); ++i) places += in_order[i] != in_order[i - 1];
+  return places;
+}
 
 std::string percent(float share) { return std::to_string(int(std::lround(100 * share))) + " %"; }
 
 }  // namespace
 
 TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree) {
-  const std::size_t points = prepared.cloud.size();
+  const std::size_t points = places_of(prepared.cloud.positions);
   if (points < few) return {"points", "only " + std::to_string(points) + " points"};
   const analysis::Survey survey = analysis::survey(tree);
   const auto choice = [&](const char* technique, std::string reason) {
@@ -34,6 +55,9 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
     return choice("points", "lines of a scanner: " + percent(survey.line_share) + " of the points lie on one");
   if (survey.surface_share < cluttered)
     return choice(survey.surface_share < only_clutter || points < sparse ? "points" : "splats", "vegetation or other clutter: " + percent(1 - survey.surface_share) + " of the points lie on no surface");
+  const float spread = spacing_spread(prepared);
+  if (points < few_of_thinning && spread > thinning)
+    return choice("points", "only " + std::to_string(points) + " points, " + std::to_string(int(spread)) + " times as far apart in some places as in others");
   if (!prepared.views.grids.empty())
     return choice("splats", "a camera's depth picture: " + percent(survey.surface_share) + " of the points lie on surfaces");
   return choice("splats", "surfaces: " + percent(survey.surface_share) + " of the points lie on one");

@@ -46,6 +46,13 @@ PointCloud street_sweep() {
   return cloud;
 }
 
+PointCloud every(int n, PointCloud cloud) {
+  std::vector<vec3> kept;
+  for (std::size_t i = 0; i < cloud.size(); i += std::size_t(n)) kept.push_back(cloud.positions[i]);
+  cloud.positions = std::move(kept);
+  return cloud;
+}
+
 TEST(Choose, EveryKindOfScanHasItsTechnique) {
   struct Case {
     const char* kind;
@@ -60,9 +67,14 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
       {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "points", "vegetation"},
       {"depth pictures", scan("room", synth::Sampling::cameras, 100'000), "splats", "depth picture"},
       {"street sweep", street_sweep(), "points", "lines"},
+      {"sparse sweep", every(10, street_sweep()), "points", "far apart"},
+      {"sparse object", scan("spheres", synth::Sampling::area, 6'000), "splats", "surfaces"},
       {"a few points", scan("spheres", synth::Sampling::area, 500), "points", "500"},
   };
   for (const Case& one : cases) {
+    PointCloud twice = one.cloud;  // merged from overlapping files
+    append(twice, one.cloud);
+    EXPECT_EQ(choice_for(twice).technique, one.technique) << one.kind << ", every point twice";
     const TechniqueChoice choice = choice_for(one.cloud);
     EXPECT_EQ(choice.technique, one.technique) << one.kind << ": " << choice.reason;
     EXPECT_NE(choice.reason.find(one.reason), std::string::npos) << one.kind << ": " << choice.reason;
