@@ -86,33 +86,24 @@ class RegionGrowing {
     Clusters found;
     found.label.resize(cloud_.size());
     for (std::uint32_t i = 0; i < cloud_.size(); ++i) found.label[i] = sets.root(i);
-    // By the lowest place in the file, as a serial growth would number them.
-    std::vector<std::uint32_t> lowest(cloud_.size(), ~0u), roots, name(cloud_.size());
-    for (std::uint32_t i = 0; i < cloud_.size(); ++i) {
-      if (found.label[i] == i) roots.push_back(i);
-      std::uint32_t& low = lowest[found.label[i]];
-      low = std::min(low, cloud_.source_index.empty() ? i : cloud_.source_index[i]);
-    }
-    std::sort(roots.begin(), roots.end(), [&](auto a, auto b) { return lowest[a] < lowest[b]; });
-    for (std::uint32_t s = 0; s < roots.size(); ++s) name[roots[s]] = s;
+    // The root is the first point of its set, so this numbers segments as a serial growth would.
+    std::vector<std::uint32_t> name(cloud_.size());
+    for (std::uint32_t i = 0; i < cloud_.size(); ++i)
+      if (found.label[i] == i) name[i] = segment_count_++;
     for (std::uint32_t& label : found.label) label = name[label];
     segment_ = std::move(found.label);
-    segment_count_ = std::uint32_t(roots.size());
     size_.assign(segment_count_, 0);
     for (std::uint32_t s : segment_) ++size_[s];
     progress_.check();
   }
 
-  /// As PCL does it: from seeds in the order of the file, along the directed edges of the graph.
+  /// As PCL does it, along the directed edges of the graph, but from seeds in the order of the points.
   void grow_serially(float limit2) {
     constexpr std::uint32_t none = ~0u;
-    const std::vector<std::uint32_t>& source = cloud_.source_index;
-    std::vector<std::uint32_t> seeds, queue;
-    seeds.assign(source.empty() ? cloud_.size() : std::size_t(*std::max_element(source.begin(), source.end())) + 1, none);
-    for (std::uint32_t i = 0; i < cloud_.size(); ++i) seeds[source.empty() ? i : source[i]] = i;
+    std::vector<std::uint32_t> queue;
     segment_.assign(cloud_.size(), none);
-    for (std::uint32_t seed : seeds) {
-      if (seed == none || segment_[seed] != none) continue;
+    for (std::uint32_t seed = 0; seed < cloud_.size(); ++seed) {
+      if (segment_[seed] != none) continue;
       segment_[seed] = segment_count_;
       queue.assign(1, seed);
       for (std::size_t at = 0; at < queue.size(); ++at)

@@ -1,10 +1,10 @@
 // Clusters of points that belong together, by colour or, where there is none, by the bend of the surface.
 //
 // Q. Zhan, Y. Liang, Y. Xiao, "Color-based segmentation of point clouds", ISPRS Laser Scanning 2009, in the form of
-// PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. Everything is
-// numbered by the place in the file: the result depends on neither threads nor the order of the points. A graph that
-// does not fit into memory, and growth by normals, go by union-find over undirected edges, in parallel; on symmetric
-// graphs both ways agree.
+// PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. Seeds come in the order of the
+// points, which is that of the curve (morton.h) for a prepared cloud: the result depends on neither threads nor the order of
+// the file. A graph that does not fit into memory, and growth by normals, go by union-find over undirected edges, in
+// parallel; on symmetric graphs both ways agree.
 #pragma once
 
 #include <functional>
@@ -50,7 +50,7 @@ class NeighborGraph {
 };
 
 struct Clusters {
-  std::vector<std::uint32_t> label;  ///< of every point, in [0, count), numbered by the lowest source index
+  std::vector<std::uint32_t> label;  ///< of every point, in [0, count), numbered by the first point
   std::uint32_t count = 0;
 };
 

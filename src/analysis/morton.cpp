@@ -217,11 +217,22 @@ class CurveSort {
       }
       for (std::size_t i = 0; i < count; ++i) run_ids[i] = run[i].id;
       // A cell is 2^-21 of its box, so this ends after a few rounds.
-      if (count > refined_from)
+      if (count > 1)
         each_run(run, [&](std::size_t begin, std::size_t length) {
           if (length > refined_from) sort(run_ids.subspan(begin, length));
+          else if (length > 1) sort_by_place(run_ids.subspan(begin, length));
         });
     });
+  }
+
+  /// Few points of one cell, so that no order of the file shows; stable.
+  void sort_by_place(Ids ids) const {
+    auto before = [&](std::uint32_t a, std::uint32_t b) {
+      const vec3 &p = positions_[a], &q = positions_[b];
+      return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
+    };
+    for (std::size_t i = 1; i < ids.size(); ++i)
+      for (std::size_t at = i; at > 0 && before(ids[at], ids[at - 1]); --at) std::swap(ids[at], ids[at - 1]);
   }
 
   /// Calls `run(first, count)` for the entries of each key.

@@ -10,8 +10,9 @@
 namespace sfumato::analysis {
 
 /// Indices into `cloud` along a Morton curve of 2^21 cells an axis over the cloud's box. Points of one cell are
-/// sorted again inside their own box, so that a far outlier cannot flatten the curve; coincident points keep
-/// the order of the file (`source_index`). The same for any number of threads.
+/// sorted again inside their own box, so that a far outlier cannot flatten the curve, few of them by x, y and z;
+/// coincident points keep the order of the file (`source_index`), which decides nothing else. The same for any number of
+/// threads.
 /// Throws Error(bad_input) beyond 2^32 - 1 points or an extent of 1e18.
 std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progress = no_progress());
 

@@ -5,8 +5,10 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
 
 #include "analysis/normals.h"
@@ -181,6 +183,41 @@ ScalarField labels_of(const PreparedCloud& prepared, const NeighborGraph& graph,
   return cluster;
 }
 
+/// Points at one place come in the order of the file, which must not show. The place in `cloud` that each point's colour,
+/// normal and label take while strokes are measured; empty: all their own.
+std::vector<std::uint32_t> order_within_places(const PointCloud& cloud) {
+  std::vector<std::uint32_t> order;
+  const ScalarField* given = cloud.scalar("cluster");
+  const auto look = [&](std::uint32_t i) {
+    const Rgba8 c = cloud.colors.empty() ? Rgba8{} : cloud.colors[i];
+    const vec3 n = cloud.normals.empty() ? vec3(0) : cloud.normals[i];
+    // Any order will do, as long as NaNs have a place in it.
+    const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
+    return std::make_tuple(c.r, c.g, c.b, bits(n.x), bits(n.y), bits(n.z), bits(given ? given->values[i] : 0));
+  };
+  const auto before = [&](std::uint32_t a, std::uint32_t b) { return look(a) < look(b); };
+  for (std::uint32_t first = 0, end; first < cloud.size(); first = end) {
+    for (end = first + 1; end < cloud.size() && cloud.positions[end] == cloud.positions[first];) ++end;
+    if (end == first + 1) continue;
+    if (order.empty()) order.resize(cloud.size()), std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin() + first, order.begin() + end, before);
+  }
+  return order;
+}
+
+template <class T>
+void take(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  if (values.empty()) return;
+  const std::vector<T> old = values;
+  for (std::size_t i = 0; i < order.size(); ++i) values[i] = old[order[i]];
+}
+
+template <class T>
+void give_back(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  const std::vector<T> mine = values;
+  for (std::size_t i = 0; i < order.size(); ++i) values[order[i]] = mine[i];
+}
+
 /// Detail, evened out among neighbours so that no border of cells shows, and as small as a point where there is no
 /// surface to paint along.
 std::vector<float> even_details(const NeighborGraph& graph, const std::vector<float>& lengths,
@@ -197,9 +234,7 @@ std::vector<float> even_details(const NeighborGraph& graph, const std::vector<fl
   return out;
 }
 
-}  // namespace
-
-void add_clusters(PreparedCloud& prepared, const StrokeOptions& options, Progress& progress) {
+void add_clusters_in_order(PreparedCloud& prepared, const StrokeOptions& options, Progress& progress) {
   PointCloud& cloud = prepared.cloud;
   const NeighborGraph graph(cloud.positions, options.clusters.neighbors, progress);
   ScalarField cluster = labels_of(prepared, graph, options, progress);
@@ -284,6 +319,32 @@ void add_clusters(PreparedCloud& prepared, const StrokeOptions& options, Progres
   cloud.set_scalar(std::move(room));
   cloud.set_scalar(std::move(cluster));
   cloud.set_scalar(std::move(size));
+}
+
+}  // namespace
+
+void add_clusters(PreparedCloud& prepared, const StrokeOptions& options, Progress& progress) {
+  const std::vector<std::uint32_t> order = order_within_places(prepared.cloud);
+  if (order.empty()) return add_clusters_in_order(prepared, options, progress);
+  PointCloud& cloud = prepared.cloud;
+  const std::vector<Rgba8> colors = cloud.colors;
+  const std::vector<vec3> normals = cloud.normals;
+  const ScalarField* const given = cloud.scalar("cluster");
+  const std::vector<float> labels = given ? given->values : std::vector<float>();
+  take(cloud.colors, order);
+  take(cloud.normals, order);
+  if (given) take(cloud.scalar("cluster")->values, order);
+  try {
+    add_clusters_in_order(prepared, options, progress);
+  } catch (...) {  // cancelled: as if nothing had been
+    cloud.colors = colors, cloud.normals = normals;
+    if (given) cloud.scalar("cluster")->values = labels;
+    throw;
+  }
+  cloud.colors = colors;
+  give_back(cloud.normals, order);
+  for (const char* name : {"cluster", "stroke_size", "stroke_room", "stroke_detail", "stroke_axis"})
+    give_back(cloud.scalar(name)->values, order);
 }
 
 }  // namespace sfumato::analysis

@@ -296,6 +296,34 @@ TEST_F(StrokesTest, StrokesStayPutWhenTheCameraMoves) {
   EXPECT_GT(common, 0.95 * set.strokes.count());
 }
 
+// The same points in another file, some of them at the same places in other colours.
+TEST_F(StrokesTest, TheOrderOfTheFileDoesNotShow) {
+  PointCloud cloud = two_spheres();
+  cloud.normals.clear();
+  std::mt19937 random(9);
+  cloud.colors.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.positions[i] = glm::round(cloud.positions[i] * 50.0f) / 50.0f;  // ties among neighbours
+    cloud.colors[i] = {std::uint8_t(60 * int(2 * cloud.positions[i].x + 3) / 2 + int(random() % 10)), std::uint8_t(random() % 8), 90, 255};
+  }
+  std::vector<std::uint32_t> order(cloud.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::shuffle(order.begin(), order.end(), std::mt19937(4));
+  PointCloud shuffled = select(cloud, order);
+  shuffled.source_index.clear();
+  Studio one(std::move(cloud)), two(std::move(shuffled));
+  for (const char* style : {"oil", "figure_4b", "watercolor"}) {
+    one.settings.shading = two.settings.shading = Shading::lit;
+    one.set("style", style), two.set("style", style);
+    one.step(), two.step();
+    const Image<vec4> a = one.picture(), b = two.picture();
+    std::size_t painted = 0, unlike = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) painted += a.data()[i].a > 0, unlike += a.data()[i] != b.data()[i];
+    EXPECT_GT(painted, 1000u) << style;
+    EXPECT_EQ(unlike, 0u) << style;
+  }
+}
+
 // A sequence: the second frame holds a sphere that moved, in another order; the wall behind it does not notice.
 TEST_F(StrokesTest, ASequenceKeepsStrokesThatDidNotMove) {
   auto scene = [](float x, unsigned seed) {

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <tuple>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -65,7 +66,7 @@ void FragmentsCpu::begin(const View& view, const StrokeSet& strokes, const Brush
     strips_of(quads_[k], [&](std::size_t s) { entries_[ends[s]++] = k; });
 }
 
-/// Near to far, strokes of one distance (coincident points) by their place in the file and their layer.
+/// Near to far, strokes of one distance (coincident points) by lot, place in the file and layer, as in paint.glsl.
 void FragmentsCpu::order_strokes(const StrokeSet& strokes) {
   records_.resize(strokes.count() * record_texels);
   order_.resize(strokes.count());
@@ -73,14 +74,15 @@ void FragmentsCpu::order_strokes(const StrokeSet& strokes) {
   strokes.records().buffer().download(records_.data(), records_.size() * sizeof(glm::uvec4));
   strokes.order().buffer().download(order_.data(), order_.size() * sizeof(std::uint32_t));
   auto key = [&](std::uint32_t stroke) { return records_[stroke * record_texels].w; };
-  auto source = [&](std::uint32_t stroke) { return records_[stroke * record_texels + 5].x; };
+  auto rest = [&](std::uint32_t stroke) {
+    const glm::uvec4& texel = records_[stroke * record_texels + 5];
+    return std::make_tuple(texel.z, texel.x, stroke);
+  };
   for (std::size_t k = 0, end; k < order_.size(); k = end) {
     for (end = k + 1; end < order_.size() && key(order_[end]) == key(order_[k]);) ++end;
     if (end > k + 1)
       std::sort(order_.begin() + std::ptrdiff_t(k), order_.begin() + std::ptrdiff_t(end),
-                [&](std::uint32_t a, std::uint32_t b) {
-                  return source(a) != source(b) ? source(a) < source(b) : a < b;
-                });
+                [&](std::uint32_t a, std::uint32_t b) { return rest(a) < rest(b); });
   }
 }
 

@@ -18,12 +18,12 @@ const uint no_fragment = 0xffffffffu;
 
 float fragment_alpha(uvec4 fragment) { return unpackUnorm2x16(fragment.z).x; }
 
-// The same whatever the order of a list and of the points: by place in the order, by place in the file (strokes of
-// coincident points), by layer.
+// The same whatever the order of a list and of the points: by place in the order, by lot (strokes of coincident points;
+// those of one lot look alike), by place in the file, by layer.
 bool comes_before(uvec4 a, uvec4 b) {
   if (a.x != b.x) return a.x < b.x;  // positive floats sort like their bits
-  uint sa = texelFetch(strokes, 6 * int(a.y) + 5).x, sb = texelFetch(strokes, 6 * int(b.y) + 5).x;
-  return sa != sb ? sa < sb : a.y < b.y;
+  uvec4 ra = texelFetch(strokes, 6 * int(a.y) + 5), rb = texelFetch(strokes, 6 * int(b.y) + 5);
+  return ra.z != rb.z ? ra.z < rb.z : ra.x != rb.x ? ra.x < rb.x : a.y < b.y;
 }
 
 Paint paint_of(uvec4 fragment, ivec2 pixel) {

@@ -10,7 +10,8 @@ struct StrokeRecord {
   float opacity;
   vec3 color;    // linear
   float shadow;
-  uint source;   // place in the file: decides between equal distances
+  uint source;   // place in the file
+  uint lot;      // by what it looks like: decides between equal distances, then `source`
   float lift;    // scene units nearer in the order of fragments
 };
 const int stroke_texels = 6;
@@ -22,6 +23,6 @@ uvec4 stroke_texel(StrokeRecord r, int n) {
     case 2: return uvec4(floatBitsToUint(r.across), floatBitsToUint(r.lod));
     case 3: return uvec4(floatBitsToUint(r.normal), floatBitsToUint(r.opacity));
     case 4: return uvec4(floatBitsToUint(r.color), floatBitsToUint(r.shadow));
-    default: return uvec4(r.source, floatBitsToUint(r.lift), 0u, 0u);
+    default: return uvec4(r.source, floatBitsToUint(r.lift), r.lot, 0u);
   }
 }

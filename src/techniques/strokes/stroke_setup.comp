@@ -68,6 +68,8 @@ void main() {
   r.color = color;
   r.shadow = has_shadow ? point_shadow(i) : 1.0;
   r.source = point_source_index(i);
+  r.lot = hash_of(uvec3(hash_of(floatBitsToUint(color)), hash_of(floatBitsToUint(point_normal(i))),
+                        hash_of(floatBitsToUint(vec3(size.half_length, size.half_width, along.x)))));
   r.lift = second ? 0.25 * size.half_width : 0.0;
   keys[first_record + k] = floatBitsToUint(r.key);
   int at = stroke_texels * (first_record + k);

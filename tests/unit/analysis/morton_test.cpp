@@ -77,6 +77,21 @@ TEST(Morton, CoincidentPointsKeepTheOrderOfTheFile) {
   for (std::uint32_t i = 0; i < 1000; ++i) EXPECT_EQ(order[i], 999 - i);
 }
 
+TEST(Morton, TheOrderOfTheFileDecidesOnlyAmongCoincidentPoints) {
+  // Pairs closer than a cell, 2^-21 of the box.
+  PointCloud cloud = cloud_of(uniform_cube(3000));
+  const std::size_t n = cloud.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const vec3 p = cloud.positions[i];
+    cloud.positions.push_back({std::nextafter(p.x, 2.0f), p.y, std::nextafter(p.z, -2.0f)});
+  }
+  PointCloud backwards = cloud;
+  std::reverse(backwards.positions.begin(), backwards.positions.end());
+  const auto forth = morton_order(cloud), back = morton_order(backwards);
+  for (std::size_t i = 0; i < forth.size(); ++i)
+    ASSERT_EQ(cloud.positions[forth[i]], backwards.positions[back[i]]) << i;
+}
+
 TEST(Morton, SameOrderForOneAndTwoThreads) {
   const PointCloud cloud = cloud_of(difficult_cloud());
   std::vector<std::uint32_t> alone;
