@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "analysis/prepare.h"
 #include "techniques/denoise/noise.h"
 
 namespace sfumato::bench {
@@ -140,13 +139,13 @@ Contest::Contest(gl::Context& context)
 }
 
 void Contest::take(PointCloud cloud, const Camera& camera) {
-  PreparedCloud prepared = analysis::prepare(std::move(cloud), denoise_->needs(), {});
+  PreparedCloud prepared = analysis::prepare(std::move(cloud), denoise_->needs(), prepare_);
   const std::vector<float> support = denoise::splat_support(prepared, no_progress());
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < support.size(); ++i)
     if (support[i] > denoise::least_support) kept.push_back(i);
   left_out_ = 1 - double(kept.size()) / double(std::max<std::size_t>(support.size(), 1));
-  PreparedCloud rest = analysis::prepare(select(prepared.cloud, kept), denoise_->needs(), {});
+  PreparedCloud rest = analysis::prepare(select(prepared.cloud, kept), denoise_->needs(), prepare_);
   rest.median_radius = prepared.median_radius, rest.median_spacing = prepared.median_spacing;
   std::vector<Rgba8> rest_colors = rest.cloud.colors, colors = prepared.cloud.colors;
   if (rest_colors.empty()) rest_colors.assign(rest.cloud.size(), {180, 180, 180, 255});

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/prepare.h"
 #include "core/image.h"
 #include "synth/synth.h"
 #include "techniques/renderer.h"
@@ -43,6 +44,8 @@ Image<Rgba8> error_map(const Image<float>& depth, const Image<float>& truth, dou
 class Contest {
  public:
   explicit Contest(gl::Context& context);
+  /// As `--clutter-radius`; the default of the command otherwise.
+  void set_clutter_radius(float ratio) { prepare_.clutter_radius = ratio; }
   void take(PointCloud cloud, const Camera& camera);
   double bin_size() const { return bin_size_; }
   /// Of a splat at the middle of the cloud.
@@ -59,6 +62,7 @@ class Contest {
   Renderer whole_, filtered_;
   RenderSettings settings_;
   RenderWants wants_;
+  analysis::PrepareOptions prepare_;
   double bin_size_ = 1, left_out_ = 0;
   std::unique_ptr<Technique> splats_, denoise_;
 };

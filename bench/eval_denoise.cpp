@@ -1,6 +1,7 @@
 // The tables and figures of the technique `denoise` against the truth of synthetic scenes: `make eval-denoise`.
 //
 //   eval_denoise [--quick] [--choose] [--part clean|noise|views|dragon|orbit] [--row TEXT] [--data FOLDER] [--maps FOLDER]
+//                [--clutter-radius SHARE]
 //
 // Every constant of the automatic threshold was chosen with --choose: other seeds, other views, and none of the scenes
 // that are marked `unseen` in the table. `--data` holds the scans that clean rows need; `--maps` takes error maps.
@@ -24,7 +25,7 @@ namespace {
 
 struct Arguments {
   bool quick = false, choose = false;
-  std::string part = "all", row, data, maps;
+  std::string part = "all", row, data, maps, clutter_radius;
   bool wants(const char* name) const { return part == "all" || part == name; }
   /// A file of `data`, or nothing with a reason printed.
   std::optional<std::string> file(const std::string& name) const {
@@ -460,10 +461,12 @@ int main(int count, char** values) try {
     else if (word == "--row" && i + 1 < count) arguments.row = values[++i];
     else if (word == "--data" && i + 1 < count) arguments.data = values[++i];
     else if (word == "--maps" && i + 1 < count) arguments.maps = values[++i];
+    else if (word == "--clutter-radius" && i + 1 < count) arguments.clutter_radius = values[++i];
     else throw Error(ErrorCode::usage, "eval_denoise: what is '" + word + "'?");
   }
   auto context = gl::Context::create_headless();
   Contest contest(*context);
+  if (!arguments.clutter_radius.empty()) contest.set_clutter_radius(std::stof(arguments.clutter_radius));
   const auto start = std::chrono::steady_clock::now();
   if (arguments.wants("clean")) clean_table(contest, arguments);
   if (arguments.wants("noise")) noise_tables(contest, arguments);

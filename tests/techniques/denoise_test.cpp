@@ -621,6 +621,21 @@ TEST(DenoiseSupport, IsLocal) {
   EXPECT_LT(kept['r'].first, 0.08 * kept['r'].second);
 }
 
+// Whatever made a disc smaller than its part of the surface, its splats are worth what is missing of it.
+TEST(DenoiseSupport, WorthIsTheAreaThatIsNotDrawn) {
+  PreparedCloud prepared;
+  prepared.cloud.positions.resize(6);
+  prepared.cloud.radii = {1, 4, 0.5f, 0.5f, 2, 0.001f};
+  prepared.shrunk = {1, 1, 0.5f, 0.1f, 0.5f, 0.001f};
+  const std::vector<float> support{1, 1, 1, 0.5f, 0.05f, 1};
+  const std::vector<float> worth = denoise::splat_worth(prepared, support, 0.1f, 2);
+  // Whole; cut to half; shrunk to half; to a tenth, half supported; not supported; shrunk to nothing.
+  const std::vector<float> expected{1, 4, 4, 50, 0.05f, 100};
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(worth[i], expected[i], 1e-4f * expected[i]) << i;
+  prepared.shrunk.clear();  // the file's own radii
+  EXPECT_FLOAT_EQ(denoise::splat_worth(prepared, support, 0.1f, 2)[3], 0.5f);
+}
+
 TEST_F(Denoise, DefaultsKeepSparseSurfaces) {
   technique_ = find_technique("denoise").create();
   set_parameter(*technique_, "clamp_radius", "false");  // the discs of the sparse wall are four times the median

@@ -175,13 +175,12 @@ class Denoise final : public Technique {
     const bool seen = field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
     if (!seen) {
       residual_ = denoise::plane_residual(prepared);
-      support_.clear(), usual_radius_.clear();
+      support_.clear();
     }
     if (seen && radius_limit == field_limit_ && prefilter == field_prefilter_) return;
-    if (prefilter && support_.empty()) support_ = denoise::splat_support(prepared, progress, &usual_radius_);
+    if (prefilter && support_.empty()) support_ = denoise::splat_support(prepared, progress);
     const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
-    cloud.set_field(denoise::splat_worth(prepared, prefilter ? support_ : all_alike, usual_radius_, least_support,
-                                         radius_limit));
+    cloud.set_field(denoise::splat_worth(prepared, prefilter ? support_ : all_alike, least_support, radius_limit));
     field_stamp_ = cloud.field_stamp();
     field_limit_ = radius_limit, field_prefilter_ = prefilter;
   }
@@ -223,7 +222,7 @@ class Denoise final : public Technique {
   std::uint64_t field_stamp_ = 0;  ///< of the cloud that was measured last
   float field_limit_ = 0, residual_ = 0;
   bool field_prefilter_ = false;
-  std::vector<float> support_, usual_radius_;
+  std::vector<float> support_;
   SplatSurface surface_;
   denoise::BinTable bins_;
   gl::Texture albedo_;

@@ -13,6 +13,7 @@ namespace sfumato::denoise {
 namespace {
 
 constexpr std::size_t samples = 500;
+constexpr float most_worth = 100;  // some forty of these fill a bin (bins.glsl)
 
 /// The nearest points of a place as the tree offers them.
 struct Nearest {
@@ -102,7 +103,7 @@ float plane_residual(const PreparedCloud& prepared) {
   return analysis::quantile(residuals, 0.5);
 }
 
-std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress, std::vector<float>* usual_radius) {
+std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress) {
   constexpr std::size_t k = 8;
   const std::size_t n = prepared.cloud.size();
   if (n <= k) return std::vector<float>(n, 1.0f);
@@ -116,10 +117,6 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
         std::copy(ids.begin(), ids.end(), neighbors_of[i].begin());
       },
       "splat support", progress);
-  if (usual_radius) {
-    usual_radius->resize(n);
-    for (std::size_t i = 0; i < n; ++i) (*usual_radius)[i] = analysis::radius_of(reach[i], k);
-  }
   const float enough = std::max(2 * analysis::quantile(reach, 0.5), 0.45f * empty_reach(prepared.cloud.positions, tree, k));
   std::vector<float> support(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -133,15 +130,14 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
   return support;
 }
 
-std::vector<float> splat_worth(const PreparedCloud& prepared, const std::vector<float>& support,
-                               const std::vector<float>& usual_radius, float least, float radius_limit) {
+std::vector<float> splat_worth(const PreparedCloud& prepared, const std::vector<float>& support, float least,
+                               float radius_limit) {
   std::vector<float> worth = support;
   for (std::size_t i = 0; i < worth.size() && i < prepared.cloud.radii.size(); ++i) {
-    const float lost = std::max(1.0f, prepared.cloud.radii[i] / radius_limit);
-    if (support[i] >= least) worth[i] *= lost * lost;
-    if (i >= usual_radius.size() || !(prepared.cloud.radii[i] > 0)) continue;
-    const float shrunk = std::min(usual_radius[i], radius_limit) / prepared.cloud.radii[i];
-    if (support[i] >= least && shrunk > 2) worth[i] *= std::min(shrunk, 10.0f);
+    const float radius = prepared.cloud.radii[i], drawn = std::min(radius, radius_limit);
+    if (support[i] < least || !(radius > 0)) continue;
+    const float lost = (prepared.shrunk.empty() ? radius : radius / prepared.shrunk[i]) / drawn;
+    worth[i] *= std::min(lost * lost, most_worth);
   }
   return worth;
 }

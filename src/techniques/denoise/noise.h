@@ -24,15 +24,12 @@ constexpr float least_support = 0.1f;  ///< points with less are left out
 ///     is more: outliers lie as far apart as places in the empty space lie from them, and 8 of points that lie at random
 ///     are within half of the usual distance with a probability of 1e-5; power of 12. The median over the points alone
 ///     would not do: density falls by orders of magnitude with the distance from a scanner.
-/// `usual_radius`, when given, becomes the radius of Eq. 20 (Seemann 2018) for those 8 neighbours.
-std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress,
-                                 std::vector<float>* usual_radius = nullptr);
+std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress);
 
-/// `support`, and for splats with at least `least` whose radius is cut at `radius_limit` what they lost by it, the
-/// ratio of the areas: a surface whose points are far apart then weighs as much where it is covered as any other. Discs
-/// below half of `usual_radius` were shrunk because they lie in clutter (leaves): they are worth more by the ratio of the
-/// radii, or none would ever be enough.
-std::vector<float> splat_worth(const PreparedCloud& prepared, const std::vector<float>& support,
-                               const std::vector<float>& usual_radius, float least, float radius_limit);
+/// `support`, and for splats with at least `least` the ratio of the area that their disc would have by Eq. 20 (Seemann 2018)
+/// to what is drawn of it, at most 100: a surface whose discs are cut at `radius_limit`, because its points are far apart, or
+/// shrank because they lie in clutter (PreparedCloud::shrunk), is covered by fewer of them, and weighs as much as any other.
+std::vector<float> splat_worth(const PreparedCloud& prepared, const std::vector<float>& support, float least,
+                               float radius_limit);
 
 }  // namespace sfumato::denoise

@@ -84,7 +84,11 @@ TEST(RangeImage, SlantedSurfacesGetLargerDiscs) {
   PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0), frontal = view_of({0, -1, 0}, {0, 2, 0}, {0, -1, 0}, {0, 2, 0}, 0);
   for (PointCloud* each : {&cloud, &frontal}) complete_from_grids(*each, Attribute::radius);
   const std::size_t middle = height / 2 * width + width / 2;
-  EXPECT_NEAR(cloud.radii[middle] / frontal.radii[middle], std::sqrt(2.0), 0.1);
+  // At 45 degrees a point stands for an area sqrt(2) as large.
+  EXPECT_NEAR(cloud.radii[middle] / frontal.radii[middle], std::pow(2.0, 0.25), 0.05);
+  // At the rim nobody knows.
+  auto angle = [](const PointCloud& c) { return c.radii[0] / glm::length(c.positions[0] - vec3(eye)); };
+  EXPECT_NEAR(angle(cloud), angle(frontal), 0.03f * angle(frontal));  // noise filters bend the corner
 }
 
 TEST(RangeImage, NoiseIsSmoothedAway) {
