@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "core/error.h"
 
 namespace sfumato {
 
@@ -85,6 +88,42 @@ void Camera::fit_depth_range(const Bounds& box) {
   // A camera inside the cloud still needs a positive near plane; 1e-4 of the depth keeps float depth useful.
   near_plane = std::max(lo - room, 1e-4 * far_plane);
   if (far_plane <= near_plane) far_plane = 2 * near_plane;
+}
+
+Camera camera_of_matrices(const dmat4& view, const dmat4& projection, int width, int height) {
+  const glm::dmat3 turn(view);
+  const glm::dmat3 rest = turn * glm::transpose(turn) - glm::dmat3(1);
+  bool is_rigid = glm::determinant(turn) > 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) is_rigid = is_rigid && std::abs(rest[i][j]) < 1e-4;  // floats are off by 1e-6 or so
+  if (!is_rigid)
+    throw Error(ErrorCode::usage, "the view matrix scales, shears or mirrors: give one that only turns and moves");
+  const dmat4& p = projection;
+  const bool is_orthographic = p[2][3] == 0;
+  const double scale = is_orthographic ? p[3][3] : -p[2][3];
+  bool is_known = scale > 0 && p[0][0] > 0 && p[1][1] > 0 && width > 0 && height > 0;
+  for (const auto& [column, row] : {std::pair(1, 0), {0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}})
+    is_known = is_known && p[column][row] == 0;
+  if (!is_known)
+    throw Error(ErrorCode::usage,
+                "the projection matrix is neither a perspective nor an orthographic one that looks along -z");
+
+  Camera camera;
+  camera.width = width, camera.height = height;
+  camera.position = -(glm::transpose(turn) * dvec3(view[3]));
+  camera.up = glm::normalize(dvec3(turn[0][1], turn[1][1], turn[2][1]));
+  camera.target = camera.position - glm::normalize(dvec3(turn[0][2], turn[1][2], turn[2][2]));
+  camera.projection = is_orthographic ? Projection::orthographic : Projection::perspective;
+  // x_ndc = p00 x/w - p20, of which a pixel's x is (x_ndc + 1) width / 2; y runs the other way. Orthographic: + p30.
+  Intrinsics k;
+  k.fx = 0.5 * width * p[0][0] / scale;
+  k.fy = 0.5 * height * p[1][1] / scale;
+  k.cx = 0.5 * width * (1 + (is_orthographic ? p[3][0] : -p[2][0]) / scale);
+  k.cy = 0.5 * height * (1 - (is_orthographic ? p[3][1] : -p[2][1]) / scale);
+  camera.custom_intrinsics = k;
+  camera.fov_y = 2 * std::atan(0.5 * height / k.fy);
+  camera.height_world = height / k.fy;
+  return camera;
 }
 
 Camera frame(const Bounds& subject, UpAxis up_axis, int width, int height, double azimuth, double elevation,

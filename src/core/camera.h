@@ -49,6 +49,11 @@ struct Camera {
   void fit_depth_range(const Bounds& world_box);
 };
 
+/// The camera of two matrices of OpenGL (world to eye, eye to clip; column by column as glm has them) for an image of so
+/// many pixels. Throws Error(usage) where `view` does more than turn and move, or `projection` is neither a perspective nor
+/// an orthographic one that looks along -z.
+Camera camera_of_matrices(const dmat4& view, const dmat4& projection, int width, int height);
+
 /// The camera that frames `box` from the direction given by azimuth and elevation (radians; azimuth turns
 /// counter-clockwise about `up`, 0 looks from the front; the default view is azimuth -45, elevation 30 degrees).
 Camera frame(const Bounds& box, UpAxis up, int width, int height, double azimuth, double elevation,

@@ -5,11 +5,9 @@
 #include <epoxy/gl.h>
 #include <sys/mman.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
-#include <string_view>
 #include <utility>
 
 #include "core/error.h"
@@ -18,7 +16,12 @@ namespace sfumato::gl {
 
 namespace {
 
-thread_local const Limits* current_limits = nullptr;
+/// Of the context that is current on this thread.
+struct Current {
+  const Limits* limits = nullptr;
+  Preferences* preferences = nullptr;
+};
+thread_local Current current;
 
 const char* const advice =
     "; install an OpenGL 4.5 driver (on Debian: libegl1 libgl1-mesa-dri libopengl0, or the GPU vendor's)";
@@ -114,7 +117,7 @@ void Context::Egl::close() {
   context = EGL_NO_CONTEXT;
 }
 
-std::unique_ptr<Context> Context::create_headless() {
+std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   require_memory();
   // epoxy aborts the process where a library is missing, so look for them first.
   for (const char* library : {"libEGL.so.1", "libOpenGL.so.0"})
@@ -124,6 +127,7 @@ std::unique_ptr<Context> Context::create_headless() {
   if (!has_extension(client, "EGL_EXT_platform_base")) fail("no OpenGL: EGL cannot open a display by platform");
 
   std::unique_ptr<Context> context(new Context);
+  context->preferences_ = std::move(preferences);
   context->egl_ = std::make_unique<Egl>();
   // Devices first: on machines with a GPU the surfaceless platform of Mesa would find only software. A device whose
   // driver is too old is passed over for the next one, software included.
@@ -169,7 +173,7 @@ std::unique_ptr<Context> Context::create_headless() {
   limits.max_point_size = range[1];
   limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float");
   limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
-  current_limits = &limits;
+  current = {&limits, &context->preferences_};
 
   // One vertex array without attributes serves every draw: shaders fetch points from texture buffers.
   GLuint array = 0;
@@ -182,7 +186,7 @@ std::unique_ptr<Context> Context::create_headless() {
 }
 
 Context::~Context() {
-  if (current_limits == &limits_) current_limits = nullptr;
+  if (current.limits == &limits_) current = {};
   if (egl_) egl_->close();
 }
 
@@ -190,19 +194,19 @@ struct Context::Use::Before {
   EGLDisplay own_display, display;
   EGLContext context;
   EGLSurface draw, read;
-  const Limits* limits;
+  Current current;
 };
 
 Context::Use::Use(Context& context) {
   if (eglGetCurrentContext() == context.egl_->context) {
-    current_limits = &context.limits_;
+    current = {&context.limits_, &context.preferences_};
     return;
   }
   before_ = std::make_unique<Before>(Before{context.egl_->display, eglGetCurrentDisplay(), eglGetCurrentContext(),
-                                            eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ), current_limits});
+                                            eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ), current});
   if (!eglMakeCurrent(context.egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.egl_->context))
     throw Error(ErrorCode::no_gl, "the OpenGL context is in use on another thread; give each thread a renderer of its own");
-  current_limits = &context.limits_;
+  current = {&context.limits_, &context.preferences_};
 }
 
 Context::Use::~Use() {
@@ -211,7 +215,7 @@ Context::Use::~Use() {
     eglMakeCurrent(before_->own_display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   else
     eglMakeCurrent(before_->display, before_->draw, before_->read, before_->context);
-  current_limits = before_->limits;
+  current = before_->current;
 }
 
 std::vector<std::string> Context::take_messages() {
@@ -222,15 +226,19 @@ std::vector<std::string> Context::take_messages() {
 
 const Limits& limits() {
   static const Limits none;
-  return current_limits ? *current_limits : none;
+  return current.limits ? *current.limits : none;
 }
 
-Place place_of_work(const char* variable) {
-  const char* text = std::getenv(variable);
-  if (!text) return limits().software ? Place::cpu : Place::gpu;
-  if (text == std::string_view("gpu")) return Place::gpu;
-  if (text == std::string_view("cpu")) return Place::cpu;
-  throw Error(ErrorCode::usage, std::string(variable) + " is '" + text + "', not gpu or cpu");
+Preferences& preferences() {
+  if (current.preferences) return *current.preferences;
+  thread_local Preferences without_context;
+  without_context = Preferences::from_environment();
+  return without_context;
+}
+
+Place place_of_work(Place preferred) {
+  if (preferred != Place::automatic) return preferred;
+  return limits().software ? Place::cpu : Place::gpu;
 }
 
 void require(bool condition, const std::string& who, const std::string& needs) {

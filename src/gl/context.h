@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "gl/preferences.h"
+
 namespace sfumato::gl {
 
 /// What the driver can do, read once.
@@ -22,9 +24,9 @@ struct Limits {
 
 class Context {
  public:
-  /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform. Throws Error(no_gl) with what is missing and
-  /// what to install.
-  static std::unique_ptr<Context> create_headless();
+  /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform. Throws
+  /// Error(no_gl) with what is missing and what to install.
+  static std::unique_ptr<Context> create_headless(Preferences preferences = Preferences::from_environment());
   /// What the context made goes with it: delete GL objects of yours before, inside a `Use`.
   ~Context();
   Context(const Context&) = delete;
@@ -45,6 +47,7 @@ class Context {
   };
 
   const Limits& limits() const { return limits_; }
+  Preferences& preferences() { return preferences_; }
   /// High-severity debug messages since the last call; tests fail on any.
   std::vector<std::string> take_messages();
 
@@ -53,15 +56,12 @@ class Context {
   struct Egl;
   std::unique_ptr<Egl> egl_;
   Limits limits_;
+  Preferences preferences_;
   std::vector<std::string> messages_;
 };
 
 /// Limits of the context that is current on this thread; of none, zeros.
 const Limits& limits();
-/// Where work is done that the processor does faster itself than through software GL.
-enum class Place { automatic, gpu, cpu };
-/// What the environment variable says (gpu or cpu; anything else throws Error(usage)), else the CPU on software GL.
-Place place_of_work(const char* variable);
 /// Throws Error(no_gl): who needs what, what the driver has, what to do.
 void require(bool condition, const std::string& who, const std::string& needs);
 /// Throws Error(out_of_memory) when the last allocation failed; `what` says what was allocated.

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -14,10 +13,10 @@
 namespace sfumato::gl {
 namespace {
 
-/// SFUMATO_KEEP_SHADERS=FOLDER: every variant that is compiled, for other compilers to look at.
+/// Every variant that is compiled, for other compilers to look at.
 void keep(GLenum stage, std::string name, const std::string& text) {
-  const char* folder = std::getenv("SFUMATO_KEEP_SHADERS");
-  if (!folder || !*folder) return;
+  const std::string& folder = preferences().kept_shaders;
+  if (folder.empty()) return;
   std::replace(name.begin(), name.end(), '/', '.');
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);

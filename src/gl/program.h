@@ -43,6 +43,9 @@ class Program {
   /// True when the shader really uses that uniform (the compiler may have removed it).
   bool has(std::string_view name) const { return uniforms_.find(name) != uniforms_.end(); }
 
+  /// Forgets the program without deleting it: its context is not current, or not there any more.
+  void abandon() { id_ = 0; }
+
   void use() const;
   /// Work groups along x, y, z.
   void dispatch(unsigned x, unsigned y = 1, unsigned z = 1) const;

@@ -1,21 +1,21 @@
 #include "gl/shader_source.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <regex>
 #include <sstream>
 
 #include "core/error.h"
+#include "gl/preferences.h"
 
 namespace sfumato::gl {
 namespace {
 
 std::optional<std::string> file_text(const std::string& name) {
-  if (const char* folder = std::getenv("SFUMATO_SHADER_DIR"))
+  if (const std::string& folder = preferences().shader_folder; !folder.empty())
     for (const char* room : {"/src/", "/shaders/"}) {
-      std::ifstream file(folder + std::string(room) + name);
+      std::ifstream file(folder + room + name);
       if (file) return (std::ostringstream() << file.rdbuf()).str();
     }
   for (const ShaderFile& file : shader_files)

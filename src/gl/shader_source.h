@@ -1,5 +1,5 @@
-// Shaders are files that read like the listing of a paper. They are embedded at build time; a folder named by
-// SFUMATO_SHADER_DIR (the source checkout) wins, so that shaders can be edited live.
+// Shaders are files that read like the listing of a paper. They are embedded at build time; a source checkout that
+// the context prefers (gl/preferences.h) wins, so that shaders can be edited live.
 #pragma once
 
 #include <string>

@@ -41,7 +41,7 @@ std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys, std:
 
 void DepthSort::run(const gl::Buffer& keys, std::uint32_t count, std::span<const std::uint32_t> initial,
                     bool initial_changed, gl::Place place) {
-  if (place == gl::Place::automatic) place = gl::place_of_work("SFUMATO_DEPTH_SORT");
+  if (place == gl::Place::automatic) place = gl::place_of_work(gl::preferences().depth_sort);
   const std::size_t bytes = count * sizeof(std::uint32_t);
   gl::grow(order_, "drawing order", GL_R32UI, bytes);
   if (place == gl::Place::gpu) {

@@ -1,8 +1,5 @@
 #include "passes/screen_pass.h"
 
-#include <cstdlib>
-#include <string_view>
-
 #include "core/error.h"
 #include "gl/context.h"
 #include "gl/state.h"
@@ -66,11 +63,7 @@ std::string compute_main(const std::vector<GLenum>& formats) {
 }  // namespace
 
 ScreenPassKind default_screen_pass_kind() {
-  if (const char* text = std::getenv("SFUMATO_SCREEN_PASS")) {
-    if (text == std::string_view("fragment")) return ScreenPassKind::fragment;
-    if (text == std::string_view("compute")) return ScreenPassKind::compute;
-    throw Error(ErrorCode::usage, "SFUMATO_SCREEN_PASS is '" + std::string(text) + "', not fragment or compute");
-  }
+  if (const ScreenPassKind kind = gl::preferences().screen_passes; kind != ScreenPassKind::automatic) return kind;
   return gl::limits().software ? ScreenPassKind::fragment : ScreenPassKind::compute;
 }
 

@@ -1,5 +1,5 @@
 // A screen filter: one GLSL function body, `bool filter_pixel(ivec2 pixel)`, wrapped as a fragment pass (faster on
-// software GL) or as a compute pass (faster on data-centre GPUs). SFUMATO_SCREEN_PASS=fragment|compute overrides.
+// software GL) or as a compute pass (faster on data-centre GPUs). The context's preferences decide first.
 //
 // The body writes `out_0`, `out_1` ... (vec4, or uvec4 for integer formats) and returns false to leave the targets
 // of this pixel as they were. It reads its inputs with texelFetch from units UNIT_INPUT + k.
@@ -9,13 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "gl/preferences.h"
 #include "gl/program.h"
 #include "gl/texture.h"
 
 namespace sfumato {
 
-enum class ScreenPassKind { automatic, fragment, compute };
-/// The kind in force: the environment, else fragment on software GL and compute elsewhere.
+using gl::ScreenPassKind;
+/// The kind in force: the preferred one, else fragment on software GL and compute elsewhere.
 ScreenPassKind default_screen_pass_kind();
 
 /// Squares of pixels, of an area that holds the image, and which of them a pass has something to do in.

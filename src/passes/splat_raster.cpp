@@ -40,16 +40,6 @@ double largest_size_px(const View& view, const Batch& batch, double radius) {
 
 }  // namespace
 
-SplatPath default_splat_path() {
-  const char* text = std::getenv("SFUMATO_SPLAT_PATH");
-  if (!text || text == std::string_view("automatic")) return SplatPath::automatic;
-  if (text == std::string_view("points")) return SplatPath::points;
-  if (text == std::string_view("quads")) return SplatPath::quads;
-  if (text == std::string_view("compute")) return SplatPath::compute;
-  throw Error(ErrorCode::usage,
-              "SFUMATO_SPLAT_PATH is '" + std::string(text) + "', not automatic, points, quads or compute");
-}
-
 SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape, SplatPath path) {
   SplatBatches chosen;
   const std::vector<float>& radii = cloud.largest_radii();

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "gl/preferences.h"
 #include "gl/program.h"
 #include "gl/state.h"
 #include "passes/gpu_cloud.h"
@@ -40,9 +41,8 @@ struct SplatShape {
 };
 
 /// How the splats of a batch reach the pixels. `automatic` chooses per batch by its size on the screen; the rest
-/// are for tests. SFUMATO_SPLAT_PATH=automatic|points|quads|compute overrides automatic.
-enum class SplatPath { automatic, points, quads, compute };
-SplatPath default_splat_path();
+/// are for tests. The context's preferences decide first.
+using gl::SplatPath;
 
 /// The batches that a view may see, by the way they are drawn.
 struct SplatBatches {
@@ -63,7 +63,7 @@ struct SplatBatches {
   std::uint64_t fallbacks = 0;  ///< points drawn as quads because a sprite might exceed the driver's limit
 };
 SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                            SplatPath path = default_splat_path());
+                            SplatPath path = gl::preferences().splat_path);
 
 class SplatRaster {
  public:

@@ -1,43 +1,101 @@
 #include "sfumato/renderer.h"
 
+#include "analysis/neighbors.h"
 #include "core/error.h"
+#include "session/choice.h"
+#include "session/preset.h"
 #include "session/session.h"
 
 namespace sfumato {
 
+PresetLook read_preset(const std::string& file, const std::string& technique) {
+  const Preset preset = load_preset(file);
+  PresetLook out;
+  out.technique = technique.empty() ? preset.technique : technique;
+  out.camera = preset.camera;
+  if (out.technique.empty() || out.technique == automatic_technique) return out;
+  const Look look(out.technique);
+  const Look* const looks[] = {&look};
+  for (const auto& [name, value] : preset.parameters_for(looks, {}))
+    out.parameters.emplace_back(name.substr(name.find('.') + 1), value);  // without "TECHNIQUE."
+  return out;
+}
+
 struct HeadlessRenderer::State {
   std::unique_ptr<gl::Context> context = gl::Context::create_headless();
   Session session{*context};
+  std::unique_ptr<Look> look;  ///< of the last picture: another one of the same technique needs nothing made anew
+  std::optional<TechniqueChoice> choice;  ///< what suits the points, once somebody asked
+  std::vector<std::string> notes;         ///< of reading
+  RenderWants wants{.color_linear = true, .depth = true, .normal = true};
+
   ~State() { forget_look(); }
   /// What a technique holds on the GPU goes where it was made.
   void forget_look() {
     const gl::Context::Use use(*context);
     look.reset();
   }
-  std::unique_ptr<Look> look;  ///< of the last picture: another one of the same technique needs nothing made anew
+  void show(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress);
+  /// What `name` stands for: "auto" is what suits the points.
+  std::string settle(const std::string& name);
 };
+
+void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress) {
+  forget_look();  // what it holds of the last cloud is of no use for this one
+  choice.reset();
+  notes = scene.notes;
+  for (const std::string& part : scene.damage) notes.push_back(part + "; it is left out");
+  session.set_scene(std::move(scene), std::move(pose), options, [](const Session::Suggest&) { return Attributes(); },
+                    progress);
+  notes.insert(notes.end(), session.notes().begin(), session.notes().end());
+}
+
+std::string HeadlessRenderer::State::settle(const std::string& name) {
+  if (name != automatic_technique) return name;
+  if (!choice) choice = choose_technique(session.prepared(), analysis::NeighborTree(session.cloud().positions));
+  return choice->technique;
+}
 
 HeadlessRenderer::HeadlessRenderer() : state_(std::make_unique<State>()) {}
 HeadlessRenderer::~HeadlessRenderer() = default;
+
+void HeadlessRenderer::open(const SceneWishes& wishes, Progress& progress) {
+  scene::SceneOptions reading;
+  reading.read.max_points = wishes.max_points;
+  reading.up = wishes.up;
+  SessionOptions options{{}, wishes.coloring, {}};
+  for (const std::string& rule : wishes.draw) options.draw.push_back(DrawRule::parse(rule));
+  const std::vector<std::string> files = scene::expand_inputs(wishes.files);
+  if (files.empty()) throw Error(ErrorCode::usage, "a scene needs a file: name one in SceneWishes::files");
+  scene::Scene scene = scene::read_scene(files, reading, progress);
+  Pose pose = stand_upright(scene, files.front(), wishes.up);
+  state_->show(std::move(scene), std::move(pose), options, progress);
+}
 
 void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring, Progress& progress) {
   if (cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
   scene::Scene scene;
   scene.cloud = std::move(cloud);
-  state_->forget_look();  // what it holds of the last cloud is of no use for this one
   // What the caller says is up is up.
   Pose pose = stand_upright(scene, "", scene.cloud.up);
-  state_->session.set_scene(std::move(scene), std::move(pose), {{}, coloring, {}},
-                            [](const Session::Suggest&) { return Attributes(); }, progress);
+  state_->show(std::move(scene), std::move(pose), {{}, coloring, {}}, progress);
 }
 
 Camera HeadlessRenderer::first_view(int width, int height) const {
   return state_->session.first_view(width, height);
 }
 
-Pictures HeadlessRenderer::render(const std::string& name, const Camera& camera, const Parameters& parameters,
+void HeadlessRenderer::set_outputs(const Outputs& outputs) {
+  state_->wants.color = outputs.color;
+  state_->wants.color_linear = outputs.linear;
+  state_->wants.depth = outputs.depth;
+  state_->wants.normal = outputs.normal;
+}
+
+Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camera, const Parameters& parameters,
                                   std::optional<vec3> background, Progress& progress) {
-  if (state_->session.empty()) throw Error(ErrorCode::usage, "nothing to render: call set_cloud first");
+  if (state_->session.empty()) throw Error(ErrorCode::usage, "nothing to render: call open or set_cloud first");
+  const std::string name = state_->settle(wanted);
   std::unique_ptr<Look>& look = state_->look;
   if (look && look->name != name) state_->forget_look();
   if (!look) look = std::make_unique<Look>(name);
@@ -45,10 +103,16 @@ Pictures HeadlessRenderer::render(const std::string& name, const Camera& camera,
   for (const auto& [key, value] : parameters) look->set(key, value);
   look->settings.transparent = !background;
   state_->session.set_background(background.value_or(vec3(1)));
-  RenderWants wants;
-  wants.color_linear = wants.depth = wants.normal = true;
-  RenderOutput out = state_->session.render(*look, camera, wants, progress);
-  return {std::move(out.rgba8), std::move(out.color_linear), std::move(out.depth), std::move(out.normal)};
+  RenderOutput out = state_->session.render(*look, camera, state_->wants, progress);
+
+  Pictures pictures{std::move(out.rgba8), std::move(out.color_linear), std::move(out.depth), std::move(out.normal), name};
+  if (wanted == automatic_technique) pictures.reason = state_->choice->reason;
+  for (const Param& param : look->parameters.all()) pictures.parameters.emplace_back(param.name, param.resolved());
+  pictures.notes = state_->notes;
+  const std::vector<std::string>& of_colors = state_->session.coloring().notes;
+  pictures.notes.insert(pictures.notes.end(), of_colors.begin(), of_colors.end());
+  pictures.notes.insert(pictures.notes.end(), out.notes.begin(), out.notes.end());
+  return pictures;
 }
 
 std::vector<std::string> HeadlessRenderer::techniques() {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "analysis/prepare.h"
@@ -20,6 +21,21 @@ inline gl::Context& context() {
   static std::unique_ptr<gl::Context> instance = gl::Context::create_headless();
   return *instance;
 }
+
+/// Another preference of that context while this lives.
+template <class T>
+class WithPreference {
+ public:
+  WithPreference(T gl::Preferences::*which, T value)
+      : place_(context().preferences().*which), before_(std::exchange(place_, value)) {}
+  ~WithPreference() { place_ = before_; }
+  WithPreference(const WithPreference&) = delete;
+  WithPreference& operator=(const WithPreference&) = delete;
+
+ private:
+  T& place_;
+  T before_;
+};
 
 class GlTest : public ::testing::Test {
  protected:

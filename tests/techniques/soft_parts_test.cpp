@@ -263,17 +263,11 @@ TEST_F(SoftParts, OneLayerShowsTheSecondSheetOpaque) {
   EXPECT_NEAR(render(balls, camera).color_linear.at(16, 16).g, 1, 1e-4);
 }
 
-struct WithVariable {
-  const char* name;
-  WithVariable(const char* n, const char* value) : name(n) { setenv(n, value, 1); }
-  ~WithVariable() { unsetenv(name); }
-};
-
 TEST_F(SoftParts, SortingOnTheGpuGivesTheSamePicture) {
   const std::vector<Ball> balls = ball_soup(5000, 30, 0.05f);
   const Camera camera = camera_at({0.5, -3, 1}, 64, 64);
   const RenderOutput cpu = render(balls, camera);
-  const WithVariable with("SFUMATO_DEPTH_SORT", "gpu");
+  const WithPreference with(&gl::Preferences::depth_sort, gl::Place::gpu);
   const RenderOutput gpu = render(balls, camera);
   for (std::size_t i = 0; i < cpu.color_linear.size(); ++i)
     ASSERT_EQ(cpu.color_linear.data()[i], gpu.color_linear.data()[i]);
@@ -298,11 +292,11 @@ TEST_F(SoftParts, BlendingOnTheCpuAndOnTheGpuGivesTheSamePicture) {
         }
         RenderOutput cpu, gpu;
         {
-          const WithVariable with("SFUMATO_SOFT_BLEND", "cpu");
+          const WithPreference with(&gl::Preferences::soft_blend, gl::Place::cpu);
           cpu = render(balls, camera);
         }
         {
-          const WithVariable with("SFUMATO_SOFT_BLEND", "gpu");
+          const WithPreference with(&gl::Preferences::soft_blend, gl::Place::gpu);
           gpu = render(balls, camera);
         }
         double covered = 0;

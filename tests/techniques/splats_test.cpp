@@ -1,5 +1,4 @@
 // Surface splatting against the oracle, analytic answers, and its own ways of drawing against each other.
-#include <cstdlib>
 #include <random>
 
 #include "../bench/frame_difference.h"
@@ -272,9 +271,8 @@ TEST_F(Splats, RimsOfClosedThingsAreSeenFromTheSide) {
   EXPECT_LT(wrong, rim / 100) << "of " << rim;
 }
 
-struct WithPath {
-  explicit WithPath(const char* path) { setenv("SFUMATO_SPLAT_PATH", path, 1); }
-  ~WithPath() { unsetenv("SFUMATO_SPLAT_PATH"); }
+struct WithPath : WithPreference<gl::SplatPath> {
+  explicit WithPath(gl::SplatPath path) : WithPreference(&gl::Preferences::splat_path, path) {}
 };
 
 TEST_F(Splats, SpritesAndQuadsGiveTheSamePicture) {
@@ -284,7 +282,7 @@ TEST_F(Splats, SpritesAndQuadsGiveTheSamePicture) {
       set("antialias", antialias);
       RenderOutput results[2];
       int k = 0;
-      for (const char* path : {"points", "quads"}) {
+      for (const gl::SplatPath path : {gl::SplatPath::points, gl::SplatPath::quads}) {
         const WithPath with(path);
         results[k++] = render(cloud, camera);
       }
@@ -312,7 +310,7 @@ TEST_F(Splats, ComputeAndRasterGiveTheSamePicture) {
         camera.height_world = 2;
         RenderOutput results[2];
         int k = 0;
-        for (const char* path : {"points", "compute"}) {
+        for (const gl::SplatPath path : {gl::SplatPath::points, gl::SplatPath::compute}) {
           const WithPath with(path);
           results[k++] = render(cloud, camera);
         }

@@ -1,5 +1,4 @@
 // The A-buffer of strokes: at once and step by step, in one piece and in bands, on the processor and on the GPU.
-#include <cstdlib>
 
 #include "reference/stroke_scenes.h"
 
@@ -9,9 +8,9 @@ using namespace sfumato::testing;
 namespace {
 
 /// Where fragments are listed: the processor on software GL, the GPU elsewhere.
-struct ListedOn {
-  explicit ListedOn(const char* place) { setenv("SFUMATO_STROKE_LISTS", place, 1); }
-  ~ListedOn() { unsetenv("SFUMATO_STROKE_LISTS"); }
+struct ListedOn : WithPreference<gl::Place> {
+  explicit ListedOn(const std::string& place)
+      : WithPreference(&gl::Preferences::stroke_lists, place == "cpu" ? gl::Place::cpu : gl::Place::gpu) {}
 };
 
 using ListsTest = GlTest;

@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <numeric>
 
 #include "core/error.h"
@@ -172,12 +171,11 @@ TEST_F(Surface, BothWrappersGiveTheSameMean) {
   add_layer(depth, 4, [](double x, double) { return x < 30 ? 3 : 5; });
   Image<float> means[2];
   int k = 0;
-  for (const char* kind : {"fragment", "compute"}) {
-    setenv("SFUMATO_SCREEN_PASS", kind, 1);
+  for (const ScreenPassKind kind : {ScreenPassKind::fragment, ScreenPassKind::compute}) {
+    const WithPreference with(&gl::Preferences::screen_passes, kind);
     Operators on_screen(camera, depth, 0.1f);
     means[k++] = on_screen.mean({});
   }
-  unsetenv("SFUMATO_SCREEN_PASS");
   for (std::size_t i = 0; i < means[0].size(); ++i) ASSERT_EQ(means[0].data()[i], means[1].data()[i]);
 }
 
@@ -320,14 +318,13 @@ TEST_F(Surface, AWallThatFillsTheViewIsFilled) {
 TEST_F(Surface, BothWrappersGiveTheSamePicture) {
   Image<Rgba8> pictures[2];
   int k = 0;
-  for (const char* kind : {"fragment", "compute"}) {
-    setenv("SFUMATO_SCREEN_PASS", kind, 1);
+  for (const ScreenPassKind kind : {ScreenPassKind::fragment, ScreenPassKind::compute}) {
+    const WithPreference with(&gl::Preferences::screen_passes, kind);
     Renderer renderer(context());
     auto technique = find_technique("surface").create();
     show(renderer, sphere_cloud(5000), {});
     pictures[k++] = renderer.render(*technique, front_camera(96, 64), RenderSettings{}).rgba8;
   }
-  unsetenv("SFUMATO_SCREEN_PASS");
   int different = 0;
   for (std::size_t i = 0; i < pictures[0].size(); ++i) different += !(pictures[0].data()[i] == pictures[1].data()[i]);
   EXPECT_EQ(different, 0);

@@ -22,7 +22,7 @@ vec3 axis_shares(const dvec3& direction) {
 void Express::blend(SoftPoints& points, const Order& order, const View& view, const gl::Texture& solid_t,
                     gl::Texture& color, bool as_quads) {
   // The pictures agree but for rounding.
-  if (gl::place_of_work("SFUMATO_SOFT_BLEND") == gl::Place::cpu) return cpu_.draw(points, order, view, solid_t, color);
+  if (gl::place_of_work(gl::preferences().soft_blend) == gl::Place::cpu) return cpu_.draw(points, order, view, solid_t, color);
   gl::Program& program = programs_[as_quads];
   if (!program) {
     gl::Defines defines{"SPLAT_SPHERE", "SOFT_ORDERED"};

@@ -37,7 +37,7 @@ void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
   // The pictures agree but for rounding.
-  on_cpu_ = order == StrokeOrder::stroke && gl::place_of_work("SFUMATO_STROKE_LISTS") == gl::Place::cpu;
+  on_cpu_ = order == StrokeOrder::stroke && gl::place_of_work(gl::preferences().stroke_lists) == gl::Place::cpu;
   if (on_cpu_)
     cpu_.begin(view, strokes, brush);
   else

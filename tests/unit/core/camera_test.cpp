@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "core/error.h"
+
 using namespace sfumato;
 
 namespace {
@@ -66,6 +70,35 @@ TEST(Camera, UpIsUpInTheImage) {
   EXPECT_LT(project(camera, {0, 0, 1}).y, project(camera, {0, 0, -1}).y);
   EXPECT_LT(camera.position.y, 0);  // azimuth 0 looks from the front (-Y), -45 degrees from front left
   EXPECT_LT(camera.position.x, 0);
+}
+
+// A host's matrices, made by glm and not by us: every point falls on the pixel where OpenGL puts it (y up there).
+TEST(Camera, MatricesOfAHostGiveItsPixels) {
+  const int width = 320, height = 180;
+  const dmat4 view = glm::lookAt(dvec3(3, -4, 2), dvec3(0.5, 0.2, 0.1), dvec3(0.1, 0, 1));
+  for (const dmat4& projection : {glm::perspective(0.9, 16.0 / 9, 0.1, 100.0), glm::frustum(-0.05, 0.2, -0.1, 0.03, 0.1, 50.0),
+                                  glm::ortho(-2.0, 3.0, -1.5, 1.0, 0.1, 50.0)}) {
+    const Camera camera = camera_of_matrices(view, projection, width, height);
+    for (const dvec3& p : {dvec3(0.3, 0.2, 0.7), dvec3(-1, 0.5, 0), dvec3(0.5, 0.2, 0.1)}) {
+      const glm::dvec4 clip = projection * view * glm::dvec4(p, 1);
+      const glm::dvec2 px = project(camera, p);
+      EXPECT_NEAR(px.x, (clip.x / clip.w + 1) * 0.5 * width, 1e-9);
+      EXPECT_NEAR(px.y, (1 - clip.y / clip.w) * 0.5 * height, 1e-9);
+      EXPECT_NEAR((camera.view() * glm::dvec4(p, 1)).z, (view * glm::dvec4(p, 1)).z, 1e-12);
+    }
+  }
+}
+
+TEST(Camera, MatricesOfNoCameraAreRefused) {
+  const dmat4 view = glm::lookAt(dvec3(3, -4, 2), dvec3(0), dvec3(0, 0, 1)), projection = glm::perspective(0.9, 1.0, 0.1, 9.0);
+  EXPECT_THROW(camera_of_matrices(view * 2.0, projection, 10, 10), Error);
+  EXPECT_THROW(camera_of_matrices(glm::scale(view, dvec3(-1, 1, 1)), projection, 10, 10), Error);
+  EXPECT_THROW(camera_of_matrices(view, dmat4(1) - dmat4(1), 10, 10), Error);
+  dmat4 skewed = projection;
+  skewed[1][0] = 0.2;
+  EXPECT_THROW(camera_of_matrices(view, skewed, 10, 10), Error);
+  EXPECT_THROW(camera_of_matrices(dmat4(NAN), projection, 10, 10), Error);
+  EXPECT_THROW(camera_of_matrices(view, projection, 0, 10), Error);
 }
 
 }  // namespace

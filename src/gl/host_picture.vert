@@ -1,0 +1,5 @@
+// One triangle over the viewport; between the clip planes by either convention of depth.
+void main() {
+  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);
+  gl_Position = vec4(corner * 2.0 - 1.0, 0.5, 1.0);
+}

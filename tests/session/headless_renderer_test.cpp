@@ -1,0 +1,123 @@
+// The library's own way from files to pictures.
+#include "sfumato/renderer.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "core/error.h"
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+class HeadlessRendererTest : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    folder_ = std::filesystem::temp_directory_path() / ("sfumato_headless_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override {
+    std::filesystem::remove_all(folder_);
+    GlTest::TearDown();
+  }
+  /// A plane of scattered points at height `z`, all of one class; x from `left` on, 2 wide.
+  std::string plane(const std::string& name, double left, double z, int kind) const {
+    const std::filesystem::path path = folder_ / name;
+    std::ofstream out(path);
+    out << "x,y,z,classification\n";
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(0, 2);
+    for (int i = 0; i < 20'000; ++i) out << left + place(random) << ',' << place(random) << ',' << z << ',' << kind << '\n';
+    return path;
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string value_of(const Pictures& p, const std::string& name) {
+    for (const auto& [key, value] : p.parameters)
+      if (key == name) return value;
+    return "no such parameter";
+  }
+
+  std::filesystem::path folder_;
+};
+
+Camera above(double x) {
+  Camera camera;
+  camera.position = {x, 1, 5}, camera.target = {x, 1, 0}, camera.up = {0, 1, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = 2;
+  camera.width = 120, camera.height = 60;
+  return camera;
+}
+
+TEST_F(HeadlessRendererTest, OpensFilesAsOneScene) {
+  HeadlessRenderer renderer;
+  renderer.open({{plane("a.csv", 0, 0, 2), plane("b.csv", 2, 0, 6)}});
+  const Pictures p = renderer.render("points", above(2));
+  for (int x : {10, 50, 70, 110}) EXPECT_NEAR(p.depth.at(x, 30), 5, 1e-3) << x;  // files left and right of x = 2
+  EXPECT_EQ(p.technique, "points");
+  EXPECT_EQ(p.reason, "");
+}
+
+TEST_F(HeadlessRendererTest, RulesDrawPartsByTechniquesOfTheirOwn) {
+  HeadlessRenderer renderer;
+  const std::vector<std::string> files{plane("a.csv", 0, 0, 2), plane("b.csv", 2, 0, 6)};
+  renderer.open({files, {"classification 6: none"}});
+  const Pictures p = renderer.render("points", above(2));
+  EXPECT_NEAR(p.depth.at(20, 30), 5, 1e-3);
+  EXPECT_TRUE(std::isinf(p.depth.at(100, 30)));
+  EXPECT_THROW(renderer.open({files, {"classification 6 surface"}}), Error);
+}
+
+TEST_F(HeadlessRendererTest, AutoSaysWhatItChoseAndWhatValuesItHas) {
+  HeadlessRenderer renderer;
+  renderer.open({{plane("a.csv", 0, 0, 2)}});
+  const Pictures p = renderer.render("auto", renderer.first_view(120, 80));
+  const std::vector<std::string> all = HeadlessRenderer::techniques();
+  EXPECT_NE(std::find(all.begin(), all.end(), p.technique), all.end()) << p.technique;
+  EXPECT_NE(p.reason, "");
+  EXPECT_NE(value_of(p, "light"), "auto");
+  EXPECT_EQ(value_of(renderer.render("points", renderer.first_view(120, 80), {{"point_size", "3"}}), "point_size"), "3");
+}
+
+TEST_F(HeadlessRendererTest, PresetsOfTheCommandHold) {
+  const std::string file = write("look.json", R"({"technique": "points",
+    "parameters": {"shading": "albedo", "points": {"point_size": 4}, "splats": {"radius_scale": 2}}})");
+  const PresetLook look = read_preset(file);
+  EXPECT_EQ(look.technique, "points");
+  const Parameters expected{{"shading", "albedo"}, {"point-size", "4"}};
+  EXPECT_TRUE(std::is_permutation(look.parameters.begin(), look.parameters.end(), expected.begin(), expected.end()));
+  EXPECT_EQ(read_preset(file, "splats").parameters.size(), 2u);
+  EXPECT_THROW(read_preset(write("bad.json", "{")), Error);
+}
+
+TEST_F(HeadlessRendererTest, ReadsBackWhatIsAskedFor) {
+  HeadlessRenderer renderer;
+  renderer.set_cloud(sphere_cloud(2000));
+  renderer.set_outputs({.color = true, .linear = false, .depth = true, .normal = false});
+  const Pictures p = renderer.render("points", renderer.first_view(40, 30));
+  EXPECT_EQ(p.color.size(), 1200u);
+  EXPECT_EQ(p.depth.size(), 1200u);
+  EXPECT_TRUE(p.linear.empty() && p.normal.empty());
+}
+
+TEST_F(HeadlessRendererTest, NamesWhatIsMissing) {
+  HeadlessRenderer renderer;
+  EXPECT_THROW(renderer.render("points", above(0)), Error);
+  EXPECT_THROW(renderer.open({}), Error);
+  try {
+    renderer.open({{(folder_ / "none.laz").string()}});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("none.laz"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace

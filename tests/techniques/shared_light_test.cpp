@@ -1,0 +1,179 @@
+// Light, material and finish that all techniques share, against the formulas of the documentation computed here in double
+// precision from the depths and normals of the same picture.
+#include <algorithm>
+#include <cmath>
+
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+double linear(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
+
+constexpr Rgba8 paint{200, 100, 50, 255};
+const dvec3 albedo{linear(200 / 255.0), linear(100 / 255.0), linear(50 / 255.0)};
+
+/// A sphere with a floor beside it, of one colour.
+PointCloud scene() {
+  PointCloud cloud = sphere_cloud(30000);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-2, 2);
+  for (int i = 0; i < 30000; ++i) {
+    cloud.positions.push_back({place(random), place(random), -1});
+    cloud.normals.push_back({0, 0, 1});
+  }
+  cloud.colors.assign(cloud.size(), paint);
+  return cloud;
+}
+
+/// World position of the middle of a pixel at an eye depth, by the definition of the camera.
+dvec3 world_position(const Camera& camera, int x, int y, double depth) {
+  const Intrinsics k = camera.intrinsics();
+  const double w = camera.orthographic() ? 1 : depth;
+  const glm::dvec4 eye((x + 0.5 - k.cx) / k.fx * w, -(y + 0.5 - k.cy) / k.fy * w, -depth, 1);
+  return dvec3(glm::inverse(camera.view()) * eye);
+}
+
+struct Case {
+  const char* technique;
+  bool orthographic;
+};
+
+class SharedLight : public GlTest, public ::testing::WithParamInterface<Case> {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    technique = find_technique(GetParam().technique).create();
+    show(renderer, scene(), technique->needs());
+    settings.edl.user = false;
+    camera = front_camera(96, 72);
+    camera.position = {1, -4, 2};
+    if (GetParam().orthographic) camera.projection = Projection::orthographic, camera.height_world = 4;
+  }
+  RenderOutput render() { return renderer.render(*technique, camera, settings, all_outputs()); }
+  dvec3 to_eye(const dvec3& p) const {
+    return camera.orthographic() ? -camera.direction() : glm::normalize(camera.position - p);
+  }
+
+  Renderer renderer{context()};
+  std::unique_ptr<Technique> technique;
+  RenderSettings settings;
+  Camera camera;
+};
+
+// c = albedo (k_a + k_d n.l) + k_s (r.v)^s, with the normal on the side of the camera (light_and_shadows.md).
+TEST_P(SharedLight, IsThatOfPhong) {
+  settings.phong.ambient = 0.2f, settings.phong.diffuse = 0.6f, settings.phong.shininess = 7;
+  settings.phong.specular.user = 0.4f;
+  const dvec3 lamp(2, -3, 4), sun = glm::normalize(dvec3(-1, -2, 2));
+  double brightest = 0;
+  const bool is_surface = GetParam().technique == std::string("surface");
+  if (is_surface) set_parameter(*technique, "ambient_occlusion", "0");  // which darkens the paint before it is lit
+  const double tolerance = is_surface ? 4e-3 : 2e-3;  // it keeps the colours of its discs as halves
+  for (const char* light : {"headlight", "2,-3,4", "dir:-1,-2,2"}) {
+    settings.light_text = light;
+    const RenderOutput out = render();
+    int seen = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const vec4 c = out.color_linear.at(x, y);
+        const dvec3 n(out.normal.at(x, y));
+        if (c.a < 0.999f || std::isinf(out.depth.at(x, y)) || glm::length(n) < 0.5) continue;
+        const dvec3 p = world_position(camera, x, y, out.depth.at(x, y)), v = to_eye(p);
+        const dvec3 l = std::string(light) == "headlight" ? v : light[0] == 'd' ? sun : glm::normalize(lamp - p);
+        ASSERT_GE(glm::dot(n, v), -1e-4) << "the picture's normal faces away";
+        if (glm::dot(n, v) < 1e-3) continue;  // seen edge-on, either side of it may be lit
+        const double diffuse = std::max(0.0, glm::dot(n, l));
+        const dvec3 reflected = 2 * glm::dot(n, l) * n - l;
+        const double shine = diffuse > 0 ? 0.4 * std::pow(std::max(0.0, glm::dot(reflected, v)), 7) : 0;
+        brightest = std::max(brightest, shine);
+        for (int k = 0; k < 3; ++k)
+          ASSERT_NEAR(c[k], albedo[k] * (0.2 + 0.6 * diffuse) + shine, tolerance) << light << " at " << x << ' ' << y;
+        ++seen;
+      }
+    EXPECT_GT(seen, 1500) << light;
+  }
+  EXPECT_GT(brightest, 0.3) << "no highlight was looked at";
+}
+
+TEST_P(SharedLight, NormalsAreShownAsColours) {
+  settings.shading = Shading::normals;
+  const RenderOutput out = render();
+  int seen = 0;
+  for (std::size_t i = 0; i < out.normal.size(); ++i) {
+    const dvec3 n(out.normal.data()[i]);
+    const vec4 c = out.color_linear.data()[i];
+    if (c.a < 0.999f || glm::length(n) < 0.5) continue;
+    for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k], linear(0.5 * n[k] + 0.5), 2e-3);
+    ++seen;
+  }
+  EXPECT_GT(seen, 1500);
+}
+
+// Near is light, far is dark, evenly spaced as sRGB; and nearer is never darker.
+TEST_P(SharedLight, DepthIsShownFromLightToDark) {
+  settings.shading = Shading::depth;
+  const RenderOutput out = render();
+  // Two numbers say the line: it must go through all the others.
+  double nearest = INFINITY, farthest = 0, light = 0, dark = 1;
+  const auto srgb = [](double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; };
+  const auto each = [&](const auto& f) {
+    for (std::size_t i = 0; i < out.depth.size(); ++i)
+      if (const vec4 c = out.color_linear.data()[i]; c.a > 0.999f && !std::isinf(out.depth.data()[i]))
+        f(double(out.depth.data()[i]), srgb(c.r));
+  };
+  each([&](double depth, double value) {
+    if (depth < nearest) nearest = depth, light = value;
+    if (depth > farthest) farthest = depth, dark = value;
+  });
+  EXPECT_GT(light, dark + 0.2);
+  EXPECT_LE(light, 1);
+  EXPECT_GE(dark, 0);
+  each([&](double depth, double value) {
+    ASSERT_NEAR(value, light + (dark - light) * (depth - nearest) / (farthest - nearest), 2e-3);
+  });
+}
+
+// Each pixel times exp(-300 * 2.2 * strength * mean over eight neighbours of max(0, log2 depth - log2 theirs)), Boucheny 2009
+// with the constant of Potree.
+TEST_P(SharedLight, EyeDomeLightingIsThatOfBoucheny) {
+  settings.shading = Shading::lit;
+  const RenderOutput plain = render();
+  settings.edl.user = true;
+  settings.edl_radius = 2.2f, settings.edl_strength = 0.02f;  // not so strong that every edge is black
+  const RenderOutput out = render();
+  // An orthographic camera has no distance: that of a camera of 45 degrees that sees as much takes its place.
+  const double reference = 4 / (2 * std::tan(glm::radians(22.5)));
+  const auto logarithm = [&](double depth) { return camera.orthographic() ? depth / reference / std::log(2.0) : std::log2(depth); };
+  int darkened = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const double depth = plain.depth.at(x, y);
+      if (std::isinf(depth) || plain.color_linear.at(x, y).a == 0) continue;
+      double response = 0;
+      for (int k = 0; k < 8; ++k) {
+        const double angle = k * std::acos(-1.0) / 4;
+        const int nx = std::clamp(int(std::floor(x + 0.5 + 2.2 * std::cos(angle))), 0, camera.width - 1);
+        const int ny = std::clamp(int(std::floor(y + 0.5 + 2.2 * std::sin(angle))), 0, camera.height - 1);
+        const double there = plain.depth.at(nx, ny);
+        if (!std::isinf(there)) response += std::max(0.0, logarithm(depth) - logarithm(there)) / 8;
+      }
+      const double shade = std::exp(-response * 300 * 0.02 * 2.2);
+      darkened += shade < 0.8;
+      // Logarithms of floats: 1e-6 times 300.
+      for (int k = 0; k < 3; ++k)
+        ASSERT_NEAR(out.color_linear.at(x, y)[k], plain.color_linear.at(x, y)[k] * shade, 2e-3) << x << ' ' << y;
+    }
+  EXPECT_GT(darkened, 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Techniques, SharedLight,
+                         ::testing::Values(Case{"points", false}, Case{"points", true}, Case{"splats", false},
+                                           Case{"splats", true}, Case{"surface", false}, Case{"surface", true}),
+                         [](const auto& each) {
+                           return std::string(each.param.technique) + (each.param.orthographic ? "_orthographic" : "");
+                         });
+
+}  // namespace
