@@ -77,6 +77,7 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
                                Progress& progress) {
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
+  if (prepared.cloud.normals.empty() || prepared.cloud.radii.empty()) recover_grid(prepared.cloud);
   keep_viewpoints(prepared.cloud);
   std::vector<std::uint32_t> order = morton_order(prepared.cloud, progress);
   prepared.views = view_places(prepared.cloud, order);

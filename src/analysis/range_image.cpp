@@ -179,7 +179,108 @@ class RangeImage {
   float noise_ = 0;           // deviation of a range over the range squared, as stereo has it
 };
 
+/// Columns, or rows, of pixels: evenly spaced values that all others are near to.
+struct Lines {
+  double first = 0, pitch = 0;
+  int count = 0;
+  double place(double value) const { return (value - first) / pitch; }
+};
+
+/// Of points that lie in no pixel.
+constexpr std::uint32_t nowhere = ~0u;
+constexpr int most_lines = 8192, least_lines = 32;
+
+/// A value at most this share of a pitch away from its line is on it; two in a hundred may lie farther off.
+constexpr double off_line = 0.25, on_lines = 0.98;
+
+std::optional<Lines> find_lines(std::vector<double> values) {
+  if (values.size() < std::size_t(least_lines)) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  const double range = values[n - 1] - values[0];
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < n; ++i)
+    if (const double gap = values[i] - values[i - 1]; gap * most_lines > range) gaps.push_back(gap);
+  if (gaps.size() < std::size_t(least_lines)) return std::nullopt;
+  std::nth_element(gaps.begin(), gaps.begin() + std::ptrdiff_t(gaps.size() / 2), gaps.end());
+  const double wide = 0.4 * gaps[gaps.size() / 2];
+  std::vector<double> lines, steps;
+  for (std::size_t first = 0; first < n;) {
+    std::size_t last = first + 1;
+    double sum = values[first];
+    for (; last < n && values[last] - values[last - 1] <= wide; ++last) sum += values[last];
+    lines.push_back(sum / double(last - first));
+    first = last;
+  }
+  for (std::size_t k = 1; k < lines.size(); ++k) steps.push_back(lines[k] - lines[k - 1]);
+  if (steps.size() < std::size_t(least_lines)) return std::nullopt;
+  std::vector<double> sorted = steps;
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  const double pitch = sorted[sorted.size() / 2];
+  // A line through the places of lines, by least squares: the pitch to a thousandth is not enough for 640 of them.
+  double number = 0, count = 0, sum_k = 0, sum_kk = 0, sum_v = 0, sum_kv = 0;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (k > 0) number += std::round(steps[k - 1] / pitch);
+    ++count, sum_k += number, sum_kk += number * number, sum_v += lines[k], sum_kv += number * lines[k];
+  }
+  const double spread = count * sum_kk - sum_k * sum_k;
+  if (!(spread > 0) || number >= most_lines) return std::nullopt;
+  Lines found;
+  found.pitch = (count * sum_kv - sum_k * sum_v) / spread;
+  found.first = (sum_v - found.pitch * sum_k) / count;
+  found.count = int(number) + 1;
+  if (!(found.pitch > 0)) return std::nullopt;
+  std::size_t on = 0;
+  for (double value : values) {
+    const double place = found.place(value), nearest = std::round(place);
+    on += std::abs(place - nearest) < off_line && nearest >= 0 && nearest < found.count;
+  }
+  return double(on) >= on_lines * double(n) ? std::optional(found) : std::nullopt;
+}
+
 }  // namespace
+
+bool recover_grid(PointCloud& cloud) {
+  constexpr double filled = 0.25, twice = 0.02, strays = 0.005;
+  const std::size_t n = cloud.size();
+  if (!cloud.grids.empty() || !cloud.scanners.empty() || n < std::size_t(least_lines) * least_lines) return false;
+  const double side = cloud.world(n / 2).z > 0 ? 1 : -1;
+  const auto slopes = [&](std::size_t i) -> std::optional<glm::dvec2> {
+    const dvec3 p = cloud.world(i);
+    const double depth = side * p.z;
+    if (!(std::abs(p.x) < 2 * depth && std::abs(p.y) < 2 * depth)) return std::nullopt;
+    return glm::dvec2(p.x, p.y) / depth;
+  };
+  const std::size_t stride = std::max<std::size_t>(1, n / 4096);
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < n; i += stride) outside += !slopes(i);
+  if (double(outside * stride) > 4 * strays * double(n)) return false;
+  std::vector<double> across, down;
+  across.reserve(n), down.reserve(n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (const auto at = slopes(i)) across.push_back(at->x), down.push_back(at->y);
+  if (double(n - across.size()) > strays * double(n)) return false;
+  const auto columns = find_lines(across), rows = columns ? find_lines(down) : std::nullopt;
+  if (!rows || double(n) < filled * columns->count * rows->count) return false;
+  std::vector<std::uint32_t> cells(n);
+  std::vector<std::uint32_t> first_in(std::size_t(columns->count) * std::size_t(rows->count), nowhere);
+  std::size_t shared = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    cells[i] = nowhere;
+    const auto at = slopes(i);
+    if (!at) continue;
+    const long x = std::lround(columns->place(at->x)), y = std::lround(rows->place(at->y));
+    if (x < 0 || y < 0 || x >= columns->count || y >= rows->count) continue;
+    cells[i] = std::uint32_t(y) * std::uint32_t(columns->count) + std::uint32_t(x);
+    std::uint32_t& first = first_in[cells[i]];
+    if (first == nowhere) first = std::uint32_t(i);
+    shared += cloud.positions[first] != cloud.positions[i];
+  }
+  if (double(shared) > twice * double(n)) return false;
+  cloud.grid_index = std::move(cells);
+  cloud.grids = {{0, n, std::uint32_t(columns->count), std::uint32_t(rows->count), dvec3(0)}};
+  return true;
+}
 
 void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress) {
   const bool normals = needs.has(Attribute::normal) && cloud.normals.empty();
@@ -192,11 +293,11 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
     if (!image) continue;
     if (normals) cloud.normals.resize(cloud.size(), vec3(0));
     if (radii) cloud.radii.resize(cloud.size(), 0.0f);
-    const std::size_t last = grid.first + grid.count;
+    const std::size_t last = grid.first + grid.count, cells = std::size_t(grid.width) * grid.height;
     image->smooth();
     tbb::parallel_for(grid.first, last, [&](std::size_t i) {
       const std::uint32_t cell = cloud.grid_index[i];
-      if (image->range(cell) == none) return;
+      if (cell >= cells || image->range(cell) == none) return;
       const vec3 normal = image->normal(cell);
       if (normals) cloud.normals[i] = normal;
       if (radii) cloud.radii[i] = cover * image->spacing(cell, normal);

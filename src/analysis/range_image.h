@@ -16,6 +16,11 @@ namespace sfumato::analysis {
 /// For a cloud that has its grids still, i.e. is not sorted.
 void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress = no_progress());
 
+/// The grid of one depth picture that a file without grids holds (PLY, text): seen from the origin along z, all points lie in
+/// the columns and rows of a camera's pixels, in any order, but for a few strays, and a quarter or more of those have one. Sets `grids`, with the
+/// origin as viewpoint, and `grid_index`; false, and nothing changed, where there are no such columns and rows.
+bool recover_grid(PointCloud& cloud);
+
 /// The places of all points of `cloud`, which is to be sorted into `order`: what sorting would lose. Empty when there are
 /// no views or the cloud has normals and radii.
 ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>& order);

@@ -147,4 +147,63 @@ TEST(RangeImage, PreparationCompletesPointsOfNoGrid) {
   }
 }
 
+/// What a file without grids keeps of a view that looks along z, or along -z: its points, here in another order.
+PointCloud loose(double along, float step, std::vector<std::uint32_t>& cells) {
+  std::mt19937 random(6);
+  PointCloud cloud;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (std::hypot(x - 50, y - 20) < 9 || x == 33) continue;  // nothing was measured there
+      const float depth = std::round((2 + 0.01f * float(x + y)) / step) * step;
+      const vec3 p((float(x) + 0.3f - width / 2) / focal * depth, (float(y) + 0.3f - height / 2) / focal * depth,
+                   float(along) * depth);
+      cloud.positions.push_back(p);
+      cells.push_back(std::uint32_t(y * width + x));
+    }
+  std::vector<std::size_t> order(cloud.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::shuffle(order.begin(), order.end(), random);
+  PointCloud shuffled;
+  std::vector<std::uint32_t> shuffled_cells;
+  for (std::size_t i : order) shuffled.positions.push_back(cloud.positions[i]), shuffled_cells.push_back(cells[i]);
+  cells = shuffled_cells;
+  return shuffled;
+}
+
+TEST(RangeImage, PixelsAreFoundAgainInFilesWithoutThem) {
+  for (double along : {1.0, -1.0}) {
+    std::vector<std::uint32_t> cells;
+    PointCloud cloud = loose(along, 0.001f, cells);
+    cloud.positions.push_back(vec3(300, 200, -40));  // a stray
+    ASSERT_TRUE(recover_grid(cloud));
+    ASSERT_EQ(cloud.grids.size(), 1u);
+    EXPECT_EQ(cloud.grids[0].width, std::uint32_t(width));
+    EXPECT_EQ(cloud.grids[0].height, std::uint32_t(height));
+    EXPECT_EQ(cloud.grids[0].viewpoint, dvec3(0));
+    for (std::size_t i = 0; i < cells.size(); ++i) ASSERT_EQ(cloud.grid_index[i], cells[i]) << i;
+    complete_from_grids(cloud, Attribute::normal | Attribute::radius);
+    EXPECT_EQ(cloud.normals.back(), vec3(0)) << "in no pixel";
+    const auto known = std::count_if(cloud.normals.begin(), cloud.normals.end(), [](const vec3& n) { return n != vec3(0); });
+    EXPECT_GT(double(known), 0.98 * double(cloud.size()));
+  }
+}
+
+TEST(RangeImage, WhatIsNoPictureGetsNoPixels) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud scattered, grid;
+  for (int i = 0; i < 20'000; ++i) {
+    const float depth = 2 + unit(random);
+    scattered.positions.push_back(depth * vec3(unit(random) - 0.5f, unit(random) - 0.5f, 1));
+    grid.positions.push_back(vec3(float(i % 100), float(i / 100), 150) + vec3(0, 0, 40 * unit(random)));  // even in space
+  }
+  EXPECT_FALSE(recover_grid(scattered));
+  EXPECT_FALSE(recover_grid(grid));
+  std::vector<std::uint32_t> cells;
+  PointCloud sparse = loose(1, 0.001f, cells);
+  sparse.positions.resize(sparse.size() / 8);
+  EXPECT_FALSE(recover_grid(sparse));
+  EXPECT_TRUE(sparse.grids.empty() && sparse.grid_index.empty());
+}
+
 }  // namespace
