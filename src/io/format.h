@@ -12,6 +12,7 @@
 namespace sfumato::io {
 
 using ReadFunction = ReadResult (*)(const std::filesystem::path&, const ReadOptions&, Progress&);
+using ExcerptFunction = std::optional<ReadResult> (*)(const std::filesystem::path&, std::size_t, const ReadOptions&, Progress&);
 using WriteFunction = WriteReport (*)(const std::filesystem::path&, const PointCloud&, Progress&);
 using MeshFunction = Mesh (*)(const std::filesystem::path&, Progress&);
 /// Whether a file that begins with `head` (its first 4096 bytes, or all of it) has this format.
@@ -26,6 +27,7 @@ struct Format {
   ReadFunction read = nullptr;
   WriteFunction write = nullptr;
   MeshFunction read_mesh = nullptr;
+  ExcerptFunction excerpt = nullptr;
 };
 
 /// Error(bad_input) with the one line every reader owes its user: file, place, what is wrong, what to do.

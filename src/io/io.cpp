@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "io/atomic_writer.h"
+#include "io/excerpt.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/las.h"
@@ -14,13 +15,13 @@ namespace {
 /// Ordered: content decides before the extension, and of two formats that recognise it the first wins.
 const std::vector<Format>& table() {
   static const std::vector<Format> formats = {
-      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, read_ply_mesh},
-      {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd, write_pcd},
-      {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh},
-      {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las},
-      {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz},
-      {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las},
-      {"pts", {".pts"}, "lines of numbers behind their count", nullptr, read_text},
+      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, read_ply_mesh, excerpt_ply},
+      {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd, write_pcd, nullptr, excerpt_pcd},
+      {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh, excerpt_obj},
+      {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las, nullptr, nullptr, excerpt_las},
+      {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz, nullptr, excerpt_las},
+      {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las, nullptr, excerpt_las},
+      {"pts", {".pts"}, "lines of numbers behind their count", nullptr, read_text, nullptr, nullptr, excerpt_text},
       {"npy", {".npy"}, "NumPy array, a row or a record a point", is_npy, read_npy_points, write_npy_cloud},
       {"e57", {".e57"}, "ASTM E2807, all scans", is_e57, read_e57},
       {"ptx", {".ptx"}, "Leica PTX, all scans", is_ptx, read_ptx},
@@ -36,7 +37,9 @@ const std::vector<Format>& table() {
        "lines of numbers, columns from a header or guessed",
        is_text,
        read_text,
-       write_text},
+       write_text,
+       nullptr,
+       excerpt_text},
   };
   return formats;
 }
@@ -98,6 +101,17 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   if (result.report.format.empty()) result.report.format = format.name;
   if (options.max_points && result.cloud.size() > *options.max_points)
     result.cloud = subsample(result.cloud, std::size_t(*options.max_points));
+  return result;
+}
+
+std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::size_t points, const ReadOptions& options,
+                                       Progress& progress) {
+  const Format& format = find_format(file);
+  if (!format.excerpt) return std::nullopt;
+  std::optional<ReadResult> result = format.excerpt(file, points, options, progress);
+  if (!result || result->cloud.empty()) return std::nullopt;
+  result->report.file = file;
+  result->report.format = format.name;
   return result;
 }
 

@@ -19,11 +19,14 @@ struct AttributeStats {
   double min = 0, max = 0, mean = 0;
 };
 
+class RecordTap;
+
 struct ReadOptions {
   std::vector<std::string> columns;          ///< text files: names by position, wins over the guess
   std::optional<std::uint64_t> max_points;   ///< deterministic subsample while or after reading
   bool strict = false;                       ///< refuse a file of which parts are damaged
   bool every_attribute = false;              ///< also those of LAS that are zero everywhere: for conversions
+  RecordTap* tap = nullptr;                  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
 };
 
 struct ReadReport {
@@ -51,6 +54,12 @@ struct ReadResult {
 /// nodes of COPC that are damaged are left out, and the report says so, unless `options.strict` or nothing else is left.
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options = {},
                 Progress& progress = no_progress());
+
+/// About `points` of the points of a large file, from everywhere in it, in a small part of the time: runs of neighbours of
+/// LAS, LAZ, COPC, PLY, PCD, OBJ and text. The report has the file's number of points where its header says it, and
+/// statistics of what is here. Nothing where the file cannot be cut so, or has less than four times as many.
+std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::size_t points, const ReadOptions& options = {},
+                                       Progress& progress = no_progress());
 
 /// Vertices and triangles of a PLY or OBJ file (polygons are fanned).
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress = no_progress());

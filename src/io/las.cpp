@@ -12,6 +12,7 @@
 #include "io/decoder_pool.h"
 #include "io/las_points.h"
 #include "io/las_records.h"
+#include "io/record_tap.h"
 
 namespace sfumato::io {
 namespace las {
@@ -49,7 +50,8 @@ class Thinning {
  public:
   /// Throws Error(out_of_memory) when the cloud does not fit and nobody asked for fewer points.
   Thinning(const InputFile& file, const Header& header, std::size_t bytes_per_point, const ReadOptions& options)
-      : total_(header.count), length_(header.record_length) {
+      : total_(header.count), length_(header.record_length), tap_(options.tap) {
+    if (tap_) tap_->begin(file.read_text(0, std::size_t(header.point_data)), length_, total_);
     const std::uint64_t limit = memory_limit(), most = limit / bytes_per_point;
     // A number of points beyond what so large a file can hold is damage, and found as such where they end.
     if (total_ <= most || !is_trusted(file, total_ * bytes_per_point)) return;
@@ -69,6 +71,7 @@ class Thinning {
   std::uint64_t before(std::uint64_t i) const { return kept_ ? kept_->before(i) : i; }
   /// Hands those of the records that are kept to the collector; the others are overwritten.
   void store(PointCollector& points, std::uint64_t first, std::uint8_t* records, std::size_t count, Stats& stats) const {
+    if (tap_) tap_->take(first, records, count);
     if (!kept_) return points.unpack(first, records, count, stats);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i)
@@ -88,6 +91,7 @@ class Thinning {
  private:
   std::uint64_t total_, wanted_ = 0;
   std::size_t length_;
+  RecordTap* tap_;
   std::optional<Subsample> kept_;
 };
 

@@ -180,7 +180,7 @@ struct LazDecoder::State {
     std::uint32_t count = 0;
     const std::uint64_t size = layered_chunk_size(layout, {data, std::size_t(chunk.size)}, chunk.size, count);
     if (size == 0) fail("layers larger than their chunk");
-    if (count != chunk.count)
+    if (count != (chunk.held ? chunk.held : chunk.count))
       fail(std::to_string(count) + " points where " + std::to_string(chunk.count) + " were expected");
     const std::uint8_t* sizes = data + layout.record_length + 4;
     const std::uint8_t* layer = sizes + 4 * layout.layers;

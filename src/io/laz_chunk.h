@@ -33,6 +33,7 @@ struct LazChunk {
   std::uint64_t byte = 0, size = 0;  ///< in the file
   std::uint64_t first = 0;           ///< number of its first point
   std::uint32_t count = 0;
+  std::uint32_t held = 0;            ///< points that it has in the file, where `count` is only the first of them; 0: as many
   std::uint32_t number = 0;                      ///< in the file, from 0
   std::int32_t level = -1, x = 0, y = 0, z = 0;  ///< of COPC: its node
 };

@@ -2,7 +2,10 @@
 
 #include "scene/assemble.h"
 
+#include <filesystem>
+
 #include "core/error.h"
+#include "scene/leveled_scene.h"
 
 namespace sfumato::scene {
 
@@ -104,6 +107,40 @@ Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options,
                        !options.selection.show_classes.empty() || !options.selection.filters.empty();
   if (selects) read.max_points.reset();
   return put_together(files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); }, false);
+}
+
+std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options, std::size_t points,
+                                 Progress& progress) {
+  try {
+    if (const auto leveled = LeveledScene::open(files, options, default_memory, true)) {
+      std::uint64_t all = 0;
+      for (const copc::Tree& tree : leveled->trees()) all += tree.points;
+      return all < 4 * points ? std::nullopt : std::optional(leveled->coarse(points, progress));
+    }
+    std::vector<double> bytes;
+    double all_bytes = 0;
+    for (const SceneFile& file : files) {
+      std::error_code error;
+      const auto size = std::filesystem::file_size(file.name, error);
+      all_bytes += bytes.emplace_back(error ? 0.0 : double(size));
+    }
+    std::vector<SceneFile> cut;
+    std::vector<io::ReadResult> parts;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const auto share = std::size_t(double(points) * bytes[i] / std::max(1.0, all_bytes));
+      if (share == 0) continue;  // nor is standard input read twice
+      if (auto part = io::read_excerpt(files[i].name, share, options.read, progress)) {
+        cut.push_back(files[i]);
+        parts.push_back(std::move(*part));
+      }
+    }
+    if (cut.empty()) return std::nullopt;
+    return assemble(cut, options, [&](std::size_t i) { return std::move(parts[i]); });
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
 }
 
 Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress) {

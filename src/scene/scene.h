@@ -58,6 +58,11 @@ Scene read_scene(const std::vector<std::string>& files, const SceneOptions& opti
 /// nothing is selected), then `narrow`, which keeps those that are wanted.
 Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress = no_progress());
 void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options);
+/// About `points` of the points of large files, from everywhere in them, without reading the files: COPC by its coarsest
+/// levels, others by `io::read_excerpt`; files that cannot be cut so are left out. Nothing when that leaves none, and
+/// nothing that is wrong with a file is said: reading it does.
+std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options, std::size_t points,
+                                 Progress& progress = no_progress());
 /// Files that stand where their points say.
 std::vector<SceneFile> files_of(const std::vector<std::string>& names);
 
