@@ -7,7 +7,7 @@
 namespace sfumato::gl {
 
 Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : bytes_(bytes) {
-  while (glGetError() != GL_NO_ERROR) {
+  for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i) {  // a lost context has no end of them
   }
   glCreateBuffers(1, &id_);
   // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato. GL reads as much as it stores, so

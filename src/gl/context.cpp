@@ -89,14 +89,23 @@ bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
     return false;
   };
   if (!eglBindAPI(EGL_OPENGL_API)) return refuse("no OpenGL: this EGL offers OpenGL ES only");
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                               EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
+  // Told of resets (gl/reset.h) where the driver can tell; the last attribute is left out where it cannot.
+  EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+                         EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                         EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE,
+                         EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint configs = 0;
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
   eglChooseConfig(display, wanted, &config, 1, &configs);
-  context = eglCreateContext(display, configs ? config : EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+  const auto create = [&] {
+    context = eglCreateContext(display, configs ? config : EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    return context != EGL_NO_CONTEXT;
+  };
+  if (!create()) {
+    attributes[8] = EGL_NONE;
+    create();
+  }
   if (context == EGL_NO_CONTEXT) return refuse("no OpenGL 4.5 core context: the driver is too old");
   if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
     return refuse("the OpenGL context cannot be used without a window");

@@ -14,7 +14,7 @@ Texture::Texture(const std::string& label, GLenum format, int width, int height,
     throw Error(ErrorCode::usage, "an image of " + std::to_string(width) + "x" + std::to_string(height) +
                                       " is larger than this driver's limit of " + std::to_string(limit) +
                                       " pixels a side; use a smaller --resolution");
-  while (glGetError() != GL_NO_ERROR) {
+  for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i) {  // a lost context has no end of them
   }
   glCreateTextures(GL_TEXTURE_2D, 1, &id_);
   glTextureStorage2D(id_, levels, format, width, height);

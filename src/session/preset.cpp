@@ -32,7 +32,7 @@ bool is_look(const std::string& option) {
       "technique", "preset", "camera",  "path",    "frames", "degrees", "sequence",
       "timings",   "json",   "quiet",   "version", "help",   "strict",  "memory",
       "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama", "scene",
-      "transform"};
+      "transform", "shader-dir"};
   const std::string name = with_dashes(option);
   const bool is_word =
       !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;

@@ -206,6 +206,12 @@ bool Session::complete(Attributes attributes, Progress& progress) {
   return true;
 }
 
+void Session::forget_programs() {
+  renderer_.forget_programs();
+  for (Part& part : parts_)
+    if (part.rule) part.look = part.rule->look(Look(part.rule->technique));
+}
+
 std::vector<Item> Session::settle(Look& look, Progress& progress) {
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
   RenderSettings& settings = look.settings;

@@ -63,6 +63,8 @@ class Session {
   /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who calls pictures
   /// off more often than this takes.
   void complete(const Look& look, Progress& progress = no_progress());
+  /// Programs are compiled anew from now on: files of shaders changed. Looks of the caller's are the caller's.
+  void forget_programs();
   /// The same for attributes that nobody has asked for yet, of the points that no rule draws. False: they are all there.
   bool complete(Attributes attributes, Progress& progress);
   /// Everything around the camera's position (techniques/panorama.h).

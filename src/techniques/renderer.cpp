@@ -251,6 +251,14 @@ void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_ch
   }
 }
 
+void Renderer::forget_programs() {
+  const gl::Context::Use use(state_->context);
+  auto fresh = std::make_unique<State>(state_->context);
+  fresh->clouds = std::move(state_->clouds);
+  fresh->room = std::move(state_->room);
+  state_ = std::move(fresh);
+}
+
 void Renderer::set_room(std::optional<Room> room) { state_->room = std::move(room); }
 
 void Renderer::set_colors(std::vector<Rgba8> colors, std::size_t cloud) {

@@ -70,6 +70,8 @@ class Renderer {
   const PreparedCloud& prepared(std::size_t cloud = 0) const;
   /// A room is drawn without the walls behind which the camera stands; nothing: all is drawn.
   void set_room(std::optional<Room> room);
+  /// Programs are compiled anew from now on (their files changed); those of techniques are theirs.
+  void forget_programs();
 
   /// Renders until the technique says the image is final. The camera's near and far planes are fitted here.
   RenderOutput render(Technique& technique, const Camera& camera, const RenderSettings& settings,
