@@ -68,6 +68,7 @@ const std::vector<MouseHelp>& mouse_help() {
   static const std::vector<MouseHelp> all = {
       {"left drag", "turn about the point under the cursor"},
       {"right, middle or Shift+left drag", "move along: the point under the cursor follows"},
+      {"Ctrl+Shift+left drag", "the light follows, as on a ball around the scan"},
       {"wheel", "nearer to the point under the cursor, or away"},
       {"Shift+wheel", "angle of view"},
       {"click", "pick a point: coordinates and all it holds; a second one measures"},

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "core/error.h"
+#include "scene/assemble.h"
 
 namespace sfumato::view {
 namespace {
@@ -38,16 +39,32 @@ class Loader::Watch final : public Progress {
  public:
   explicit Watch(Loader& loader) : loader_(loader) {}
   void update(double fraction, std::string_view text) override {
-    const std::lock_guard lock(loader_.mutex_);
+    std::unique_lock lock(loader_.mutex_);
     loader_.activity_ = {fraction, std::string(text)};
     if (const auto now = std::chrono::steady_clock::now(); now - last_wake_ > std::chrono::milliseconds(100)) {
       last_wake_ = now;
       loader_.wake_();
     }
+    lock.unlock();
+    more(fraction);
   }
   bool cancelled() const override { return loader_.stop_ || loader_.cancel_; }
 
+  /// Called now and then while points are read, from a thread that reads them.
+  std::function<void()> on_more;
+
  private:
+  void more(double fraction) {
+    const std::unique_lock alone(more_mutex_, std::try_to_lock);
+    const auto now = std::chrono::steady_clock::now();
+    if (!alone || !on_more || fraction <= 0 || fraction > 0.9 || now - last_more_ < more_pause || cancelled()) return;
+    on_more();
+    last_more_ = std::chrono::steady_clock::now();
+  }
+
+  static constexpr std::chrono::milliseconds more_pause{1500};
+  std::mutex more_mutex_;
+  std::chrono::steady_clock::time_point last_more_ = std::chrono::steady_clock::now();
   Loader& loader_;
   std::chrono::steady_clock::time_point last_wake_{};
 };
@@ -63,18 +80,74 @@ Loader::~Loader() {
 void Loader::load(LoadJob job) {
   const std::lock_guard lock(mutex_);
   job_ = std::move(job);
+  loaded_.clear();
   cancel_ = true;
   work_.notify_all();
 }
 
 std::optional<Loaded> Loader::take() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(loaded_, std::nullopt);
+  if (loaded_.empty()) return std::nullopt;
+  Loaded first = std::move(loaded_.front());
+  loaded_.pop_front();
+  return first;
 }
 
 Activity Loader::activity() const {
   const std::lock_guard lock(mutex_);
   return activity_;
+}
+
+void Loader::give(Loaded loaded) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (job_) return;  // nobody waits for this one any more
+    loaded_.push_back(std::move(loaded));
+    activity_ = {};
+  }
+  wake_();
+}
+
+Loaded Loader::sample_of(const LoadJob& job, scene::Scene scene) {
+  Loaded out;
+  out.id = job.id;
+  out.is_sample = true;
+  out.is_first = !sample_up_;
+  // Later samples stand as the first does.
+  out.pose = stand_upright(scene, job.files.front().name, sample_up_ ? sample_up_ : job.options.up, job.cutaway);
+  sample_up_ = out.pose.upright.up;
+  scene.levels.reset();
+  out = finish(std::move(scene), std::move(out));
+  out.whole = {};
+  out.points_shown = out.sample.cloud.size();
+  out.notes.clear();  // those of the whole will say it
+  return out;
+}
+
+void Loader::give_sample(const LoadJob& job, Watch& watch) {
+  first_sample_ = {}, sample_up_.reset();
+  std::optional<scene::Scene> sample = scene::read_sample(job.files, job.options, most_sample, watch);
+  if (!sample) return;
+  first_sample_ = subsample(sample->cloud, most_sample / 4);  // room for what comes by
+  Loaded out = sample_of(job, std::move(*sample));
+  watch.check();
+  give(std::move(out));
+}
+
+/// What is read so far, with the first sample.
+void Loader::give_more(const LoadJob& job) {
+  try {
+    std::optional<io::ReadResult> more = tap_->so_far();
+    if (!more) return;
+    scene::SceneOptions options = job.options;
+    options.read.tap = nullptr;
+    scene::Scene scene = scene::assemble(job.files, options, [&](std::size_t) { return std::move(*more); });
+    append(scene.cloud, first_sample_);
+    Loaded out = sample_of(job, std::move(scene));
+    give(std::move(out));
+  } catch (const std::exception&) {
+    // The whole will come, or say why not.
+  }
 }
 
 Loaded Loader::read(const LoadJob& job, Watch& watch) {
@@ -96,7 +169,18 @@ Loaded Loader::read(const LoadJob& job, Watch& watch) {
       scene.cloud.up = up;
       return finish(std::move(scene), std::move(out));
     }
-    scene = scene::read_all(job.files, job.options, watch);
+    if (job.sample_first) give_sample(job, watch);
+    watch.update(0, "reading");
+    scene::SceneOptions options = job.options;
+    if (job.sample_first && job.files.size() == 1) {
+      tap_ = std::make_unique<io::RecordTap>(most_sample);
+      options.read.tap = tap_.get();
+      watch.on_more = [&] { give_more(job); };
+    }
+    scene = scene::read_all(job.files, options, watch);
+    watch.on_more = nullptr;
+    tap_.reset();
+    first_sample_ = {};
     // A subsample of nothing selected is not what a selection starts from.
     if (scene.cloud.size() <= most_kept && !job.options.read.max_points) {
       kept_ = scene;
@@ -125,7 +209,8 @@ Loaded Loader::finish(scene::Scene scene, Loaded out) {
   for (const io::ReadReport& file : scene.files)
     if (out.formats.find(file.format) == std::string::npos) out.formats += (out.formats.empty() ? "" : ", ") + file.format;
   out.sample.file_names = scene.file_names;
-  out.sample.cloud = subsample(scene.cloud, std::clamp(scene.cloud.size() / 10, least_sample, most_sample));
+  out.sample.cloud =
+      subsample(scene.cloud, out.is_sample ? most_sample : std::clamp(scene.cloud.size() / 10, least_sample, most_sample));
   out.near = std::make_shared<const PointCloud>(out.sample.cloud);
   out.whole = std::move(scene);
   return out;
@@ -158,12 +243,7 @@ void Loader::run() {
       fail(ErrorCode::io, error.what());
     }
     loaded.id = job.id;
-    {
-      const std::lock_guard lock(mutex_);
-      loaded_ = std::move(loaded);
-      activity_ = {};
-    }
-    wake_();
+    give(std::move(loaded));
   }
 }
 

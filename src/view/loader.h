@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -11,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "io/record_tap.h"
 #include "scene/leveled_scene.h"
 #include "session/session.h"
 #include "view/painter.h"
@@ -24,11 +26,14 @@ struct LoadJob {
   bool cutaway = true;  ///< rooms are seen without the walls before them
   std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
   bool anew = false;  ///< the files changed on the disk
+  bool sample_first = false;  ///< gives a sample of large files before they are read
 };
 
 /// What was read, ready to be shown.
 struct Loaded {
   std::uint64_t id = 0;
+  bool is_sample = false;                    ///< of files that are still being read: there is no `whole`
+  bool is_first = true;                      ///< of the samples
   scene::Scene whole;
   scene::Scene sample;                       ///< of at most `sample_points` points
   std::shared_ptr<const PointCloud> near;    ///< the sample's points once more, for what the hand touches
@@ -51,6 +56,7 @@ class Loader {
 
   /// The newest wins.
   void load(LoadJob job);
+  /// In their order: a sample, where there is one, then the whole or what was wrong with it.
   std::optional<Loaded> take();
   Activity activity() const;
 
@@ -63,6 +69,10 @@ class Loader {
   class Watch;
   void run();
   Loaded read(const LoadJob& job, Watch& watch);
+  void give_sample(const LoadJob& job, Watch& watch);
+  void give_more(const LoadJob& job);
+  Loaded sample_of(const LoadJob& job, scene::Scene scene);
+  void give(Loaded loaded);
   /// Shares, sample and words about a scene that is selected and stands upright.
   Loaded finish(scene::Scene scene, Loaded out);
 
@@ -70,11 +80,14 @@ class Loader {
   mutable std::mutex mutex_;
   std::condition_variable work_;
   std::optional<LoadJob> job_;
-  std::optional<Loaded> loaded_;
+  std::deque<Loaded> loaded_;
   Activity activity_;
   std::atomic<bool> stop_{false}, cancel_{false};
   std::optional<scene::Scene> kept_;  ///< of the thread alone
   std::string kept_key_;
+  PointCloud first_sample_;                   ///< some of it, until the file is read
+  std::optional<UpAxis> sample_up_;
+  std::unique_ptr<io::RecordTap> tap_;
   std::thread thread_;
 };
 

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "core/error.h"
+#include "gl/reset.h"
 #include "view/navigator.h"
 
 namespace sfumato::view {
@@ -139,6 +140,11 @@ void Painter::call_off() {
   if (live_) answers_.push_back(CalledOff{live_->id});
   live_.reset();
   cancel_live_ = cancel_idle_ = true;
+}
+
+void Painter::forget_programs() {
+  forget_programs_ = true;
+  call_off();
 }
 
 std::vector<Answer> Painter::take_answers() {
@@ -280,6 +286,17 @@ Profile Painter::do_profile(Easel& easel, const ProfileJob& job) {
   return profile;
 }
 
+/// Nothing more can be drawn: whoever asked is told by an answer of id 0.
+bool Painter::is_lost() {
+  try {
+    gl::check_reset();
+    return false;
+  } catch (...) {
+    answer(failure_of(0));
+    return true;
+  }
+}
+
 void Painter::run() {
   Easel easel;
   try {
@@ -342,6 +359,10 @@ void Painter::run() {
     const std::uint64_t id = scene ? scene->id : picture ? picture->id : pick ? pick->id : profile->id;
     Watch watch(*this, kind);
     try {
+      if (forget_programs_.exchange(false)) {
+        easel.looks.clear();
+        easel.session->forget_programs();
+      }
       if (scene) {
         do_scene(easel, std::move(*scene), watch);
       } else if (picture) {
@@ -357,6 +378,7 @@ void Painter::run() {
       answer(failure_of(id));
     }
     point_bytes_ = easel.session->point_bytes();
+    if (is_lost()) break;
     const std::vector<std::string> complaints = easel.context->take_messages();
     const std::lock_guard lock(mutex_);
     driver_messages_.insert(driver_messages_.end(), complaints.begin(), complaints.end());

@@ -134,6 +134,9 @@ class Painter {
   /// Calls off the live picture, if one is under way or waiting.
   void call_off();
 
+  /// Files of shaders changed: the next picture is drawn by what is in them now.
+  void forget_programs();
+
   std::vector<Answer> take_answers();
   Activity activity() const;
   /// What the driver complained of since the last call; tests fail on any.
@@ -151,6 +154,7 @@ class Painter {
   void do_scene(Easel& easel, SceneJob job, Watch& watch);
   PickAnswer do_pick(Easel& easel, const PickJob& job);
   bool prepare_ahead(Easel& easel);
+  bool is_lost();
   Profile do_profile(Easel& easel, const ProfileJob& job);
   Picture do_picture(Easel& easel, const PictureJob& job, Watch& watch);
 
@@ -169,6 +173,7 @@ class Painter {
   std::vector<std::string> driver_messages_;
   std::atomic<std::uint64_t> point_bytes_{0};
   bool prepares_ahead_ = true;  ///< of the thread alone
+  std::atomic<bool> forget_programs_{false};
   std::atomic<bool> stop_{false}, cancel_live_{false}, cancel_scene_{false}, cancel_idle_{false};
   std::thread thread_;  // last: it uses all the others
 };

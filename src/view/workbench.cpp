@@ -108,6 +108,7 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
     return say(error.what(), true);
   }
   frame_on_load_ = true;
+  sample_camera_.reset();
   frames_.clear();
   is_playing_frames_ = false;
   change("open", [&](Wishes& wishes) {
@@ -147,6 +148,7 @@ dvec3 Workbench::place_at(double x_px, double y_px) const {
 }
 
 void Workbench::cut_profile(double width) {
+  if (has_sample_only()) return say("a profile is of all points: they are still being read", true);
   std::vector<dvec3> line;
   for (const Picked& each : picked_) line.push_back(each.world);
   if (horizontal_length(line, navigator_.up_axis()) <= 0)
@@ -156,6 +158,7 @@ void Workbench::cut_profile(double width) {
 }
 
 void Workbench::pick(double x_px, double y_px, bool add) {
+  if (has_sample_only()) return say("points are picked among all of them: they are still being read");
   pick_id_ = next_id_++;
   pick_adds_ = add;
   whole_->pick({pick_id_, camera(), x_px, y_px});
@@ -196,6 +199,7 @@ void Workbench::load(bool anew) {
   job.cutaway = !wishes_.whole;
   job.memory = start_.memory;
   job.anew = anew;
+  job.sample_first = frame_on_load_ && !anew;  // else something better is on the screen
   loader_->load(std::move(job));
 }
 
@@ -219,6 +223,8 @@ void Workbench::send_scene(Loaded& loaded) {
   SceneJob sample = job_of(std::move(loaded.sample));
   sample_scene_id_ = sample.id;
   sample_->show(std::move(sample));
+  whole_scene_id_ = 0;
+  if (loaded.is_sample) return;
   SceneJob whole = job_of(std::move(loaded.whole));
   whole_scene_id_ = whole.id;
   whole.settle = start_.settle;
@@ -231,32 +237,43 @@ void Workbench::take_loaded(Loaded loaded) {
     loading_ = false;
     if (!scene_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
+    if (has_sample_only()) say("what is shown is a sample of what could be read");
     return;
   }
+  // What more was read of a sample waits while a hand turns what there is.
+  if (loaded.is_sample && !loaded.is_first && refinement_.moving(now_ms_)) return;
   for (const std::string& note : loaded.notes)
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
   picked_.clear();
   profile_.reset();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);
-  if (frame_on_load_ && width_ > 0) {
+  if (frame_on_load_ && width_ > 0 && loaded.is_first) {
+    ViewCamera first;
     try {
-      const Camera first = start_.first_camera && !scene_ ? start_.first_camera(loaded.pose, width_, height_)
-                                                           : first_view(loaded.pose, width_, height_);
-      wishes_.camera = ViewCamera::from(first);
+      first = ViewCamera::from(start_.first_camera && !had_whole_ ? start_.first_camera(loaded.pose, width_, height_)
+                                                                  : first_view(loaded.pose, width_, height_));
     } catch (const Error& error) {
-      say(error.what(), true);
-      wishes_.camera = ViewCamera::from(first_view(loaded.pose, width_, height_));
+      if (!loaded.is_sample) say(error.what(), true);
+      first = ViewCamera::from(first_view(loaded.pose, width_, height_));
     }
-    navigator_.set_home(wishes_.camera);
-    frame_on_load_ = false;
-    if (!frames_.empty() && !wishes_.scene.up) {
+    navigator_.set_home(first);
+    // A hand that has turned the sample goes on from there.
+    if (!sample_camera_ || wishes_.camera == *sample_camera_) wishes_.camera = first;
+    sample_camera_.reset();
+    if (loaded.is_sample) sample_camera_ = first;
+    frame_on_load_ = loaded.is_sample;  // the whole says where it is, exactly
+    if (!loaded.is_sample && !frames_.empty() && !wishes_.scene.up) {
       // The other frames stand as the first does.
       wishes_.scene.up = loaded.pose.upright.up;
       wishes_.input.emplace_back("up", to_string(loaded.pose.upright.up));
       loaded_key_ = wanted_key_ = wishes_.scene_key();
     }
-    if (!scene_) history_ = History<Wishes>(wishes_);
+    if (!scene_ || (!had_whole_ && !history_.can_undo())) history_ = History<Wishes>(wishes_);
   }
+  had_whole_ = had_whole_ || !loaded.is_sample;
+  if (on_message)
+    on_message({loaded.is_sample ? "a sample of " + std::to_string(loaded.points_shown) + " points, while the files are read"
+                                 : std::to_string(loaded.points_shown) + " points are read", false});
   send_scene(loaded);
   scene_ = std::move(loaded);
   touched();
@@ -417,6 +434,33 @@ void Workbench::watch_files() {
   file_times_ = std::move(times);
 }
 
+/// A shader that does not compile is said, and the last picture stays.
+void Workbench::watch_shaders() {
+  if (start_.shader_folder.empty() || now_ms_ - shaders_watched_ms_ < 500) return;
+  shaders_watched_ms_ = now_ms_;
+  std::vector<std::pair<std::string, std::int64_t>> times;
+  for (const char* room : {"src", "shaders"}) {
+    std::error_code error;
+    for (std::filesystem::recursive_directory_iterator at(std::filesystem::path(start_.shader_folder) / room, error), end;
+         !error && at != end; at.increment(error)) {
+      const std::string extension = at->path().extension().string();
+      if (extension != ".glsl" && extension != ".comp" && extension != ".vert" && extension != ".frag") continue;
+      std::error_code gone;  // an editor is writing it
+      const auto time = at->last_write_time(gone);
+      if (!gone) times.emplace_back(at->path().string(), std::int64_t(time.time_since_epoch().count()));
+    }
+  }
+  std::sort(times.begin(), times.end());
+  if (!shader_times_.empty() && times != shader_times_) {
+    say("shaders changed: compiling them again");
+    sample_->forget_programs();
+    whole_->forget_programs();
+    refinement_.forget();
+    touched();
+  }
+  shader_times_ = std::move(times);
+}
+
 void Workbench::tick(double now_ms) {
   now_ms_ = now_ms;
   if (began_ms_ < 0) began_ms_ = now_ms;
@@ -436,6 +480,7 @@ void Workbench::tick(double now_ms) {
   for (Answer& each : sample_->take_answers()) take_answer(std::move(each), false);
   for (Answer& each : whole_->take_answers()) take_answer(std::move(each), true);
   watch_files();
+  watch_shaders();
 
   // A frame that stands is shown for a moment, else fast ones would never be seen whole.
   if (!settled())
@@ -473,7 +518,7 @@ std::optional<double> Workbench::wait_ms(double now_ms) const {
     const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
     wait = std::min(wait.value_or(until), until);
   }
-  if (watch) wait = std::min(wait.value_or(500), 500.0);
+  if (watch || !start_.shader_folder.empty()) wait = std::min(wait.value_or(500), 500.0);
   return wait;
 }
 

@@ -28,6 +28,7 @@ struct Start {
   std::function<Camera(const Pose&, int width, int height)> first_camera;
   std::uint64_t memory = scene::default_memory;
   bool watch = false;         ///< read files again when they change
+  std::string shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
   std::vector<std::string> frames; ///< of a sequence: files that are shown one at a time; the first is among the wishes
   std::function<void()> wake; ///< from any thread: there is something to `tick` for
 };
@@ -101,6 +102,9 @@ class Workbench {
   double first_picture_ms() const { return first_picture_ms_; }
   const Activity& activity() const { return activity_; }
   const Loaded* scene() const { return scene_ ? &*scene_ : nullptr; }  ///< without its clouds, which the painters have
+  /// Only a sample of the files is there: they are being read, or could not be.
+  bool has_sample_only() const { return scene_ && scene_->is_sample; }
+  bool loading() const { return loading_; }
   const std::string& reason() const { return reason_; }
   bool whole_ready() const { return whole_ready_; }
   std::size_t left_out() const { return left_out_; }
@@ -150,6 +154,7 @@ class Workbench {
   void touched();
   bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
+  void watch_shaders();
   double frame_due_ms() const { return std::max(frame_since_ms_ + 1000 / frames_per_second, *frame_stood_ms_ + 60); }
 
   Start start_;
@@ -158,14 +163,15 @@ class Workbench {
   History<Wishes> history_;
   Refinement refinement_;
   int width_ = 0, height_ = 0;
-  double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0, watched_ms_ = 0;
+  double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0, watched_ms_ = 0, shaders_watched_ms_ = 0;
   std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0, pick_id_ = 0;
   Quality in_flight_quality_, shown_quality_;
   double asked_ms_ = 0;
   std::string loaded_key_, look_key_, wanted_key_;
   double key_changed_ms_ = -1e9;
   bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false, scene_failed_ = false;
-  bool frame_on_load_ = true, timings_ = false;
+  bool frame_on_load_ = true, timings_ = false, had_whole_ = false;
+  std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
   std::optional<Loaded> scene_;
   std::shared_ptr<const Picture> shown_;
   std::string reason_;
@@ -185,7 +191,7 @@ class Workbench {
   bool is_playing_frames_ = false;
   double frame_since_ms_ = 0;
   std::optional<double> frame_stood_ms_;  ///< since then its whole picture is shown
-  std::vector<std::pair<std::string, std::int64_t>> file_times_;
+  std::vector<std::pair<std::string, std::int64_t>> file_times_, shader_times_;
 
   std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);
   std::unique_ptr<Painter> sample_, whole_;

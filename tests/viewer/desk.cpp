@@ -91,6 +91,7 @@ void DeskTest::open(const std::vector<std::string>& words) {
   for (std::string& word : all) argv.push_back(word.data());
   argv.push_back(nullptr);
   const std::string err = path("said.txt");
+  std::filesystem::remove(err);  // what the window before said
   window_ = fork();
   if (window_ == 0) {
     if (chdir(path("").c_str()) != 0) _exit(126);

@@ -1,6 +1,8 @@
 // The window as a hand uses it: real keys and a real mouse on a display of its own, and pixels looked at.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <set>
 
 #include "viewer/desk.h"
@@ -94,6 +96,122 @@ TEST_F(WindowTest, FirstPictureIsThatOfTheCommand) {
   const Outcome plain = run({"forest.laz", "--resolution", "950x694", "-o", "plain.png"});
   ASSERT_EQ(plain.code, 0) << plain.err;
   EXPECT_TRUE(equal(read_png(saved), read_png("plain.png")));
+}
+
+// Points appear while the file is read; what was found of the whole takes over where no hand has moved.
+TEST_F(WindowTest, ShowsASampleWhileItReads) {
+  ASSERT_EQ(run({"synth", "tori", "--points", "1200000", "-o", "tori.laz", "--quiet"}).code, 0);
+  setenv("SFUMATO_THREADS", "1", 1);  // seconds of reading
+  open({"tori.laz", "-t", "points"});
+  wait_for("points are read");
+  const std::string before = said();
+  EXPECT_LT(before.find("a sample of "), before.find("first picture after ")) << before;
+  EXPECT_LT(before.find("first picture after "), before.find("1200000 points are read")) << before;
+  wait_for("final picture");
+  const std::string saved = save();
+  close();
+  // A hand that turns the sample goes on from there.
+  open({"tori.laz", "-t", "points"});
+  wait_for("first picture after ");
+  hand("mousemove 475 20 key KP_7");
+  wait_for("points are read");
+  wait_for("final picture");
+  const std::string turned = save();
+  hand("key r");
+  wait_for("final picture", 2);
+  const std::string home = save();
+  close();
+  unsetenv("SFUMATO_THREADS");
+  const Outcome plain = run({"tori.laz", "-t", "points", "--resolution", "950x694", "-o", "plain.png"});
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png")));
+  EXPECT_TRUE(equal(read_png(home), read_png("plain.png")));
+  EXPECT_FALSE(equal(read_png(turned), read_png("plain.png")));
+  expect_reproducible(turned);
+}
+
+TEST_F(WindowTest, DragsTheLight) {
+  make_forest();
+  open({"forest.laz", "-t", "surface", "--no-edl"});
+  wait_for("final picture");
+  const std::string before = save();
+  hand("mousemove 475 350 keydown ctrl keydown shift sleep 0.3 mousedown 1 sleep 0.2 mousemove_relative --sync 40 0 sleep 0.1 "
+       "mousemove_relative --sync 133 0 sleep 0.3");
+  const Image<Rgba8> shown = screen();
+  hand("mouseup 1 sleep 0.1 keyup shift keyup ctrl mousemove 475 20");
+  wait_for("final picture", 2);
+  const std::string after = save();
+  // 173 of 694 pixels are an eighth of a turn.
+  const std::string command = png_texts(after)["Command"];
+  EXPECT_THAT(command, HasSubstr("--light=dir:"));
+  EXPECT_FALSE(equal(read_png(before), read_png(after)));
+  // While it is dragged the light is a dot on a ball: at sin 45 degrees of its radius, which is a quarter of the view's height.
+  int amber = 0;
+  const int x = view_width / 2 + int(std::sin(3.14159265 * 173 / view_height) * view_height / 4), y = view_height / 2;
+  for (int dy = -9; dy <= 9; ++dy)
+    for (int dx = -9; dx <= 9; ++dx) amber += shown.at(x + dx, y + dy) == Rgba8{0xff, 0xb0, 0x00, 255};
+  EXPECT_GT(amber, 60);
+  hand("key ctrl+z");
+  wait_for("final picture", 3);
+  EXPECT_TRUE(equal(read_png(save()), read_png(before)));
+  close();
+  expect_reproducible(after);
+}
+
+// Nobody needs a mouse: arrows walk through the panels, also where a key goes down and up between two frames.
+TEST_F(WindowTest, KeysReachTheControls) {
+  write_cube("cube.ply", 20);
+  open({"cube.ply", "-t", "points"});
+  wait_for("final picture");
+  const auto tap = [&](const std::string& key) { hand("key --delay 0 " + key + " sleep 0.5"); };
+  hand("mousemove 475 20 sleep 0.3");
+  for (const char* key : {"Tab", "Down", "Right", "space"}) tap(key);  // to the panels, on the first button, to the second
+  wait_for("final picture: splats");
+  const int before = count("final picture");
+  for (const char* key : {"End", "space"}) tap(key);  // the last heading opens: timings want a picture of their own
+  wait_for("final picture", before + 1);
+  EXPECT_THAT(said(), Not(HasSubstr("a path needs two keys")));  // what Space does elsewhere
+  close();
+}
+
+// Shaders are edited live: a mistake is said and the picture stays, what compiles is seen.
+TEST_F(WindowTest, CompilesShadersAgainWhenTheyChange) {
+  namespace fs = std::filesystem;
+  for (const char* room : {"src", "shaders"})
+    for (const auto& each : fs::recursive_directory_iterator(fs::path(SFUMATO_SOURCE_DIR) / room)) {
+      const std::string kind = each.path().extension().string();
+      if (kind != ".glsl" && kind != ".comp" && kind != ".vert" && kind != ".frag") continue;
+      const fs::path copy = path("checkout") / fs::relative(each.path(), SFUMATO_SOURCE_DIR);
+      fs::create_directories(copy.parent_path());
+      fs::copy_file(each.path(), copy);
+    }
+  write_cube("cube.ply", 40);
+  open({"cube.ply", "-t", "points", "--shader-dir", "checkout"});
+  wait_for("final picture");
+  const std::string before = save();
+  const std::string file = "checkout/shaders/finished.glsl", good = text(file);
+  ASSERT_NE(good.find("vec4 finished_color("), std::string::npos);
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  write(file, good + "\nthis is no shader\n");
+  wait_for("does not compile");
+  EXPECT_THAT(said(), HasSubstr("finished.glsl:"));
+  const Image<Rgba8> shown = screen(), last = read_png(before);
+  EXPECT_EQ(shown.at(view_width / 2, 40), last.at(view_width / 2, 40));
+  int same = 0;
+  for (int y = 100; y < 400; ++y) same += shown.at(view_width / 2, y) == last.at(view_width / 2, y);
+  EXPECT_GT(same, 290);
+  // What is finished is green now.
+  std::string green = good;
+  green.replace(green.find("vec4 finished_color("), 5, "vec4 finished_color(vec4 color) { return vec4(0.0, 1.0, 0.0, 1.0); }\nvec4 real_");
+  const int pictures = count("final picture");
+  write(file, green);
+  wait_for("final picture", pictures + 1);
+  const Image<Rgba8> seen = read_png(save());
+  EXPECT_EQ(seen.at(view_width / 2, view_height / 2), (Rgba8{0, 255, 0, 255}));
+  write(file, good);
+  wait_for("final picture", pictures + 2);
+  EXPECT_TRUE(equal(read_png(save()), last));
+  close();
 }
 
 TEST_F(WindowTest, SlidersClassesCopyAndUndo) {

@@ -276,6 +276,7 @@ int view_command(RenderOptions& options, Choice& choice, const CommandLine& line
   wishes.background_color = options.background_color;
   wishes.legend = options.legend;
   start.watch = options.watch;
+  start.shader_folder = options.shader_folder;
   // Called by one thread, which alone uses the choice from then on.
   start.settle = [&choice](const TechniqueChoice& found) {
     choice.settle(found);
@@ -336,6 +337,11 @@ int render_command(const Words& words) {
   options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
   options.expand_files();
   check_names(options, choice);
+  if (!options.shader_folder.empty()) {
+    if (!std::filesystem::is_directory(std::filesystem::path(options.shader_folder) / "shaders"))
+      throw Error(ErrorCode::usage, "--shader-dir " + options.shader_folder + ": there is no folder shaders/ in it; name a checkout of sfumato");
+    ::setenv("SFUMATO_SHADER_DIR", options.shader_folder.c_str(), 1);
+  }
 #ifdef SFUMATO_VIEWER
   if (!options.has_output()) return view_command(options, choice, line);
 #endif

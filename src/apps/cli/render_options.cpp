@@ -60,6 +60,8 @@ void RenderOptions::declare(CommandLine& line) {
   line.texts("--transform", transforms, "\"N: 16 NUMBERS\"",
              "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
   line.flag("--watch", watch, "the window reads files again when they change");
+  line.text("--shader-dir", shader_folder, "FOLDER",
+            "a checkout whose shaders are used in place of those built in; the window compiles them again when they change");
   line.flag("--timings", timings, "time of every pass");
   line.flag("--json", json, "report on standard output");
   common.declare(line);

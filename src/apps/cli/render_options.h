@@ -34,7 +34,7 @@ struct RenderOptions {
   bool no_background = false, legend = false, timings = false, json = false, watch = false;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
-  std::string path, frames, degrees, preset, save_preset, scene, save_scene, memory_text = "4G";
+  std::string path, frames, degrees, preset, save_preset, scene, save_scene, shader_folder, memory_text = "4G";
   Words transforms;  ///< "N: 16 numbers"
   Words draw;  ///< "SELECTION: TECHNIQUE [name=value ...]"
 

@@ -183,7 +183,7 @@ void Interface::class_panel() {
 void Interface::light_panel() {
   if (!heading("Light and shadows", false)) return;
   // A light by direction is dragged over the sky: azimuth and height above the horizon.
-  const std::string light = bench_.wishes().shared.contains("light") ? bench_.wishes().shared.at("light") : "headlight";
+  const std::string light = this->light();
   const bool by_direction = light.starts_with("dir:");
   if (const auto chosen = choose("comes from", by_direction ? "a direction" : light == "headlight" ? "the eye" : "a place",
                                  {"the eye", "a direction", "a place"})) {
@@ -197,7 +197,7 @@ void Interface::light_panel() {
     if (*chosen == "a place")
       set("light", view::number_text(eye.x) + "," + view::number_text(eye.y) + "," + view::number_text(eye.z));
   }
-  tooltip("--light");
+  tooltip("--light; Ctrl+Shift+drag over the picture moves it");
   if (by_direction) {
     const std::vector<float> v = view::numbers_of(light.substr(4));
     if (v.size() == 3) {

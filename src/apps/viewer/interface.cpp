@@ -50,6 +50,7 @@ void Interface::draw_panels(float x, float width, float height) {
   ImGui::Begin("panels", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+  walk_here();
   ImGui::PushItemWidth(0.41f * width);
   technique_panel();
   if (look_) {
@@ -67,6 +68,14 @@ void Interface::draw_panels(float x, float width, float height) {
   }
   ImGui::PopItemWidth();
   ImGui::End();
+}
+
+/// Whoever has no mouse comes to the panels by an arrow or Tab, from wherever the focus is.
+void Interface::walk_here() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput || io.KeyCtrl || ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows)) return;
+  for (const int key : {ImGuiKey_Tab, ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow})
+    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false)) ImGui::SetWindowFocus();
 }
 
 void Interface::draw_status(float y, float width, float height) {

@@ -31,7 +31,11 @@ class Interface {
   void draw_view(double now_ms, float width, float height);
   void draw_marks(float x, float y);
   void draw_box(float x, float y);
+  void draw_light_ball(float x, float y);
+  std::string light() const;  ///< as --light takes it
+  bool has_shadows() const;
   void draw_panels(float x, float width, float height);
+  void walk_here();
   void draw_status(float y, float width, float height);
   void draw_help();
   void draw_messages(double now_ms, float height);
@@ -85,7 +89,7 @@ class Interface {
   std::vector<std::future<view::Message>> writers_;
   std::string search_, preset_name_, path_name_, screenshot_size_;
   bool panels_ = true, help_ = false, clip_ = false, timings_ = false;
-  enum class Drag { none, rotate, pan } drag_ = Drag::none;
+  enum class Drag { none, rotate, pan, light } drag_ = Drag::none;
   dvec3 pivot_{0};
   int slice_axis_ = 2;
   float corridor_ = 0;        ///< width, scene units; 0: not chosen yet

@@ -8,6 +8,7 @@
 #include "interface.h"
 #include "labels/legend.h"
 #include "panel_tools.h"
+#include "view/light_hand.h"
 
 namespace sfumato::viewer {
 namespace {
@@ -79,7 +80,8 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
   const auto clicked = [&](ImGuiMouseButton button) { return hovered && ImGui::IsMouseClicked(button); };
   if (drag_ == Drag::none &&
       (clicked(ImGuiMouseButton_Left) || clicked(ImGuiMouseButton_Right) || clicked(ImGuiMouseButton_Middle))) {
-    drag_ = clicked(ImGuiMouseButton_Left) && !io.KeyShift ? Drag::rotate : Drag::pan;
+    const bool left = clicked(ImGuiMouseButton_Left);
+    drag_ = left && io.KeyShift && io.KeyCtrl ? Drag::light : left && !io.KeyShift ? Drag::rotate : Drag::pan;
     drag_px_ = 0;
     began = true;
     pivot_ = drag_ == Drag::rotate ? bench_.pivot_at(x, y) : bench_.place_at(x, y);
@@ -94,7 +96,11 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     const double dx = began ? 0 : double(io.MouseDelta.x * sx), dy = began ? 0 : double(io.MouseDelta.y * sy);
     drag_px_ += std::abs(dx) + std::abs(dy);
     // A click trembles by a pixel or two and moves nothing.
-    if ((dx != 0 || dy != 0) && drag_px_ > 3) {
+    if ((dx != 0 || dy != 0) && drag_px_ > 3 && drag_ == Drag::light) {
+      bench_.change("light", [&](view::Wishes& next) {
+        next.set("light", view::drag_light(light(), bench_.camera(), bench_.navigator().up_axis(), has_shadows(), dx, dy, height));
+      });
+    } else if ((dx != 0 || dy != 0) && drag_px_ > 3) {
       bench_.move(drag_ == Drag::rotate ? "rotate" : "pan", [&](view::Navigator& hand) {
         if (drag_ == Drag::rotate)
           hand.rotate(dx, dy, height, pivot_);
@@ -135,7 +141,8 @@ void Interface::draw_marks(float sx, float sy) {
   };
   const float r = 4 * window_.scale();
   const ImU32 accent = paint(0xffb000), rim = paint(0x101010, 0.8f);
-  if (drag_ != Drag::none && drag_px_ > 3)
+  if (drag_ == Drag::light) draw_light_ball(sx, sy);
+  if (drag_ != Drag::none && drag_ != Drag::light && drag_px_ > 3)
     if (const auto [at, seen] = place(pivot_); seen) {
       list->AddCircle(at, r + 1, rim, 24, 3.5f);
       list->AddCircle(at, r + 1, paint(0xffffff), 24, 1.5f);
@@ -173,6 +180,40 @@ void Interface::draw_marks(float sx, float sy) {
                         view::coordinate_text(m.height, size), unit, view::coordinate_text(m.horizontal, size), unit);
   }
   label(list, {12 * window_.scale(), 12 * window_.scale()}, text);
+}
+
+std::string Interface::light() const {
+  const auto& shared = bench_.wishes().shared;
+  const auto found = shared.find("light");
+  return found == shared.end() ? "headlight" : found->second;
+}
+
+bool Interface::has_shadows() const {
+  const auto& shared = bench_.wishes().shared;
+  const auto found = shared.find("shadows");
+  return found != shared.end() && found->second != "off";
+}
+
+/// The ball that the light hangs on, and where: a full dot before it, a ring behind.
+void Interface::draw_light_ball(float sx, float sy) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const Camera camera = bench_.camera();
+  const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up)), above = glm::cross(right, camera.direction());
+  const dvec3 way = view::towards_light(light(), camera, bench_.navigator().up_axis(), has_shadows());
+  const float ball = 0.25f * float(std::min(bench_.width() / sx, bench_.height() / sy)), r = 6 * window_.scale();
+  const ImVec2 middle{0.5f * float(bench_.width()) / sx, 0.5f * float(bench_.height()) / sy};
+  const ImVec2 at{middle.x + ball * float(glm::dot(way, right)), middle.y - ball * float(glm::dot(way, above))};
+  const ImU32 amber = paint(0xffb000), rim = paint(0x101010, 0.6f);
+  list->AddCircle(middle, ball, rim, 64, 3);
+  list->AddCircle(middle, ball, paint(0xffffff, 0.8f), 64, 1);
+  list->AddLine(middle, at, rim, 3.5f);
+  list->AddLine(middle, at, amber, 1.5f);
+  const bool is_before = glm::dot(way, camera.direction()) <= 0;
+  list->AddCircleFilled(at, r + 1.5f, rim, 24);
+  if (is_before)
+    list->AddCircleFilled(at, r, amber, 24);
+  else
+    list->AddCircle(at, r - 1, amber, 24, 2);
 }
 
 void Interface::draw_box(float sx, float sy) {

@@ -42,6 +42,12 @@ ImVec4 color(int rgb, float alpha = 1) {
 struct Window::Callbacks {
   static Window& of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
   static void key(GLFWwindow* window, int key, int, int action, int mods) {
+    Window& self = of(window);
+    if (action == GLFW_PRESS) self.pressed_.push_back(key);
+    if (action == GLFW_RELEASE && std::count(self.pressed_.begin(), self.pressed_.end(), key)) self.short_keys_.push_back(key);
+    // Where the keyboard walks through the panels, these are the panels' own.
+    const bool walks = key == GLFW_KEY_SPACE || key == GLFW_KEY_ESCAPE;
+    if (walks && ImGui::GetIO().NavVisible) return;
     if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput || !of(window).on_key) return;
     of(window).on_key(key, (mods & GLFW_MOD_SHIFT ? view::shift : 0) | (mods & GLFW_MOD_CONTROL ? view::control : 0));
   }
@@ -189,6 +195,25 @@ void Window::style() {
   style.ScaleAllSizes(scale_);
 }
 
+/// Dear ImGui before 1.87 looks at keys once a frame: one that went down and up in between is held down for it until the next.
+void Window::hold_short_keys() {
+#if IMGUI_VERSION_NUM < 18700
+  ImGuiIO& io = ImGui::GetIO();
+  const auto set = [&](const std::vector<int>& keys, bool down) {
+    for (const int key : keys)
+      if (key >= 0 && key < int(std::size(io.KeysDown))) io.KeysDown[key] = down;
+  };
+  std::erase_if(held_, [&](int key) { return is_down(key); });
+  set(held_, false);
+  set(short_keys_, true);
+  held_ = short_keys_;
+  io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
+  io.KeyShift = io.KeysDown[GLFW_KEY_LEFT_SHIFT] || io.KeysDown[GLFW_KEY_RIGHT_SHIFT];
+#endif
+  pressed_.clear();
+  short_keys_.clear();
+}
+
 void Window::begin_frame(double wait_s) {
   if (wait_s > 0)
     glfwWaitEventsTimeout(wait_s);
@@ -197,6 +222,7 @@ void Window::begin_frame(double wait_s) {
   if (restyle_) style();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  hold_short_keys();
   if (on_input) on_input();
   ImGui::NewFrame();
 }
@@ -242,6 +268,9 @@ void Window::upload(const Image<Rgba8>& image, bool exact) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
     glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+    if (glGetError() == GL_OUT_OF_MEMORY)
+      throw Error(ErrorCode::out_of_memory, "out of graphics memory for the picture in the window; make it smaller, or write "
+                                            "pictures with -o");
   } else {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE, image.data());
   }

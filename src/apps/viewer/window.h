@@ -62,6 +62,7 @@ class Window {
 
  private:
   void style();
+  void hold_short_keys();
   struct Callbacks;
   GLFWwindow* window_ = nullptr;
   /// Between two frames on software GL: they cost it as much as a picture in motion.
@@ -71,6 +72,8 @@ class Window {
   double shown_ms_ = -1e9;
   bool dark_ = true, restyle_ = true, is_full_ = false, has_interface_ = false;
   float scale_ = 1, user_scale_ = 1;
+  std::vector<int> pressed_, short_keys_;   ///< since the last frame: went down; of those, went up again
+  std::vector<int> held_;                   ///< shown to the interface as down in this frame, though they are up
   unsigned texture_ = 0, plot_ = 0;
   unsigned picture_ = 0;  ///< framebuffer that has the texture
   bool is_exact_ = false;

@@ -1,0 +1,87 @@
+// Painters when the driver fails them: faults are put in the place of the driver's own functions.
+#include <epoxy/gl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "view/painter.h"
+
+namespace sfumato::view {
+namespace {
+
+using ::testing::HasSubstr;
+
+GLenum GLAPIENTRY reset_by_us() { return GL_GUILTY_CONTEXT_RESET; }
+GLenum GLAPIENTRY no_memory() { return GL_OUT_OF_MEMORY; }
+
+class PainterTest : public ::testing::Test {
+ protected:
+  PainterTest() : painter_(std::make_shared<Painter::Gate>(1), [] {}) {
+    SceneJob job;
+    job.id = 1;
+    for (int i = 0; i < 4000; ++i) job.scene.cloud.positions.push_back({float(i % 63), float(i / 63), float(i % 7)});
+    job.pose = stand_upright(job.scene, "");
+    pose_ = job.pose;
+    painter_.show(std::move(job));
+    EXPECT_TRUE(std::holds_alternative<SceneReady>(next()));
+  }
+
+  Answer next() {
+    for (int i = 0; i < 60'000; ++i) {
+      if (waiting_.empty()) waiting_ = painter_.take_answers();
+      if (!waiting_.empty()) {
+        Answer first = std::move(waiting_.front());
+        waiting_.erase(waiting_.begin());
+        return first;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ADD_FAILURE() << "no answer within a minute";
+    return CalledOff{};
+  }
+  Answer paint(std::uint64_t id, int width) {
+    PictureJob job;
+    job.id = id;
+    job.technique = "points";
+    job.camera = first_view(pose_, width, 200);
+    painter_.paint_for_keeps(std::move(job));
+    return next();
+  }
+
+  Painter painter_;
+  Pose pose_;
+  std::vector<Answer> waiting_;
+};
+
+TEST_F(PainterTest, SaysThatGraphicsMemoryIsFullAndGoesOn) {
+  ASSERT_TRUE(std::holds_alternative<Picture>(paint(2, 200)));
+  const auto real = epoxy_glGetError;
+  epoxy_glGetError = no_memory;
+  const Answer answer = paint(3, 300);
+  epoxy_glGetError = real;
+  ASSERT_TRUE(std::holds_alternative<Failure>(answer));
+  EXPECT_EQ(std::get<Failure>(answer).id, 3u);
+  EXPECT_EQ(std::get<Failure>(answer).code, ErrorCode::out_of_memory);
+  EXPECT_THAT(std::get<Failure>(answer).message, HasSubstr("out of graphics memory"));
+  const Answer after = paint(4, 250);
+  ASSERT_TRUE(std::holds_alternative<Picture>(after));
+  EXPECT_EQ(std::get<Picture>(after).image.width(), 250);
+}
+
+TEST_F(PainterTest, SaysThatTheDriverWasResetAndEnds) {
+  ASSERT_TRUE(std::holds_alternative<Picture>(paint(2, 200)));
+  const auto real = epoxy_glGetGraphicsResetStatus;
+  epoxy_glGetGraphicsResetStatus = reset_by_us;
+  Answer answer = paint(3, 200);
+  if (!std::holds_alternative<Failure>(answer)) answer = next();  // its last picture
+  epoxy_glGetGraphicsResetStatus = real;
+  ASSERT_TRUE(std::holds_alternative<Failure>(answer));
+  EXPECT_EQ(std::get<Failure>(answer).id, 0u);  // of no job: nothing more can be drawn
+  EXPECT_EQ(std::get<Failure>(answer).code, ErrorCode::no_gl);
+  EXPECT_THAT(std::get<Failure>(answer).message, HasSubstr("driver was reset"));
+}
+
+}  // namespace
+}  // namespace sfumato::view
