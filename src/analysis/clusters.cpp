@@ -3,7 +3,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <array>
 #include <atomic>
@@ -11,6 +10,7 @@
 #include <numeric>
 
 #include "analysis/normals.h"
+#include "analysis/stoppable_sort.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -103,6 +103,7 @@ class RegionGrowing {
     std::vector<std::uint32_t> queue;
     segment_.assign(cloud_.size(), none);
     for (std::uint32_t seed = 0; seed < cloud_.size(); ++seed) {
+      check_at(seed, progress_);
       if (segment_[seed] != none) continue;
       segment_[seed] = segment_count_;
       queue.assign(1, seed);
@@ -180,7 +181,7 @@ class RegionGrowing {
         "borders of clusters");
     std::vector<Border> borders;
     for (const auto& part : found) borders.insert(borders.end(), part.begin(), part.end());
-    tbb::parallel_sort(borders.begin(), borders.end());
+    stoppable_sort(borders, progress_);
     borders.erase(std::unique(borders.begin(), borders.end(),
                               [](const Border& x, const Border& y) { return x.a == y.a && x.b == y.b; }),
                   borders.end());
@@ -190,6 +191,7 @@ class RegionGrowing {
       beyond_[border.a].push_back({border.distance2, border.b});
       beyond_[border.b].push_back({border.distance2, border.a});
     }
+    progress_.check();
     for (auto& list : beyond_) std::sort(list.begin(), list.end());
   }
 
@@ -201,6 +203,7 @@ class RegionGrowing {
     const float limit2 = options_.region_threshold * options_.region_threshold;
     std::uint32_t regions = 0;
     for (std::uint32_t s = 0; s < segment_count_; ++s) {
+      check_at(s, progress_);
       if (region_[s] == none) region_[s] = regions++;
       for (const Beyond& next : beyond_[s]) {
         if (next.distance2 > gap2_ || mean.empty()) break;
@@ -235,12 +238,14 @@ class RegionGrowing {
     std::vector<std::vector<Beyond>> beyond(region_count_);
     std::vector<std::uint64_t> points(region_count_, 0);
     for (std::uint32_t s = 0; s < segment_count_; ++s) {
+      check_at(s, progress_);
       const std::uint32_t r = region_[s];
       members[r].push_back(s);
       points[r] += size_[s];
       beyond[r].insert(beyond[r].end(), beyond_[s].begin(), beyond_[s].end());
     }
     for (std::uint32_t r = 0; r < region_count_; ++r) {
+      check_at(r, progress_);
       if (points[r] >= std::uint64_t(options_.min_size)) continue;
       const Beyond* nearest = nullptr;
       for (const Beyond& next : beyond[r])

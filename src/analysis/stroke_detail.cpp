@@ -1,7 +1,6 @@
 #include "analysis/stroke_detail.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "analysis/stoppable_sort.h"
 #include "core/interleave.h"
 
 namespace sfumato::analysis {
@@ -38,7 +38,9 @@ double mean_square(const Cell& c) {
 /// One grid: its cells from fine to coarse, and the least length from coarse to fine.
 class Grid {
  public:
-  Grid(const std::vector<vec3>& positions, const std::vector<Sample>& samples, const dvec3& corner, double size) {
+  Grid(const std::vector<vec3>& positions, const std::vector<Sample>& samples, const dvec3& corner, double size,
+       const Progress& progress)
+      : progress_(progress) {
     order_.resize(positions.size());
     tbb::parallel_for(std::size_t(0), positions.size(), [&](std::size_t i) {
       std::uint64_t key = 0;
@@ -46,8 +48,10 @@ class Grid {
         key |= every_third_bit(std::uint64_t(std::max(std::floor((double(positions[i][k]) + corner[k]) / size), 0.0))) << k;
       order_[i] = {key, std::uint32_t(i)};
     });
-    tbb::parallel_sort(order_.begin(), order_.end());
+    stoppable_sort(order_, progress_);
+    std::size_t done = 0;
     for (const auto& [key, i] : order_) {
+      check_at(done++, progress_);
       if (cells_[0].empty() || cells_[0].back().key != key) cells_[0].push_back({key});
       Cell& cell = cells_[0].back();
       cell.count += 1;
@@ -70,6 +74,7 @@ class Grid {
       std::vector<Cell>& cells = cells_[level];
       std::vector<double> next_within, next_free;
       for (std::size_t first = 0, end; first < parts.size(); first = end) {
+        check_at(cells.size(), progress_);
         Cell cell{parts[first].key >> 3};
         double of_means = 0, inside = 0, freedom = 0;
         for (end = first; end < parts.size() && parts[end].key >> 3 == cell.key; ++end) {
@@ -93,6 +98,7 @@ class Grid {
       within = std::move(next_within), free = std::move(next_free);
     }
     for (int level = levels - 1; level >= 0; --level) {
+      progress_.check();
       std::vector<float>& mine = least[std::size_t(level)];
       mine.resize(cells_[level].size(), std::numeric_limits<float>::infinity());
       for (std::size_t c = 0, up = 0; c < mine.size(); ++c) {
@@ -102,12 +108,14 @@ class Grid {
     }
     std::size_t c = 0;
     for (const auto& [key, i] : order_) {
+      check_at(i, progress_);
       while (cells_[0][c].key != key) ++c;
       lengths[i] = std::min(lengths[i], least[0][c]);
     }
   }
 
  private:
+  const Progress& progress_;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order_;
   std::array<std::vector<Cell>, levels + 1> cells_;
 };
@@ -137,7 +145,7 @@ std::vector<float> detail_lengths(const std::vector<vec3>& positions, const std:
   for (double shift : {0.0, 1.0 / 3}) {
     progress.check();
     const dvec3 corner = dvec3(shift * largest) - first;
-    Grid(positions, samples, corner, size).measure(size, lengths);
+    Grid(positions, samples, corner, size, progress).measure(size, lengths);
   }
   return lengths;
 }

@@ -1,5 +1,6 @@
 // What the words of a command line name: files, folders, patterns, standard input.
 #include <glob.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +19,8 @@ namespace sfumato::scene {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int poll_ms = 50;
 
 std::vector<std::string> readable_extensions() {
   std::vector<std::string> all;
@@ -84,7 +87,7 @@ std::vector<std::string> expand_inputs(const std::vector<std::string>& words) {
   return files;
 }
 
-StandardInput::StandardInput() {
+StandardInput::StandardInput(const Progress& progress) {
   if (isatty(STDIN_FILENO))
     throw Error(ErrorCode::usage,
                 "-: standard input is the keyboard; pipe a point cloud into it, or name a file");
@@ -97,6 +100,10 @@ StandardInput::StandardInput() {
   path_ = "/proc/self/fd/" + std::to_string(handle_);
   std::array<char, 1 << 16> block;
   while (true) {
+    progress.check();
+    // Who writes may take for ever, and Ctrl-C does not end a read.
+    struct pollfd one {STDIN_FILENO, POLLIN, 0};
+    if (::poll(&one, 1, poll_ms) == 0) continue;
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)

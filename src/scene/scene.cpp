@@ -12,7 +12,7 @@ namespace sfumato::scene {
 // What is said of the temporary file of "-" is said of standard input.
 io::ReadResult read_file(const std::string& file, const io::ReadOptions& options, Progress& progress) {
   if (file != "-") return io::read(file, options, progress);
-  const StandardInput input;
+  const StandardInput input(progress);
   try {
     io::ReadResult result = io::read(input.path(), options, progress);
     result.report.file = "standard input";

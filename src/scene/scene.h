@@ -74,8 +74,8 @@ std::vector<std::string> expand_inputs(const std::vector<std::string>& words);
 /// "-" as a file: what standard input holds, kept in a temporary file without a name while this lives.
 class StandardInput {
  public:
-  /// Reads standard input to its end.
-  StandardInput();
+  /// Reads standard input to its end. Throws Cancelled when `progress` asks for it, also while nothing comes.
+  explicit StandardInput(const Progress& progress = no_progress());
   ~StandardInput();
   StandardInput(const StandardInput&) = delete;
   StandardInput& operator=(const StandardInput&) = delete;

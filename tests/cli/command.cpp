@@ -2,7 +2,9 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -39,6 +41,35 @@ void CommandTest::TearDown() {
 }
 
 Outcome CommandTest::run(const std::vector<std::string>& words, int interrupt_after_ms) {
+  return run(
+      words,
+      [&](int child, Outcome&) {
+        if (interrupt_after_ms <= 0) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
+        kill(child, SIGINT);
+      },
+      -1);
+}
+
+Outcome CommandTest::run_interrupted(const std::vector<std::string>& words, const std::function<bool(double)>& is_time, int input) {
+  return run(
+      words,
+      [&](int child, Outcome& outcome) {
+        clockid_t clock{};
+        struct timespec used {};
+        while (clock_getcpuclockid(child, &clock) == 0 && clock_gettime(clock, &used) == 0) {
+          outcome.seconds_late = double(used.tv_sec) + 1e-9 * double(used.tv_nsec);
+          siginfo_t state{};
+          const bool has_ended = waitid(P_PID, id_t(child), &state, WEXITED | WNOHANG | WNOWAIT) == 0 && state.si_pid == child;
+          if (has_ended || is_time(outcome.seconds_late)) break;
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        kill(child, SIGINT);
+      },
+      input);
+}
+
+Outcome CommandTest::run(const std::vector<std::string>& words, const std::function<void(int, Outcome&)>& meanwhile, int input) {
   // Outside the folder, so that `files` lists only what the command wrote.
   const std::string out = folder_.string() + ".out", err = folder_.string() + ".err";
   std::vector<std::string> all = {SFUMATO_BINARY};
@@ -50,19 +81,21 @@ Outcome CommandTest::run(const std::vector<std::string>& words, int interrupt_af
   const pid_t child = fork();
   if (child == 0) {
     if (chdir(folder_.c_str()) != 0) _exit(126);
+    if (input >= 0) dup2(input, STDIN_FILENO);
     dup2(open(out.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
     dup2(open(err.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
     execv(argv[0], argv.data());
     _exit(127);
   }
-  if (interrupt_after_ms > 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
-    kill(child, SIGINT);
-  }
+  Outcome outcome;
+  meanwhile(child, outcome);
   int status = 0;
-  waitpid(child, &status, 0);
-  Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_all(out),
-                  read_all(err)};
+  struct rusage used {};
+  wait4(child, &status, 0, &used);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  outcome.out = read_all(out), outcome.err = read_all(err);
+  outcome.seconds = double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+  outcome.seconds_late = outcome.seconds - outcome.seconds_late;
   std::filesystem::remove(out);
   std::filesystem::remove(err);
   return outcome;

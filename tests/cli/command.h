@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,6 +18,8 @@ namespace sfumato::testing {
 struct Outcome {
   int code = -1;  ///< exit code, or 128 + signal
   std::string out, err;
+  double seconds = 0;       ///< of the processor
+  double seconds_late = 0;  ///< of them, after the interrupt
 };
 
 struct Array {
@@ -32,6 +35,9 @@ class CommandTest : public ::testing::Test {
 
   /// Runs `sfumato words...` inside `folder`. `interrupt_after_ms` sends Ctrl-C once.
   Outcome run(const std::vector<std::string>& words, int interrupt_after_ms = 0);
+  /// Sends Ctrl-C when `is_time`, which is asked again and again, says so of the seconds of the processor that the command has
+  /// taken. `input`: what it has as standard input.
+  Outcome run_interrupted(const std::vector<std::string>& words, const std::function<bool(double seconds)>& is_time, int input = -1);
   /// Runs it, expects exit code 0 and parses what it printed.
   nlohmann::json run_json(const std::vector<std::string>& words);
 
@@ -55,6 +61,7 @@ class CommandTest : public ::testing::Test {
   Array read_npy(const std::string& name) const;
 
  private:
+  Outcome run(const std::vector<std::string>& words, const std::function<void(int child, Outcome&)>& meanwhile, int input);
   std::filesystem::path folder_;
 };
 
