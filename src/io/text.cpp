@@ -22,10 +22,13 @@ bool is_separator(char c) {
   return c == ',' || c == ';';
 }
 
+/// `at`: behind the blanks that a line begins with.
+bool is_comment(const char* at, const char* end) {
+  return at < end && (*at == '#' || *at == '%' || (*at == '/' && at + 1 < end && at[1] == '/'));
+}
 bool is_comment(std::string_view line) {
-  const char* at = skip_blanks(line.data(), line.data() + line.size());
-  const std::string_view text(at, std::size_t(line.data() + line.size() - at));
-  return text.starts_with('#') || text.starts_with("//") || text.starts_with('%');
+  const char* end = line.data() + line.size();
+  return is_comment(skip_blanks(line.data(), end), end);
 }
 
 /// The words of a line. An empty cell between two commas is a word too; one behind the last comma is not.
@@ -175,7 +178,10 @@ class PointLines final : public LineGrammar {
  public:
   PointLines(std::vector<bool> wanted, bool allow_counts)
       : wanted_(std::move(wanted)), allow_counts_(allow_counts) {}
-  bool counts(std::string_view line) const override { return LineGrammar::counts(line) && !is_comment(line); }
+  bool counts(std::string_view line) const override {
+    const char *end = line.data() + line.size(), *at = skip_blanks(line.data(), end);
+    return at < end && !is_comment(at, end);
+  }
   bool parse(std::string_view line, double* row) const override {
     const char *at = line.data(), *end = at + line.size();
     for (std::size_t k = 0; k < wanted_.size(); ++k) {
@@ -187,7 +193,8 @@ class PointLines final : public LineGrammar {
       }
       double value = std::nan("");
       if (!is_separator(*at)) {
-        const char* behind = parse_number(at, end, value);
+        const char* behind = parse_plain_number(at, end, value);
+        if (!behind) behind = parse_number(at, end, value);
         const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
         if (!wanted_[k])
           behind = word_end(at, end);

@@ -144,7 +144,8 @@ double next_number(const char*& at, const char* end, std::string_view what) {
   at = skip_blanks(at, end);
   if (at == end) throw LineError("the line ends before " + std::string(what));
   double value = 0;
-  const char* behind = parse_number(at, end, value);
+  const char* behind = parse_plain_number(at, end, value);
+  if (!behind) behind = parse_number(at, end, value);
   if (!behind || (behind < end && !is_blank(*behind))) {
     const char* word = at;
     while (at < end && !is_blank(*at) && at - word < 20) ++at;

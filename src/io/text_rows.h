@@ -2,6 +2,7 @@
 // into rows of doubles that a CloudBuilder decodes like binary records.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -29,6 +30,33 @@ inline bool is_blank(char c) {
 }
 inline const char* skip_blanks(const char* at, const char* end) {
   while (at < end && is_blank(*at)) ++at;
+  return at;
+}
+
+/// The usual spelling, -12.345 with at most 15 digits, without leaving the caller: the value that `parse_number` gives, or null
+/// for everything else. What stands behind the number is for the caller to see.
+inline const char* parse_plain_number(const char* at, const char* end, double& value) {
+  static constexpr double power[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const bool is_negative = at < end && *at == '-';
+  at += is_negative;
+  const char* digits = at;
+  std::uint64_t mantissa = 0;
+  while (at < end && unsigned(*at - '0') < 10) mantissa = mantissa * 10 + unsigned(*at++ - '0');
+  std::ptrdiff_t count = at - digits;
+  double magnitude = 0;
+  if (at < end && *at == '.') {
+    const char* fraction = ++at;
+    while (at < end && unsigned(*at - '0') < 10) mantissa = mantissa * 10 + unsigned(*at++ - '0');
+    const std::ptrdiff_t places = at - fraction;
+    count += places;
+    if (count == 0 || count > 15) return nullptr;
+    magnitude = double(std::int64_t(mantissa)) / power[places];  // both exact: rounded once, and correctly
+  } else {
+    if (count == 0 || count > 15) return nullptr;
+    magnitude = double(std::int64_t(mantissa));
+  }
+  if (at < end && (*at | 0x20) == 'e') return nullptr;
+  value = is_negative ? -magnitude : magnitude;
   return at;
 }
 

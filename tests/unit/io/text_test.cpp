@@ -30,7 +30,33 @@ TEST(TextTest, NumbersAreRoundedExactly) {
     std::from_chars(text, text + length, expected);
     ASSERT_EQ(io::parse_number(text, text + length, found), text + length) << text;
     ASSERT_EQ(found, expected) << text;
+    // What the short way takes, it takes as the long one does.
+    if (const char* end = io::parse_plain_number(text, text + length, found)) {
+      ASSERT_EQ(end, text + length) << text;
+      ASSERT_EQ(found, expected) << text;
+    }
   }
+}
+
+TEST(TextTest, PlainNumbersAreTakenTheShortWay) {
+  struct Case {
+    std::string text;
+    int length;  ///< -1: left to the long way
+    double value;
+  };
+  for (const Case& c : {Case{"12.5", 4, 12.5}, Case{"-.5 ", 3, -0.5}, Case{"5.,", 2, 5}, Case{"255;", 3, 255},
+                        Case{"999999999999.999", 16, 999999999999.999}, Case{"0.1x", 3, 0.1}, Case{"+1", -1, 0}, Case{"1e3", -1, 0},
+                        Case{"1.5E2", -1, 0}, Case{"1234567890123456", -1, 0}, Case{"0.0000000000000001", -1, 0}, Case{".", -1, 0},
+                        Case{"-", -1, 0}, Case{"", -1, 0}, Case{"nan", -1, 0}}) {
+    double value = 0;
+    const char *begin = c.text.data(), *end = io::parse_plain_number(begin, begin + c.text.size(), value);
+    EXPECT_EQ(end ? int(end - begin) : -1, c.length) << c.text;
+    if (end) EXPECT_EQ(value, c.value) << c.text;
+  }
+  double value = 1;
+  const std::string zero = "-0";
+  ASSERT_TRUE(io::parse_plain_number(zero.data(), zero.data() + 2, value));
+  EXPECT_TRUE(value == 0 && std::signbit(value));
 }
 
 TEST(TextTest, NumbersOfEverySpelling) {
