@@ -279,6 +279,9 @@ void bind_cloud(py::module_& module) {
                                for (const std::string& part : self.scene.damage) notes.push_back(part + "; it is left out");
                                return notes;
                              })
+      .def_property_readonly("damage", [](Cloud& self) { return self.scene.damage; })
+      .def_property_readonly("points_read", [](Cloud& self) { return self.scene.points_read; })
+      .def_property_readonly("points_missing", [](Cloud& self) { return self.scene.points_missing; })
       .def_property_readonly("file", [](Cloud& self) { return self.file; })
       .def_property_readonly("bounds", [](Cloud& self) {
         const Bounds box = bounds(self.points());

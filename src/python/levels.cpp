@@ -47,11 +47,12 @@ Sources sources_of(const py::list& items) {
 scene::SceneOptions options_of(const std::vector<std::string>& columns,
                                const std::optional<std::uint64_t>& max_points,
                                const std::optional<std::string>& up, const py::dict& wishes,
-                               bool every_attribute) {
+                               bool every_attribute, bool strict) {
   scene::SceneOptions options;
   options.read.columns = columns;
   options.read.max_points = max_points;
   options.read.every_attribute = every_attribute;
+  options.read.strict = strict;
   options.selection = selection_of(wishes);
   options.up = up_axis(up);
   return options;
@@ -70,8 +71,8 @@ io::ReadResult result_of(const Cloud& cloud, const std::string& name) {
 
 CloudPtr read(const py::list& items, const std::vector<std::string>& columns,
               const std::optional<std::uint64_t>& max_points, const std::optional<std::string>& up,
-              const py::dict& wishes, bool every_attribute, const py::object& progress) {
-  const scene::SceneOptions options = options_of(columns, max_points, up, wishes, every_attribute);
+              const py::dict& wishes, bool every_attribute, bool strict, const py::object& progress) {
+  const scene::SceneOptions options = options_of(columns, max_points, up, wishes, every_attribute, strict);
   const Sources sources = sources_of(items);
   auto cloud = std::make_shared<Cloud>();
   cloud->up = options.up;
@@ -98,8 +99,8 @@ CloudPtr read(const py::list& items, const std::vector<std::string>& columns,
 std::unique_ptr<Levels> open(const py::list& items, const std::vector<std::string>& columns,
                              const std::optional<std::uint64_t>& max_points,
                              const std::optional<std::uint64_t>& memory, const std::optional<std::string>& up,
-                             const py::dict& wishes, bool always) {
-  const scene::SceneOptions options = options_of(columns, max_points, up, wishes, false);
+                             const py::dict& wishes, bool always, bool strict) {
+  const scene::SceneOptions options = options_of(columns, max_points, up, wishes, false, strict);
   const Sources sources = sources_of(items);
   if (!sources.only_files()) return nullptr;
   auto found =

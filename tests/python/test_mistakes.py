@@ -1,6 +1,8 @@
 """What is wrong is said in one line that names the nearest right thing; the same line as the command's where it has one."""
 import os
+import re
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
@@ -129,3 +131,44 @@ def test_every_public_name_is_documented_and_in_the_stubs():
     for technique in sfumato.techniques():
         for parameter in technique.parameters + technique.shared_parameters:
             assert f"{parameter.name}: " in stub, parameter.name
+
+
+@pytest.fixture(scope="module")
+def damaged(tmp_path_factory):
+    """A LAZ file of 120,000 points in chunks of 50,000, 50,000 and 20,000; the head of the second is gone."""
+    file = tmp_path_factory.mktemp("damaged") / "damaged.laz"
+    sfumato.write(file, np.random.default_rng(2).uniform(size=(120_000, 3)))
+    content = bytearray(file.read_bytes())
+    # Where the chunks begin stands at the end of the file, coded. Those of noise are as long as they have points, so that the
+    # second begins at 41.7 %; broken around there, it says where.
+    around = bytearray(content)
+    begin, end = int(0.41 * len(content)), int(0.42 * len(content))
+    around[begin:end] = b"\xff" * (end - begin)
+    file.write_bytes(around)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        notes = sfumato.read(file).notes
+    place = int(next(re.search(r"byte (\d+)", note) for note in notes if "chunk 1, " in note).group(1))
+    content[place:place + 60] = b"\xff" * 60
+    file.write_bytes(content)
+    return file
+
+
+def test_damaged_parts_are_left_out_with_a_warning(damaged):
+    with pytest.warns(sfumato.PartialWarning, match=r"^50000 of 120000 points are missing.*strict=True.*chunk 1, ") as caught:
+        cloud = sfumato.read(damaged)
+    assert len(cloud) == 70_000 and any("chunk 1, " in note and "left out" in note for note in cloud.notes)
+    with pytest.warns(sfumato.PartialWarning, match="50000 of 120000") as rendering:
+        sfumato.render(damaged, technique="points", size=(32, 24), outputs="rgba")
+    # It stands in the lines of who asked.
+    assert [warning.filename for warning in (*caught, *rendering)] == [__file__] * 2
+
+
+def test_strict_refuses_damaged_parts(damaged, scan):
+    for read in (sfumato.read, sfumato.Renderer, lambda file, strict: sfumato.render(file, size=(32, 24), strict=strict)):
+        with pytest.raises(sfumato.Error, match="chunk 1, ") as caught:
+            read(damaged, strict=True)
+        assert caught.value.code == "bad_input"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(sfumato.read(scan, strict=True)) > 0

@@ -3,7 +3,7 @@ import os
 from collections.abc import MutableMapping
 
 from . import _convert, _engine, _progress
-from ._error import Error
+from ._error import Error, warn_of_damage
 from ._look import count_of
 from ._techniques import Parameter, text_of
 
@@ -241,7 +241,7 @@ def as_cloud(points, progress=None):
 
 
 def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=None, show_classes=None, hide_classes=None,
-         filters=(), up=None, every_attribute=False, progress=None):
+         filters=(), up=None, every_attribute=False, strict=False, progress=None):
     """Reads point clouds: LAS, LAZ, COPC, E57, PLY, PCD, PTX, XYZ and more (`formats`).
 
     Several files become one scene, with the scalar `file` that tells them apart.
@@ -264,13 +264,18 @@ def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=Non
         Wins over what the files say.
     every_attribute : bool
         Also those of LAS that are zero everywhere.
+    strict : bool
+        Refuses LAZ and COPC files of which parts are damaged. Otherwise those parts are left out with a `PartialWarning`, and
+        ``notes`` of the cloud names each.
     progress : function of (share, text) or a tqdm bar, optional
 
     Raises `Error`: "io" when a file cannot be opened, "bad_input" when it is damaged or holds no points, "usage".
     """
     wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
-    return Cloud._of(_engine.read(items_of(_words_of(files, more)), list(columns), count_of("max_points", max_points), up, wishes,
-                                  every_attribute, _progress.callback(progress)))
+    engine = _engine.read(items_of(_words_of(files, more)), list(columns), count_of("max_points", max_points), up, wishes,
+                          every_attribute, bool(strict), _progress.callback(progress))
+    warn_of_damage(engine)
+    return Cloud._of(engine)
 
 
 class Levels:
@@ -316,13 +321,17 @@ class Levels:
         """
         report = _progress.callback(progress)
         if cameras is None:
-            return Cloud._of(self._engine.coarse(count_of("max_points", max_points) or len(self), report))
+            engine = self._engine.coarse(count_of("max_points", max_points) or len(self), report)
+            warn_of_damage(engine)
+            return Cloud._of(engine)
         if max_points is not None:
             raise Error("max_points goes with whole levels; for what cameras see give it to sfumato.open")
         cameras = list(cameras) if isinstance(cameras, (list, tuple)) else [cameras]
         if not all(isinstance(camera, _engine.Camera) for camera in cameras):
             raise Error("cameras: give a Camera or a list of them; renderer.view makes one")
-        return Cloud._of(self._engine.read(cameras, bool(panorama), bool(shadows), report))
+        engine = self._engine.read(cameras, bool(panorama), bool(shadows), report)
+        warn_of_damage(engine)
+        return Cloud._of(engine)
 
     def __repr__(self):
         size = [f"{high - low:.4g}" for low, high in zip(*self.bounds)]
@@ -330,7 +339,7 @@ class Levels:
 
 
 def open(files, *more, max_points=None, memory=None, crop=None, crop_relative=None, show_classes=None, hide_classes=None, filters=(),
-         up=None):
+         up=None, strict=False):
     """Opens COPC files of any size, reading only their hierarchy; ``sfumato build`` makes such files.
 
     Parameters
@@ -340,14 +349,14 @@ def open(files, *more, max_points=None, memory=None, crop=None, crop_relative=No
         The most points that are read at once.
     memory : int or str, optional
         Bytes that their points may take, 100 each: ``"2G"``; 4 GB.
-    crop, crop_relative, show_classes, hide_classes, filters, up
+    crop, crop_relative, show_classes, hide_classes, filters, up, strict
         As in `read`. Only the parts of the files that reach into the box are read.
 
     Returns `Levels`. Raises `Error`: "usage" for files that are not COPC, "io", "bad_input".
     """
     wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
     return Levels(_engine.open(items_of(_words_of(files, more)), [], count_of("max_points", max_points), count_of("memory", memory), up,
-                               wishes, True))
+                               wishes, True, bool(strict)))
 
 
 def _words_of(files, more=()):

@@ -4,13 +4,13 @@ import os
 from . import _engine, _progress
 from ._camera import Camera, orbit
 from ._cloud import Cloud, Levels, selection_of
-from ._error import Error
+from ._error import Error, warn_of_damage
 from ._look import KEYWORDS, Look, count_of, is_default, options_of
 from ._scene import Scene
 from ._techniques import settings_of
 
 ALL_OUTPUTS = ("rgba", "linear", "depth", "normal")
-_KEYWORDS = ("colors", "camera", "size", "normals", "scalars", "radii", "memory", "preset", "outputs", "panorama", "progress", *KEYWORDS)
+_KEYWORDS = ("colors", "camera", "size", "normals", "scalars", "radii", "memory", "strict", "preset", "outputs", "panorama", "progress", *KEYWORDS)
 
 
 class Picture:
@@ -165,7 +165,7 @@ class Renderer:
     def __init__(self, points, colors=None, technique="auto", normals=None, scalars=None, radii=None, background="auto",
                  up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
                  show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
-                 preset=None, progress=None, **parameters):
+                 preset=None, progress=None, strict=False, **parameters):
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
             color, colors = colors, None
@@ -211,7 +211,7 @@ class Renderer:
             self._levels = points._engine
         elif self._sources:
             self._levels = _engine.open(self._sources, list(wanted["columns"]), max_points, count_of("memory", memory), wanted["up"],
-                                        selection, False)
+                                        selection, False, bool(strict))
         if self._levels:
             wishes["is_selected"] = True
             self._wishes = wishes
@@ -221,7 +221,9 @@ class Renderer:
         own = False
         if self._sources:
             _engine.has_shadows(wanted["technique"], settings, wishes, [])
-            cloud = _engine.read(self._sources, list(wanted["columns"]), max_points, wanted["up"], selection, False, self._progress)
+            cloud = _engine.read(self._sources, list(wanted["columns"]), max_points, wanted["up"], selection, False, bool(strict),
+                                 self._progress)
+            warn_of_damage(cloud)
             wishes["is_selected"] = True
         else:
             own = isinstance(points, Cloud)
@@ -251,6 +253,7 @@ class Renderer:
         if self._opened is not None:
             self._opened.close()  # room for what comes
         cloud = self._levels.read(cameras, panorama, shadows, self._progress)
+        warn_of_damage(cloud)
         self._opened = _engine.Stage(cloud, True, self._wanted["technique"], self._settings, self._wishes, self._stand, self._progress)
         self._key = key
 
@@ -458,7 +461,7 @@ class Renderer:
 def render(points, colors=None, technique="auto", camera=None, size=None, normals=None, scalars=None, radii=None,
            background="auto", up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
            show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
-           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, **parameters):
+           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, strict=False, **parameters):
     """A picture of points: the same bytes as the command gives for the same view and parameters.
 
     >>> sfumato.render(xyz, rgb, technique="surface", shadows="soft").save("scan.png")
@@ -515,6 +518,8 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     legend : bool
         Explains the colours in a corner of `Picture.rgba`.
     progress : function of (share, text) or a tqdm bar, optional
+    strict : bool
+        As in `read`.
     **parameters
         Any parameter of the technique (`techniques`) or the analysis: ``point_size=2``, ``shadows="soft"``, ``samples=8``.
 
@@ -530,7 +535,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     """
     renderer = Renderer(points, colors, technique, normals, scalars, radii, background, up, color, color_by, colormap, range,
                         exposure, hide_classes, show_classes, filters, crop, crop_relative, max_points, memory, whole, draw, preset,
-                        progress, **parameters)
+                        progress, strict, **parameters)
     with renderer:
         return renderer.render(camera, size, None, outputs, progress, panorama, legend)
 
