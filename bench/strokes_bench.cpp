@@ -126,6 +126,7 @@ void name(const char* row, void (*function)(benchmark::State&), std::initializer
   for (int count : counts)
     benchmark::RegisterBenchmark((std::string("strokes/") + row).c_str(), function)
         ->Arg(count)
+        ->MeasureProcessCPUTime()  // of all threads: what a shared machine can still compare
         ->UseManualTime()
         ->Iterations(3)
         ->Unit(benchmark::kMillisecond);

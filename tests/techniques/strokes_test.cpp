@@ -296,6 +296,43 @@ TEST_F(StrokesTest, StrokesStayPutWhenTheCameraMoves) {
   EXPECT_GT(common, 0.95 * set.strokes.count());
 }
 
+// A scanner's shadow: between a near thing and the wall far behind it nothing was measured. A slit of a few pixels is
+// painted like the wall, a wide one stays open.
+TEST_F(StrokesTest, UnderpaintingClosesSlitsBesideNearThings) {
+  auto scene = [](float wall_from) {  // the near half ends at x = 0, the wall as seen from the camera `wall_from` px beside it
+    PointCloud cloud;
+    auto add = [&](float x, float y, float z, Rgba8 color) {
+      cloud.positions.push_back({x, y, z});
+      cloud.normals.push_back({0, -1, 0});
+      cloud.colors.push_back(color);
+    };
+    for (int i = 0; i < 250; ++i)
+      for (int j = 0; j < 200; ++j) {
+        add(-0.01f * float(i), 0, 0.01f * float(j) - 1, {200, 40, 40, 255});
+        add(wall_from + 0.05f * float(i), 16, 0.05f * float(j) - 5, {40, 40, 200, 255});
+      }
+    return cloud;
+  };
+  auto middle_row = [&](float wall_from) {
+    Studio studio(scene(wall_from));
+    studio.step();
+    const Image<vec4> picture = studio.picture();
+    int open = 0;
+    float red = -1;
+    for (int x = 0; x < picture.width(); ++x) {
+      const vec4 c = picture.at(x, 40);
+      open += c.a < 0.5f;
+      if (x > 57 && x < 61) red = std::max(red, c.r - c.b);
+    }
+    return std::pair{open, red};
+  };
+  // A pixel of the wall is 0.2 wide.
+  const auto [slit_open, slit_red] = middle_row(0.5f);
+  EXPECT_EQ(slit_open, 0);
+  EXPECT_LT(slit_red, 0) << "by the wall, not by what stands before it";
+  EXPECT_GT(middle_row(4).first, 8);
+}
+
 // The same points in another file, some of them at the same places in other colours.
 TEST_F(StrokesTest, TheOrderOfTheFileDoesNotShow) {
   PointCloud cloud = two_spheres();

@@ -45,6 +45,7 @@ bool filter_pixel(ivec2 pixel) {
   vec4 color = vec4(0.0), normal = vec4(0.0);
   float sum = 0.0, depth = 0.0;
   int closed = 0;  // of the four lines; one may lead outside
+  int short_lines = 0;
   bool whole = false;
   for (int k = 0; k < 4; ++k) {
     ivec2 direction = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1))[k];
@@ -55,18 +56,22 @@ bool filter_pixel(ivec2 pixel) {
     whole = whole || (a.away > 0 && b.away > 0);
     if (a.away < 0) a = b;
     if (b.away < 0) b = a;
-    // Steeper than 4 to 1 is another surface; a slit of less than 4 pixels is hardly ever a gap between two.
+    // Steeper than 4 to 1 is another surface; a slit of less than 4 pixels is hardly ever a gap between two. One no wider than
+    // a stroke, which two lines cross, is closed by the farther side: what is painted first goes on behind what stands
+    // before it. In a corner only one line is short.
     float steepness = abs(a.depth - b.depth) * pixels_at(min(a.depth, b.depth)) / float(a.away + b.away);
-    bool slit = a.away + b.away <= 4 && steepness < 16.0;
-    if (steepness > 4.0 && !slit) continue;
+    bool slit = a.away + b.away <= 4 && steepness < 16.0, narrow = a.away + b.away <= reach + 1;
+    if (steepness > 4.0 && !slit && !narrow) continue;
     closed += slit ? 3 : 1;
+    short_lines += int(narrow);
     float wa = 1.0 / float(a.away), wb = 1.0 / float(b.away);
+    if (steepness > 4.0) wa *= float(a.depth > b.depth), wb *= float(b.depth > a.depth);
     color += wa * a.color + wb * b.color;
     normal += wa * a.normal + wb * b.normal;
     depth += wa * a.depth + wb * b.depth;
     sum += wa + wb;
   }
-  if (closed < 3 || !whole) return true;
+  if ((closed < 3 && short_lines < 2) || !whole) return true;
   vec4 under = color / sum;
   if (out_0.a <= 0.0) {
     out_1 = vec4(depth / sum);
