@@ -13,7 +13,7 @@ for shader in "$folder"/*.comp "$folder"/*.vert "$folder"/*.frag; do
   glslangValidator "$shader" >"$folder/log" 2>&1 || { failed=$((failed + 1)); cat "$folder/log"; }
 done
 # A shader that no test compiles would pass unseen.
-for file in $(cd "$source/src" && find passes techniques \( -name '*.comp' -o -name '*.vert' -o -name '*.frag' \)); do
+for file in $(cd "$source/src" && find gl passes techniques \( -name '*.comp' -o -name '*.vert' -o -name '*.frag' \)); do
   name=$(echo "$file" | tr / .)
   ls "$folder/$name".* >/dev/null 2>&1 || { failed=$((failed + 1)); echo "no test has compiled $file"; }
 done

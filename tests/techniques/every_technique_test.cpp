@@ -1,5 +1,8 @@
 // Contracts that every registered technique keeps, without being named here.
+#include <algorithm>
+#include <map>
 #include <numeric>
+#include <optional>
 
 #include "core/error.h"
 #include "reference/gl_fixture.h"
@@ -192,6 +195,132 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
     }
     param.set(before);
   }
+}
+
+/// A noisy sphere over a floor, with normals that point outwards, with strays and a colour that changes: something for every parameter.
+PointCloud rich_scene() {
+  PointCloud cloud;
+  std::mt19937 random(4);
+  std::normal_distribution<float> normal(0, 1);
+  std::uniform_real_distribution<float> uniform(-2, 2);
+  const auto add = [&](vec3 p) {
+    cloud.positions.push_back(p);
+    cloud.normals.push_back(p.z < -1.05f ? vec3(0, 0, 1) : glm::normalize(p));
+    const bool dark = std::sin(9 * p.x) * std::sin(9 * p.y + 9 * p.z) > 0;
+    cloud.colors.push_back(dark ? Rgba8{40, 60, 160, 255} : Rgba8{230, 200, 80, 255});
+  };
+  for (int i = 0; i < 6000; ++i) {
+    const vec3 d = glm::normalize(vec3(normal(random), normal(random), normal(random)));
+    add(d * (1 + 0.03f * normal(random)));
+  }
+  for (int i = 0; i < 4000; ++i) add({uniform(random), uniform(random), -1.1f});
+  for (int i = 0; i < 150; ++i) add({uniform(random), uniform(random), uniform(random)});
+  ScalarField classes;
+  classes.name = "classification";
+  for (const vec3& p : cloud.positions) classes.values.push_back(p.z < -1.05f ? 2 : p.x < 0 ? 5 : 6);
+  ScalarField rows;
+  rows.name = "row";
+  for (const vec3& p : cloud.positions) rows.values.push_back(p.z > 0 ? 2 : p.y < 0 ? 1 : 0);
+  cloud.scalars = {std::move(classes), std::move(rows)};
+  return cloud;
+}
+
+/// Parameters that change no pixel of a final picture, and why.
+const std::map<std::string, std::string> shows_nothing{
+    {"fast", "allows atomics that software GL does not have"},
+    {"layers.peeling", "both ways find the same layers"},
+    {"denoise.hash_bits", "a full table grows by itself"},
+    {"strokes.refine", "says what is shown on the way to the final picture"},
+    {"strokes.min_sorted", "says what is shown on the way to the final picture"},
+    {"strokes.sort_steps", "says what is shown on the way to the final picture"},
+    {"strokes.fragment_memory", "what does not fit comes in turns"},
+    {"strokes.specular", "gloss takes its place"},
+};
+
+/// Parameters that want several others beside them.
+const std::map<std::string, std::vector<std::pair<std::string, std::string>>> company_of{
+    {"soft.field_size", {{"field", "distance"}, {"field_distance", "box"}}},
+    {"strokes.shininess", {{"lighting", "on"}, {"gloss", "1"}}},
+};
+
+// A slider that moves nothing is a bug. Each parameter has a value that another picture shows, if need be together with some
+// other choice (shadows for the size of the light).
+TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
+  if (gl::preferences().screen_passes == gl::ScreenPassKind::compute) GTEST_SKIP() << "parameters are the same by any way: once is enough";
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, rich_scene(), technique->needs());
+  ParamList params;
+  RenderSettings s = settings();
+  technique->describe(params);
+  s.describe(params);
+  const auto draw = [&]() -> std::optional<RenderOutput> {
+    if (!technique->shows(s.shading)) return std::nullopt;
+    if (!technique->needs().without(renderer.prepared().available).empty())
+      analysis::complete(renderer.prepared(), technique->needs(), {}, no_progress());
+    try {
+      return renderer.render(*technique, front_camera(48, 36), s, {});
+    } catch (const Error&) {  // of values that do not go together
+      return std::nullopt;
+    }
+  };
+  const auto values_of = [](const Param& param) {
+    std::vector<std::string> values = param.choices;
+    if (param.kind == ParamKind::boolean) values = {"true", "false"};
+    if (param.kind == ParamKind::real || param.kind == ParamKind::integer) {
+      for (const auto& end : {param.min, param.max})
+        if (end) values.push_back(param.kind == ParamKind::integer ? std::to_string(long(*end)) : std::to_string(*end));
+      values.insert(values.end(), {"1", "2", "5", "0.1", "0.5", "0.02", "40"});
+    }
+    if (param.kind == ParamKind::real_list) values = {"0.1,0.5,1", "0.02,0.4,0.9", "1,2,3", "2", "5"};
+    if (param.kind == ParamKind::text) values = {"class", "distance", "row", "0,0,1", "1,0.4,0.2"};
+    if (param.kind == ParamKind::vector3) values = {"1,0,0", "0,1,0.5"};
+    if (param.name == "light") values = {"1,-3,4", "dir:1,-1,1"};
+    return values;
+  };
+  const auto try_set = [](Param& param, const std::string& value) {
+    try {
+      param.set(value);
+      return true;
+    } catch (const Error&) {  // out of its range, or not of its kind
+      return false;
+    }
+  };
+  std::vector<Param*> silent;
+  for (Param& param : params.all())
+    if (!shows_nothing.contains(GetParam() + "." + param.name) && !shows_nothing.contains(param.name)) silent.push_back(&param);
+  for (const auto& [name, others] : company_of)
+    if (name.starts_with(GetParam() + "."))
+      for (const auto& [other, value] : others) params.find(other)->set(value);
+  // First by itself, then beside every choice of others and their ends.
+  std::vector<std::pair<Param*, std::string>> company{{nullptr, ""}};
+  for (Param& other : params.all())
+    for (const std::string& value : values_of(other))
+      if (value != other.default_text && company.size() < 400) company.emplace_back(&other, value);
+  std::stable_partition(company.begin() + 1, company.end(), [](const auto& each) {
+    return !each.first->choices.empty() || each.first->kind == ParamKind::boolean || each.first->kind == ParamKind::text;
+  });
+  for (const auto& [other, choice] : company) {
+    if (silent.empty()) break;
+    const std::string other_before = other ? other->get() : "";
+    if (other && !try_set(*other, choice)) continue;
+    if (const auto plain = draw())
+      std::erase_if(silent, [&](Param* param) {
+        if (param == other) return false;
+        const std::string before = param->get();
+        bool differs = false;
+        for (const std::string& value : values_of(*param)) {
+          if (value == before || !try_set(*param, value)) continue;
+          const auto changed = draw();
+          differs = changed && !std::ranges::equal(changed->rgba8, plain->rgba8);
+          if (differs) break;
+        }
+        param->set(before);
+        return differs;
+      });
+    if (other) other->set(other_before);
+  }
+  for (const Param* param : silent) ADD_FAILURE() << param->name << " changes nothing, whatever its value";
 }
 
 TEST_P(EveryTechnique, DepthIsThatOfTheSphere) {
