@@ -82,7 +82,7 @@ class Hand {
     if (what < 22) {  // turn, move along
       name("drag");
       jump(0, 0.74f);
-      button_ = dice(3), shift_ = dice(4) == 0, steps_ = 4 + dice(20);
+      button_ = dice(3), shift_ = dice(3) == 0, control_ = dice(3) == 0, steps_ = 4 + dice(20);
       dx_ = 16 * (share() - 0.5f), dy_ = 16 * (share() - 0.5f);
     } else if (what < 30) {
       name("wheel");
@@ -251,11 +251,12 @@ int main(int count, char** words) {
   }
   std::filesystem::create_directories(scratch);
   std::filesystem::current_path(scratch);
-  for (const char* scene : {"forest --points 60000 -o a.laz", "courtyard --points 150000 -o b.laz", "tori --points 100000 -o c.ply"})
+  for (const char* scene : {"forest --points 60000 -o a.laz", "courtyard --points 150000 -o b.laz", "tori --points 1100000 -o d.laz",
+                            "tori --points 100000 -o c.ply"})
     if (std::system((std::string(SFUMATO_BINARY " synth ") + scene + " --quiet").c_str()) != 0) return fail("no scene to look at");
   int code = 1;
   try {
-    code = soak(minutes, seed, {"a.laz", "b.laz", "c.ply"});
+    code = soak(minutes, seed, {"a.laz", "b.laz", "d.laz", "c.ply"});
   } catch (const std::exception& error) {
     code = fail(error.what());
   }

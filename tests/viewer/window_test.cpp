@@ -3,9 +3,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <set>
 
 #include "viewer/desk.h"
+#include "viewer/drop.h"
 
 namespace sfumato::testing {
 namespace {
@@ -335,6 +337,54 @@ TEST_F(WindowTest, OpensASecondFileAndSavesLookAndScene) {
   close();
   expect_reproducible(both);
 }
+
+// What cannot be read to its end is said, and its sample stays.
+TEST_F(WindowTest, KeepsTheSampleOfAFileThatIsDamaged) {
+  {
+    std::ofstream out(path("field.xyz"));
+    for (int i = 0; i < 1'200'000; ++i) out << i % 1000 << " " << i / 1000 << " " << i % 7 << "\n";
+    out << "1 nonsense 3\n";
+    out << "1 2 3";
+  }
+  open({"field.xyz", "-t", "points"});
+  wait_for("line 1200001");
+  wait_for("what is shown is a sample");
+  wait_for("first picture");
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  EXPECT_GT(colors_of(screen()), 50);
+  hand("mousemove 475 350 key p");
+  wait_for("the picture is not there yet");
+  hand("mousemove 475 350 click 1");
+  wait_for("points are picked among all of them");
+  close();
+}
+
+#ifdef SFUMATO_X11
+// Files dragged from another program: one takes the place of what is open, with Ctrl it comes beside it.
+TEST_F(WindowTest, TakesFilesThatAreDropped) {
+  write_cube("cube.ply", 20);
+  write_cube("second one.ply", 30);
+  write_cube("third.ply", 10);
+  open({"cube.ply", "-t", "points"});
+  wait_for("final picture");
+  std::string second = path("second one.ply").string();
+  second.replace(second.find(' '), 1, "%20");
+  ASSERT_EQ(drop_files({second}, 475, 350), "");
+  wait_for("final picture", 2);
+  const std::string alone = save();
+  EXPECT_THAT(png_texts(alone)["Command"], HasSubstr("second one.ply"));
+  EXPECT_THAT(png_texts(alone)["Command"], Not(HasSubstr("cube.ply")));
+  hand("keydown ctrl sleep 0.3");
+  ASSERT_EQ(drop_files({path("third.ply").string()}, 475, 350), "");
+  hand("sleep 0.3 keyup ctrl");
+  wait_for("final picture", 3);
+  const std::string both = save();
+  EXPECT_THAT(png_texts(both)["Command"], HasSubstr("second one.ply"));
+  EXPECT_THAT(png_texts(both)["Command"], HasSubstr("third.ply"));
+  close();
+  expect_reproducible(both);
+}
+#endif
 
 // A path made of key views is played: its pictures are in motion, its end is the last key.
 TEST_F(WindowTest, PlaysAPathOfKeyViews) {
