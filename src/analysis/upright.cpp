@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t sample_size = 65'536;
 /// A cloud less than this share as thick as wide is ground seen from the air, a street, a tile.
 constexpr double flat = 0.4;
+/// So is one whose middle 90 % of heights are this share of its width, whatever pylons and trees stand on it.
+constexpr double mostly_flat = 0.3;
 /// By how much another axis must stand firmer than the format's own. Measured on upright statues, rooms and scenes: the
 /// right axis leads by 0.15 or more in nine cases of ten.
 constexpr double lead = 0.15;
@@ -22,6 +24,7 @@ struct Sample {
   std::vector<dvec3> points;  ///< world
   dvec3 mean_normal{0};       ///< length 1 where all normals of the file agree, 0 where it has none
   dvec3 low{0}, high{0};      ///< of all but half a percent at each end
+  double most_heights = 0;    ///< along z, of all but 5 % at each end
 
   explicit Sample(const PointCloud& cloud) {
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + sample_size - 1) / sample_size);
@@ -35,6 +38,7 @@ struct Sample {
       for (std::size_t i = 0; i < points.size(); ++i) values[i] = points[i][k];
       std::sort(values.begin(), values.end());
       low[k] = values[values.size() / 200], high[k] = values[values.size() - 1 - values.size() / 200];
+      if (k == 2) most_heights = values[values.size() - 1 - values.size() / 20] - values[values.size() / 20];
     }
   }
   dvec3 size() const { return high - low; }
@@ -113,6 +117,9 @@ Upright guess_upright(const PointCloud& cloud) {
   const int thin = by_size[0];
   if (thin > 0 && size[thin] < flat * size[by_size[1]])
     return {axis_of(thin, true), std::string("flat: thin along ") + "xyz"[thin], -45, 30};
+
+  if (thin == 2 && sample.most_heights < mostly_flat * size[by_size[1]])
+    return {UpAxis::pos_z, "mostly flat: nearly all is thin along z", -45, 30};
 
   const int own = int(cloud.up) / 2;
   Upright best = custom;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "analysis/survey.h"
 #include "analysis/upright.h"
 #include "synth/synth.h"
@@ -31,12 +33,12 @@ TechniqueChoice choice_for(PointCloud cloud) {
   return choice;
 }
 
-/// One turn of a street scanner: 32 rings of 1 degree over a road between two walls.
-PointCloud street_sweep() {
+/// One turn of a street scanner: 32 degrees of rings over a road between two walls.
+PointCloud street_sweep(int rings = 32) {
   PointCloud cloud;
-  for (int ring = 0; ring < 32; ++ring)
+  for (int ring = 0; ring < rings; ++ring)
     for (int step = 0; step < 1800; ++step) {
-      const double angle = glm::radians(0.2 * step), rise = glm::radians(-25.0 + ring);
+      const double angle = glm::radians(0.2 * step), rise = glm::radians(-25.0 + ring * 32.0 / rings);
       const dvec3 way(std::cos(rise) * std::cos(angle), std::cos(rise) * std::sin(angle), std::sin(rise));
       double t = 80;
       if (way.z < 0) t = std::min(t, -1.8 / way.z);
@@ -50,6 +52,23 @@ PointCloud every(int n, PointCloud cloud) {
   std::vector<vec3> kept;
   for (std::size_t i = 0; i < cloud.size(); i += std::size_t(n)) kept.push_back(cloud.positions[i]);
   cloud.positions = std::move(kept);
+  return cloud;
+}
+
+/// Cylinders of a mesh have vertices on their rims only.
+PointCloud rims() {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  for (int cylinder = 0; cylinder < 40; ++cylinder) {
+    const vec3 foot(4 * unit(random), 2 * unit(random), 2 * unit(random));
+    const float radius = 0.1f + 0.3f * unit(random), height = 0.2f + unit(random);
+    for (int k = 0; k < 48; ++k)
+      for (float z : {0.0f, height}) {
+        const float angle = 6.2832f * float(k) / 48;
+        cloud.positions.push_back(foot + vec3(radius * std::cos(angle), radius * std::sin(angle), z));
+      }
+  }
   return cloud;
 }
 
@@ -67,6 +86,9 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
       {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "points", "vegetation"},
       {"depth pictures", scan("room", synth::Sampling::cameras, 100'000), "splats", "depth picture"},
       {"street sweep", street_sweep(), "points", "lines"},
+      {"street sweep of 16 rings", street_sweep(16), "points", "lines"},
+      {"street sweep of 64 rings", street_sweep(64), "points", "lines"},
+      {"vertices of a machine's mesh", rims(), "points", "lines"},
       {"sparse sweep", every(10, street_sweep()), "points", "far apart"},
       {"sparse object", scan("spheres", synth::Sampling::area, 6'000), "splats", "surfaces"},
       {"a few points", scan("spheres", synth::Sampling::area, 500), "points", "500"},
@@ -154,6 +176,19 @@ TEST(Upright, MapCoordinatesAreNoCamerasView) {
     EXPECT_EQ(guess.up, UpAxis::pos_y);
     EXPECT_FALSE(guess.is_camera_view) << guess.reason;
   }
+}
+
+TEST(Upright, PylonsDoNotMakeLandStand) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_y;
+  for (int i = 0; i < 100'000; ++i) {  // rolling ground, and for one in thirty a pylon or its lines
+    const float x = 200 * unit(random), y = 60 * unit(random);
+    const bool stands = i % 30 == 0;
+    cloud.positions.push_back({x, stands ? 30 : y, stands ? 30 * unit(random) : 3 * std::sin(x / 30)});
+  }
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
 }
 
 TEST(Upright, NothingToGuessFromKeepsTheCustom) {
