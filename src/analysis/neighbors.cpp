@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <memory>
 
 namespace sfumato::analysis {
@@ -79,6 +80,38 @@ struct Candidates {
   std::uint32_t ids[most_candidates + 1];
   int count = 0;
 };
+
+/// A byte each: 1 where the value is at most the limit, 0 elsewhere and up to the next multiple of eight.
+SFUMATO_WIDE void mark_up_to(const float* values, int count, float limit, std::uint8_t* marks) {
+  for (int j = 0; j < count; ++j) marks[j] = values[j] <= limit;
+  for (int j = count; j % 8 != 0; ++j) marks[j] = 0;
+}
+
+/// Squared distances from the box [low, high].
+SFUMATO_WIDE void distances2_to_box(const Candidates& all, const vec3& low, const vec3& high, float* out) {
+  const float low_x = low.x, low_y = low.y, low_z = low.z, high_x = high.x, high_y = high.y, high_z = high.z;
+  for (int j = 0; j < all.count; ++j) {
+    const float dx = std::max(std::max(low_x - all.x[j], all.x[j] - high_x), 0.0f);
+    const float dy = std::max(std::max(low_y - all.y[j], all.y[j] - high_y), 0.0f);
+    const float dz = std::max(std::max(low_z - all.z[j], all.z[j] - high_z), 0.0f);
+    out[j] = dx * dx + dy * dy + dz * dz;
+  }
+}
+
+/// Calls `take(j)` where marks[j] is 1, in order: one in five is, so eight are looked at at once.
+template <class Take>
+void for_each_marked(const std::uint8_t* marks, int count, const Take& take) {
+  for (int j = 0; j < count; j += 8) {
+    if constexpr (std::endian::native == std::endian::little) {
+      std::uint64_t word;
+      std::memcpy(&word, marks + j, 8);
+      for (; word != 0; word &= word - 1) take(j + (std::countr_zero(word) >> 3));
+    } else {
+      for (int k = j; k < j + 8; ++k)
+        if (marks[k]) take(k);
+    }
+  }
+}
 
 SFUMATO_WIDE void distances2_to(const Candidates& all, const vec3& p, float* out) {
   for (int j = 0; j < all.count; ++j) {
@@ -200,17 +233,14 @@ class LeafSearch {
   }
 
   void keep_near(const Box& box, std::uint32_t first, float reach) {
-    const float reach2 = reach * reach;
+    distances2_to_box(all_, box.low, box.high, to_box2_);
+    mark_up_to(to_box2_, all_.count, reach * reach, marks_);
     int kept = 0;
-    for (int j = 0; j < all_.count; ++j) {
-      const vec3 p(all_.x[j], all_.y[j], all_.z[j]);
-      const float dx = std::max(std::max(box.low.x - p.x, p.x - box.high.x), 0.0f);
-      const float dy = std::max(std::max(box.low.y - p.y, p.y - box.high.y), 0.0f);
-      const float dz = std::max(std::max(box.low.z - p.z, p.z - box.high.z), 0.0f);
+    for_each_marked(marks_, all_.count, [&](int j) {
       if (all_.ids[j] == first) self_ = kept;  // the leaf's own points are kept, one after the other
-      all_.x[kept] = p.x, all_.y[kept] = p.y, all_.z[kept] = p.z, all_.ids[kept] = all_.ids[j];
-      kept += dx * dx + dy * dy + dz * dz <= reach2;
-    }
+      all_.x[kept] = all_.x[j], all_.y[kept] = all_.y[j], all_.z[kept] = all_.z[j], all_.ids[kept] = all_.ids[j];
+      ++kept;
+    });
     all_.count = kept;
   }
 
@@ -240,10 +270,9 @@ class LeafSearch {
                                   {radius2, count_up_to(all_distances2_, all_.count, radius2)});
     keys_.resize(std::max(keys_.size(), std::size_t(all_.count)));
     std::size_t inside = 0;
-    for (int j = 0; j < all_.count; ++j) {
-      keys_[inside] = sort_key(all_distances2_[j], std::uint32_t(j));
-      inside += all_distances2_[j] <= limit.value;
-    }
+    mark_up_to(all_distances2_, all_.count, limit.value, marks_);
+    for_each_marked(marks_, all_.count,
+                    [&](int j) { keys_[inside++] = sort_key(all_distances2_[j], std::uint32_t(j)); });
     const auto end = keys_.begin() + std::ptrdiff_t(inside), farthest = keys_.begin() + std::ptrdiff_t(k_ - 1);
     if (inside == k_)
       std::iter_swap(farthest, std::max_element(keys_.begin(), end));
@@ -269,7 +298,8 @@ class LeafSearch {
   float radius_at_center_ = 0;
   int self_ = 0;
   Candidates all_;
-  alignas(32) float all_distances2_[most_candidates + 1];
+  alignas(32) float all_distances2_[most_candidates + 1], to_box2_[most_candidates + 1];
+  alignas(32) std::uint8_t marks_[most_candidates + 8];
 };
 
 }  // namespace
