@@ -12,7 +12,7 @@ uniform float scale;     // px of a picture 720 px high
 uniform vec3 ground;     // sRGB
 
 float paper_height(vec2 at) {
-  return 0.5 * smooth_noise(at / 2.3, 11u) + 0.3 * smooth_noise(at / 5.1, 12u) + 0.2 * smooth_noise(at / 1.2, 13u);
+  return 0.45 * smooth_noise(at / 1.7, 11u) + 0.2 * smooth_noise(at / 3.9, 12u) + 0.35 * smooth_noise(at / 1.1, 13u);
 }
 
 // Threads over and under each other, -1 to 1.
@@ -25,17 +25,19 @@ float canvas_height(vec2 at) {
   return 1.0 - 1.2 * across * across - 0.6 * along * along;
 }
 
-// Share of the ring around a pixel that lies beyond an outline: nothing there, or something much farther away.
+// Share of the ring around a pixel that lies beyond an outline: nothing there, or something much farther away. Steps in
+// depth count for less where they go all ways, as among leaves.
 float outline(ivec2 pixel, float depth) {
-  float beyond = 0.0;
+  float beyond = 0.0, deeper = 0.0;
   int radius = max(int(1.5 * scale), 1);
   ivec2 last = textureSize(paint, 0) - 1;
   for (int k = 0; k < 8; ++k) {
     ivec2 at = clamp(pixel + radius * ivec2[8](ivec2(1, 0), ivec2(1, 1), ivec2(0, 1), ivec2(-1, 1), ivec2(-1, 0), ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1))[k], ivec2(0), last);
     float other = texelFetch(depths, at, 0).x;
-    if (!(other < infinity) || (other - depth) * pixels_at(depth) > 12.0 * float(radius)) beyond += 0.125;
+    if (!(other < infinity)) beyond += 0.125;
+    else if (abs(other - depth) * pixels_at(depth) > 12.0 * float(radius)) deeper += 0.125 * sign(other - depth);
   }
-  return beyond;
+  return beyond + 0.5 * max(deeper, 0.0) * (1.0 - smoothstep(0.3, 0.6, deeper));
 }
 
 bool filter_pixel(ivec2 pixel) {
@@ -50,10 +52,10 @@ bool filter_pixel(ivec2 pixel) {
     color *= 1.0 + 0.35 * canvas * (canvas_height(at) - 0.4);
   } else if (medium == 1) {
     float lightness = dot(srgb_from_linear(color), vec3(0.2126, 0.7152, 0.0722));
-    float tone = 1.0 - pow(lightness, 0.8) + 0.5 * outline(pixel, depth);
+    float tone = 1.0 - pow(lightness, 1.2) + 0.7 * outline(pixel, depth);
     // The stick touches the hills first; pressed harder, the valleys too.
     float valley = 1.0 - paper_height(at);
-    float deposit = mix(tone, smoothstep(0.85 * valley - 0.1, 0.85 * valley + 0.35, tone), canvas);
+    float deposit = mix(tone, smoothstep(0.9 * valley - 0.25, 0.9 * valley + 0.45, tone), canvas);
     color = linear_from_srgb(mix(ground, vec3(0.09, 0.085, 0.08), clamp(deposit, 0.0, 1.0)));
   } else {
     ivec2 last = textureSize(paint, 0) - 1;

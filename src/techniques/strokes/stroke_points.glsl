@@ -49,6 +49,8 @@ StrokeSize stroke_size(int i, float depth) {
   size.chance = coverage * to_spacing * aspect / (length * length);
   size.small_cluster = two_layers && fit_cluster < 0.7;
   size.half_width = length / aspect;
-  size.half_length = length * (1.0 + fit * vec3(0.0, 0.25, 0.6)[elongation]);  // longer in elongated clusters
+  // Longer in elongated clusters, but dots stay dots.
+  bool dots = least_length > 0.0 && stroke_aspect <= 1.0;
+  size.half_length = length * (dots ? 1.0 : 1.0 + fit * vec3(0.0, 0.25, 0.6)[elongation]);
   return size;
 }

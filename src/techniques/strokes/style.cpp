@@ -17,9 +17,9 @@ struct StyleValues {
 const StyleValues style_values[] = {
     {{BrushKind::gaussians, 4, 4, 3, 0.13f, 3, 0.12f, 0.085f, 12, 0.75f}, {3.2f, 3.2f, 6, 1, 0.35f, 0.06f, 1, 0, 1}},
     {{BrushKind::gaussians, 3, 3, 4, 0.12f, 2.4f, 0.13f, 0.1f, 30, 0.5f}, {2.2f, 4, 6, 1, 0.4f, 0.2f, 1.1f, 0, 0.6f}},
-    {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 1.6f, 5, 1, 0.25f, 0.1f, 1, 0, 0.7f, 0.6f}},
+    {{BrushKind::gaussians, 1, 1, 8, 0, 2, 0.17f, 0.17f, 90, 0}, {1, 1.6f, 5, 1, 0.25f, 0.1f, 1, 0, 0.7f, 0.3f}},
     {{BrushKind::gaussians, 3, 4, 1, 0.16f, 2.6f, 0.15f, 0.13f, 25, 0.35f}, {1.8f, 7, 9, 0.45f, 0, 0.1f, 1, 0.3f, 0.6f, 0, 0.5f, Medium::watercolor}},
-    {{BrushKind::gaussians, 5, 4, 1.3f, 0.14f, 2.4f, 0.14f, 0.05f, 6, 1}, {4.5f, 5, 6, 1, 0.3f, 0.25f, 0, 0, 0.7f, 0, 0.7f, Medium::charcoal}},
+    {{BrushKind::gaussians, 5, 4, 1.3f, 0.14f, 2.4f, 0.14f, 0.05f, 6, 1}, {4.5f, 5, 6, 1, 0.3f, 0.25f, 0, 0, 0.7f, 0, 0.6f, Medium::charcoal}},
     // The three brushes of Figure 4, quads as wide as long; every point is a stroke of its own size s.
     {{BrushKind::gaussians, 3, 3, 8, 0.03f, 3, 0.114f, 0.0989f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
     {{BrushKind::gaussians, 3, 3, 1, 0.38f, 2.7f, 0.142f, 0.071f, 15, 0}, {1, 0, 4, 1, 0, 0, 1, 0, 0}},
