@@ -180,7 +180,9 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   GLfloat range[2] = {1, 1};
   glGetFloatv(GL_POINT_SIZE_RANGE, range);
   limits.max_point_size = range[1];
-  limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float");
+  // Mesa's zink (22.3) names the extension, and ends the process at the first shader that uses it.
+  limits.float_atomics =
+      epoxy_has_gl_extension("GL_NV_shader_atomic_float") && limits.renderer.find("zink") == std::string::npos;
   limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
   current = {&limits, &context->preferences_};
 

@@ -176,8 +176,8 @@ std::string join(const std::vector<std::string>& names) {
 /// The columns of a line by name; `_` is passed over.
 class PointLines final : public LineGrammar {
  public:
-  PointLines(std::vector<bool> wanted, bool allow_counts)
-      : wanted_(std::move(wanted)), allow_counts_(allow_counts) {}
+  PointLines(const std::vector<bool>& wanted, bool allow_counts)
+      : wanted_(wanted.begin(), wanted.end()), allow_counts_(allow_counts) {}
   bool counts(std::string_view line) const override {
     const char *end = line.data() + line.size(), *at = skip_blanks(line.data(), end);
     return at < end && !is_comment(at, end);
@@ -194,7 +194,11 @@ class PointLines final : public LineGrammar {
       double value = std::nan("");
       if (!is_separator(*at)) {
         const char* behind = parse_plain_number(at, end, value);
-        if (!behind) behind = parse_number(at, end, value);
+        if (!behind) {
+          double other = value;  // of its own: `value` stays in a register
+          behind = parse_number(at, end, other);
+          value = other;
+        }
         const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
         if (!wanted_[k])
           behind = word_end(at, end);
@@ -214,7 +218,7 @@ class PointLines final : public LineGrammar {
     while (at < end && !is_blank(*at) && !is_separator(*at)) ++at;
     return at;
   }
-  std::vector<bool> wanted_;
+  std::vector<char> wanted_;
   bool allow_counts_;
 };
 
@@ -332,7 +336,7 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   if (!assign_roles(columns))
     throw Error(options.columns.empty() ? ErrorCode::bad_input : ErrorCode::usage,
                 path.string() + ": the columns " + join(names) + " lack x, y or z; name them");
-  const PointLines grammar(std::move(wanted), beginning.has_count);
+  const PointLines grammar(wanted, beginning.has_count);
   const TextBlocks text = cut_lines(file, beginning.begin, beginning.first_line, grammar, progress);
   read_rows(file, text, 0, text.rows, grammar, std::move(columns), false, progress, result);
   if (result.report.points == 0)
