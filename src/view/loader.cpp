@@ -125,7 +125,6 @@ Loaded Loader::sample_of(const LoadJob& job, scene::Scene scene) {
 }
 
 void Loader::give_sample(const LoadJob& job, Watch& watch) {
-  first_sample_ = {}, sample_up_.reset();
   std::optional<scene::Scene> sample = scene::read_sample(job.files, job.options, most_sample, watch);
   if (!sample) return;
   first_sample_ = subsample(sample->cloud, most_sample / 4);  // room for what comes by
@@ -151,6 +150,7 @@ void Loader::give_more(const LoadJob& job) {
 }
 
 Loaded Loader::read(const LoadJob& job, Watch& watch) {
+  tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was called off
   Loaded out;
   out.id = job.id;
   const std::string key = key_of(job);

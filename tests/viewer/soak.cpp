@@ -196,6 +196,7 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
 
   // Now and then everything is put back and measured: what is held then is held for good.
   std::vector<double> levels;
+  std::vector<long> actions;
   const double end_ms = now_ms() + 60'000 * minutes, step_ms = std::clamp(60'000 * minutes / 12, 5'000.0, 60'000.0);
   double next_ms = 0;
   while (true) {
@@ -219,6 +220,7 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
           return fail("no final picture within 300 s after " + hand.last());
       }
       levels.push_back(memory_mb());
+      actions.push_back(hand.done());
       std::printf("soak: %.1f min, %ld actions, %.0f MB at rest, %ld messages of mistakes, longest frame %.0f ms (%s)\n",
                   now_ms() / 60'000, hand.done(), levels.back(), mistakes, longest_ms, during.c_str());
       std::fflush(stdout);
@@ -228,8 +230,11 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
     }
     frame();
   }
-  // The first quarter fills caches: programs of every technique, undo, pools of the allocator and the driver.
-  const std::size_t quarter = std::max<std::size_t>(1, levels.size() / 4);
+  // The first quarter fills caches: programs of every technique, undo, pools of the allocator and the driver. On a busy machine
+  // it takes longer: a hand needs so many actions to come by all of them.
+  constexpr long for_all_caches = 2000;
+  const auto filled = std::size_t(std::lower_bound(actions.begin(), actions.end(), for_all_caches) - actions.begin());
+  const std::size_t quarter = std::min(std::max({std::size_t(1), levels.size() / 4, filled}), levels.size() - 1);
   const double before = *std::max_element(levels.begin() + 1, levels.begin() + 1 + std::ptrdiff_t(quarter)), after = levels.back();
   if (levels.size() > 4 && after > 1.25 * before + 64)
     return fail(fmt::format("memory at rest grew from {:.0f} to {:.0f} MB", before, after));
