@@ -219,8 +219,10 @@ class CurveSort {
       // A cell is 2^-21 of its box, so this ends after a few rounds.
       if (count > 1)
         each_run(run, [&](std::size_t begin, std::size_t length) {
-          if (length > refined_from) sort(run_ids.subspan(begin, length));
-          else if (length > 1) sort_by_place(run_ids.subspan(begin, length));
+          if (length > refined_from)
+            sort(run_ids.subspan(begin, length));
+          else if (length > 1)
+            sort_by_place(run_ids.subspan(begin, length));
         });
     });
   }

@@ -4,11 +4,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <tuple>
 #include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace sfumato::strokes {
 namespace {
@@ -66,7 +66,8 @@ void FragmentsCpu::begin(const View& view, const StrokeSet& strokes, const Brush
     strips_of(quads_[k], [&](std::size_t s) { entries_[ends[s]++] = k; });
 }
 
-/// Near to far, strokes of one distance (coincident points) by lot, place in the file and layer, as in paint.glsl.
+/// Near to far, strokes of one distance (coincident points) by lot, place in the file and layer, as in
+/// paint.glsl.
 void FragmentsCpu::order_strokes(const StrokeSet& strokes) {
   records_.resize(strokes.count() * record_texels);
   order_.resize(strokes.count());
