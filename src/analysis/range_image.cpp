@@ -241,7 +241,7 @@ std::optional<Lines> find_lines(std::vector<double> values) {
 }  // namespace
 
 bool recover_grid(PointCloud& cloud) {
-  constexpr double filled = 0.25, twice = 0.02, strays = 0.005;
+  constexpr double filled = 0.25, twice = 0.02, strays = 0.005, side_by_side = 0.8;
   const std::size_t n = cloud.size();
   if (!cloud.grids.empty() || !cloud.scanners.empty() || n < std::size_t(least_lines) * least_lines) return false;
   const double side = cloud.world(n / 2).z > 0 ? 1 : -1;
@@ -277,6 +277,11 @@ bool recover_grid(PointCloud& cloud) {
     shared += cloud.positions[first] != cloud.positions[i];
   }
   if (double(shared) > twice * double(n)) return false;
+  // Of a picture that was thinned at random, every other pixel has no neighbour that normals could come from.
+  std::size_t occupied = 0, beside = 0;
+  for (std::size_t cell = 0; cell + 1 < first_in.size(); ++cell)
+    if (first_in[cell] != nowhere) ++occupied, beside += first_in[cell + 1] != nowhere;
+  if (double(beside) < side_by_side * double(occupied)) return false;
   cloud.grid_index = std::move(cells);
   cloud.grids = {{0, n, std::uint32_t(columns->count), std::uint32_t(rows->count), dvec3(0)}};
   return true;

@@ -200,6 +200,9 @@ TEST(RangeImage, WhatIsNoPictureGetsNoPixels) {
   EXPECT_FALSE(recover_grid(scattered));
   EXPECT_FALSE(recover_grid(grid));
   std::vector<std::uint32_t> cells;
+  PointCloud half = loose(1, 0.001f, cells);
+  half.positions.resize(half.size() / 2);  // in no order
+  EXPECT_FALSE(recover_grid(half));
   PointCloud sparse = loose(1, 0.001f, cells);
   sparse.positions.resize(sparse.size() / 8);
   EXPECT_FALSE(recover_grid(sparse));
