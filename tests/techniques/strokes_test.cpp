@@ -296,6 +296,32 @@ TEST_F(StrokesTest, StrokesStayPutWhenTheCameraMoves) {
   EXPECT_GT(common, 0.95 * set.strokes.count());
 }
 
+// A dim scan whose colours are raised still has its own; an attribute's colours are lit.
+TEST_F(StrokesTest, LightFallsOnColoursThatStandForSomething) {
+  PointCloud cloud = two_spheres();
+  std::mt19937 random(6);
+  cloud.colors.resize(cloud.size());
+  for (Rgba8& c : cloud.colors) c = {std::uint8_t(random() % 90), std::uint8_t(random() % 70), std::uint8_t(random() % 50), 255};
+  Studio studio(cloud);
+  studio.settings.shading = Shading::lit;
+  const std::vector<Rgba8> own = studio.prepared.cloud.colors;
+  std::vector<Rgba8> raised = own, attribute = own;
+  for (Rgba8& c : raised)
+    for (std::uint8_t* channel : {&c.r, &c.g, &c.b}) *channel = std::uint8_t(2 * *channel);
+  for (std::size_t i = 0; i < own.size(); ++i) attribute[i] = {std::uint8_t(studio.prepared.cloud.positions[i].z > 0 ? 200 : 90), 80, 120, 255};
+  auto painted = [&](const std::vector<Rgba8>& colors, const char* lighting) {
+    studio.gpu = std::make_unique<GpuCloud>(studio.prepared, colors);
+    studio.set("lighting", lighting);
+    studio.step();
+    const Image<vec4> picture = studio.picture();
+    return std::vector<vec4>(picture.data(), picture.data() + picture.size());
+  };
+  EXPECT_TRUE(painted(own, "auto") == painted(own, "off"));
+  EXPECT_TRUE(painted(raised, "auto") == painted(raised, "off"));
+  EXPECT_TRUE(painted(attribute, "auto") == painted(attribute, "on"));
+  EXPECT_FALSE(painted(raised, "on") == painted(raised, "off"));
+}
+
 // A scanner's shadow: between a near thing and the wall far behind it nothing was measured. A slit of a few pixels is
 // painted like the wall, a wide one stays open.
 TEST_F(StrokesTest, UnderpaintingClosesSlitsBesideNearThings) {

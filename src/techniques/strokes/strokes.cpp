@@ -23,6 +23,24 @@ namespace {
 
 using namespace strokes;
 
+/// Whether `drawn` are a scan's own colours, as they are or with another exposure: each channel then follows from itself and
+/// the strongest (core/coloring.h).
+bool are_own(const std::vector<Rgba8>& own, const std::vector<Rgba8>& drawn) {
+  if (own.empty() || own.size() != drawn.size()) return false;
+  std::vector<std::int16_t> shown(std::size_t(256) * 256, -1);
+  auto follows = [&](std::uint8_t most, std::uint8_t before, std::uint8_t after) {
+    std::int16_t& known = shown[std::size_t(256) * most + before];
+    if (known < 0) known = after;
+    return known == after;
+  };
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const Rgba8 &a = own[i], &b = drawn[i];
+    const std::uint8_t most = std::max({a.r, a.g, a.b});
+    if (!follows(most, a.r, b.r) || !follows(most, a.g, b.g) || !follows(most, a.b, b.b)) return false;
+  }
+  return true;
+}
+
 class Strokes final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
@@ -75,7 +93,7 @@ class Strokes final : public Technique {
     if (frame.settings.shading != Shading::lit) return false;
     if (parameters_.lighting != Lighting::automatic) return parameters_.lighting == Lighting::on;
     if (judged_ != frame.cloud.serial()) {
-      own_colors_ = frame.cloud.colors() == frame.cloud.prepared().cloud.colors;
+      own_colors_ = are_own(frame.cloud.prepared().cloud.colors, frame.cloud.colors());
       judged_ = frame.cloud.serial();
     }
     return !own_colors_;
