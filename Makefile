@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan soak fuzz format install deb uninstall clean help
+.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -57,6 +57,12 @@ asan:  ## every test under the address and undefined behaviour sanitizers
 	  $(call check,asan) --label-regex unit
 	@# Mesa leaves 240 bytes a context behind, and is unloaded before anybody could tell that they are its.
 	@export ASAN_OPTIONS=detect_leaks=0 && $(call check,asan) --label-exclude unit
+
+tsan:  ## the tests of reading and its threads under the thread sanitizer, without GL
+	@$(call configure,tsan) && cmake --build build/tsan --target sfumato_decoder io_test
+	@# That one limits the address space, of which the sanitizer wants all.
+	@SFUMATO_THREADS=4 TSAN_OPTIONS=exitcode=66 build/tsan/bin/io_test --gtest_brief=1 \
+	  --gtest_filter=-Laz.TakesNoMemoryOnTheWordOfAHeader
 
 fuzz:  ## every parser under libFuzzer and sanitizers (clang), FUZZ_SECONDS=60 each, FUZZ="las laz ..."; then 10,000 damaged files a format
 	@$(call configure,fuzz) && cmake --build build/fuzz --target sfumato_fuzz write_seeds

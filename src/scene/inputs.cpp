@@ -103,7 +103,8 @@ StandardInput::StandardInput(const Progress& progress) {
     progress.check();
     // Who writes may take for ever, and Ctrl-C does not end a read.
     struct pollfd one {STDIN_FILENO, POLLIN, 0};
-    if (::poll(&one, 1, poll_ms) == 0) continue;
+    const int ready = ::poll(&one, 1, poll_ms);
+    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
