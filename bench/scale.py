@@ -5,7 +5,8 @@
 
 Makes TILES copies of a LAZ or LAS file side by side in FOLDER (only the offsets in their headers differ), builds one COPC
 file of them and renders it from three places. Prints a line of JSON for each step: wall and processor seconds, peak memory,
-size, and the load of the machine before it, without which the seconds say little. Results: docs/large_scans.md.
+size, and the load of the machine before it, without which the seconds say little. Processor seconds are those of the program
+without its decoders, which outlive it. Results: docs/large_scans.md.
 """
 import json
 import math
