@@ -164,6 +164,10 @@ ViewWishes view_wishes(const py::dict& wishes) {
   if (wishes.contains("size")) out.size = wishes["size"].cast<std::pair<int, int>>();
   if (out.size && (out.size->first < 1 || out.size->second < 1))
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
+  if (out.start && out.start->custom_intrinsics && (out.size || out.fov || out.orthographic))
+    throw Error(ErrorCode::usage,
+                "size, fov and orthographic do not go with the intrinsics of a camera: they hold for its own "
+                "width and height");
   return out;
 }
 

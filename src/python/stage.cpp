@@ -39,67 +39,6 @@ std::optional<std::string> own_name(const std::string& name, const std::string& 
 
 }  // namespace
 
-// As CameraOptions::resolve of the command (src/apps/cli/camera_options.cpp), so that the same wishes give
-// the same camera.
-Camera view_of(const Pose& pose, const ViewWishes& wishes) {
-  const UpAxis up = pose.upright.up;
-  const auto radians = [](const std::optional<double>& degrees) {
-    return degrees ? std::optional(glm::radians(*degrees)) : std::nullopt;
-  };
-  const std::optional<double> azimuth = radians(wishes.azimuth), elevation = radians(wishes.elevation);
-  Camera camera;
-  if (wishes.start) {
-    camera = *wishes.start;
-    if (camera.custom_intrinsics && (wishes.size || wishes.fov || wishes.orthographic))
-      throw Error(
-          ErrorCode::usage,
-          "size, fov and orthographic do not go with the intrinsics of a camera: they hold for its own "
-          "width and height");
-    if (wishes.size) camera = camera.resized(wishes.size->first, wishes.size->second);
-    if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
-  } else {
-    const Compass compass(up);
-    double first_azimuth = azimuth.value_or(glm::radians(pose.upright.azimuth_deg)),
-           first_elevation = elevation.value_or(glm::radians(pose.upright.elevation_deg));
-    if (wishes.direction) {
-      first_azimuth = compass.azimuth(-glm::normalize(*wishes.direction));
-      first_elevation = compass.elevation(-glm::normalize(*wishes.direction));
-    }
-    const auto [width, height] = wishes.size.value_or(std::pair(1280, 720));
-    camera = frame(pose.subject.box, up, width, height, first_azimuth, first_elevation, glm::radians(45.0),
-                   wishes.orthographic ? Projection::orthographic : Projection::perspective);
-    if (wishes.view_up) camera.up = *wishes.view_up;
-    fit(camera, pose.subject);
-    if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
-  }
-  const double reach_before = glm::length(camera.target - camera.position);
-  if (wishes.position) camera.position = *wishes.position;
-  if (wishes.look_at) {
-    if (!wishes.position) camera.position += *wishes.look_at - camera.target;
-    camera.target = *wishes.look_at;
-  }
-  if (wishes.direction) {
-    const dvec3 along = glm::normalize(*wishes.direction);
-    if (wishes.position)
-      camera.target = camera.position + along * reach_before;
-    else
-      camera.position = camera.target - along * glm::length(camera.target - camera.position);
-  }
-  if (azimuth || elevation) look_from(camera, up, azimuth, elevation, wishes.upright);
-  if (wishes.distance) {
-    const double before = glm::length(camera.target - camera.position);
-    camera.position = camera.target - camera.direction() * *wishes.distance;
-    camera.height_world *= *wishes.distance / before;
-  }
-  if (glm::length(camera.target - camera.position) <= 0)
-    throw Error(ErrorCode::usage, "the camera's position and the place it looks at are the same point");
-  if (wishes.view_up) camera.up = *wishes.view_up;
-  if (wishes.orthographic) make_orthographic(camera);
-  if (wishes.zoom != 1) magnify(camera, wishes.zoom);
-  if (wishes.roll != 0) roll(camera, glm::radians(wishes.roll));
-  return camera;
-}
-
 Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(options_.technique) {
   if (choice_.count != 1)
     throw Error(ErrorCode::usage,

@@ -13,6 +13,7 @@
 #include "session/choice.h"
 #include "session/preset.h"
 #include "session/session.h"
+#include "session/view_wishes.h"
 
 namespace sfumato::python {
 
@@ -53,18 +54,6 @@ struct Shot {
   std::vector<std::string> notes;
   Coloring coloring;  ///< without `colors`
 };
-
-/// How to look at a cloud; angles in degrees.
-struct ViewWishes {
-  std::optional<Camera> start;  ///< instead of the view that shows the scan
-  std::optional<double> azimuth, elevation, fov, distance;
-  std::optional<dvec3> position, look_at, direction, view_up;
-  double zoom = 1, roll = 0;
-  bool orthographic = false, upright = false;
-  std::optional<std::pair<int, int>> size;
-};
-/// As the options of the command with these names (src/apps/cli/camera_options.h).
-Camera view_of(const Pose& pose, const ViewWishes& wishes);
 
 class Stage final : public OnGl {
  public:

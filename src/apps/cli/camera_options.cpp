@@ -11,21 +11,15 @@
 namespace sfumato::cli {
 namespace {
 
-double degrees_in(const char* option, const std::string& text, double low, double high) {
+void degrees_in(const char* option, const std::string& text, double low, double high) {
   const double value = parse_number(option, text);
   if (value < low || value > high)
     throw Error(ErrorCode::usage, fmt::format("{}: {} degrees is outside [{}, {}]", option, text, low, high));
-  return glm::radians(value);
 }
 
-double positive(const char* option, const std::string& text) {
-  const double value = parse_number(option, text);
-  if (value <= 0) throw Error(ErrorCode::usage, fmt::format("{}: '{}' is not more than 0", option, text));
-  return value;
-}
-
-double view_angle(const std::string& text) {
-  return degrees_in("--camera-view-angle", text, 0.001, 179);
+void positive(const char* option, const std::string& text) {
+  if (parse_number(option, text) <= 0)
+    throw Error(ErrorCode::usage, fmt::format("{}: '{}' is not more than 0", option, text));
 }
 
 }  // namespace
@@ -113,43 +107,8 @@ void CameraOptions::check() {
       throw Error(ErrorCode::usage, std::string(option) + ": 0,0,0 is no direction");
   if (azimuth_deg) parse_number("--camera-azimuth-angle", *azimuth_deg);
   if (elevation_deg) degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
-  if (view_angle_deg) view_angle(*view_angle_deg);
+  if (view_angle_deg) degrees_in("--camera-view-angle", *view_angle_deg, 0.001, 179);
   if (resolution) parse_resolution("--resolution", *resolution);
-}
-
-void CameraOptions::aim(Camera& camera, UpAxis up) const {
-  const double reach_before = glm::length(camera.target - camera.position);
-  const auto eye = vector("--camera-position", position), focal = vector("--camera-focal-point", focal_point);
-  const auto along = vector("--camera-direction", direction);
-  if (eye) camera.position = *eye;
-  if (focal) camera.target = *focal;
-  if (const auto place = vector("--look-at", look_at)) {  // the same side and distance, another place
-    camera.position += *place - camera.target;
-    camera.target = *place;
-  }
-  if (along) {
-    const dvec3 d = glm::normalize(*along);
-    const double reach = eye ? reach_before : glm::length(camera.target - camera.position);
-    if (eye)
-      camera.target = camera.position + d * reach;
-    else
-      camera.position = camera.target - d * reach;
-  }
-  if (azimuth_deg || elevation_deg) {
-    std::optional<double> azimuth, elevation;
-    if (azimuth_deg) azimuth = glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg));
-    if (elevation_deg) elevation = degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
-    look_from(camera, up, azimuth, elevation, view.has_value());
-  }
-  if (distance) {
-    const double reach = positive("--distance", *distance),
-                 before = glm::length(camera.target - camera.position);
-    camera.position = camera.target - camera.direction() * reach;
-    camera.height_world *= reach / before;  // a parallel view also shows less from nearer
-  }
-  if (glm::length(camera.target - camera.position) <= 0)
-    throw Error(ErrorCode::usage, "the camera's position and focal point are the same point");
-  if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
 }
 
 bool CameraOptions::moves_camera() const {
@@ -157,48 +116,42 @@ bool CameraOptions::moves_camera() const {
          view_angle_deg || zoom || look_at || distance;
 }
 
-void CameraOptions::magnify(Camera& camera) const {
-  if (zoom) sfumato::magnify(camera, positive("--zoom", *zoom));
-  if (roll_deg) roll(camera, glm::radians(parse_number("--roll", *roll_deg)));
+ViewWishes CameraOptions::wishes() const {
+  ViewWishes out;
+  const auto number = [](const char* option, const std::optional<std::string>& text) {
+    return text ? std::optional(parse_number(option, *text)) : std::nullopt;
+  };
+  if (file || preset) out.start = file ? io::read_camera(*file) : *preset;
+  out.azimuth = number("--camera-azimuth-angle", azimuth_deg);
+  out.elevation = number("--camera-elevation-angle", elevation_deg);
+  out.fov = number("--camera-view-angle", view_angle_deg);
+  out.distance = number("--distance", distance);
+  out.position = vector("--camera-position", position);
+  out.direction = vector("--camera-direction", direction);
+  out.view_up = vector("--camera-view-up", view_up);
+  out.focal_point = vector("--camera-focal-point", focal_point);
+  out.look_at = vector("--look-at", look_at);
+  out.zoom = number("--zoom", zoom).value_or(1);
+  out.roll = number("--roll", roll_deg).value_or(0);
+  out.orthographic = orthographic;
+  out.upright = view.has_value();
+  if (resolution) out.size = parse_resolution("--resolution", *resolution);
+  if (panorama) out.first_size = {2048, 1024};
+  return out;
 }
 
-Camera CameraOptions::resolve(const Subject& subject, UpAxis up) const {
-  const std::optional<std::pair<int, int>> size =
-      resolution ? std::optional(parse_resolution("--resolution", *resolution)) : std::nullopt;
-  const std::optional<double> angle =
-      view_angle_deg ? std::optional(view_angle(*view_angle_deg)) : std::nullopt;
-  Camera camera;
-  if (file || preset) {
-    camera = file ? io::read_camera(*file) : *preset;
+Camera CameraOptions::resolve(const Pose& pose) const {
+  const ViewWishes all = wishes();
+  if (all.start && all.start->custom_intrinsics) {
     const std::string name = file ? *file : "the preset's camera";
-    if (camera.custom_intrinsics && size)
+    if (all.size)
       throw Error(ErrorCode::usage, "--resolution does not go with the intrinsics of " + name +
                                         ": they hold for its own width and height");
-    if (camera.custom_intrinsics && (angle || orthographic))
+    if (all.fov || orthographic)
       throw Error(ErrorCode::usage,
                   "--camera-view-angle and --camera-orthographic do not go with the intrinsics of " + name);
-    if (size) camera = camera.resized(size->first, size->second);
-    if (angle) camera.fov_y = *angle;
-  } else {
-    const Compass compass(up);
-    double azimuth = glm::radians(first_azimuth_deg), elevation = glm::radians(first_elevation_deg);
-    if (azimuth_deg) azimuth = glm::radians(parse_number("--camera-azimuth-angle", *azimuth_deg));
-    if (elevation_deg) elevation = degrees_in("--camera-elevation-angle", *elevation_deg, -90, 90);
-    if (const auto along = vector("--camera-direction", direction)) {
-      azimuth = compass.azimuth(-glm::normalize(*along));
-      elevation = compass.elevation(-glm::normalize(*along));
-    }
-    const auto [width, height] = size.value_or(panorama ? std::pair(2048, 1024) : std::pair(1280, 720));
-    camera = frame(subject.box, up, width, height, azimuth, elevation, glm::radians(45.0),
-                   orthographic ? Projection::orthographic : Projection::perspective);
-    if (const auto v = vector("--camera-view-up", view_up)) camera.up = *v;
-    fit(camera, subject);
-    if (angle) camera.fov_y = *angle;  // from where 45 degrees show everything: a smaller angle zooms in
   }
-  aim(camera, up);
-  if (orthographic) make_orthographic(camera);
-  magnify(camera);
-  return camera;
+  return view_of(pose, all);
 }
 
 }  // namespace sfumato::cli

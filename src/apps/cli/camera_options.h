@@ -7,7 +7,7 @@
 
 #include "command_line.h"
 #include "core/camera.h"
-#include "session/first_view.h"
+#include "session/view_wishes.h"
 
 namespace sfumato::cli {
 
@@ -16,23 +16,20 @@ struct CameraOptions {
       view_angle_deg;
   std::optional<std::string> resolution, view, zoom, roll_deg, look_at, distance;
   bool orthographic = false, panorama = false, whole = false;
-  double first_azimuth_deg = -45, first_elevation_deg = 30;  ///< of the view that frames the scan
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
 
   void declare(CommandLine& line);
   /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read. A named
   /// view becomes its azimuth and elevation.
   void check();
-  /// The camera of a preset or --camera FILE, else the view that frames `subject`; single options win over
-  /// both.
-  Camera resolve(const Subject& subject, UpAxis up) const;
+  /// The camera of a preset or --camera FILE, else the view that shows the scan; single options win over both.
+  Camera resolve(const Pose& pose) const;
 
   /// Whether anything but the picture's size was asked for.
   bool moves_camera() const;
 
  private:
-  void aim(Camera& camera, UpAxis up) const;
-  void magnify(Camera& camera) const;
+  ViewWishes wishes() const;
   std::optional<dvec3> vector(const char* option, const std::optional<std::string>& text) const;
 };
 

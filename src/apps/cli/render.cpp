@@ -61,7 +61,7 @@ scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderR
 }
 
 /// Which way is up, and from where to look, unless the user or the file says so.
-Pose pose_of(scene::Scene& scene, const std::string& file, RenderOptions& options, RenderReport& report,
+Pose pose_of(scene::Scene& scene, const std::string& file, const RenderOptions& options, RenderReport& report,
              Console& console) {
   const UpAxis custom = scene.cloud.up;
   Pose pose = stand_upright(scene, file, options.input.scene.up, !options.camera.whole);
@@ -72,7 +72,6 @@ Pose pose_of(scene::Scene& scene, const std::string& file, RenderOptions& option
     console.say("a room: ceiling and walls before it are left out; --whole draws them");
   report.cutaway = pose.subject.room.has_value();
   report.up = to_string(upright.up), report.up_reason = upright.reason;
-  options.camera.first_azimuth_deg = upright.azimuth_deg, options.camera.first_elevation_deg = upright.elevation_deg;
   return pose;
 }
 
@@ -115,8 +114,8 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
 }
 
 /// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
-Camera view_of(const RenderOptions& options, const Subject& subject, const PointCloud& cloud) {
-  Camera camera = options.camera.resolve(subject, cloud.up);
+Camera first_camera(const RenderOptions& options, const Pose& pose, const PointCloud& cloud) {
+  Camera camera = options.camera.resolve(pose);
   if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset) return camera;
   const dvec3 direction = camera.direction();
   camera.position = place_inside(cloud);
@@ -150,7 +149,7 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
   const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
   sight.pose = pose_of(sight.scene, files[0].name, options, report, console);
-  sight.camera = view_of(options, sight.pose.subject, sight.scene.cloud);
+  sight.camera = first_camera(options, sight.pose, sight.scene.cloud);
   sight.cameras = options.sequence || options.each ? std::vector{sight.camera}
                                                    : cameras_of(options, sight.camera, sight.scene.cloud.up);
   if (!leveled) return sight;
@@ -286,9 +285,8 @@ int view_command(RenderOptions& options, Choice& choice, const CommandLine& line
   };
   start.first_camera = [&options](const Pose& pose, int width, int height) {
     CameraOptions camera = options.camera;
-    camera.first_azimuth_deg = pose.upright.azimuth_deg, camera.first_elevation_deg = pose.upright.elevation_deg;
     if (!camera.file && !camera.preset) camera.resolution = fmt::format("{}x{}", width, height);
-    return camera.resolve(pose.subject, pose.upright.up);
+    return camera.resolve(pose);
   };
   viewer::Settings settings;
   settings.verbose = options.common.verbose;
@@ -334,7 +332,7 @@ int render_command(const Words& words) {
   options.check(choice.count);
   for (const auto& chosen : choice.techniques) chosen->check();
   // A wrong camera file should not cost the time of reading a large scan.
-  options.camera.resolve({{dvec3(0), dvec3(1)}, {}}, UpAxis::pos_z);
+  options.camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
   options.expand_files();
   check_names(options, choice);
   if (!options.shader_folder.empty()) {
