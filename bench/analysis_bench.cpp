@@ -1,5 +1,5 @@
-// Preparing a cloud: sorting, spacing, normals. The baseline is nanoflann on the same cloud with the same fit,
-// in random order as a file brings it and in the order our sort makes.
+// Preparing a cloud: sorting, spacing, normals. The baseline is nanoflann on the same cloud with the same
+// fit, in random order as a file brings it and in the order our sort makes.
 #include <benchmark/benchmark.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -71,7 +71,9 @@ struct Adaptor {
   std::size_t kdtree_get_point_count() const { return points.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t k) const { return points[i][int(k)]; }
   template <class Box>
-  bool kdtree_get_bbox(Box&) const { return false; }
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
 };
 
 void nanoflann_of(benchmark::State& state, const PointCloud& cloud) {
@@ -94,7 +96,9 @@ void nanoflann_of(benchmark::State& state, const PointCloud& cloud) {
   per_point(state, cloud.size());
 }
 
-void nanoflann_normals(benchmark::State& state) { nanoflann_of(state, tori_cloud(std::size_t(state.range(0)))); }
+void nanoflann_normals(benchmark::State& state) {
+  nanoflann_of(state, tori_cloud(std::size_t(state.range(0))));
+}
 
 void nanoflann_normals_sorted(benchmark::State& state) {
   PointCloud cloud = tori_cloud(std::size_t(state.range(0)));

@@ -22,7 +22,8 @@ void frame_of(benchmark::State& state, const char* name, bool fast, int hash_bit
   Renderer& renderer = cloud_renderer("spheres", spheres, technique->needs());
   const Bounds box = bounds(renderer.prepared().cloud);
   auto camera = [&](int frame) {
-    return sfumato::frame(box, UpAxis::pos_z, 1024, 1024, glm::radians(double(frame) - 45), glm::radians(30.0));
+    return sfumato::frame(box, UpAxis::pos_z, 1024, 1024, glm::radians(double(frame) - 45),
+                          glm::radians(30.0));
   };
   renderer.render(*technique, camera(0), settings);  // shaders, uploads, the support of the splats
   int frame = 0;

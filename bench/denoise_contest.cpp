@@ -131,7 +131,9 @@ Image<Rgba8> error_map(const Image<float>& depth, const Image<float>& truth, dou
 }
 
 Contest::Contest(gl::Context& context)
-    : whole_(context), filtered_(context), splats_(find_technique("splats").create()),
+    : whole_(context),
+      filtered_(context),
+      splats_(find_technique("splats").create()),
       denoise_(find_technique("denoise").create()) {
   settings_.shading = Shading::albedo;
   settings_.background = vec3(0);
@@ -160,7 +162,8 @@ void Contest::take(PointCloud cloud, const Camera& camera) {
 double Contest::radius_px(const Camera& camera) {
   const PreparedCloud& prepared = whole_.prepared();
   const double depth = glm::dot(bounds(prepared.cloud).center() - camera.position, camera.direction());
-  return 1.5 * prepared.median_radius * camera.pixels_per_unit() / (camera.orthographic() ? 1 : std::max(depth, 1e-9));
+  return 1.5 * prepared.median_radius * camera.pixels_per_unit() /
+         (camera.orthographic() ? 1 : std::max(depth, 1e-9));
 }
 
 RenderOutput Contest::splats(const Camera& camera, bool opaque, bool prefilter) {

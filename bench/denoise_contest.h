@@ -13,8 +13,9 @@
 namespace sfumato::bench {
 
 struct Errors {
-  double mae = 0, rmse = 0, missed = 0;  ///< in bin sizes; a miss counts 5, larger errors are clamped there; share
-  double psnr = 0, ssim = 0;             ///< of the albedo, sRGB
+  double mae = 0, rmse = 0,
+         missed = 0;          ///< in bin sizes; a miss counts 5, larger errors are clamped there; share
+  double psnr = 0, ssim = 0;  ///< of the albedo, sRGB
   void add(const Errors& e, double share);
 };
 
@@ -24,8 +25,8 @@ double srgb(double linear);
 
 Errors compare(const RenderOutput& out, const synth::Truth& truth, double bin_size);
 
-/// Pixels with no depth edge, and nothing uncovered, within `margin` pixels: a step of five bins from one pixel to the
-/// next is an edge.
+/// Pixels with no depth edge, and nothing uncovered, within `margin` pixels: a step of five bins from one
+/// pixel to the next is an edge.
 Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, int margin);
 
 /// Pixels of `among` that show something more than five bins behind `reference`, or nothing at all.
@@ -36,11 +37,12 @@ struct TooDeep {
 TooDeep too_deep(const Image<float>& depth, const Image<float>& reference, const Image<std::uint8_t>& among,
                  double bin_size);
 
-/// Depth errors as colours: white 0, red in front of the truth and blue behind it from 5 bins on, black a miss.
+/// Depth errors as colours: white 0, red in front of the truth and blue behind it from 5 bins on, black a
+/// miss.
 Image<Rgba8> error_map(const Image<float>& depth, const Image<float>& truth, double bin_size);
 
-/// The techniques over one cloud; missed pixels are black. With `prefilter` isolated points are taken out of the cloud
-/// before anything is drawn, whatever the technique.
+/// The techniques over one cloud; missed pixels are black. With `prefilter` isolated points are taken out of
+/// the cloud before anything is drawn, whatever the technique.
 class Contest {
  public:
   explicit Contest(gl::Context& context);

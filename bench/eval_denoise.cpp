@@ -1,10 +1,13 @@
-// The tables and figures of the technique `denoise` against the truth of synthetic scenes: `make eval-denoise`.
+// The tables and figures of the technique `denoise` against the truth of synthetic scenes: `make
+// eval-denoise`.
 //
-//   eval_denoise [--quick] [--choose] [--part clean|noise|views|dragon|orbit] [--row TEXT] [--data FOLDER] [--maps FOLDER]
+//   eval_denoise [--quick] [--choose] [--part clean|noise|views|dragon|orbit] [--row TEXT] [--data FOLDER]
+//   [--maps FOLDER]
 //                [--clutter-radius SHARE]
 //
-// Every constant of the automatic threshold was chosen with --choose: other seeds, other views, and none of the scenes
-// that are marked `unseen` in the table. `--data` holds the scans that clean rows need; `--maps` takes error maps.
+// Every constant of the automatic threshold was chosen with --choose: other seeds, other views, and none of
+// the scenes that are marked `unseen` in the table. `--data` holds the scans that clean rows need; `--maps`
+// takes error maps.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -68,10 +71,11 @@ void clean_row(Contest& contest, CleanRow row, const Arguments& arguments) {
   // Discs reach over the silhouette by their radius, where both answers are right.
   const Image<float>& reference = row.truth ? *row.truth : splats.depth;
   const Image<std::uint8_t> inside = interior(reference, bin, row.truth ? 3 : 1 + int(std::ceil(radius_px)));
-  const TooDeep by_splats = too_deep(splats.depth, reference, inside, bin), ours = too_deep(out.depth, reference, inside, bin);
+  const TooDeep by_splats = too_deep(splats.depth, reference, inside, bin),
+                ours = too_deep(out.depth, reference, inside, bin);
   std::printf("| %s | %s | %zu | %.1f | %.3f (%zu) | %.3f (%zu) | %.2f |\n", row.name.c_str(),
-              row.truth ? "truth" : "splats", ours.among, radius_px, by_splats.percent(), by_splats.count, ours.percent(),
-              ours.count, 100 * contest.left_out());
+              row.truth ? "truth" : "splats", ours.among, radius_px, by_splats.percent(), by_splats.count,
+              ours.percent(), ours.count, 100 * contest.left_out());
   std::fflush(stdout);
   if (arguments.maps.empty()) return;
   const std::string base = arguments.maps + "/clean_" + row.name;
@@ -81,10 +85,16 @@ void clean_row(Contest& contest, CleanRow row, const Arguments& arguments) {
 
 void clean_table(Contest& contest, const Arguments& arguments) {
   const int width = arguments.quick ? 320 : 640, height = width * 3 / 4;
-  std::printf("\nClean scans, %dx%d: interior pixels that show nothing, or something more than 5 bins behind the surface, %% "
-              "(pixels); points left out by the prefilter, %%\n\n", width, height);
-  std::printf("| scan | against | interior | radius px | splats | denoise, auto | left out |\n|---|---|---|---|---|---|---|\n");
-  auto from_scene = [&](const std::string& name, const synth::Scene& scene, synth::SampleOptions o, Camera camera) {
+  std::printf(
+      "\nClean scans, %dx%d: interior pixels that show nothing, or something more than 5 bins behind the "
+      "surface, %% "
+      "(pixels); points left out by the prefilter, %%\n\n",
+      width, height);
+  std::printf(
+      "| scan | against | interior | radius px | splats | denoise, auto | left out "
+      "|\n|---|---|---|---|---|---|---|\n");
+  auto from_scene = [&](const std::string& name, const synth::Scene& scene, synth::SampleOptions o,
+                        Camera camera) {
     o.seed = arguments.choose ? 11 : 101;
     clean_row(contest, {name, synth::sample(scene, o), camera, synth::truth(scene, camera).depth}, arguments);
   };
@@ -115,9 +125,12 @@ void clean_table(Contest& contest, const Arguments& arguments) {
     const std::optional<std::string> path = arguments.file(file);
     if (!path) continue;
     PointCloud cloud = io::read(*path).cloud;
-    const Camera camera = frame(robust_bounds(cloud), cloud.up, width, height, glm::radians(-45.0), glm::radians(30.0));
-    clean_row(contest, {std::string(file).substr(0, std::string(file).find_first_of("_.")), std::move(cloud), camera, {}},
-              arguments);
+    const Camera camera =
+        frame(robust_bounds(cloud), cloud.up, width, height, glm::radians(-45.0), glm::radians(30.0));
+    clean_row(
+        contest,
+        {std::string(file).substr(0, std::string(file).find_first_of("_.")), std::move(cloud), camera, {}},
+        arguments);
   }
 }
 
@@ -132,8 +145,8 @@ struct Row {
 /// One way of drawing and the best manual threshold of each column of the ablation.
 struct Verdict {
   double bin_size = 0;
-  Errors splats[2][2];   ///< opaque or averaged, without and with the prefilter
-  Errors manual[2][2];   ///< prefilter, miss = last_bin: the threshold with the least depth error
+  Errors splats[2][2];  ///< opaque or averaged, without and with the prefilter
+  Errors manual[2][2];  ///< prefilter, miss = last_bin: the threshold with the least depth error
   double threshold[2][2] = {};
   Errors automatic;
   double best() const {
@@ -196,7 +209,8 @@ Verdict judge(Contest& contest, const synth::Scene& scene, const Row& row, const
 std::vector<Camera> cameras_around(const synth::Scene& scene, int count) {
   std::vector<Camera> cameras;
   for (int i = 0; i < count; ++i)
-    cameras.push_back(frame(scene.box, scene.up, 640, 480, glm::radians(360.0 * i / count + 10), glm::radians(i % 2 ? 35.0 : 5.0)));
+    cameras.push_back(frame(scene.box, scene.up, 640, 480, glm::radians(360.0 * i / count + 10),
+                            glm::radians(i % 2 ? 35.0 : 5.0)));
   return cameras;
 }
 
@@ -226,7 +240,8 @@ std::map<std::string, synth::Scene> noise_scenes(const Arguments& arguments) {
   if (const std::optional<std::string> file = arguments.file("armadillo.obj")) {
     synth::Scene armadillo = mesh_scene(*file, 1.5f);
     armadillo.cameras = cameras_around(armadillo, 8);
-    armadillo.held_out = frame(armadillo.box, armadillo.up, 640, 480, glm::radians(-30.0), glm::radians(20.0));
+    armadillo.held_out =
+        frame(armadillo.box, armadillo.up, 640, 480, glm::radians(-30.0), glm::radians(20.0));
     scenes.emplace("armadillo", std::move(armadillo));
   }
   return scenes;
@@ -264,7 +279,8 @@ std::vector<Row> noise_rows(const Arguments& arguments, const std::map<std::stri
     add("flying pixels 50 %", scene, o);
   };
   const std::vector<float> levels = arguments.quick ? std::vector<float>{2} : std::vector<float>{1, 2, 4, 8};
-  for (auto [model, name] : {std::pair{poisson, "z^2 noise"}, {tof, "time of flight"}, {structured_light, "structured light"}})
+  for (auto [model, name] :
+       {std::pair{poisson, "z^2 noise"}, {tof, "time of flight"}, {structured_light, "structured light"}})
     for (float level : levels) noisy("room", model, name, level);
   others("room");
   synth::SampleOptions o;
@@ -287,10 +303,14 @@ std::vector<Row> noise_rows(const Arguments& arguments, const std::map<std::stri
 
 void noise_tables(Contest& contest, const Arguments& arguments) {
   const std::map<std::string, synth::Scene> scenes = noise_scenes(arguments);
-  std::printf("\nPrefilter x T x miss. Depth MAE / RMSE in bin sizes (missed %%) PSNR / SSIM of the albedo; a miss counts 5, errors "
-              "are clamped there. `f`: without isolated points. `l`: where no bin is above T, the last one.\n\n");
-  std::printf("| scene | scan | bin | opaque | opaque f | averaged | averaged f | best T | best T f | best T l | best T f l | auto | "
-              "auto / best of all |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "\nPrefilter x T x miss. Depth MAE / RMSE in bin sizes (missed %%) PSNR / SSIM of the albedo; a miss "
+      "counts 5, errors "
+      "are clamped there. `f`: without isolated points. `l`: where no bin is above T, the last one.\n\n");
+  std::printf(
+      "| scene | scan | bin | opaque | opaque f | averaged | averaged f | best T | best T f | best T l | "
+      "best T f l | auto | "
+      "auto / best of all |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   int beats = 0, near = 0, unseen = 0;
   for (const Row& row : noise_rows(arguments, scenes)) {
     if ((row.scene + " " + row.name).find(arguments.row) == std::string::npos) continue;
@@ -312,8 +332,11 @@ void noise_tables(Contest& contest, const Arguments& arguments) {
     beats += v.automatic.mae < v.splats[1][1].mae;
     near += v.automatic.mae <= 1.1 * v.best();
   }
-  std::printf("\nof %d rows of scenes that chose nothing, auto beats averaged splats without isolated points in %d and is within "
-              "10 %% of the best of all columns in %d\n", unseen, beats, near);
+  std::printf(
+      "\nof %d rows of scenes that chose nothing, auto beats averaged splats without isolated points in %d "
+      "and is within "
+      "10 %% of the best of all columns in %d\n",
+      unseen, beats, near);
 }
 
 void views_table(Contest& contest, const Arguments& arguments) {
@@ -343,8 +366,10 @@ void dragon_figures(Contest& contest, const Arguments& arguments) {
   const synth::Scene scene = synth::make_mesh_scene(io::read_mesh(*file));
   const int width = arguments.quick ? 320 : 640, height = width * 3 / 4;
   std::printf("\nDragon, uniform outliers in its box, %dx%d, defaults\n\n", width, height);
-  std::printf("| points | outliers | pixels of outliers only that become background | surface pixels kept within 2 bins "
-              "| MAE, bins |\n|---|---|---|---|---|\n");
+  std::printf(
+      "| points | outliers | pixels of outliers only that become background | surface pixels kept within 2 "
+      "bins "
+      "| MAE, bins |\n|---|---|---|---|---|\n");
   synth::SampleOptions o;
   o.seed = 101;
   o.points = arguments.quick ? 300'000 : 1'500'000;
@@ -359,7 +384,8 @@ void dragon_figures(Contest& contest, const Arguments& arguments) {
       ++surface;
       kept += std::abs(out.depth.data()[i] - truth.depth.data()[i]) < 2 * contest.bin_size();
     } else if (!std::isinf(all.depth.data()[i])) {
-      // Splats of the silhouette reach a little beyond it: a pixel beside the surface is not the outliers' alone.
+      // Splats of the silhouette reach a little beyond it: a pixel beside the surface is not the outliers'
+      // alone.
       const int x = int(i % std::size_t(width)), y = int(i / std::size_t(width));
       bool beside = false;
       for (int v = std::max(0, y - 2); v <= std::min(height - 1, y + 2); ++v)
@@ -375,8 +401,8 @@ void dragon_figures(Contest& contest, const Arguments& arguments) {
               100.0 * double(kept) / double(surface), surface, compare(out, truth, contest.bin_size()).mae);
 }
 
-/// Over the orbit of one way of drawing: how much a pixel's error changes from one frame to the next. What does not
-/// move with the surface flickers. And how much the pictures change, motion included.
+/// Over the orbit of one way of drawing: how much a pixel's error changes from one frame to the next. What
+/// does not move with the surface flickers. And how much the pictures change, motion included.
 struct Flicker {
   double depth = 0, light = 0;
   std::size_t count = 0;
@@ -414,10 +440,14 @@ void orbit_table(Contest& contest, const Arguments& arguments) {
   if (!file) return;
   const synth::Scene scene = synth::make_mesh_scene(io::read_mesh(*file));
   const int frames = arguments.quick ? 12 : 60, size = arguments.quick ? 128 : 256;
-  std::printf("\nFlicker on an orbit of %d frames of 2 degrees, %dx%d: change of the error in depth (bins) and luma (1/255); "
-              "change of the picture, motion included (1/255; worst pair)\n\n", frames, size, size);
-  std::printf("| outliers | perfect | splats | denoise, nearest | denoise, grid | overlapping, grid |\n"
-              "|---|---|---|---|---|---|\n");
+  std::printf(
+      "\nFlicker on an orbit of %d frames of 2 degrees, %dx%d: change of the error in depth (bins) and luma "
+      "(1/255); "
+      "change of the picture, motion included (1/255; worst pair)\n\n",
+      frames, size, size);
+  std::printf(
+      "| outliers | perfect | splats | denoise, nearest | denoise, grid | overlapping, grid |\n"
+      "|---|---|---|---|---|---|\n");
   for (bool outliers : {false, true}) {
     synth::SampleOptions o;
     o.seed = 101, o.points = 150'000, o.outliers = outliers ? 12'500 : 0;
@@ -440,10 +470,12 @@ void orbit_table(Contest& contest, const Arguments& arguments) {
     }
     contest.set_denoise("anchor", "nearest");
     contest.set_denoise("overlapping", "false");
-    std::printf("| %s | %.2f (%.2f) |", outliers ? "8 %" : "none", perfect.result().mean, perfect.result().worst);
+    std::printf("| %s | %.2f (%.2f) |", outliers ? "8 %" : "none", perfect.result().mean,
+                perfect.result().worst);
     for (const Flicker& one : flicker)
-      std::printf(" %.3f / %.2f; %.2f (%.2f) |", one.depth / double(one.count), 255 * one.light / double(one.count),
-                  one.pictures.result().mean, one.pictures.result().worst);
+      std::printf(" %.3f / %.2f; %.2f (%.2f) |", one.depth / double(one.count),
+                  255 * one.light / double(one.count), one.pictures.result().mean,
+                  one.pictures.result().worst);
     std::printf("\n");
     std::fflush(stdout);
   }
@@ -455,14 +487,22 @@ int main(int count, char** values) try {
   Arguments arguments;
   for (int i = 1; i < count; ++i) {
     const std::string word = values[i];
-    if (word == "--quick") arguments.quick = true;
-    else if (word == "--choose") arguments.choose = true;
-    else if (word == "--part" && i + 1 < count) arguments.part = values[++i];
-    else if (word == "--row" && i + 1 < count) arguments.row = values[++i];
-    else if (word == "--data" && i + 1 < count) arguments.data = values[++i];
-    else if (word == "--maps" && i + 1 < count) arguments.maps = values[++i];
-    else if (word == "--clutter-radius" && i + 1 < count) arguments.clutter_radius = values[++i];
-    else throw Error(ErrorCode::usage, "eval_denoise: what is '" + word + "'?");
+    if (word == "--quick")
+      arguments.quick = true;
+    else if (word == "--choose")
+      arguments.choose = true;
+    else if (word == "--part" && i + 1 < count)
+      arguments.part = values[++i];
+    else if (word == "--row" && i + 1 < count)
+      arguments.row = values[++i];
+    else if (word == "--data" && i + 1 < count)
+      arguments.data = values[++i];
+    else if (word == "--maps" && i + 1 < count)
+      arguments.maps = values[++i];
+    else if (word == "--clutter-radius" && i + 1 < count)
+      arguments.clutter_radius = values[++i];
+    else
+      throw Error(ErrorCode::usage, "eval_denoise: what is '" + word + "'?");
   }
   auto context = gl::Context::create_headless();
   Contest contest(*context);

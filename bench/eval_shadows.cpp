@@ -1,6 +1,7 @@
 // The resolution of the light map against the analytic shadow of a sphere over a plane: `make eval-shadows`.
 //
-//   eval_shadows [PICTURE.png]   the table on standard output; the plane's points from above at three resolutions
+//   eval_shadows [PICTURE.png]   the table on standard output; the plane's points from above at three
+//   resolutions
 //
 // Points are scattered at random. The light shines straight down, so that the shadow is a disc.
 #include <algorithm>
@@ -69,9 +70,11 @@ std::vector<float> factors(const PreparedCloud& prepared, double texel, int fill
 }
 
 struct Errors {
-  double leaks = 0;     ///< share of the points inside the shadow that are lit, 5 spacings (or 2 texels) and more from its outline
-  double specks = 0;    ///< share of the points outside, as far from it, that are dark
-  double offset = 0;    ///< mean distance between the two outlines, in spacings: wrong area by length of the outline
+  double leaks = 0;   ///< share of the points inside the shadow that are lit, 5 spacings (or 2 texels) and
+                      ///< more from its outline
+  double specks = 0;  ///< share of the points outside, as far from it, that are dark
+  double offset =
+      0;  ///< mean distance between the two outlines, in spacings: wrong area by length of the outline
   double outwards = 0;  ///< the same, signed: positive where the shadow is too large
 };
 
@@ -84,12 +87,17 @@ Errors measure(const Scene& scene, double texel, int fills, double density) {
     if (!scene.is_plane[i]) continue;
     const double beyond = std::hypot(cloud.positions[i].x, cloud.positions[i].y) - radius;
     const bool dark = m[i] < 0.5f;
-    if (beyond < -far) ++inside, leaks += !dark;
-    else if (beyond > far) ++outside, specks += dark;
-    else if (beyond < 0) lit_within += !dark;
-    else dark_beyond += dark;
+    if (beyond < -far)
+      ++inside, leaks += !dark;
+    else if (beyond > far)
+      ++outside, specks += dark;
+    else if (beyond < 0)
+      lit_within += !dark;
+    else
+      dark_beyond += dark;
   }
-  const double unit = density * 2 * M_PI * radius * spacing;  // points in a band of one spacing along the outline
+  const double unit =
+      density * 2 * M_PI * radius * spacing;  // points in a band of one spacing along the outline
   return {double(leaks) / double(inside), double(specks) / double(outside),
           double(lit_within + dark_beyond) / unit, (double(dark_beyond) - double(lit_within)) / unit};
 }
@@ -104,14 +112,15 @@ void draw(Image<Rgba8>& picture, int x0, int side, const Scene& scene, const std
   std::vector<Point> points;
   for (std::size_t i = 0; i < m.size(); ++i) {
     const vec3& p = scene.prepared.cloud.positions[i];
-    if (scene.is_plane[i] && std::abs(p.x - 0.34) < 0.3 && std::abs(p.y - 0.34) < 0.3) points.push_back({p.x, p.y, m[i] < 0.5f});
+    if (scene.is_plane[i] && std::abs(p.x - 0.34) < 0.3 && std::abs(p.y - 0.34) < 0.3)
+      points.push_back({p.x, p.y, m[i] < 0.5f});
   }
   for (int v = 0; v < side; ++v)
     for (int u = 0; u < side; ++u) {
       const float x = float(from + (u + 0.5) * pixel), y = float(to - (v + 0.5) * pixel);
       const auto away = [&](const Point& p) { return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y); };
-      const auto nearest = std::min_element(points.begin(), points.end(),
-                                            [&](const Point& a, const Point& b) { return away(a) < away(b); });
+      const auto nearest = std::min_element(
+          points.begin(), points.end(), [&](const Point& a, const Point& b) { return away(a) < away(b); });
       const bool on_circle = std::abs(std::hypot(x, y) - radius) < pixel;
       const std::uint8_t grey = nearest->dark ? 90 : 225;
       picture.at(x0 + u, v) = on_circle ? Rgba8{200, 40, 40, 255} : Rgba8{grey, grey, grey, 255};
@@ -125,9 +134,11 @@ int main(int argc, char** argv) {
   const double density = 40'000;  // spacing 0.005: 200 along the shadow
   const std::vector<double> texels{0.5, 0.75, 1, 1.25, 1.5, 2, 3, 4, 6};
   for (const bool half : {true, false}) {
-    std::printf("%s\n\n| texel, spacings | empty texels of one surface | leaks, passes 0 / 1 / 2 | specks, passes 0 / 1 / 2 | "
-                "outline off by, spacings, 0 / 1 / 2 | of it outwards, 0 / 1 / 2 |\n|---|---|---|---|---|---|\n",
-                half ? "upper half of a sphere: one surface" : "whole sphere: two surfaces");
+    std::printf(
+        "%s\n\n| texel, spacings | empty texels of one surface | leaks, passes 0 / 1 / 2 | specks, passes 0 "
+        "/ 1 / 2 | "
+        "outline off by, spacings, 0 / 1 / 2 | of it outwards, 0 / 1 / 2 |\n|---|---|---|---|---|---|\n",
+        half ? "upper half of a sphere: one surface" : "whole sphere: two surfaces");
     for (double texel : texels) {
       Errors e[3];
       constexpr int seeds = 3;
@@ -139,10 +150,12 @@ int main(int argc, char** argv) {
           e[fills].offset += one.offset / seeds, e[fills].outwards += one.outwards / seeds;
         }
       }
-      std::printf("| %g | %.1f %% | %.2f / %.2f / %.2f %% | %.2f / %.2f / %.2f %% | %.2f / %.2f / %.2f | %+.2f / %+.2f / %+.2f |\n",
-                  texel, 100 * std::exp(-texel * texel), 100 * e[0].leaks, 100 * e[1].leaks, 100 * e[2].leaks,
-                  100 * e[0].specks, 100 * e[1].specks, 100 * e[2].specks, e[0].offset, e[1].offset, e[2].offset,
-                  e[0].outwards, e[1].outwards, e[2].outwards);
+      std::printf(
+          "| %g | %.1f %% | %.2f / %.2f / %.2f %% | %.2f / %.2f / %.2f %% | %.2f / %.2f / %.2f | %+.2f / "
+          "%+.2f / %+.2f |\n",
+          texel, 100 * std::exp(-texel * texel), 100 * e[0].leaks, 100 * e[1].leaks, 100 * e[2].leaks,
+          100 * e[0].specks, 100 * e[1].specks, 100 * e[2].specks, e[0].offset, e[1].offset, e[2].offset,
+          e[0].outwards, e[1].outwards, e[2].outwards);
       std::fflush(stdout);
     }
     std::printf("\n");

@@ -2,9 +2,9 @@
 //
 //   eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]
 //
-// `likeness`: what each style keeps of the unpainted picture, that of `splats` without light (bench/likeness.h).
-// Writes {points,image,strokes}_{all,40000}.png at the size of the camera, and prints the mean change of a pixel from frame
-// to frame (bench/frame_difference.h) along a slow orbit.
+// `likeness`: what each style keeps of the unpainted picture, that of `splats` without light
+// (bench/likeness.h). Writes {points,image,strokes}_{all,40000}.png at the size of the camera, and prints the
+// mean change of a pixel from frame to frame (bench/frame_difference.h) along a slow orbit.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -33,12 +33,14 @@ bench::ImageStrokes like_ours(const Camera& camera) {
 }
 
 void show(Renderer& renderer, const PointCloud& cloud) {
-  PreparedCloud prepared = analysis::prepare(cloud, Attribute::normal | Attribute::radius | Attribute::cluster, {});
+  PreparedCloud prepared =
+      analysis::prepare(cloud, Attribute::normal | Attribute::radius | Attribute::cluster, {});
   std::vector<Rgba8> colors = color_points(prepared.cloud, {}).colors;
   renderer.set_cloud(std::move(prepared), std::move(colors));
 }
 
-std::unique_ptr<Technique> made(const std::string& name, const std::string& parameter, const std::string& value) {
+std::unique_ptr<Technique> made(const std::string& name, const std::string& parameter,
+                                const std::string& value) {
   auto technique = find_technique(name).create();
   ParamList params;
   technique->describe(params);
@@ -54,7 +56,8 @@ void figure_6(Renderer& renderer, const PointCloud& cloud, const Camera& camera,
       auto technique = made(name, "", "");
       const Image<Rgba8> picture = renderer.render(*technique, camera, RenderSettings{}).rgba8;
       io::write_png(folder + "/" + name + end, picture, false);
-      if (name == std::string("points")) io::write_png(folder + "/image" + end, bench::paint_over(picture, like_ours(camera)), false);
+      if (name == std::string("points"))
+        io::write_png(folder + "/image" + end, bench::paint_over(picture, like_ours(camera)), false);
     }
   }
 }
@@ -66,13 +69,14 @@ void coherence(Renderer& renderer, const PointCloud& cloud, Camera camera, int f
     bool over;
     bench::FrameDifferenceMeter meter;
   };
-  std::vector<Row> rows = {{"points", "points", "", "", false, {}},
-                           {"splats", "splats", "", "", false, {}},
-                           {"strokes, a_buffer", "strokes", "", "", false, {}},
-                           {"strokes, a_buffer by fragment", "strokes", "stroke_order", "fragment", false, {}},
-                           {"strokes, blur", "strokes", "blend", "blur", false, {}},
-                           {"strokes over the picture of points", "points", "", "", true, {}},
-                           {"strokes over the picture of splats", "splats", "", "", true, {}}};
+  std::vector<Row> rows = {
+      {"points", "points", "", "", false, {}},
+      {"splats", "splats", "", "", false, {}},
+      {"strokes, a_buffer", "strokes", "", "", false, {}},
+      {"strokes, a_buffer by fragment", "strokes", "stroke_order", "fragment", false, {}},
+      {"strokes, blur", "strokes", "blend", "blur", false, {}},
+      {"strokes over the picture of points", "points", "", "", true, {}},
+      {"strokes over the picture of splats", "splats", "", "", true, {}}};
   camera.width /= 2, camera.height /= 2;
   const dvec3 start = camera.position;
   show(renderer, cloud);
@@ -92,14 +96,16 @@ void coherence(Renderer& renderer, const PointCloud& cloud, Camera camera, int f
   }
 }
 
-/// Every style against the unpainted picture, at the scale of a stroke of the default style; of headlights neither knows.
+/// Every style against the unpainted picture, at the scale of a stroke of the default style; of headlights
+/// neither knows.
 void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& camera) {
   show(renderer, cloud);
   RenderSettings settings;
   settings.transparent = true;
   auto picture_of = [&](const char* technique, const char* style, Shading shading) {
     settings.shading = shading;
-    return renderer.render(*made(technique, style ? "style" : "", style ? style : ""), camera, settings).rgba8;
+    return renderer.render(*made(technique, style ? "style" : "", style ? style : ""), camera, settings)
+        .rgba8;
   };
   const float sigma = 0.5f * like_ours(camera).width_px;
   const Image<Rgba8> unlit = picture_of("splats", nullptr, Shading::albedo);
@@ -107,12 +113,13 @@ void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& c
   std::printf("| style | gradients | structure | colour | lightness | specks (groups) | overshoot |\n");
   auto row = [&](const char* style, const Image<Rgba8>& painting, const Image<Rgba8>& picture) {
     const bench::Likeness l = bench::likeness(painting, picture, sigma);
-    std::printf("| %s | %.3f | %.3f | %.1f | %+.1f | %zu (%zu) | %.2f %% |\n", style, l.gradients, l.structure, l.color,
-                l.lightness, l.specks, l.speck_groups, 100 * l.overshoot);
+    std::printf("| %s | %.3f | %.3f | %.1f | %+.1f | %zu (%zu) | %.2f %% |\n", style, l.gradients,
+                l.structure, l.color, l.lightness, l.specks, l.speck_groups, 100 * l.overshoot);
     std::fflush(stdout);
   };
   row("points", picture_of("points", nullptr, Shading::albedo), unlit);
-  for (const char* style : {"oil", "impressionist", "pointillist", "watercolor", "charcoal", "figure_4b", "figure_4c", "figure_4d"})
+  for (const char* style : {"oil", "impressionist", "pointillist", "watercolor", "charcoal", "figure_4b",
+                            "figure_4c", "figure_4d"})
     row(style, picture_of("strokes", style, Shading::lit), cloud.colors.empty() ? lit : unlit);
   row("oil, colours alone", picture_of("strokes", "oil", Shading::albedo), unlit);
 }
@@ -121,7 +128,8 @@ void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& c
 
 int main(int count, char** words) {
   if (count != 4 && count != 6) {
-    std::fprintf(stderr, "usage: eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]\n");
+    std::fprintf(stderr,
+                 "usage: eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]\n");
     return 2;
   }
   const std::string part = count == 6 ? words[5] : "all";

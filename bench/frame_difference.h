@@ -1,5 +1,6 @@
-// How much a picture changes from frame to frame along a camera path: flicker, popping and swimming as numbers.
-// A slow path is asked for, so that honest motion is small beside them. Used by benchmarks and tests.
+// How much a picture changes from frame to frame along a camera path: flicker, popping and swimming as
+// numbers. A slow path is asked for, so that honest motion is small beside them. Used by benchmarks and
+// tests.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +15,8 @@ namespace sfumato::bench {
 /// In 8-bit sRGB levels (0..255), the largest channel of each pixel.
 struct FrameDifference {
   std::size_t pairs = 0;
-  double mean = 0;         ///< over all pixels of all pairs of consecutive frames
-  double worst = 0;        ///< largest mean over the pixels of one pair
+  double mean = 0;             ///< over all pixels of all pairs of consecutive frames
+  double worst = 0;            ///< largest mean over the pixels of one pair
   std::size_t worst_pair = 0;  ///< 0 = first and second frame
 };
 

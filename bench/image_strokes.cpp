@@ -60,7 +60,8 @@ Image<Rgba8> paint_over(const Image<Rgba8>& picture, const ImageStrokes& s) {
   Image<vec3> canvas = smooth;
   for (int cell : order) {
     const vec3 n = noise[std::size_t(cell)];
-    const float x = (float(cell % columns) + 0.5f + n.x) * step, y = (float(cell / columns) + 0.5f + n.y) * step;
+    const float x = (float(cell % columns) + 0.5f + n.x) * step,
+                y = (float(cell / columns) + 0.5f + n.y) * step;
     const vec3 color = at(soft, x, y);
     const float gx = luma(at(smooth, x + 2, y)) - luma(at(smooth, x - 2, y));
     const float gy = luma(at(smooth, x, y + 2)) - luma(at(smooth, x, y - 2));

@@ -1,6 +1,7 @@
-// The rival of dos Anjos 2017, Figure 6: a picture painted over with strokes that know nothing of the points behind it.
-// After P. Litwinowicz, "Processing images and video for an impressionist effect", 1997: strokes on a jittered grid of the
-// screen, along the edges of the picture, ended where the colour changes, in random order.
+// The rival of dos Anjos 2017, Figure 6: a picture painted over with strokes that know nothing of the points
+// behind it. After P. Litwinowicz, "Processing images and video for an impressionist effect", 1997: strokes
+// on a jittered grid of the screen, along the edges of the picture, ended where the colour changes, in random
+// order.
 #pragma once
 
 #include "core/image.h"

@@ -79,7 +79,8 @@ double processor_seconds() {
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
-/// The tori in another format, with normals and colours (text: without normals where `columns` is 6, places alone where it is 3).
+/// The tori in another format, with normals and colours (text: without normals where `columns` is 6, places
+/// alone where it is 3).
 std::string written_tori(std::size_t count, const std::string& extension, int columns) {
   std::filesystem::path file = bench::tori_file(count);
   file.replace_filename(file.stem().string() + "_" + std::to_string(columns) + extension);

@@ -83,7 +83,8 @@ Volume load_volume(const std::filesystem::path& folder, const std::string& name)
   if (bytes) {
     std::vector<std::uint8_t> raw(count);
     in.read(reinterpret_cast<char*>(raw.data()), std::streamsize(count));
-    std::transform(raw.begin(), raw.end(), volume.values.begin(), [](std::uint8_t v) { return float(v) / 255; });
+    std::transform(raw.begin(), raw.end(), volume.values.begin(),
+                   [](std::uint8_t v) { return float(v) / 255; });
   } else {
     in.read(reinterpret_cast<char*>(volume.values.data()), std::streamsize(count * sizeof(float)));
   }
@@ -95,7 +96,8 @@ PointCloud sample_isosurface(const Volume& volume, float level, std::size_t coun
   const std::vector<Triangle> triangles = isosurface(volume, level);
   std::vector<double> up_to;
   double area = 0;
-  for (const Triangle& t : triangles) up_to.push_back(area += 0.5 * glm::length(glm::cross(t[1] - t[0], t[2] - t[0])));
+  for (const Triangle& t : triangles)
+    up_to.push_back(area += 0.5 * glm::length(glm::cross(t[1] - t[0], t[2] - t[0])));
   if (!(area > 0)) throw std::runtime_error("the volume has no surface at that level");
   std::mt19937_64 random{std::uint64_t(20100201 + layer)};
   std::uniform_real_distribution<double> uniform(0, 1);

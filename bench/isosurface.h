@@ -1,5 +1,5 @@
-// Points on an isosurface of a volume, for the volumes of Dobrev, Rosenthal, Linsen 2010: uniform by area on the
-// surface that marching tetrahedra find, normals from the gradient.
+// Points on an isosurface of a volume, for the volumes of Dobrev, Rosenthal, Linsen 2010: uniform by area on
+// the surface that marching tetrahedra find, normals from the gradient.
 #pragma once
 
 #include <filesystem>
@@ -18,13 +18,16 @@ struct Volume {
   vec3 gradient(vec3 p) const;
 };
 
-/// Raw cubes of the sample data: `neghip` (uint8, 66^3) and `hydrogen` (float, 64^3). Throws when there is none.
+/// Raw cubes of the sample data: `neghip` (uint8, 66^3) and `hydrogen` (float, 64^3). Throws when there is
+/// none.
 Volume load_volume(const std::filesystem::path& folder, const std::string& name);
 
-/// `count` random points; the longest side of the volume is 2 and its middle the origin. Scalar `layer` is `layer`.
+/// `count` random points; the longest side of the volume is 2 and its middle the origin. Scalar `layer` is
+/// `layer`.
 PointCloud sample_isosurface(const Volume& volume, float level, std::size_t count, Rgba8 color, int layer);
 
-/// The two clouds of the paper: `neghip`, 128k points on one surface; `hydrogen`, 535k points on three nested ones.
+/// The two clouds of the paper: `neghip`, 128k points on one surface; `hydrogen`, 535k points on three nested
+/// ones.
 PointCloud isosurfaces(const std::filesystem::path& folder, const std::string& name);
 
 }  // namespace sfumato::bench

@@ -81,10 +81,9 @@ void frames(benchmark::State& state, const std::string& scene, int layers, const
 
 void row(const std::string& name, const std::string& scene, int layers, const Options& options,
          const char* opacity = "0.3", int light_samples = 0, bool passes = false) {
-  benchmark::RegisterBenchmark(("layers/" + name + "/" + scene).c_str(),
-                               [=](benchmark::State& state) {
-                                 frames(state, scene, layers, options, opacity, light_samples, passes);
-                               })
+  benchmark::RegisterBenchmark(
+      ("layers/" + name + "/" + scene).c_str(),
+      [=](benchmark::State& state) { frames(state, scene, layers, options, opacity, light_samples, passes); })
       ->UseManualTime()
       ->Iterations(passes ? 5 : 3)
       ->Unit(benchmark::kMillisecond);

@@ -1,5 +1,5 @@
-// How much of a picture a painting of it keeps: edges, structure, colours, closed surfaces. Nothing here knows how
-// strokes are made; both pictures come with the coverage of their pixels.
+// How much of a picture a painting of it keeps: edges, structure, colours, closed surfaces. Nothing here
+// knows how strokes are made; both pictures come with the coverage of their pixels.
 #pragma once
 
 #include "core/image.h"
@@ -8,13 +8,15 @@ namespace sfumato::bench {
 
 /// A picture before its background: sRGB with straight alpha.
 struct Likeness {
-  double gradients = 0;   ///< correlation of the gradients of lightness, inside what both cover: 1 = the same edges
-  double structure = 0;   ///< mean structural similarity of lightness (Wang et al. 2004, K1 = 0.01, K2 = 0.03)
-  double color = 0;       ///< mean distance of colours, 8-bit levels, RGB, after the blur
-  double lightness = 0;   ///< mean of painting minus picture: repainted darker or lighter, 8-bit levels
-  std::size_t specks = 0; ///< pixels (and below: groups of them) without paint where the picture is closed for 3 px around
+  double gradients =
+      0;  ///< correlation of the gradients of lightness, inside what both cover: 1 = the same edges
+  double structure = 0;  ///< mean structural similarity of lightness (Wang et al. 2004, K1 = 0.01, K2 = 0.03)
+  double color = 0;      ///< mean distance of colours, 8-bit levels, RGB, after the blur
+  double lightness = 0;  ///< mean of painting minus picture: repainted darker or lighter, 8-bit levels
+  std::size_t specks =
+      0;  ///< pixels (and below: groups of them) without paint where the picture is closed for 3 px around
   std::size_t speck_groups = 0;
-  double overshoot = 0;   ///< pixels painted beyond what the picture covers, a share of those it covers
+  double overshoot = 0;  ///< pixels painted beyond what the picture covers, a share of those it covers
 };
 
 /// `sigma`: of the Gaussian that both pictures go through, px; half the width of a stroke.

@@ -23,7 +23,8 @@ Renderer& cloud_renderer(const std::string& name, const std::function<PointCloud
 }
 
 Renderer& tori_renderer(std::size_t count, Attributes needs) {
-  return cloud_renderer("tori " + std::to_string(count), [&] { return io::read(tori_file(count)).cloud; }, needs);
+  return cloud_renderer(
+      "tori " + std::to_string(count), [&] { return io::read(tori_file(count)).cloud; }, needs);
 }
 
 Camera tori_camera(int frame, int width, int height) {
@@ -43,13 +44,14 @@ RenderSettings plain_settings(Shading shading, bool edl) {
   return settings;
 }
 
-void time_frames(benchmark::State& state, Technique& technique, std::size_t count, const RenderSettings& settings,
-                 int width, int height) {
+void time_frames(benchmark::State& state, Technique& technique, std::size_t count,
+                 const RenderSettings& settings, int width, int height) {
   Renderer& renderer = tori_renderer(count, technique.needs());
   renderer.render(technique, tori_camera(0, width, height), settings);  // shaders and uploads
   int frame = 0;
   for (auto _ : state)
-    state.SetIterationTime(1e-3 * renderer.render(technique, tori_camera(++frame, width, height), settings).total_ms);
+    state.SetIterationTime(
+        1e-3 * renderer.render(technique, tori_camera(++frame, width, height), settings).total_ms);
 }
 
 void set(Technique& technique, const std::string& name, const std::string& value) {

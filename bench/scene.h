@@ -1,5 +1,5 @@
-// What every GPU benchmark shares: one context, the tori in random file order loaded and prepared once, and the
-// camera of the peers' scripts.
+// What every GPU benchmark shares: one context, the tori in random file order loaded and prepared once, and
+// the camera of the peers' scripts.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -17,9 +17,11 @@ namespace sfumato::bench {
 Renderer& tori_renderer(std::size_t count, Attributes needs = {});
 
 /// The same renderer with the cloud that `make` returns, prepared once for as long as `name` is asked for.
-Renderer& cloud_renderer(const std::string& name, const std::function<PointCloud()>& make, Attributes needs = {});
+Renderer& cloud_renderer(const std::string& name, const std::function<PointCloud()>& make,
+                         Attributes needs = {});
 
-/// Eye (0,-3.2,2.2), looks at the origin, z up, 45 degrees; one degree of orbit a frame, as in peers/peer_vtk.py.
+/// Eye (0,-3.2,2.2), looks at the origin, z up, 45 degrees; one degree of orbit a frame, as in
+/// peers/peer_vtk.py.
 Camera tori_camera(int frame = 0, int width = 1024, int height = 1024);
 
 /// Settings that only cost what is compared: white background, no eye-dome lighting unless asked for.
@@ -27,8 +29,8 @@ RenderSettings plain_settings(Shading shading = Shading::albedo, bool edl = fals
 
 /// Renders one frame per iteration along the orbit; reports clear to finished RGBA8 on the GPU as the time
 /// (manual time), without reading back.
-void time_frames(benchmark::State& state, Technique& technique, std::size_t count, const RenderSettings& settings,
-                 int width = 1024, int height = 1024);
+void time_frames(benchmark::State& state, Technique& technique, std::size_t count,
+                 const RenderSettings& settings, int width = 1024, int height = 1024);
 
 /// Sets a parameter of a technique by its command-line spelling.
 void set(Technique& technique, const std::string& name, const std::string& value);

@@ -8,7 +8,8 @@ using namespace sfumato::bench;
 
 namespace {
 
-/// Discs of one radius, the mean spacing of the tori (peers/peer_vtk.py), as vtkPointGaussianMapper draws them.
+/// Discs of one radius, the mean spacing of the tori (peers/peer_vtk.py), as vtkPointGaussianMapper draws
+/// them.
 void give_one_radius(std::size_t count) {
   Renderer& renderer = tori_renderer(count, Attribute::normal);
   const double area = 4 * std::numbers::pi * std::numbers::pi * (0.45 + 0.30 + 0.15);

@@ -61,7 +61,8 @@ void clusters(benchmark::State& state) {
   state.counters["clusters"] = found.count;
   // What the peer wrote, if it ran before (bench/peers.py).
   const char* folder = std::getenv("SFUMATO_BENCH_DATA");
-  if (std::FILE* file = folder ? std::fopen((std::string(folder) + "/pcl_clusters.u32").c_str(), "rb") : nullptr) {
+  if (std::FILE* file =
+          folder ? std::fopen((std::string(folder) + "/pcl_clusters.u32").c_str(), "rb") : nullptr) {
     std::vector<std::uint32_t> theirs(source.size()), ours(source.size());
     if (std::fread(theirs.data(), 4, theirs.size(), file) == theirs.size()) {
       for (std::size_t i = 0; i < source.size(); ++i) ours[source[i]] = found.label[i];
@@ -78,14 +79,15 @@ void preprocessing(benchmark::State& state) {
     benchmark::DoNotOptimize(analysis::prepare(cloud, Attribute::normal | Attribute::cluster, {}));
 }
 
-void whole_frames(benchmark::State& state, const char* technique, std::initializer_list<std::pair<const char*, const char*>> values) {
+void whole_frames(benchmark::State& state, const char* technique,
+                  std::initializer_list<std::pair<const char*, const char*>> values) {
   auto made = find_technique(technique).create();
   for (const auto& [name, value] : values) set(*made, name, value);
   time_frames(state, *made, std::size_t(state.range(0)), plain_settings(Shading::lit), width, height);
 }
 
-/// The frames of an incremental picture, from the one that stops to the final one; each a call of `render` and, as in
-/// whole_frames, the finished picture. One picture before the first makes shaders and uploads.
+/// The frames of an incremental picture, from the one that stops to the final one; each a call of `render`
+/// and, as in whole_frames, the finished picture. One picture before the first makes shaders and uploads.
 void refinement(benchmark::State& state, bool first_frame) {
   auto technique = find_technique("strokes").create();
   set(*technique, "refine", "per_frame");
@@ -134,16 +136,42 @@ void name(const char* row, void (*function)(benchmark::State&), std::initializer
 
 const bool registered = [] {
   const std::initializer_list<int> table_2 = {566'098, 1'630'572, 14'027'872};
-  name("blur", [](benchmark::State& s) { whole_frames(s, "strokes", {{"blend", "blur"}}); }, table_2);
-  name("splats", [](benchmark::State& s) { whole_frames(s, "splats", {}); }, table_2);
-  name("a_buffer", [](benchmark::State& s) { whole_frames(s, "strokes", {}); }, table_2);
+  name(
+      "blur",
+      [](benchmark::State& s) {
+        whole_frames(s, "strokes", {{"blend", "blur"}});
+      },
+      table_2);
+  name(
+      "splats", [](benchmark::State& s) { whole_frames(s, "splats", {}); }, table_2);
+  name(
+      "a_buffer", [](benchmark::State& s) { whole_frames(s, "strokes", {}); }, table_2);
   // As in the paper, every point is a stroke of its own size.
-  name("every_point_blur", [](benchmark::State& s) { whole_frames(s, "strokes", {{"style", "figure_4b"}, {"blend", "blur"}}); }, table_2);
-  name("every_point_a_buffer", [](benchmark::State& s) { whole_frames(s, "strokes", {{"style", "figure_4b"}}); }, table_2);
-  name("list_frame", [](benchmark::State& s) { refinement(s, true); }, table_2);
-  name("refine_frame", [](benchmark::State& s) { refinement(s, false); }, table_2);
-  benchmark::RegisterBenchmark("strokes/clusters", clusters)->UseRealTime()->Iterations(1)->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark("strokes/preprocessing", preprocessing)->Arg(580'000)->UseRealTime()->Iterations(1)->Unit(benchmark::kMillisecond);
+  name(
+      "every_point_blur",
+      [](benchmark::State& s) {
+        whole_frames(s, "strokes", {{"style", "figure_4b"}, {"blend", "blur"}});
+      },
+      table_2);
+  name(
+      "every_point_a_buffer",
+      [](benchmark::State& s) {
+        whole_frames(s, "strokes", {{"style", "figure_4b"}});
+      },
+      table_2);
+  name(
+      "list_frame", [](benchmark::State& s) { refinement(s, true); }, table_2);
+  name(
+      "refine_frame", [](benchmark::State& s) { refinement(s, false); }, table_2);
+  benchmark::RegisterBenchmark("strokes/clusters", clusters)
+      ->UseRealTime()
+      ->Iterations(1)
+      ->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark("strokes/preprocessing", preprocessing)
+      ->Arg(580'000)
+      ->UseRealTime()
+      ->Iterations(1)
+      ->Unit(benchmark::kMillisecond);
   return true;
 }();
 

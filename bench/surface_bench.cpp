@@ -19,7 +19,8 @@ void whole_frame(benchmark::State& state) {
 
 /// Time of the passes that `counts` names, one frame per iteration, always from the same camera.
 template <class F>
-void time_passes(benchmark::State& state, Technique& technique, std::size_t count, F counts, int width, int height) {
+void time_passes(benchmark::State& state, Technique& technique, std::size_t count, F counts, int width,
+                 int height) {
   Renderer& renderer = tori_renderer(count);
   const RenderSettings settings = plain_settings(Shading::lit);
   RenderWants wants;
@@ -27,7 +28,8 @@ void time_passes(benchmark::State& state, Technique& technique, std::size_t coun
   renderer.render(technique, tori_camera(0, width, height), settings, wants);  // shaders and uploads
   for (auto _ : state) {
     double ms = 0;
-    for (const PassTiming& pass : renderer.render(technique, tori_camera(0, width, height), settings, wants).timings)
+    for (const PassTiming& pass :
+         renderer.render(technique, tori_camera(0, width, height), settings, wants).timings)
       if (counts(std::string_view(pass.name))) ms += pass.ms;
     state.SetIterationTime(1e-3 * ms);
   }
@@ -56,9 +58,12 @@ void passes(benchmark::State& state) {
 void screen_part(benchmark::State& state) {
   auto technique = find_technique("surface").create();
   set(*technique, "point_spacing", "0.006");
-  time_passes(state, *technique, std::size_t(state.range(0)), [](std::string_view name) {
-    return name != "depth" && name != "index" && name != "resolve" && name != "finish";
-  }, 1024, 1024);
+  time_passes(
+      state, *technique, std::size_t(state.range(0)),
+      [](std::string_view name) {
+        return name != "depth" && name != "index" && name != "resolve" && name != "finish";
+      },
+      1024, 1024);
 }
 
 void one_pass(benchmark::State& state, const char* pass, const char* removal) {
@@ -66,8 +71,9 @@ void one_pass(benchmark::State& state, const char* pass, const char* removal) {
   set(*technique, "filling", "pull_push");  // the operators of the paper, whose passes these are
   set(*technique, "hidden_point_removal", removal);
   set(*technique, "window_radius", "25");
-  time_passes(state, *technique, std::size_t(state.range(0)), [&](std::string_view name) { return name == pass; },
-              paper_width, paper_height);
+  time_passes(
+      state, *technique, std::size_t(state.range(0)), [&](std::string_view name) { return name == pass; },
+      paper_width, paper_height);
 }
 
 /// That many copies of an RGBA32F image of the paper's size and a guard band of 64 px.

@@ -1,4 +1,5 @@
-// How the window moves: a hand drags in it for some seconds, then lets go. On a display (xvfb-run); one line of JSON:
+// How the window moves: a hand drags in it for some seconds, then lets go. On a display (xvfb-run); one line
+// of JSON:
 //   first_ms     from the start of the process to the first picture
 //   whole_ms     to the first whole picture
 //   motion_ms    between two pictures in motion, the mean
@@ -35,7 +36,8 @@ double now_ms() { return std::chrono::duration<double, std::milli>(Clock::now() 
 double cpu_ms() {
   rusage use{};
   getrusage(RUSAGE_SELF, &use);
-  return 1e3 * double(use.ru_utime.tv_sec + use.ru_stime.tv_sec) + 1e-3 * double(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
+  return 1e3 * double(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
+         1e-3 * double(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
 }
 
 struct Motion {
@@ -46,7 +48,8 @@ struct Motion {
 
 class Desk {
  public:
-  Desk(const std::string& file, const std::string& technique) : window_(1280, 720, "motion"), bench_(start(file, technique)), interface_(window_, bench_) {
+  Desk(const std::string& file, const std::string& technique)
+      : window_(1280, 720, "motion"), bench_(start(file, technique)), interface_(window_, bench_) {
     window_.on_input = [this] {
       ImGuiIO& io = ImGui::GetIO();
       io.MousePos = mouse_;
@@ -139,9 +142,11 @@ int main(int count, char** words) {
     desk.wait([&] { return desk.settled(); });
     const Motion motion = desk.drag(count > 3 ? std::atof(words[3]) : 4);
     const double converge_ms = desk.wait([&] { return desk.settled(); });
-    std::printf("{\"first_ms\": %.0f, \"whole_ms\": %.0f, \"motion_ms\": %.1f, \"latency_ms\": %.0f, \"converge_ms\": %.0f, "
-                "\"cpu_ms\": %.1f, \"drawn_by\": \"%s\"}\n",
-                first_ms, whole_ms, motion.ms, motion.latency_ms, converge_ms, motion.cpu, motion.drawn_by.c_str());
+    std::printf(
+        "{\"first_ms\": %.0f, \"whole_ms\": %.0f, \"motion_ms\": %.1f, \"latency_ms\": %.0f, "
+        "\"converge_ms\": %.0f, "
+        "\"cpu_ms\": %.1f, \"drawn_by\": \"%s\"}\n",
+        first_ms, whole_ms, motion.ms, motion.latency_ms, converge_ms, motion.cpu, motion.drawn_by.c_str());
     return 0;
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "viewer_motion: %s\n", error.what()), 1;

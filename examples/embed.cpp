@@ -1,5 +1,5 @@
-// Points in the OpenGL of a program of one's own: embed SCAN [TECHNIQUE]. A turning frame stands around and among the points, and
-// hides and is hidden by them. Arrow keys turn the view.
+// Points in the OpenGL of a program of one's own: embed SCAN [TECHNIQUE]. A turning frame stands around and
+// among the points, and hides and is hidden by them. Arrow keys turn the view.
 #include <epoxy/gl.h>
 #include <GLFW/glfw3.h>
 #include <sfumato/embedded.h>
@@ -65,15 +65,18 @@ int main(int argc, char** argv) {
       if (width == 0 || height == 0) continue;
       const glm::dvec3 eye = middle + size * glm::dvec3(std::cos(turn), std::sin(turn), 0.5);
       const sfumato::HostView view{glm::lookAt(eye, middle, glm::dvec3(0, 0, 1)),
-                                   glm::perspective(0.8, double(width) / height, 0.05 * size, 4 * size), width, height};
+                                   glm::perspective(0.8, double(width) / height, 0.05 * size, 4 * size),
+                                   width, height};
       points.request(argc > 2 ? argv[2] : "splats", view);
       points.wait(0.05);  // an interactive program would not wait, and show the picture before
-      const sfumato::HostView shown = points.drawn().width == width && points.drawn().height == height ? points.drawn() : view;
+      const sfumato::HostView shown =
+          points.drawn().width == width && points.drawn().height == height ? points.drawn() : view;
       const float background[] = {0.1f, 0.12f, 0.15f, 1};
       glViewport(0, 0, width, height);
       glClearBufferfv(GL_COLOR, 0, background);
       glClearBufferfi(GL_DEPTH_STENCIL, 0, 1, 0);
-      draw_frame(box, shown.projection * shown.view, width, height);  // what stands together is seen from one place
+      draw_frame(box, shown.projection * shown.view, width,
+                 height);  // what stands together is seen from one place
       points.draw(0, {0, 0, width, height});
       glfwSwapBuffers(window);
     }

@@ -1,5 +1,5 @@
-// Points inside the OpenGL of another program: a viewer, an editor, an analysis tool. Its own objects hide the points and are
-// hidden by them.
+// Points inside the OpenGL of another program: a viewer, an editor, an analysis tool. Its own objects hide
+// the points and are hidden by them.
 //
 //   sfumato::EmbeddedRenderer points;                 // any thread
 //   points.set_cloud(sfumato::io::read("scan.laz").cloud);
@@ -24,8 +24,8 @@ struct HostView {
   bool operator==(const HostView&) const = default;
 };
 
-/// Pictures are made by a thread of our own in a context of our own, so the host never waits and nothing of its OpenGL is
-/// used for them; `draw` alone touches the host's context, and leaves its state as it was.
+/// Pictures are made by a thread of our own in a context of our own, so the host never waits and nothing of
+/// its OpenGL is used for them; `draw` alone touches the host's context, and leaves its state as it was.
 class EmbeddedRenderer {
  public:
   EmbeddedRenderer();
@@ -36,19 +36,21 @@ class EmbeddedRenderer {
 
   /// Returns at once; pictures of the cloud before it are called off.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {});
-  /// Asks for a picture and returns at once. The newest request wins, and the same request as the last one is none.
-  /// Throws Error(usage) for matrices that no camera has (camera_of_matrices).
+  /// Asks for a picture and returns at once. The newest request wins, and the same request as the last one is
+  /// none. Throws Error(usage) for matrices that no camera has (camera_of_matrices).
   void request(const std::string& technique, const HostView& view, const Parameters& parameters = {});
-  /// Waits until the last request is answered, at most so long; false: not yet. Throws what went wrong with it.
+  /// Waits until the last request is answered, at most so long; false: not yet. Throws what went wrong with
+  /// it.
   bool wait(double seconds);
-  /// The newest picture over `viewport` (as of glViewport) of the framebuffer (0: the window's) in the context that is
-  /// current, by depth among what is there, whatever the state. It may be of an earlier view while a newer one is on its
-  /// way: `drawn` says which. False: there is none yet. Throws Error(no_gl) where no context of OpenGL 4.5 is current, and what
-  /// went wrong with the last request.
+  /// The newest picture over `viewport` (as of glViewport) of the framebuffer (0: the window's) in the
+  /// context that is current, by depth among what is there, whatever the state. It may be of an earlier view
+  /// while a newer one is on its way: `drawn` says which. False: there is none yet. Throws Error(no_gl) where
+  /// no context of OpenGL 4.5 is current, and what went wrong with the last request.
   bool draw(std::uint32_t framebuffer, const std::array<int, 4>& viewport);
   /// The view of the picture that `draw` would show.
   HostView drawn() const;
-  /// Deletes what `draw` keeps in the host's context, which is current. Without it, that goes with the context.
+  /// Deletes what `draw` keeps in the host's context, which is current. Without it, that goes with the
+  /// context.
   void release();
 
  private:

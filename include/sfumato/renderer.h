@@ -1,4 +1,5 @@
-// From a cloud to pictures, without a display and without a window: the whole way of the command in one class.
+// From a cloud to pictures, without a display and without a window: the whole way of the command in one
+// class.
 //
 //   sfumato::HeadlessRenderer renderer;
 //   renderer.open({{"scan.laz"}});
@@ -22,21 +23,22 @@ using Parameters = std::vector<std::pair<std::string, std::string>>;
 
 /// Files become one scene, as the command makes it: what it is asked for by options stands here.
 struct SceneWishes {
-  std::vector<std::string> files;           ///< names, folders, patterns with * ? [ ]
-  std::vector<std::string> draw = {};       ///< rules, the first that selects a point draws it: "classification 6: surface"
+  std::vector<std::string> files;  ///< names, folders, patterns with * ? [ ]
+  std::vector<std::string> draw =
+      {};  ///< rules, the first that selects a point draws it: "classification 6: surface"
   ColorSettings coloring = {};
-  std::optional<std::uint64_t> max_points = {};   ///< of the whole scene, the same ones every time
-  std::optional<UpAxis> up = {};            ///< nothing: what the files say, else what the shape tells
+  std::optional<std::uint64_t> max_points = {};  ///< of the whole scene, the same ones every time
+  std::optional<UpAxis> up = {};                 ///< nothing: what the files say, else what the shape tells
 };
 
 /// What a preset (or a scene) of the command says of looks.
 struct PresetLook {
-  std::string technique;          ///< empty: it names none
-  Parameters parameters;          ///< those that the technique has
+  std::string technique;  ///< empty: it names none
+  Parameters parameters;  ///< those that the technique has
   std::optional<Camera> camera;
 };
-/// `technique` empty: that of the preset. Throws Error(bad_input) that names file and key, Error(usage) for a technique that
-/// there is not.
+/// `technique` empty: that of the preset. Throws Error(bad_input) that names file and key, Error(usage) for a
+/// technique that there is not.
 PresetLook read_preset(const std::string& file, const std::string& technique = {});
 
 /// What is read back of a picture: the less, the faster.
@@ -46,17 +48,17 @@ struct Outputs {
 
 /// One view, top row first; empty where not asked for.
 struct Pictures {
-  Image<Rgba8> color;   ///< sRGB, straight alpha
-  Image<vec4> linear;   ///< linear, premultiplied; alpha is coverage when transparent, else 1
-  Image<float> depth;   ///< along the view axis, scene units, +inf where nothing
-  Image<vec3> normal;   ///< world, unit, facing the camera, 0 where none
+  Image<Rgba8> color;              ///< sRGB, straight alpha
+  Image<vec4> linear;              ///< linear, premultiplied; alpha is coverage when transparent, else 1
+  Image<float> depth;              ///< along the view axis, scene units, +inf where nothing
+  Image<vec3> normal;              ///< world, unit, facing the camera, 0 where none
   std::string technique, reason;   ///< what drew it; why, where "auto" chose it
   Parameters parameters;           ///< every value in force, what is automatic by what it became
   std::vector<std::string> notes;  ///< lines worth telling: of reading, choosing and drawing
 };
 
-/// Owns an OpenGL context: use each instance on the thread that made it. Several instances, on one thread or on several, do
-/// not know of each other.
+/// Owns an OpenGL context: use each instance on the thread that made it. Several instances, on one thread or
+/// on several, do not know of each other.
 class HeadlessRenderer {
  public:
   /// Throws Error(no_gl) that says what lacks when there is no OpenGL 4.5.
@@ -65,21 +67,21 @@ class HeadlessRenderer {
   HeadlessRenderer(const HeadlessRenderer&) = delete;
   HeadlessRenderer& operator=(const HeadlessRenderer&) = delete;
 
-  /// Reads files and shows them. Throws Error(io) or Error(bad_input) that names the file, Error(usage) for rules and colours
-  /// that the points cannot have.
+  /// Reads files and shows them. Throws Error(io) or Error(bad_input) that names the file, Error(usage) for
+  /// rules and colours that the points cannot have.
   void open(const SceneWishes& wishes, Progress& progress = no_progress());
-  /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without points,
-  /// Error(usage) for a colour source that it does not have.
+  /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without
+  /// points, Error(usage) for a colour source that it does not have.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {}, Progress& progress = no_progress());
-  /// The view of the command: from azimuth -45 and elevation 30 degrees, or what suits the scan, it shows all but stray
-  /// points.
+  /// The view of the command: from azimuth -45 and elevation 30 degrees, or what suits the scan, it shows all
+  /// but stray points.
   Camera first_view(int width, int height) const;
   /// Holds for the pictures to come.
   void set_outputs(const Outputs& outputs);
-  /// `technique`: a name, or "auto" for what suits the points. `background` is sRGB 0..1, or nothing for a transparent
-  /// picture. What the technique needs and the cloud
-  /// lacks is computed on the first call and kept. Throws Error(usage) for an unknown technique or parameter
-  /// and before a cloud was set; Cancelled when `progress` asks for it.
+  /// `technique`: a name, or "auto" for what suits the points. `background` is sRGB 0..1, or nothing for a
+  /// transparent picture. What the technique needs and the cloud lacks is computed on the first call and
+  /// kept. Throws Error(usage) for an unknown technique or parameter and before a cloud was set; Cancelled
+  /// when `progress` asks for it.
   Pictures render(const std::string& technique, const Camera& camera, const Parameters& parameters = {},
                   std::optional<vec3> background = vec3(1), Progress& progress = no_progress());
 

@@ -43,8 +43,8 @@ bool complete_for_all(const std::vector<T>& values) {
                                 std::logical_and<>());
 }
 
-/// The largest radius of a disc that stands for this neighbourhood: half the width of an evenly filled ellipse of its
-/// variances, for a branch is no plank, but at least what joins the points of a line.
+/// The largest radius of a disc that stands for this neighbourhood: half the width of an evenly filled
+/// ellipse of its variances, for a branch is no plank, but at least what joins the points of a line.
 float width_of(const LocalFrame& frame, std::size_t neighbors) {
   return std::max(2 * std::sqrt(frame.variance.y), 2 * std::sqrt(3 * frame.variance.z) / float(neighbors));
 }
@@ -66,16 +66,22 @@ class KeptNeighbors {
 /// One call of `complete`. Works on copies until all is there, so that a cancelled call changes nothing.
 class Completion {
  public:
-  Completion(PreparedCloud& prepared, const PrepareOptions& options, const NeighborTree& tree, Progress& progress)
-      : prepared_(prepared), cloud_(prepared.cloud), progress_(progress), tree_(tree),
-        options_(options), k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
+  Completion(PreparedCloud& prepared, const PrepareOptions& options, const NeighborTree& tree,
+             Progress& progress)
+      : prepared_(prepared),
+        cloud_(prepared.cloud),
+        progress_(progress),
+        tree_(tree),
+        options_(options),
+        k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
 
   void run(bool normals, bool radii, bool uncertainty) {
     std::vector<vec3> new_normals;
     std::vector<float> new_radii;
     if (normals) new_normals = cloud_.normals, new_normals.resize(cloud_.size(), vec3(0));
     if (radii) new_radii = cloud_.radii, new_radii.resize(cloud_.size(), 0.0f);
-    const bool keep = uncertainty && !cloud_.scalar(unevenness_name) && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
+    const bool keep = uncertainty && !cloud_.scalar(unevenness_name) &&
+                      cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
     KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
 
     const Orientation orientation(cloud_);
@@ -95,9 +101,12 @@ class Completion {
       for_each_neighborhood(
           tree_, int(k_),
           [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
-            const bool own_normal = normals && missing(new_normals[i]), own_radius = radii && missing(new_radii[i]);
-            const auto frame = own_normal || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
-            if (own_normal) new_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
+            const bool own_normal = normals && missing(new_normals[i]),
+                       own_radius = radii && missing(new_radii[i]);
+            const auto frame =
+                own_normal || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
+            if (own_normal)
+              new_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
             if (own_radius) {
               new_radii[i] = radius_in(ids, distances2);
               if (shrink && frame) {
@@ -110,7 +119,9 @@ class Completion {
           },
           normals ? "normals" : "radii", progress_);
     const ScalarField* unevenness = uncertainty ? cloud_.scalar(unevenness_name) : nullptr;
-    const std::vector<float>& radii_on_surface = radii ? new_radii : whole_radii.empty() ? cloud_.radii : whole_radii;
+    const std::vector<float>& radii_on_surface = radii                 ? new_radii
+                                                 : whole_radii.empty() ? cloud_.radii
+                                                                       : whole_radii;
     if (unevenness) {
       ScalarField field{"uncertainty", 0, radii_on_surface, StoredType::float32};
       for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] *= float(unevenness->value(i));
@@ -127,10 +138,14 @@ class Completion {
   }
 
  private:
-  void shrink_in_clutter(std::vector<float> flatness, const std::vector<float>& narrow, std::vector<float>& radii) {
+  void shrink_in_clutter(std::vector<float> flatness, const std::vector<float>& narrow,
+                         std::vector<float>& radii) {
     const auto less = [](float f) { return f < 1; };
-    if (std::none_of(flatness.begin(), flatness.end(), less) && std::none_of(narrow.begin(), narrow.end(), less)) return;
-    const std::vector<float> surface = surface_shares(cloud_.positions, std::move(flatness), int(k_), progress_);
+    if (std::none_of(flatness.begin(), flatness.end(), less) &&
+        std::none_of(narrow.begin(), narrow.end(), less))
+      return;
+    const std::vector<float> surface =
+        surface_shares(cloud_.positions, std::move(flatness), int(k_), progress_);
     prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -158,7 +173,8 @@ class Completion {
       });
     else
       for_each_neighborhood(
-          tree_, int(k_), [&](std::uint32_t i, auto ids, auto) { measure(i, ids); }, "uncertainty", progress_);
+          tree_, int(k_), [&](std::uint32_t i, auto ids, auto) { measure(i, ids); }, "uncertainty",
+          progress_);
     return field;
   }
 
@@ -202,8 +218,8 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   complete(prepared, needs, options, nullptr, progress);
 }
 
-void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options, const NeighborTree* tree,
-              Progress& progress) {
+void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options,
+              const NeighborTree* tree, Progress& progress) {
   PointCloud& cloud = prepared.cloud;
   prepared.neighbors = options.neighbors;
   if (cloud.empty()) {

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
 
-/// Sets that grow together from several threads; the lowest index is the root, whatever the order of the calls.
+/// Sets that grow together from several threads; the lowest index is the root, whatever the order of the
+/// calls.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) {
@@ -109,7 +110,8 @@ class RegionGrowing {
       queue.assign(1, seed);
       for (std::size_t at = 0; at < queue.size(); ++at)
         for (std::uint32_t j : graph_.of(queue[at])) {
-          if (segment_[j] != none || color_distance2(cloud_.colors[queue[at]], cloud_.colors[j]) > limit2) continue;
+          if (segment_[j] != none || color_distance2(cloud_.colors[queue[at]], cloud_.colors[j]) > limit2)
+            continue;
           segment_[j] = segment_count_;
           queue.push_back(j);
         }
@@ -139,11 +141,13 @@ class RegionGrowing {
     graph_.for_each(
         [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
           if (given) normals[i] = cloud_.normals[i];
-          if (normals[i] == vec3(0)) normals[i] = thinnest_direction(cloud_.positions, i, ids).value_or(vec3(0, 0, 1));
+          if (normals[i] == vec3(0))
+            normals[i] = thinnest_direction(cloud_.positions, i, ids).value_or(vec3(0, 0, 1));
         },
         "normals");
     std::vector<std::uint8_t> bent(cloud_.size());
-    const float flat = std::cos(glm::radians(options_.bend_deg)), alike = std::cos(glm::radians(options_.angle_deg));
+    const float flat = std::cos(glm::radians(options_.bend_deg)),
+                alike = std::cos(glm::radians(options_.angle_deg));
     graph_.for_each(
         [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
           float sum = 0;
@@ -170,12 +174,15 @@ class RegionGrowing {
           for (std::uint32_t j : ids) {
             if (segment_[j] == segment_[i]) continue;
             const vec3 d = cloud_.positions[j] - cloud_.positions[i];
-            const Border border{std::min(segment_[i], segment_[j]), std::max(segment_[i], segment_[j]), glm::dot(d, d)};
-            const auto same = std::find_if(mine.begin() + std::ptrdiff_t(before), mine.end(), [&](const Border& b) {
-              return b.a == border.a && b.b == border.b;
-            });
-            if (same == mine.end()) mine.push_back(border);
-            else same->distance2 = std::min(same->distance2, border.distance2);
+            const Border border{std::min(segment_[i], segment_[j]), std::max(segment_[i], segment_[j]),
+                                glm::dot(d, d)};
+            const auto same =
+                std::find_if(mine.begin() + std::ptrdiff_t(before), mine.end(),
+                             [&](const Border& b) { return b.a == border.a && b.b == border.b; });
+            if (same == mine.end())
+              mine.push_back(border);
+            else
+              same->distance2 = std::min(same->distance2, border.distance2);
           }
         },
         "borders of clusters");
@@ -284,15 +291,17 @@ class RegionGrowing {
   Progress& progress_;
   std::vector<std::uint32_t> segment_, region_;  // of points; of segments
   std::uint32_t segment_count_ = 0, region_count_ = 0;
-  std::vector<std::uint64_t> size_;              // of segments, points
-  std::vector<std::vector<Beyond>> beyond_;      // of segments, nearest first
+  std::vector<std::uint64_t> size_;          // of segments, points
+  std::vector<std::vector<Beyond>> beyond_;  // of segments, nearest first
 };
 
 }  // namespace
 
 NeighborGraph::NeighborGraph(std::span<const vec3> positions, int k, Progress& progress)
-    : tree_(positions), k_(positions.empty() ? 0 : std::min(std::size_t(std::max(k, 1)), positions.size() - 1)),
-      keeps_(positions.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes), progress_(progress) {
+    : tree_(positions),
+      k_(positions.empty() ? 0 : std::min(std::size_t(std::max(k, 1)), positions.size() - 1)),
+      keeps_(positions.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes),
+      progress_(progress) {
   if (!keeps_ || k_ == 0) return;
   kept_.resize(positions.size() * k_);
   for_each_neighborhood(
@@ -305,13 +314,15 @@ NeighborGraph::NeighborGraph(std::span<const vec3> positions, int k, Progress& p
 
 void NeighborGraph::for_each(const Visit& visit, std::string_view text) const {
   if (!keeps_) {
-    for_each_neighborhood(tree_, int(k_), [&](std::uint32_t i, auto ids, auto) { visit(i, ids); }, text, progress_);
+    for_each_neighborhood(
+        tree_, int(k_), [&](std::uint32_t i, auto ids, auto) { visit(i, ids); }, text, progress_);
     return;
   }
   progress_.update(0, text);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions().size(), 16'384), [&](const auto& range) {
     progress_.check();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) visit(std::uint32_t(i), {kept_.data() + i * k_, k_});
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      visit(std::uint32_t(i), {kept_.data() + i * k_, k_});
   });
 }
 

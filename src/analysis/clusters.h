@@ -1,10 +1,10 @@
 // Clusters of points that belong together, by colour or, where there is none, by the bend of the surface.
 //
-// Q. Zhan, Y. Liang, Y. Xiao, "Color-based segmentation of point clouds", ISPRS Laser Scanning 2009, in the form of
-// PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. Seeds come in the order of the
-// points, which is that of the curve (morton.h) for a prepared cloud: the result depends on neither threads nor the order of
-// the file. A graph that does not fit into memory, and growth by normals, go by union-find over undirected edges, in
-// parallel; on symmetric graphs both ways agree.
+// Q. Zhan, Y. Liang, Y. Xiao, "Color-based segmentation of point clouds", ISPRS Laser Scanning 2009, in the
+// form of PCL's RegionGrowingRGB: grow, merge regions of like colour, merge what is too small. Seeds come in
+// the order of the points, which is that of the curve (morton.h) for a prepared cloud: the result depends on
+// neither threads nor the order of the file. A graph that does not fit into memory, and growth by normals, go
+// by union-find over undirected edges, in parallel; on symmetric graphs both ways agree.
 #pragma once
 
 #include <functional>
@@ -20,13 +20,13 @@
 namespace sfumato::analysis {
 
 struct ClusterOptions {
-  int neighbors = 30;               ///< K of the graph (PCL's default)
-  float point_threshold = 6;        ///< RGB distance, 0..255 each: neighbours this alike grow together
-  float region_threshold = 5;       ///< RGB distance of means: segments this alike are merged
-  std::optional<float> gap;         ///< scene units: only segments this near are merged; auto: 5 median spacings
-  int min_size = 100;               ///< points: smaller clusters join the nearest one
-  float angle_deg = 8;              ///< without colours: neighbours whose normals differ less grow together,
-  float bend_deg = 12;              ///<   where the normals around a point differ less than this on average
+  int neighbors = 30;          ///< K of the graph (PCL's default)
+  float point_threshold = 6;   ///< RGB distance, 0..255 each: neighbours this alike grow together
+  float region_threshold = 5;  ///< RGB distance of means: segments this alike are merged
+  std::optional<float> gap;    ///< scene units: only segments this near are merged; auto: 5 median spacings
+  int min_size = 100;          ///< points: smaller clusters join the nearest one
+  float angle_deg = 8;         ///< without colours: neighbours whose normals differ less grow together,
+  float bend_deg = 12;         ///<   where the normals around a point differ less than this on average
 };
 
 /// The K nearest neighbours of every point, kept where memory allows and found again where it does not.

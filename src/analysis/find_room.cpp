@@ -9,23 +9,26 @@ namespace {
 
 constexpr std::size_t sample_size = 200'000;
 constexpr int most_cells = 48, layers = 40;
-/// The share of all columns with points that have a floor and a ceiling with open space between, and of those pairs of
-/// them a twelfth of the room apart that agree on the heights of both.
+/// The share of all columns with points that have a floor and a ceiling with open space between, and of those
+/// pairs of them a twelfth of the room apart that agree on the heights of both.
 constexpr double roofed_least = 0.3, level_least = 0.6;
-/// The share of ceilings that are at most three layers thick, with three empty ones below: crowns of a planted forest are
-/// level too, but thick.
+/// The share of ceilings that are at most three layers thick, with three empty ones below: crowns of a
+/// planted forest are level too, but thick.
 constexpr double thin_least = 0.5;
-/// Columns away from walls in which something stands, as a share of all that are roofed, and of those away from walls:
-/// nothing is furniture that stands everywhere, as the middle one of three sheets or a storey between two others.
+/// Columns away from walls in which something stands, as a share of all that are roofed, and of those away
+/// from walls: nothing is furniture that stands everywhere, as the middle one of three sheets or a storey
+/// between two others.
 constexpr double furnished_least = 0.02, furnished_most = 0.9;
 /// Walls are sought among what is neither furniture nor lintel.
 constexpr double wall_low = 0.35, wall_high = 0.75;
 constexpr int wall_bins = 100;
-/// An outer wall holds this share of the wall points at least, within this share of the room's width from its end.
+/// An outer wall holds this share of the wall points at least, within this share of the room's width from its
+/// end.
 constexpr double wall_share = 0.03, wall_reach = 0.3;
 
 struct Column {
-  int low = layers, high = -1, between = 0;  ///< layers of lowest and highest points; occupied ones between them
+  int low = layers, high = -1,
+      between = 0;  ///< layers of lowest and highest points; occupied ones between them
   bool is_roofed = false, is_thin = false;
 };
 
@@ -37,7 +40,8 @@ class Plan {
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + sample_size - 1) / sample_size);
     // Enough points in each column to see floor, ceiling and what is between.
     cells_ = std::clamp(int(std::sqrt(double(std::min(cloud.size(), sample_size))) / 8), 12, most_cells);
-    const double wide = std::max({box_.size()[u_], box_.size()[v_], 1e-300}), high = std::max(box_.size()[up_], 1e-300);
+    const double wide = std::max({box_.size()[u_], box_.size()[v_], 1e-300}),
+                 high = std::max(box_.size()[up_], 1e-300);
     std::vector<std::array<unsigned char, layers>> counts(std::size_t(cells_ * cells_));
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
       const dvec3 p = cloud.world(i);
@@ -46,7 +50,8 @@ class Plan {
       const double z = (down ? box_.max[up_] - p[up_] : p[up_] - box_.min[up_]) / high;
       heights_.push_back(z);
       if (!(x >= 0 && y >= 0 && x < cells_ && y < cells_)) continue;
-      unsigned char& count = counts[std::size_t(int(x) * cells_ + int(y))][std::size_t(std::clamp(int(z * layers), 0, layers - 1))];
+      unsigned char& count = counts[std::size_t(int(x) * cells_ + int(y))]
+                                   [std::size_t(std::clamp(int(z * layers), 0, layers - 1))];
       count = static_cast<unsigned char>(std::min(255, count + 1));
     }
     columns_.resize(counts.size());
@@ -59,7 +64,8 @@ class Plan {
       const int open = column.high - column.low - 3;
       column.is_roofed = open > 0.25 * layers && column.between < 0.5 * open;
       column.is_thin = column.is_roofed && counts[c][std::size_t(column.high - 3)] <= 1 &&
-                       counts[c][std::size_t(column.high - 4)] <= 1 && counts[c][std::size_t(column.high - 5)] <= 1;
+                       counts[c][std::size_t(column.high - 4)] <= 1 &&
+                       counts[c][std::size_t(column.high - 5)] <= 1;
     }
   }
 
@@ -94,7 +100,8 @@ class Plan {
     const double ceiling = (double(*low) - 0.5) / layers;
     Room room;
     const bool down = glm::dot(up, dvec3(1)) < 0;
-    const double height = down ? -(box_.max[up_] - ceiling * box_.size()[up_]) : box_.min[up_] + ceiling * box_.size()[up_];
+    const double height =
+        down ? -(box_.max[up_] - ceiling * box_.size()[up_]) : box_.min[up_] + ceiling * box_.size()[up_];
     room.outside.push_back({up, -height});
     add_walls(room, ceiling);
     return room;
@@ -107,7 +114,8 @@ class Plan {
   bool is_amid(int x, int y) const {
     const int away = std::max(1, cells_ / 16);
     if (x < away || y < away || x >= cells_ - away || y >= cells_ - away) return false;
-    return at(x - away, y).is_roofed && at(x + away, y).is_roofed && at(x, y - away).is_roofed && at(x, y + away).is_roofed;
+    return at(x - away, y).is_roofed && at(x + away, y).is_roofed && at(x, y - away).is_roofed &&
+           at(x, y + away).is_roofed;
   }
 
   dvec3 direction(double angle) const {
@@ -116,7 +124,8 @@ class Plan {
     return d;
   }
 
-  static std::vector<double> histogram(const std::vector<dvec3>& points, const dvec3& way, double low, double high, int bins) {
+  static std::vector<double> histogram(const std::vector<dvec3>& points, const dvec3& way, double low,
+                                       double high, int bins) {
     std::vector<double> counts(std::size_t(bins), 0.0);
     for (const dvec3& p : points) {
       const int bin = int((glm::dot(p, way) - low) / (high - low) * bins);
@@ -137,7 +146,8 @@ class Plan {
       const double angle = glm::radians(2.0 * step);
       double peaks = 0;
       for (const dvec3& way : {direction(angle), direction(angle + glm::half_pi<double>())})
-        for (double count : histogram(walls, way, glm::dot(middle, way) - reach, glm::dot(middle, way) + reach, 256))
+        for (double count :
+             histogram(walls, way, glm::dot(middle, way) - reach, glm::dot(middle, way) + reach, 256))
           peaks += count * count;
       if (peaks > most) most = peaks, best = angle;
     }
@@ -155,7 +165,9 @@ class Plan {
       const std::vector<double> counts = histogram(walls, out, low, high, wall_bins);
       for (int k = wall_bins - 1; k >= int((1 - wall_reach) * wall_bins); --k) {
         // A wall may lie across the border of two bins.
-        const auto here = [&](int place) { return counts[std::size_t(place)] + counts[std::size_t(place - 1)]; };
+        const auto here = [&](int place) {
+          return counts[std::size_t(place)] + counts[std::size_t(place - 1)];
+        };
         if (here(k) < wall_share * double(walls.size())) continue;
         // Through all of the wall, which noise makes thick.
         int peak = k;

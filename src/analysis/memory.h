@@ -10,8 +10,8 @@
 
 namespace sfumato::analysis {
 
-/// `count` values that are not set: the memory is first touched where it is first written, by all threads that
-/// write, and in large pages where the system has them. Clearing a vector would touch it on one thread.
+/// `count` values that are not set: the memory is first touched where it is first written, by all threads
+/// that write, and in large pages where the system has them. Clearing a vector would touch it on one thread.
 template <class T>
 std::unique_ptr<T[]> unset_array(std::size_t count) {
   static_assert(std::is_trivially_destructible_v<T>);

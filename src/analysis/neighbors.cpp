@@ -12,7 +12,7 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr std::size_t shortest_leaf = 2, longest_leaf = 20;
-constexpr std::size_t segment = 4'096;        // leaves end at its multiples, so that segments are cut in parallel
+constexpr std::size_t segment = 4'096;  // leaves end at its multiples, so that segments are cut in parallel
 constexpr std::size_t leaves_per_block = 512;  // about 6,000 points between two looks at Progress
 constexpr int most_candidates = 2'048;
 
@@ -66,8 +66,8 @@ class KNearest {
   std::vector<std::uint64_t> heap_;
 };
 
-// The loops over candidates, compiled twice where the processor may have wider registers. Neither version fuses
-// multiplications with additions, so both give the same bits.
+// The loops over candidates, compiled twice where the processor may have wider registers. Neither version
+// fuses multiplications with additions, so both give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define SFUMATO_WIDE __attribute__((target_clones("avx2", "default")))
 #else
@@ -153,8 +153,14 @@ constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 class LeafSearch {
  public:
   LeafSearch(const NeighborTree& tree, std::size_t k, const VisitNeighborhood& visit)
-      : tree_(tree), positions_(tree.positions()), k_(k), visit_(visit), nearest_(k), around_center_(k + 1),
-        ids_(k), distances2_(k) {}
+      : tree_(tree),
+        positions_(tree.positions()),
+        k_(k),
+        visit_(visit),
+        nearest_(k),
+        around_center_(k + 1),
+        ids_(k),
+        distances2_(k) {}
 
   void run(std::size_t leaf) {
     const auto [first, last] = tree_.leaf(leaf);
@@ -173,8 +179,8 @@ class LeafSearch {
       // A ball that holds k + 1 points around another place, grown by the way from there to here, holds as
       // many around here.
       const float here = radius_at_center_ + glm::distance(center_, positions_[i]);
-      const float from_last = i > first ? std::sqrt(distances2_[k_ - 1]) +
-                                              glm::distance(positions_[i - 1], positions_[i]) : here;
+      const float from_last =
+          i > first ? std::sqrt(distances2_[k_ - 1]) + glm::distance(positions_[i - 1], positions_[i]) : here;
       select(i, self_ + int(i - first), rounding * std::min(here, from_last));
       report(i);
     }
@@ -209,7 +215,8 @@ class LeafSearch {
     return true;
   }
 
-  /// A ball around the centre with more than k points, grown by this, has more than k around each place of the box.
+  /// A ball around the centre with more than k points, grown by this, has more than k around each place of
+  /// the box.
   static float reach_of(const Box& box, float limit) {
     return rounding * (std::sqrt(limit) + 0.5f * glm::distance(box.low, box.high));
   }
@@ -218,16 +225,17 @@ class LeafSearch {
   /// distances from it; false where there are too many.
   bool take_leaves(const Box& box, float limit) {
     all_.count = 0;
-    const bool all = tree_.leaves_near(box.low, box.high, reach_of(box, limit), [&](std::uint32_t from, std::uint32_t to) {
-      if (all_.count + int(to - from) > most_candidates) return false;
-      int at = all_.count;
-      for (std::uint32_t j = from; j < to; ++j, ++at) {
-        const vec3& p = positions_[j];
-        all_.x[at] = p.x, all_.y[at] = p.y, all_.z[at] = p.z, all_.ids[at] = j;
-      }
-      all_.count = at;
-      return true;
-    });
+    const bool all =
+        tree_.leaves_near(box.low, box.high, reach_of(box, limit), [&](std::uint32_t from, std::uint32_t to) {
+          if (all_.count + int(to - from) > most_candidates) return false;
+          int at = all_.count;
+          for (std::uint32_t j = from; j < to; ++j, ++at) {
+            const vec3& p = positions_[j];
+            all_.x[at] = p.x, all_.y[at] = p.y, all_.z[at] = p.z, all_.ids[at] = j;
+          }
+          all_.count = at;
+          return true;
+        });
     distances2_to(all_, center_, all_distances2_);
     return all;
   }
@@ -238,7 +246,8 @@ class LeafSearch {
     int kept = 0;
     for_each_marked(marks_, all_.count, [&](int j) {
       if (all_.ids[j] == first) self_ = kept;  // the leaf's own points are kept, one after the other
-      all_.x[kept] = all_.x[j], all_.y[kept] = all_.y[j], all_.z[kept] = all_.z[j], all_.ids[kept] = all_.ids[j];
+      all_.x[kept] = all_.x[j], all_.y[kept] = all_.y[j], all_.z[kept] = all_.z[j],
+      all_.ids[kept] = all_.ids[j];
       ++kept;
     });
     all_.count = kept;
@@ -248,7 +257,8 @@ class LeafSearch {
   /// leaf on the curve are mostly near. Infinite where they are too few.
   float limit_from_the_curve(std::uint32_t first, std::uint32_t last) {
     const std::size_t margin = k_;
-    const std::size_t from = first > margin ? first - margin : 0, to = std::min(positions_.size(), last + margin);
+    const std::size_t from = first > margin ? first - margin : 0,
+                      to = std::min(positions_.size(), last + margin);
     if (to - from <= k_) return std::numeric_limits<float>::infinity();
     nearby_.resize(to - from);
     for (std::size_t i = from; i < to; ++i) {
@@ -273,7 +283,8 @@ class LeafSearch {
     mark_up_to(all_distances2_, all_.count, limit.value, marks_);
     for_each_marked(marks_, all_.count,
                     [&](int j) { keys_[inside++] = sort_key(all_distances2_[j], std::uint32_t(j)); });
-    const auto end = keys_.begin() + std::ptrdiff_t(inside), farthest = keys_.begin() + std::ptrdiff_t(k_ - 1);
+    const auto end = keys_.begin() + std::ptrdiff_t(inside),
+               farthest = keys_.begin() + std::ptrdiff_t(k_ - 1);
     if (inside == k_)
       std::iter_swap(farthest, std::max_element(keys_.begin(), end));
     else  // several equally far
@@ -318,7 +329,8 @@ NeighborTree::NeighborTree(std::span<const vec3> positions) : positions_(positio
           if (child < children && below)
             for (int grandchild = 0; grandchild < 8; ++grandchild) box.add((*below)[child], grandchild);
           else if (child < children)
-            for (std::uint32_t j = leaf_first_[child]; j < leaf_first_[child + 1]; ++j) box.add(positions_[j]);
+            for (std::uint32_t j = leaf_first_[child]; j < leaf_first_[child + 1]; ++j)
+              box.add(positions_[j]);
           for (int k = 0; k < 3; ++k) level[i].low[k][c] = box.low[k], level[i].high[k][c] = box.high[k];
         }
     });
@@ -350,8 +362,8 @@ void NeighborTree::cut_leaves() {
   leaf_first_.push_back(std::uint32_t(n));
 }
 
-void for_each_neighborhood(const NeighborTree& tree, int k, const VisitNeighborhood& visit, std::string_view text,
-                           Progress& progress) {
+void for_each_neighborhood(const NeighborTree& tree, int k, const VisitNeighborhood& visit,
+                           std::string_view text, Progress& progress) {
   const std::size_t n = tree.positions().size();
   const std::size_t found = n == 0 ? 0 : std::min(std::size_t(std::max(k, 0)), n - 1);
   if (found == 0) {
@@ -361,14 +373,16 @@ void for_each_neighborhood(const NeighborTree& tree, int k, const VisitNeighborh
   progress.update(0, text);
   std::atomic<std::size_t> done = 0;
   const std::size_t leaves = tree.leaf_count();
-  tbb::parallel_for(std::size_t(0), (leaves + leaves_per_block - 1) / leaves_per_block, [&](std::size_t block) {
-    progress.check();
-    const auto search = std::make_unique<LeafSearch>(tree, found, visit);
-    const std::size_t last = std::min(leaves, (block + 1) * leaves_per_block);
-    for (std::size_t leaf = block * leaves_per_block; leaf < last; ++leaf) search->run(leaf);
-    done += last - block * leaves_per_block;
-    progress.update(double(done) / double(leaves), text);
-  });
+  tbb::parallel_for(std::size_t(0), (leaves + leaves_per_block - 1) / leaves_per_block,
+                    [&](std::size_t block) {
+                      progress.check();
+                      const auto search = std::make_unique<LeafSearch>(tree, found, visit);
+                      const std::size_t last = std::min(leaves, (block + 1) * leaves_per_block);
+                      for (std::size_t leaf = block * leaves_per_block; leaf < last; ++leaf)
+                        search->run(leaf);
+                      done += last - block * leaves_per_block;
+                      progress.update(double(done) / double(leaves), text);
+                    });
 }
 
 }  // namespace sfumato::analysis

@@ -15,9 +15,9 @@
 
 namespace sfumato::analysis {
 
-/// A tree of boxes over an array of points, eight children a node. A leaf is a run of 2 to 20 consecutive points
-/// that ends where the curve makes its longest jump; a node covers eight consecutive nodes of the level below.
-/// Correct for any order of the points, fast for Morton order. Keeps a view of the positions.
+/// A tree of boxes over an array of points, eight children a node. A leaf is a run of 2 to 20 consecutive
+/// points that ends where the curve makes its longest jump; a node covers eight consecutive nodes of the
+/// level below. Correct for any order of the points, fast for Morton order. Keeps a view of the positions.
 class NeighborTree {
  public:
   explicit NeighborTree(std::span<const vec3> positions);
@@ -25,16 +25,18 @@ class NeighborTree {
   std::span<const vec3> positions() const { return positions_; }
   std::size_t leaf_count() const { return leaf_first_.size() - 1; }
   /// Points [first, second) of a leaf.
-  std::pair<std::uint32_t, std::uint32_t> leaf(std::size_t i) const { return {leaf_first_[i], leaf_first_[i + 1]}; }
+  std::pair<std::uint32_t, std::uint32_t> leaf(std::size_t i) const {
+    return {leaf_first_[i], leaf_first_[i + 1]};
+  }
 
-  /// Offers points to `nearest` from near to far, skipping everything at or beyond `nearest.limit()` (a squared
-  /// distance): `nearest.add(index, squared_distance)`. Where `Nearest::merges_coincident`, a box of coincident
-  /// points offers only one of them.
+  /// Offers points to `nearest` from near to far, skipping everything at or beyond `nearest.limit()` (a
+  /// squared distance): `nearest.add(index, squared_distance)`. Where `Nearest::merges_coincident`, a box of
+  /// coincident points offers only one of them.
   template <class Nearest>
   void search(const vec3& p, Nearest& nearest) const;
 
-  /// Calls `take(first, last)` for every leaf whose box is at most `radius` from the box [low, high], until it
-  /// returns false. Returns whether it saw them all.
+  /// Calls `take(first, last)` for every leaf whose box is at most `radius` from the box [low, high], until
+  /// it returns false. Returns whether it saw them all.
   template <class Take>
   bool leaves_near(const vec3& low, const vec3& high, float radius, const Take& take) const;
 
@@ -42,11 +44,12 @@ class NeighborTree {
   struct Octet {  // boxes of eight children; a missing child is inside out and infinitely far
     float low[3][8], high[3][8];
   };
-  /// Squared distances from the box [low, high] to the eight children. By value and child by child: so written it
-  /// becomes vector instructions.
+  /// Squared distances from the box [low, high] to the eight children. By value and child by child: so
+  /// written it becomes vector instructions.
   static std::array<float, 8> distances2(const Octet& octet, const vec3& low, const vec3& high) {
     std::array<float, 8> out;
-    const float low_x = low.x, low_y = low.y, low_z = low.z, high_x = high.x, high_y = high.y, high_z = high.z;
+    const float low_x = low.x, low_y = low.y, low_z = low.z, high_x = high.x, high_y = high.y,
+                high_z = high.z;
     for (std::size_t c = 0; c < 8; ++c) {
       const float dx = std::max(std::max(octet.low[0][c] - high_x, low_x - octet.high[0][c]), 0.0f);
       const float dy = std::max(std::max(octet.low[1][c] - high_y, low_y - octet.high[1][c]), 0.0f);
@@ -63,18 +66,19 @@ class NeighborTree {
 
   void cut_leaves();
   std::span<const vec3> positions_;
-  std::vector<std::uint32_t> leaf_first_;     // and the number of points at the end
-  std::vector<std::vector<Octet>> levels_;    // levels_[0] holds the boxes of leaves; the last has one octet
+  std::vector<std::uint32_t> leaf_first_;   // and the number of points at the end
+  std::vector<std::vector<Octet>> levels_;  // levels_[0] holds the boxes of leaves; the last has one octet
 };
 
-/// Called for every point: its index, the indices of its neighbours and their squared distances. The neighbours
-/// come in no order, but the last is the farthest. Called from several threads, for different points.
-using VisitNeighborhood =
-    std::function<void(std::uint32_t point, std::span<const std::uint32_t> ids, std::span<const float> distances2)>;
+/// Called for every point: its index, the indices of its neighbours and their squared distances. The
+/// neighbours come in no order, but the last is the farthest. Called from several threads, for different
+/// points.
+using VisitNeighborhood = std::function<void(std::uint32_t point, std::span<const std::uint32_t> ids,
+                                             std::span<const float> distances2)>;
 
-/// Visits the min(k, n - 1) nearest neighbours of every point, itself excluded; coincident points count. Which
-/// of several equally far points is taken is not specified, but always the same for any number of threads.
-/// Nothing is stored: what is needed longer the visitor keeps. `text` names the step to `progress`.
+/// Visits the min(k, n - 1) nearest neighbours of every point, itself excluded; coincident points count.
+/// Which of several equally far points is taken is not specified, but always the same for any number of
+/// threads. Nothing is stored: what is needed longer the visitor keeps. `text` names the step to `progress`.
 void for_each_neighborhood(const NeighborTree& tree, int k, const VisitNeighborhood& visit,
                            std::string_view text = "neighbors", Progress& progress = no_progress());
 

@@ -1,4 +1,5 @@
-// Normals of the points: the direction in which a neighbourhood is thinnest, turned to where it was seen from.
+// Normals of the points: the direction in which a neighbourhood is thinnest, turned to where it was seen
+// from.
 #pragma once
 
 #include <optional>
@@ -9,8 +10,8 @@
 
 namespace sfumato::analysis {
 
-/// Unit direction of least variance of `center` and its neighbours; nothing when they all coincide. Its sign is
-/// arbitrary. On a line, one of the directions across it.
+/// Unit direction of least variance of `center` and its neighbours; nothing when they all coincide. Its sign
+/// is arbitrary. On a line, one of the directions across it.
 std::optional<vec3> thinnest_direction(const std::vector<vec3>& positions, std::uint32_t center,
                                        std::span<const std::uint32_t> neighbors);
 
@@ -27,8 +28,9 @@ struct LocalFrame {
 std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors);
 
-/// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`, with
-/// the scalar `scanner` where there are several), else by a fixed rule that looks at the normal alone: upwards.
+/// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`,
+/// with the scalar `scanner` where there are several), else by a fixed rule that looks at the normal alone:
+/// upwards.
 class Orientation {
  public:
   explicit Orientation(const PointCloud& cloud);

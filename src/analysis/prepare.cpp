@@ -20,7 +20,8 @@ constexpr std::size_t largest_batch = 10'240, smallest_batch = 512, wanted_batch
 /// Grids are lost by sorting, their viewpoints must not be: normals point towards them.
 void keep_viewpoints(PointCloud& cloud) {
   if (!cloud.scanners.empty() || cloud.scalar("scanner")) return;
-  ScalarField scanner{"scanner", 0, std::vector<float>(cloud.size(), std::numeric_limits<float>::quiet_NaN())};
+  ScalarField scanner{"scanner", 0,
+                      std::vector<float>(cloud.size(), std::numeric_limits<float>::quiet_NaN())};
   for (const Grid& grid : cloud.grids) {
     if (!grid.viewpoint) continue;
     const std::size_t last = std::min(cloud.size(), grid.first + grid.count);
@@ -34,7 +35,8 @@ void keep_viewpoints(PointCloud& cloud) {
 
 std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
   // A small scan gets smaller batches: its density varies as much as that of a large one, and a batch has one
-  // spacing. 69,000 points of a street sweep in batches of 10,240 gave discs of 60 px among points 2 px apart.
+  // spacing. 69,000 points of a street sweep in batches of 10,240 gave discs of 60 px among points 2 px
+  // apart.
   const std::size_t n = positions.size();
   const std::size_t points = std::clamp(n / wanted_batches, smallest_batch, largest_batch);
   const std::size_t count = (n + points - 1) / points;
@@ -58,9 +60,10 @@ void PrepareOptions::describe(ParamList& p) {
       .range(3, 256)
       .help("points that a normal, a radius or an uncertainty is computed from")
       .paper("Seemann 2018, K");
-  // K discs that point anywhere hide 1 - exp(-K r^2 / 2 R^2) of what lies behind their ball of radius R, which is three
-  // quarters and more for discs of Eq. 20: a twig of few leaves becomes a boulder. A sixth is what twigs hide, which is
-  // r = sqrt(2 ln 1.2) / 2 of Eq. 20, or 0.2 when discs are then drawn 1.5 times as large.
+  // K discs that point anywhere hide 1 - exp(-K r^2 / 2 R^2) of what lies behind their ball of radius R,
+  // which is three quarters and more for discs of Eq. 20: a twig of few leaves becomes a boulder. A sixth is
+  // what twigs hide, which is r = sqrt(2 ln 1.2) / 2 of Eq. 20, or 0.2 when discs are then drawn 1.5 times as
+  // large.
   p.add("clutter_radius", clutter_radius)
       .range(0.05, 1)
       .unit("factor")
@@ -69,8 +72,8 @@ void PrepareOptions::describe(ParamList& p) {
 }
 
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options, Progress& progress) {
-  return prepare_by_shape(std::move(cloud), [&](const PreparedCloud&, const NeighborTree&) { return needs; }, options,
-                          progress);
+  return prepare_by_shape(
+      std::move(cloud), [&](const PreparedCloud&, const NeighborTree&) { return needs; }, options, progress);
 }
 
 PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,

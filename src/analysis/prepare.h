@@ -21,14 +21,14 @@ struct PrepareOptions {
 std::vector<Batch> cut_batches(const std::vector<vec3>& positions);
 
 /// Sorts the cloud along a Morton curve, does `cut_batches`, measures their spacing and then does `complete`.
-/// Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar `scanner`. The result
-/// is the same for any number of threads. Throws Cancelled when the user stops it.
+/// Viewpoints of grids, which do not survive sorting, are kept as `scanners` and the scalar `scanner`. The
+/// result is the same for any number of threads. Throws Cancelled when the user stops it.
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
                       Progress& progress = no_progress());
 
-/// Computes those attributes of `needs` that the cloud lacks, from its RGB-D views or else from neighbours, which are
-/// found once. What the file brought
-/// wins: only normals that are zero and radii that are not positive are computed.
+/// Computes those attributes of `needs` that the cloud lacks, from its RGB-D views or else from neighbours,
+/// which are found once. What the file brought wins: only normals that are zero and radii that are not
+/// positive are computed.
 void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& options,
               Progress& progress = no_progress());
 

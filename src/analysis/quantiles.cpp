@@ -42,7 +42,8 @@ Quantiles quantiles(std::span<const float> values) {
 }
 
 float normalized(float value, const Quantiles& range) {
-  const float width = range.q98 - range.q02, rounding = 1e-5f * std::max(std::abs(range.q02), std::abs(range.q98));
+  const float width = range.q98 - range.q02,
+              rounding = 1e-5f * std::max(std::abs(range.q02), std::abs(range.q98));
   if (!(width > rounding) || std::isnan(value)) return 0;
   return std::clamp((value - range.q02) / width, 0.0f, 1.0f);
 }

@@ -46,10 +46,10 @@ class RangeImage {
 
   float range(std::size_t cell) const { return range_[cell]; }
   float pitch(float range) const { return pixel_angle_ * range; }
-  /// Side of the square that a point stands for on a surface of this normal (0: facing the camera), which a slant makes
-  /// larger by the root of the cosine; not at an edge, whose normals are anybody's guess and where a large disc sticks
-  /// out. Where the next terrace of depths is farther, half as much again, which closes most gaps between terraces and
-  /// blurs little.
+  /// Side of the square that a point stands for on a surface of this normal (0: facing the camera), which a
+  /// slant makes larger by the root of the cosine; not at an edge, whose normals are anybody's guess and
+  /// where a large disc sticks out. Where the next terrace of depths is farther, half as much again, which
+  /// closes most gaps between terraces and blurs little.
   float spacing(std::size_t cell, const vec3& normal) const {
     const float range = range_[cell];
     const bool known = normal != vec3(0) && is_whole(cell);
@@ -58,9 +58,9 @@ class RangeImage {
     return pitch(range) * std::max(1 / std::sqrt(facing), terrace);
   }
 
-  /// Gaussian in the picture, Gaussian in the ranges: noise averages out, edges stay (Tomasi, Manduchi 1998). In passes of
-  /// 5 x 5 pixels that are 1 and 2 apart (a trous), and 4 and 8 where depths are counted: together they reach 30 pixels,
-  /// across terraces.
+  /// Gaussian in the picture, Gaussian in the ranges: noise averages out, edges stay (Tomasi, Manduchi 1998).
+  /// In passes of 5 x 5 pixels that are 1 and 2 apart (a trous), and 4 and 8 where depths are counted:
+  /// together they reach 30 pixels, across terraces.
   void smooth() {
     std::vector<float> smoothed(range_.size(), none);
     for (int step = 1; step <= (step_ > 0 ? 8 : 2); step *= 2) {
@@ -77,7 +77,8 @@ class RangeImage {
               if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
               const float range = range_[at(u, v)];
               if (range == none) continue;
-              const float d = (range - center) / sigma, s2 = float((u - x) * (u - x) + (v - y) * (v - y)) / float(step * step);
+              const float d = (range - center) / sigma,
+                          s2 = float((u - x) * (u - x) + (v - y) * (v - y)) / float(step * step);
               const float w = std::exp(-0.5f * (d * d + s2 / (1.2f * 1.2f)));
               sum += w * range, weights += w;
             }
@@ -145,13 +146,15 @@ class RangeImage {
     if (angles.size() < 16) return false;
     pixel_angle_ = quantile(angles, 0.5);
     step_ = depth_step();
-    // Second differences of white noise have sqrt(6) times its deviation, which is the 68 % quantile of its size.
+    // Second differences of white noise have sqrt(6) times its deviation, which is the 68 % quantile of its
+    // size.
     noise_ = std::max(quantile(bends, 0.68) / std::sqrt(6.0f), 0.8f * step_);
     return pixel_angle_ > 0;
   }
 
-  /// Of a camera that counts depths (Kinect: disparities), the least difference but 0 between neighbours, over the depth
-  /// squared; 0 of others. Most second differences are 0 there, and say nothing about the terraces that depths stand on.
+  /// Of a camera that counts depths (Kinect: disparities), the least difference but 0 between neighbours,
+  /// over the depth squared; 0 of others. Most second differences are 0 there, and say nothing about the
+  /// terraces that depths stand on.
   float depth_step() const {
     vec3 axis(0);
     for (const vec3& ray : ray_) axis += ray;
@@ -175,7 +178,7 @@ class RangeImage {
   std::vector<float> range_;  // scene units, `none` where the view is empty
   std::vector<vec3> ray_;     // unit
   float pixel_angle_ = 0;     // radians: 1 / focal length in pixels
-  float step_ = 0;             // of depths that are counted, over the depth squared; else 0
+  float step_ = 0;            // of depths that are counted, over the depth squared; else 0
   float noise_ = 0;           // deviation of a range over the range squared, as stereo has it
 };
 
@@ -217,7 +220,8 @@ std::optional<Lines> find_lines(std::vector<double> values) {
   std::vector<double> sorted = steps;
   std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
   const double pitch = sorted[sorted.size() / 2];
-  // A line through the places of lines, by least squares: the pitch to a thousandth is not enough for 640 of them.
+  // A line through the places of lines, by least squares: the pitch to a thousandth is not enough for 640 of
+  // them.
   double number = 0, count = 0, sum_k = 0, sum_kk = 0, sum_v = 0, sum_kv = 0;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (k > 0) number += std::round(steps[k - 1] / pitch);
@@ -243,7 +247,8 @@ std::optional<Lines> find_lines(std::vector<double> values) {
 bool recover_grid(PointCloud& cloud) {
   constexpr double filled = 0.25, twice = 0.02, strays = 0.005, side_by_side = 0.8;
   const std::size_t n = cloud.size();
-  if (!cloud.grids.empty() || !cloud.scanners.empty() || n < std::size_t(least_lines) * least_lines) return false;
+  if (!cloud.grids.empty() || !cloud.scanners.empty() || n < std::size_t(least_lines) * least_lines)
+    return false;
   const double side = cloud.world(n / 2).z > 0 ? 1 : -1;
   const auto slopes = [&](std::size_t i) -> std::optional<glm::dvec2> {
     const dvec3 p = cloud.world(i);
@@ -312,7 +317,8 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
 
 ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
   ViewPlaces places;
-  const bool views = std::any_of(cloud.grids.begin(), cloud.grids.end(), [](const Grid& g) { return bool(g.viewpoint); });
+  const bool views =
+      std::any_of(cloud.grids.begin(), cloud.grids.end(), [](const Grid& g) { return bool(g.viewpoint); });
   if (!views || cloud.grid_index.size() != cloud.size() || (!cloud.normals.empty() && !cloud.radii.empty()))
     return places;
   places.grids = cloud.grids;
@@ -329,11 +335,14 @@ ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>
 }
 
 void complete_from_views(PointCloud& cloud, const ViewPlaces& views, Attributes needs, Progress& progress) {
-  if (views.grids.empty() || views.grid.size() != cloud.size() || cloud.source_index.size() != cloud.size()) return;
-  // The views side by side again, each in the order of the file, where a later point of a pixel replaces an earlier one.
+  if (views.grids.empty() || views.grid.size() != cloud.size() || cloud.source_index.size() != cloud.size())
+    return;
+  // The views side by side again, each in the order of the file, where a later point of a pixel replaces an
+  // earlier one.
   const std::vector<std::uint32_t>& source = cloud.source_index;
   constexpr std::uint32_t nobody = ~0u;
-  std::vector<std::uint32_t> by_source(std::size_t(*std::max_element(source.begin(), source.end())) + 1, nobody);
+  std::vector<std::uint32_t> by_source(std::size_t(*std::max_element(source.begin(), source.end())) + 1,
+                                       nobody);
   for (std::uint32_t i = 0; i < cloud.size(); ++i)
     if (views.grid[i] < views.grids.size()) by_source[source[i]] = i;
   PointCloud organised;

@@ -71,16 +71,16 @@ float median_of_positive(std::vector<float>& spacings) {
   return *middle;
 }
 
-/// A plane through the logarithms of spacings over the places they were measured at, weighted so that a lone point far
-/// from all others does not tilt it (Huber). Places are scaled by the longest side of the batch's box and slopes are
-/// held back by half a sample, which only matters along sides that are short.
+/// A plane through the logarithms of spacings over the places they were measured at, weighted so that a lone
+/// point far from all others does not tilt it (Huber). Places are scaled by the longest side of the batch's
+/// box and slopes are held back by half a sample, which only matters along sides that are short.
 void fit_spacing(Batch& batch, std::span<const vec3> places, std::span<const float> spacings) {
   const vec3 center = 0.5f * (batch.box_min + batch.box_max), half = 0.5f * (batch.box_max - batch.box_min);
   const float reach = std::max({half.x, half.y, half.z});
   if (!(reach > 0) || !std::isfinite(reach)) return;
 
-  // One standard deviation of log2 R_8 among random points of a plane: pi R_8^2 is gamma distributed with shape 8, so
-  // that of ln R_8^2 is sqrt(psi'(8)) = 0.365.
+  // One standard deviation of log2 R_8 among random points of a plane: pi R_8^2 is gamma distributed with
+  // shape 8, so that of ln R_8^2 is sqrt(psi'(8)) = 0.365.
   constexpr double deviation = 0.365 / 2 / std::numbers::ln2, held_back = 0.5;
   glm::dvec4 plane(0, 0, 0, std::log2(double(batch.spacing)));  // over (place - center) / reach, and 1
   for (int round = 0; round < 4; ++round) {
@@ -117,7 +117,8 @@ void fit_spacing(Batch& batch, std::span<const vec3> places, std::span<const flo
 float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress) {
   const std::size_t points = tree.positions().size();
   const std::size_t wanted = std::min(points, wanted_queries);
-  const std::size_t each = batches.empty() ? 0 : std::max(least_per_batch, (wanted + batches.size() - 1) / batches.size());
+  const std::size_t each =
+      batches.empty() ? 0 : std::max(least_per_batch, (wanted + batches.size() - 1) / batches.size());
   std::vector<std::vector<float>> found(batches.size());
   tbb::parallel_for(std::size_t(0), batches.size(), [&](std::size_t b) {
     progress.check();

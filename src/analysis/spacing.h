@@ -10,11 +10,11 @@ namespace sfumato::analysis {
 /// distance to the 8th nearest place that holds another point (coincident points count once). Where there are
 /// fewer than nine places, the farthest of what there is goes into the same formula.
 ///
-/// Returns the median over a sample of at most 20,000 points: as many from each batch (some 8,192 in all, at least
-/// 16 of a batch), one out of each of as many equal runs at a place hashed from the run's number. `spacing` of
-/// every batch becomes the median of its own part, and `log2_spacing` a plane through its logarithms. A batch that is all in one place of the cloud gets the
-/// cloud's spacing, and a cloud of a single place 1, so that results are always positive and finite. The same
-/// for any number of threads.
+/// Returns the median over a sample of at most 20,000 points: as many from each batch (some 8,192 in all, at
+/// least 16 of a batch), one out of each of as many equal runs at a place hashed from the run's number.
+/// `spacing` of every batch becomes the median of its own part, and `log2_spacing` a plane through its
+/// logarithms. A batch that is all in one place of the cloud gets the cloud's spacing, and a cloud of a
+/// single place 1, so that results are always positive and finite. The same for any number of threads.
 float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

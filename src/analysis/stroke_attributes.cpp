@@ -30,17 +30,20 @@ float median(std::vector<float>& values) {
   return *middle;
 }
 
-/// r and eps_r of every cluster: mean and standard deviation over its points of their mean distances to K neighbours
-/// (dos Anjos 2017, Sec. 3.2.1 and 3.2.2: "the estimated cluster resolution").
+/// r and eps_r of every cluster: mean and standard deviation over its points of their mean distances to K
+/// neighbours (dos Anjos 2017, Sec. 3.2.1 and 3.2.2: "the estimated cluster resolution").
 struct Resolution {
   double count = 0, sum = 0, squares = 0;
   float mean() const { return float(sum / count); }
-  float deviation() const { return float(std::sqrt(std::max(squares / count - sum / count * (sum / count), 0.0))); }
+  float deviation() const {
+    return float(std::sqrt(std::max(squares / count - sum / count * (sum / count), 0.0)));
+  }
 };
 
-/// The direction that the normals around a point leave alone, where they bend by 15 degrees or more about one axis: along
-/// poles, edges, folds of cloth.
-std::optional<vec3> fold_axis(const std::vector<vec3>& normals, std::uint32_t point, std::span<const std::uint32_t> ids) {
+/// The direction that the normals around a point leave alone, where they bend by 15 degrees or more about one
+/// axis: along poles, edges, folds of cloth.
+std::optional<vec3> fold_axis(const std::vector<vec3>& normals, std::uint32_t point,
+                              std::span<const std::uint32_t> ids) {
   Eigen::Matrix3f sum = Eigen::Matrix3f::Zero();
   auto add = [&](std::uint32_t j) {
     const Eigen::Vector3f n(normals[j].x, normals[j].y, normals[j].z);
@@ -79,17 +82,37 @@ std::optional<vec3> unpack_axis(float code) {
 }
 
 void StrokeOptions::describe(ParamList& p) {
-  p.add("cluster_neighbors", clusters.neighbors).range(4, 100).help("strokes: neighbours of the graph that clusters grow along");
-  p.add("cluster_color_step", clusters.point_threshold).range(0, 442).unit("8-bit levels, RGB distance")
-      .help("strokes: neighbouring points this alike are of one cluster").paper("Zhan 2009");
-  p.add("cluster_merge_step", clusters.region_threshold).range(0, 442).unit("8-bit levels, RGB distance")
-      .help("strokes: segments whose mean colours are this alike are merged").paper("Zhan 2009");
-  p.add("cluster_gap", cluster_gap).at_least(0).unit("scene units").help("strokes: only segments this near are merged; 5 spacings");
-  p.add("cluster_min_points", clusters.min_size).range(1, 1e9).help("strokes: smaller clusters join the nearest one");
-  p.add("size_neighbors", size_neighbors).range(1, 100).help("strokes: neighbours that the local resolution r is measured by").paper("dos Anjos 2017, K");
-  p.add("size_spread", size_spread).range(0, 10).unit("standard deviations")
-      .help("strokes: epsilon of s = r + epsilon").paper("dos Anjos 2017, epsilon");
-  p.add("size_of", size_of, {"point", "cluster"}).help("strokes: r and epsilon of each point, or those of its cluster");
+  p.add("cluster_neighbors", clusters.neighbors)
+      .range(4, 100)
+      .help("strokes: neighbours of the graph that clusters grow along");
+  p.add("cluster_color_step", clusters.point_threshold)
+      .range(0, 442)
+      .unit("8-bit levels, RGB distance")
+      .help("strokes: neighbouring points this alike are of one cluster")
+      .paper("Zhan 2009");
+  p.add("cluster_merge_step", clusters.region_threshold)
+      .range(0, 442)
+      .unit("8-bit levels, RGB distance")
+      .help("strokes: segments whose mean colours are this alike are merged")
+      .paper("Zhan 2009");
+  p.add("cluster_gap", cluster_gap)
+      .at_least(0)
+      .unit("scene units")
+      .help("strokes: only segments this near are merged; 5 spacings");
+  p.add("cluster_min_points", clusters.min_size)
+      .range(1, 1e9)
+      .help("strokes: smaller clusters join the nearest one");
+  p.add("size_neighbors", size_neighbors)
+      .range(1, 100)
+      .help("strokes: neighbours that the local resolution r is measured by")
+      .paper("dos Anjos 2017, K");
+  p.add("size_spread", size_spread)
+      .range(0, 10)
+      .unit("standard deviations")
+      .help("strokes: epsilon of s = r + epsilon")
+      .paper("dos Anjos 2017, epsilon");
+  p.add("size_of", size_of, {"point", "cluster"})
+      .help("strokes: r and epsilon of each point, or those of its cluster");
 }
 
 float stroke_size(std::vector<float>& distances, int k, float spread) {
@@ -102,7 +125,8 @@ float stroke_size(std::vector<float>& distances, int k, float spread) {
   return float(mean + spread * std::sqrt(variance));
 }
 
-void cap_sizes(const NeighborGraph& graph, std::span<const NeighborhoodShape> shapes, std::vector<float>& sizes) {
+void cap_sizes(const NeighborGraph& graph, std::span<const NeighborhoodShape> shapes,
+               std::vector<float>& sizes) {
   if (sizes.empty()) return;
   std::vector<float> sorted = sizes;
   const float most_without_surface = 2 * median(sorted);
@@ -115,15 +139,17 @@ void cap_sizes(const NeighborGraph& graph, std::span<const NeighborhoodShape> sh
         near.clear();
         for (std::uint32_t j : ids) near.push_back(sizes[j]);
         float s = std::min(sizes[i], 2 * median(near));
-        if (s > most_without_surface) s = std::lerp(s, most_without_surface, fills_space(shapes[i].non_planarity));
+        if (s > most_without_surface)
+          s = std::lerp(s, most_without_surface, fills_space(shapes[i].non_planarity));
         if (s > 0) capped[i] = s;
       },
       "support of strokes");
   sizes = std::move(capped);
 }
 
-std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const float> labels, std::span<const vec3> normals,
-                                std::span<const float> sizes, std::span<const NeighborhoodShape> shapes, Progress& progress) {
+std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const float> labels,
+                                std::span<const vec3> normals, std::span<const float> sizes,
+                                std::span<const NeighborhoodShape> shapes, Progress& progress) {
   constexpr float most_sizes = 100, crease = 0.866f, open_rim = 0.35f;  // cosine of 30 degrees
   const std::span<const vec3> positions = graph.positions();
   std::vector<float> room(positions.size());
@@ -172,7 +198,8 @@ std::vector<float> stroke_rooms(const NeighborGraph& graph, std::span<const floa
 namespace {
 
 /// The given labels, or those that grow.
-ScalarField labels_of(const PreparedCloud& prepared, const NeighborGraph& graph, const StrokeOptions& options, Progress& progress) {
+ScalarField labels_of(const PreparedCloud& prepared, const NeighborGraph& graph, const StrokeOptions& options,
+                      Progress& progress) {
   const PointCloud& cloud = prepared.cloud;
   if (const ScalarField* given = cloud.scalar("cluster")) return *given;
   ClusterOptions growth = options.clusters;
@@ -183,8 +210,8 @@ ScalarField labels_of(const PreparedCloud& prepared, const NeighborGraph& graph,
   return cluster;
 }
 
-/// Points at one place come in the order of the file, which must not show. The place in `cloud` that each point's colour,
-/// normal and label take while strokes are measured; empty: all their own.
+/// Points at one place come in the order of the file, which must not show. The place in `cloud` that each
+/// point's colour, normal and label take while strokes are measured; empty: all their own.
 std::vector<std::uint32_t> order_within_places(const PointCloud& cloud) {
   std::vector<std::uint32_t> order;
   const ScalarField* given = cloud.scalar("cluster");
@@ -193,7 +220,8 @@ std::vector<std::uint32_t> order_within_places(const PointCloud& cloud) {
     const vec3 n = cloud.normals.empty() ? vec3(0) : cloud.normals[i];
     // Any order will do, as long as NaNs have a place in it.
     const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
-    return std::make_tuple(c.r, c.g, c.b, bits(n.x), bits(n.y), bits(n.z), bits(given ? given->values[i] : 0));
+    return std::make_tuple(c.r, c.g, c.b, bits(n.x), bits(n.y), bits(n.z),
+                           bits(given ? given->values[i] : 0));
   };
   const auto before = [&](std::uint32_t a, std::uint32_t b) { return look(a) < look(b); };
   for (std::uint32_t first = 0, end; first < cloud.size(); first = end) {
@@ -218,15 +246,16 @@ void give_back(std::vector<T>& values, const std::vector<std::uint32_t>& order) 
   for (std::size_t i = 0; i < order.size(); ++i) values[order[i]] = mine[i];
 }
 
-/// Detail, evened out among neighbours so that no border of cells shows, and as small as a point where there is no
-/// surface to paint along.
+/// Detail, evened out among neighbours so that no border of cells shows, and as small as a point where there
+/// is no surface to paint along.
 std::vector<float> even_details(const NeighborGraph& graph, const std::vector<float>& lengths,
                                 std::span<const NeighborhoodShape> shapes, std::span<const float> sizes) {
   std::vector<float> out(lengths.size());
   graph.for_each(
       [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
         float sum = std::log(lengths[i]), volume = fills_space(shapes[i].non_planarity);
-        for (std::uint32_t j : ids) sum += std::log(lengths[j]), volume += fills_space(shapes[j].non_planarity);
+        for (std::uint32_t j : ids)
+          sum += std::log(lengths[j]), volume += fills_space(shapes[j].non_planarity);
         const float n = float(ids.size()) + 1;
         out[i] = std::exp(std::lerp(sum / n, std::min(sum / n, std::log(1.5f * sizes[i])), volume / n));
       },
@@ -238,7 +267,9 @@ void add_clusters_in_order(PreparedCloud& prepared, const StrokeOptions& options
   PointCloud& cloud = prepared.cloud;
   const NeighborGraph graph(cloud.positions, options.clusters.neighbors, progress);
   ScalarField cluster = labels_of(prepared, graph, options, progress);
-  const auto k = [&](std::size_t neighbors) { return std::min(std::size_t(options.size_neighbors), neighbors); };
+  const auto k = [&](std::size_t neighbors) {
+    return std::min(std::size_t(options.size_neighbors), neighbors);
+  };
   const float of_a_grid = std::sqrt(2.0f) * prepared.median_spacing;  // the s of a square grid
 
   ScalarField size{"stroke_size", 0, std::vector<float>(cloud.size()), StoredType::float32};
@@ -254,7 +285,8 @@ void add_clusters_in_order(PreparedCloud& prepared, const StrokeOptions& options
         size.values[i] = s > 0 ? s : of_a_grid;
         // stroke_size left the nearest in front.
         const std::size_t count = k(ids.size());
-        r[i] = std::accumulate(mine.begin(), mine.begin() + std::ptrdiff_t(count), 0.0f) / float(std::max<std::size_t>(count, 1));
+        r[i] = std::accumulate(mine.begin(), mine.begin() + std::ptrdiff_t(count), 0.0f) /
+               float(std::max<std::size_t>(count, 1));
         shapes[i] = neighborhood_shape(cloud.positions, i, ids, r[i]);
       },
       "stroke sizes");
@@ -290,7 +322,8 @@ void add_clusters_in_order(PreparedCloud& prepared, const StrokeOptions& options
         std::vector<std::uint32_t>& near = nearby.local();
         near.clear();
         for (std::uint32_t j : ids)
-          if (cluster.values[j] == cluster.values[i] && glm::distance(cloud.positions[i], cloud.positions[j]) <= 3 * r[i])
+          if (cluster.values[j] == cluster.values[i] &&
+              glm::distance(cloud.positions[i], cloud.positions[j]) <= 3 * r[i])
             near.push_back(j);
         // Two neighbours span a plane; a point that is alone in its cluster takes what is around it.
         const auto normal = thinnest_direction(cloud.positions, i, near.size() >= 3 ? near : ids);
@@ -304,15 +337,17 @@ void add_clusters_in_order(PreparedCloud& prepared, const StrokeOptions& options
         if (const auto along = fold_axis(normals, i, ids)) axis.values[i] = pack_axis(*along);
       },
       "folds");
-  ScalarField room{"stroke_room", 0, stroke_rooms(graph, cluster.values, normals, size.values, shapes, progress),
+  ScalarField room{"stroke_room", 0,
+                   stroke_rooms(graph, cluster.values, normals, size.values, shapes, progress),
                    StoredType::float32};
   // As fine as the denser parts allow: a scanner sees near things at a tenth of the median spacing.
   std::vector<float> sorted = size.values;
   const auto dense = sorted.begin() + std::ptrdiff_t(sorted.size() / 10);
   std::nth_element(sorted.begin(), dense, sorted.end());
-  const std::vector<float> lengths =
-      detail_lengths(cloud.positions, cloud.colors, normals, cloud.origin, *dense / std::sqrt(2.0f), options.detail, progress);
-  ScalarField detail{"stroke_detail", 0, even_details(graph, lengths, shapes, size.values), StoredType::float32};
+  const std::vector<float> lengths = detail_lengths(cloud.positions, cloud.colors, normals, cloud.origin,
+                                                    *dense / std::sqrt(2.0f), options.detail, progress);
+  ScalarField detail{"stroke_detail", 0, even_details(graph, lengths, shapes, size.values),
+                     StoredType::float32};
   cloud.normals = std::move(normals);
   cloud.set_scalar(std::move(detail));
   cloud.set_scalar(std::move(axis));

@@ -16,8 +16,8 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr int values = 9, levels = 9;     // colour and the six of n n^T; cells of 4 to 1024 spacings
-constexpr float finest_spacings = 2;      // of the parts of the smallest cells: some four points
+constexpr int values = 9, levels = 9;  // colour and the six of n n^T; cells of 4 to 1024 spacings
+constexpr float finest_spacings = 2;   // of the parts of the smallest cells: some four points
 constexpr float most_spacings = 1000;
 
 using Sample = std::array<float, values>;
@@ -38,14 +38,16 @@ double mean_square(const Cell& c) {
 /// One grid: its cells from fine to coarse, and the least length from coarse to fine.
 class Grid {
  public:
-  Grid(const std::vector<vec3>& positions, const std::vector<Sample>& samples, const dvec3& corner, double size,
-       const Progress& progress)
+  Grid(const std::vector<vec3>& positions, const std::vector<Sample>& samples, const dvec3& corner,
+       double size, const Progress& progress)
       : progress_(progress) {
     order_.resize(positions.size());
     tbb::parallel_for(std::size_t(0), positions.size(), [&](std::size_t i) {
       std::uint64_t key = 0;
       for (int k = 0; k < 3; ++k)
-        key |= every_third_bit(std::uint64_t(std::max(std::floor((double(positions[i][k]) + corner[k]) / size), 0.0))) << k;
+        key |= every_third_bit(
+                   std::uint64_t(std::max(std::floor((double(positions[i][k]) + corner[k]) / size), 0.0)))
+               << k;
       order_[i] = {key, std::uint32_t(i)};
     });
     stoppable_sort(order_, progress_);
@@ -66,8 +68,10 @@ class Grid {
   /// Least of `lengths` and what this grid finds.
   void measure(double size, std::vector<float>& lengths) {
     std::array<std::vector<float>, levels + 1> least;
-    std::vector<double> within, free;  // squares of finest parts about their means, and their degrees of freedom
-    for (const Cell& c : cells_[0]) within.push_back(std::max(c.squares - c.count * mean_square(c), 0.0)), free.push_back(c.count - 1);
+    std::vector<double> within,
+        free;  // squares of finest parts about their means, and their degrees of freedom
+    for (const Cell& c : cells_[0])
+      within.push_back(std::max(c.squares - c.count * mean_square(c), 0.0)), free.push_back(c.count - 1);
     for (int level = 1; level <= levels; ++level) {
       size *= 2;
       const std::vector<Cell>& parts = cells_[level - 1];
@@ -88,10 +92,12 @@ class Grid {
         const double between = of_means - cell.count * mean_square(cell);
         // Without two points in any part there is nothing to know noise by.
         const double noise = freedom > 0 ? inside / freedom : std::numeric_limits<double>::infinity();
-        // Chance gives pieces - 1 times the noise, with a deviation of sqrt(2 (pieces - 1)): three of them are no detail.
+        // Chance gives pieces - 1 times the noise, with a deviation of sqrt(2 (pieces - 1)): three of them
+        // are no detail.
         const double chance = pieces - 1 + 3 * std::sqrt(2 * (pieces - 1));
         const double detail = pieces > 1 ? (between - chance * noise) / cell.count : 0;
-        least[std::size_t(level)].push_back(detail > 1 ? float(size / std::sqrt(detail)) : std::numeric_limits<float>::infinity());
+        least[std::size_t(level)].push_back(detail > 1 ? float(size / std::sqrt(detail))
+                                                       : std::numeric_limits<float>::infinity());
         cells.push_back(cell);
         next_within.push_back(inside), next_free.push_back(freedom);
       }
@@ -131,8 +137,10 @@ std::vector<float> detail_lengths(const std::vector<vec3>& positions, const std:
   const float color_scale = 1 / (255 * options.color_step), normal_scale = 1 / options.normal_step;
   dvec3 low(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!colors.empty()) samples[i] = {color_scale * colors[i].r, color_scale * colors[i].g, color_scale * colors[i].b};
-    const vec3 n = normals[i], m = normal_scale * n, off = std::numbers::sqrt2_v<float> * m;  // n n^T has these twice
+    if (!colors.empty())
+      samples[i] = {color_scale * colors[i].r, color_scale * colors[i].g, color_scale * colors[i].b};
+    const vec3 n = normals[i], m = normal_scale * n,
+               off = std::numbers::sqrt2_v<float> * m;  // n n^T has these twice
     samples[i][3] = m.x * n.x, samples[i][4] = m.y * n.y, samples[i][5] = m.z * n.z;
     samples[i][6] = off.x * n.y, samples[i][7] = off.y * n.z, samples[i][8] = off.z * n.x;
     low = glm::min(low, dvec3(positions[i]));
@@ -167,7 +175,8 @@ NeighborhoodShape neighborhood_shape(const std::vector<vec3>& positions, std::ui
   // Eigenvalues by the trigonometric solution of the cubic (Smith 1961).
   const double mean = (a + b + c) / 3;
   const double p = std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean) +
-                              2 * (d * d + e * e + f * f)) / 6);
+                              2 * (d * d + e * e + f * f)) /
+                             6);
   if (!(p > 0)) return {};
   const double u = (a - mean) / p, v = (b - mean) / p, w = (c - mean) / p, x = d / p, y = e / p, z = f / p;
   const double determinant = u * (v * w - y * y) - x * (x * w - y * z) + z * (x * y - v * z);
@@ -177,8 +186,8 @@ NeighborhoodShape neighborhood_shape(const std::vector<vec3>& positions, std::ui
   const double middle = 3 * mean - largest - least;
   if (!(middle > 1e-6 * largest)) return {};
   NeighborhoodShape shape{float(std::sqrt(std::max(least, 0.0) / middle))};
-  // Evenly filled, a width w has the variance w^2 / 12. Twice as long as wide; half a disc, at the end of a surface, is
-  // sqrt(1/4 : 1/4 - (4 / (3 pi))^2) = 1.9 times as long as wide.
+  // Evenly filled, a width w has the variance w^2 / 12. Twice as long as wide; half a disc, at the end of a
+  // surface, is sqrt(1/4 : 1/4 - (4 / (3 pi))^2) = 1.9 times as long as wide.
   const float width = float(std::sqrt(12 * middle));
   if (largest > 2.2 * 2.2 * middle && width > 0.5f * spacing) shape.strip_width = width;
   return shape;

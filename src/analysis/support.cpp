@@ -13,23 +13,25 @@
 namespace sfumato::analysis {
 namespace {
 
-/// A neighbourhood's least variance over its greatest, "scatter". Measured for 24 neighbours: planes 0, with noise of
-/// 0.3 spacings 0.03 (95 %: 0.06); statues 0.01 to 0.05; edges of a box 0.12; forest 0.17 (5 %: 0.05), a filled ball
-/// 0.44 (5 %: 0.23).
+/// A neighbourhood's least variance over its greatest, "scatter". Measured for 24 neighbours: planes 0, with
+/// noise of 0.3 spacings 0.03 (95 %: 0.06); statues 0.01 to 0.05; edges of a box 0.12; forest 0.17 (5 %:
+/// 0.05), a filled ball 0.44 (5 %: 0.23).
 constexpr float flat_scatter = 0.05f, rough_scatter = 0.18f;
-/// The share of neighbours within a tenth of the neighbourhood's radius from the plane through the point: 0.75 for one
-/// of two sheets two spacings apart, 0.3 in a ball.
+/// The share of neighbours within a tenth of the neighbourhood's radius from the plane through the point:
+/// 0.75 for one of two sheets two spacings apart, 0.3 in a ball.
 constexpr float sheet_layer = 0.1f, sheet_low = 0.5f, sheet_high = 0.7f;
-/// How far the middle of the neighbours is from the point, over the farthest one's distance: 0.42 at the border of a
-/// surface, 0.6 at a corner of it; nearly 1 for a stray point, whose neighbours all lie on something else.
+/// How far the middle of the neighbours is from the point, over the farthest one's distance: 0.42 at the
+/// border of a surface, 0.6 at a corner of it; nearly 1 for a stray point, whose neighbours all lie on
+/// something else.
 constexpr float aside_low = 0.65f, aside_high = 0.85f;
-/// The share of flat neighbourhoods in a region: 0.7 around an edge, 0.2 in a forest. Where it is high everything is a
-/// surface; where it is low nothing is, for one in five neighbourhoods of leaves is flat by chance, and their discs
-/// would make the crown; between, each point speaks for itself.
+/// The share of flat neighbourhoods in a region: 0.7 around an edge, 0.2 in a forest. Where it is high
+/// everything is a surface; where it is low nothing is, for one in five neighbourhoods of leaves is flat by
+/// chance, and their discs would make the crown; between, each point speaks for itself.
 constexpr float chance_low = 0.22f, chance_high = 0.42f, region_low = 0.3f, region_high = 0.55f;
 
-/// Flat neighbourhoods of a surface agree on its direction, those of leaves do by chance only: the cosine between two,
-/// and the share of a region that is flat and agrees, 0.9 on planes, 0.3 at edges, 0.03 among leaves.
+/// Flat neighbourhoods of a surface agree on its direction, those of leaves do by chance only: the cosine
+/// between two, and the share of a region that is flat and agrees, 0.9 on planes, 0.3 at edges, 0.03 among
+/// leaves.
 constexpr float agree_low = 0.7f, agree_high = 0.85f, sole_low = 0.12f, sole_high = 0.24f;
 
 float smooth_step(float low, float high, float x) {
@@ -37,17 +39,19 @@ float smooth_step(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-/// How far from a place's plane a point still is of what lies there: in deviations of the place's own points, as its
-/// median tells them, and in shares of its reach, for surfaces bend. A tree on a lawn is many deviations off the lawn.
+/// How far from a place's plane a point still is of what lies there: in deviations of the place's own points,
+/// as its median tells them, and in shares of its reach, for surfaces bend. A tree on a lawn is many
+/// deviations off the lawn.
 constexpr float layer_deviations = 4, layer_bend = 0.12f;
 
 /// Every so many-th point along the curve.
 struct Scale {
   std::size_t every;
   std::vector<vec3> positions;
-  std::vector<float> surface;  ///< how far there is one: because they are flat among themselves, or by their region
-  std::vector<float> trust;    ///< how far a point that is flat itself is to be believed; empty: not asked
-  struct Layer {               ///< the points of a place lie about this plane
+  std::vector<float>
+      surface;  ///< how far there is one: because they are flat among themselves, or by their region
+  std::vector<float> trust;  ///< how far a point that is flat itself is to be believed; empty: not asked
+  struct Layer {             ///< the points of a place lie about this plane
     vec3 normal{0};
     float offset = 0, thickness = std::numeric_limits<float>::infinity();
   };
@@ -55,13 +59,15 @@ struct Scale {
 };
 
 /// `thickness` is where a point is half believed to belong.
-Scale::Layer layer_of(std::span<const vec3> positions, std::uint32_t center, std::span<const std::uint32_t> ids,
-                      const vec3& normal, float reach) {
+Scale::Layer layer_of(std::span<const vec3> positions, std::uint32_t center,
+                      std::span<const std::uint32_t> ids, const vec3& normal, float reach) {
   std::array<float, 64> heights;
   const std::size_t count = std::min(ids.size(), heights.size());
   if (count == 0) return {};
-  for (std::size_t k = 0; k < count; ++k) heights[k] = glm::dot(positions[ids[k]] - positions[center], normal);
-  const auto middle = heights.begin() + std::ptrdiff_t(count / 2), end = heights.begin() + std::ptrdiff_t(count);
+  for (std::size_t k = 0; k < count; ++k)
+    heights[k] = glm::dot(positions[ids[k]] - positions[center], normal);
+  const auto middle = heights.begin() + std::ptrdiff_t(count / 2),
+             end = heights.begin() + std::ptrdiff_t(count);
   std::nth_element(heights.begin(), middle, end);
   const float level = *middle;
   for (std::size_t k = 0; k < count; ++k) heights[k] = std::abs(heights[k] - level);
@@ -77,8 +83,8 @@ float belongs(const vec3& position, const Scale::Layer& layer) {
 }
 
 /// `surroundings`: a place is on a surface where those around it are.
-Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::vector<float>& flatness, int neighbors,
-            bool surroundings, Progress& progress) {
+Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::vector<float>& flatness,
+            int neighbors, bool surroundings, Progress& progress) {
   Scale scale{every, {}, {}, {}, {}};
   for (std::size_t i = every / 2; i < positions.size(); i += every) scale.positions.push_back(positions[i]);
   const std::size_t count = scale.positions.size();
@@ -122,7 +128,8 @@ Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::ve
   });
   for (std::size_t i = 0; i < count; ++i) own[i] *= smooth_step(sole_low, sole_high, agreed[i]);
   mean(region, [&](std::size_t, std::uint32_t j) { return own[j]; });
-  mean(within, [&](std::size_t i, std::uint32_t j) { return own[j] * belongs(scale.positions[i], scale.layers[j]); });
+  mean(within,
+       [&](std::size_t i, std::uint32_t j) { return own[j] * belongs(scale.positions[i], scale.layers[j]); });
   scale.trust.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     scale.trust[i] = smooth_step(chance_low, chance_high, region[i]);
@@ -149,8 +156,8 @@ std::size_t place_near(const Scale& scale, const vec3& position, std::size_t i) 
 
 }  // namespace
 
-float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
-                  const LocalFrame& frame, float reach) {
+float flatness_of(std::span<const vec3> positions, std::uint32_t point,
+                  std::span<const std::uint32_t> neighbors, const LocalFrame& frame, float reach) {
   if (!(frame.variance.z > 0)) return 1;
   vec3 middle(0);
   for (std::uint32_t j : neighbors) middle += positions[j] - positions[point];
@@ -166,8 +173,8 @@ float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::spa
   return among * std::max(flat, smooth_step(sheet_low, sheet_high, float(inside) / float(neighbors.size())));
 }
 
-std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
-                                  Progress& progress) {
+std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness,
+                                  int neighbors, Progress& progress) {
   std::vector<Scale> scales;
   for (std::size_t every : {8, 64}) {
     if (positions.size() / every <= std::size_t(neighbors)) break;
@@ -183,7 +190,8 @@ std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vecto
         if (flatness[i] >= 1) continue;
         // At an edge the next place may be of the other side.
         const std::size_t own = std::min(i / scale.every, scale.positions.size() - 1);
-        for (std::size_t j = own - std::min<std::size_t>(own, 1); j < std::min(own + 2, scale.positions.size()); ++j) {
+        for (std::size_t j = own - std::min<std::size_t>(own, 1);
+             j < std::min(own + 2, scale.positions.size()); ++j) {
           around = std::max(around, scale.surface[j] * belongs(positions[i], scale.layers[j]));
         }
       }

@@ -1,5 +1,5 @@
-// Whether points lie on a surface at all, or in clutter: foliage, grass, stray returns. A disc in a tangent plane
-// makes sense on a surface only.
+// Whether points lie on a surface at all, or in clutter: foliage, grass, stray returns. A disc in a tangent
+// plane makes sense on a surface only.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,18 @@
 
 namespace sfumato::analysis {
 
-/// How flat the neighbourhood of a point is: 1 on a plane, or on one of two near sheets; 0 where points fill space, but
-/// also at edges. `frame` is the neighbourhood's, `reach` the distance to its farthest point.
-float flatness_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
-                  const LocalFrame& frame, float reach);
+/// How flat the neighbourhood of a point is: 1 on a plane, or on one of two near sheets; 0 where points fill
+/// space, but also at edges. `frame` is the neighbourhood's, `reach` the distance to its farthest point.
+float flatness_of(std::span<const vec3> positions, std::uint32_t point,
+                  std::span<const std::uint32_t> neighbors, const LocalFrame& frame, float reach);
 
-/// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge from a
-/// leaf, nor noise from grass, but what surrounds it and what is seen from farther away do. A point is on a surface
-/// when most of those around it are flat, or some and itself, or when the wider neighbourhoods of every 8th or every
-/// 64th point are flat, which reach as far as 192 and 1536 of all points, and the point lies in what is flat there.
-/// Flat neighbourhoods that no other one agrees with are chance, and do not count.
-std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
-                                  Progress& progress);
+/// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge
+/// from a leaf, nor noise from grass, but what surrounds it and what is seen from farther away do. A point is
+/// on a surface when most of those around it are flat, or some and itself, or when the wider neighbourhoods
+/// of every 8th or every 64th point are flat, which reach as far as 192 and 1536 of all points, and the point
+/// lies in what is flat there. Flat neighbourhoods that no other one agrees with are chance, and do not
+/// count.
+std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness,
+                                  int neighbors, Progress& progress);
 
 }  // namespace sfumato::analysis

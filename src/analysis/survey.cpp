@@ -12,23 +12,28 @@ namespace {
 
 constexpr std::size_t places = 2048;  // shares are known to 1 %
 constexpr int neighbors = 24;
-/// Whether a point lies on a line its six nearest say: of more, other lines have their share, as rings of a scanner with 64 of
-/// them and rims of a mesh. Across over along, in variances: below that for 1 % of the points of a random surface.
+/// Whether a point lies on a line its six nearest say: of more, other lines have their share, as rings of a
+/// scanner with 64 of them and rims of a mesh. Across over along, in variances: below that for 1 % of the
+/// points of a random surface.
 constexpr std::size_t along_line = 6;
 constexpr float line = 0.02f;
 
-/// The nearest places: points in one place are one, or a scan whose points come twice would be flat everywhere.
+/// The nearest places: points in one place are one, or a scan whose points come twice would be flat
+/// everywhere.
 class Nearest {
  public:
   static constexpr bool merges_coincident = true;
   explicit Nearest(std::span<const vec3> positions) : positions_(positions) {}
-  float limit() const { return count_ < neighbors ? std::numeric_limits<float>::infinity() : distance2_[neighbors - 1]; }
+  float limit() const {
+    return count_ < neighbors ? std::numeric_limits<float>::infinity() : distance2_[neighbors - 1];
+  }
   void add(std::uint32_t id, float distance2) {
     for (int i = count_; i-- > 0 && distance2_[i] >= distance2;)
       if (distance2_[i] == distance2 && positions_[id_[i]] == positions_[id]) return;
     if (count_ < neighbors) ++count_;
     int at = count_ - 1;
-    for (; at > 0 && distance2_[at - 1] > distance2; --at) distance2_[at] = distance2_[at - 1], id_[at] = id_[at - 1];
+    for (; at > 0 && distance2_[at - 1] > distance2; --at)
+      distance2_[at] = distance2_[at - 1], id_[at] = id_[at - 1];
     distance2_[at] = distance2, id_[at] = id;
   }
   std::span<const std::uint32_t> ids() const { return {id_, std::size_t(count_)}; }
@@ -52,7 +57,8 @@ Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::u
   tree.search(positions[at], nearest);
   const auto frame = local_frame(positions, at, nearest.ids());
   if (!frame || !(frame->variance.z > 0)) return {};
-  const auto near = local_frame(positions, at, nearest.ids().first(std::min(along_line + 1, nearest.ids().size())));
+  const auto near =
+      local_frame(positions, at, nearest.ids().first(std::min(along_line + 1, nearest.ids().size())));
   return {flatness_of(positions, at, nearest.ids(), *frame, nearest.reach()),
           near && near->variance.y < line * near->variance.z};
 }
@@ -71,7 +77,8 @@ Survey survey(const NeighborTree& tree) {
     const std::size_t at = k * n / count;
     seen[k] = seen_from(tree, positions, std::uint32_t(at));
     if (seen[k].flat < 1 && wide.size() > neighbors)
-      seen[k].flat = std::max(seen[k].flat, seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1))).flat);
+      seen[k].flat = std::max(
+          seen[k].flat, seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1))).flat);
   });
   double flat = 0, lines = 0;
   for (const Seen& s : seen) flat += s.flat, lines += s.line;

@@ -9,14 +9,17 @@
 namespace sfumato::analysis {
 
 struct Survey {
-  float surface_share = 1;  ///< of the points, those on surfaces: flat among 24 or, through noise, 1536 neighbours
-  float line_share = 0;     ///< of the points, those whose 24 neighbours lie on a line: rings of a scanner, wires
+  float surface_share =
+      1;  ///< of the points, those on surfaces: flat among 24 or, through noise, 1536 neighbours
+  float line_share =
+      0;  ///< of the points, those whose 24 neighbours lie on a line: rings of a scanner, wires
 };
 
 /// From 2048 places of a cloud in Morton order.
 Survey survey(const NeighborTree& tree);
 
-/// What a cloud that is sorted and measured needs besides, when only its shape tells; the tree is over its positions.
+/// What a cloud that is sorted and measured needs besides, when only its shape tells; the tree is over its
+/// positions.
 using ChooseNeeds = std::function<Attributes(const PreparedCloud&, const NeighborTree&)>;
 /// As `prepare`, with needs that follow from the sorted cloud.
 PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,

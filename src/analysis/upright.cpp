@@ -13,8 +13,8 @@ constexpr std::size_t sample_size = 65'536;
 constexpr double flat = 0.4;
 /// So is one whose middle 90 % of heights are this share of its width, whatever pylons and trees stand on it.
 constexpr double mostly_flat = 0.3;
-/// By how much another axis must stand firmer than the format's own. Measured on upright statues, rooms and scenes: the
-/// right axis leads by 0.15 or more in nine cases of ten.
+/// By how much another axis must stand firmer than the format's own. Measured on upright statues, rooms and
+/// scenes: the right axis leads by 0.15 or more in nine cases of ten.
 constexpr double lead = 0.15;
 constexpr int cells = 24, layers = 25;
 
@@ -47,8 +47,9 @@ struct Sample {
     return double(std::count_if(points.begin(), points.end(), holds)) / double(points.size());
   }
 
-  /// Whether all lies in the view of a camera at the origin that looks along `axis`: within 45 degrees of it, spread over
-  /// 30 at least and wide itself, which a far object that happens to lie there is not, nor a tile in map coordinates.
+  /// Whether all lies in the view of a camera at the origin that looks along `axis`: within 45 degrees of it,
+  /// spread over 30 at least and wide itself, which a far object that happens to lie there is not, nor a tile
+  /// in map coordinates.
   bool seen_along(int axis, bool positive) const {
     const double sign = positive ? 1 : -1;
     const auto slope = [&](const dvec3& p) {
@@ -66,25 +67,26 @@ struct Sample {
            std::max(width((axis + 1) % 3), width((axis + 2) % 3)) > 0.27;
   }
 
-  /// How well the cloud stands on its end: the share of the columns along `axis` that reach the lowest layer, weighted
-  /// by how broad that side is. Statues have a base, rooms and streets a floor.
+  /// How well the cloud stands on its end: the share of the columns along `axis` that reach the lowest layer,
+  /// weighted by how broad that side is. Statues have a base, rooms and streets a floor.
   double stands_on(int axis, bool positive) const {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const dvec3 extent = glm::max(size(), dvec3(1e-300));
-    std::array<int, std::size_t(cells* cells)> lowest;
+    std::array<int, std::size_t(cells * cells)> lowest;
     lowest.fill(layers);
     for (const dvec3& p : points) {
       const dvec3 at = (p - low) / extent;
       if (at[u] < 0 || at[u] > 1 || at[v] < 0 || at[v] > 1) continue;
       const double height = positive ? at[axis] : 1 - at[axis];
       const int layer = std::clamp(int(height * layers), 0, layers - 1);
-      int& cell = lowest[std::size_t(std::min(int(at[u] * cells), cells - 1) * cells + std::min(int(at[v] * cells), cells - 1))];
+      int& cell = lowest[std::size_t(std::min(int(at[u] * cells), cells - 1) * cells +
+                                     std::min(int(at[v] * cells), cells - 1))];
       cell = std::min(cell, layer);
     }
     double columns = 0, standing = 0;
     for (int layer : lowest) columns += layer < layers, standing += layer < 1;
-    const double broad = extent[u] * extent[v] /
-                         std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
+    const double broad =
+        extent[u] * extent[v] / std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
     return columns > 0 ? standing / columns * std::sqrt(broad) : 0;
   }
 };
@@ -104,10 +106,13 @@ Upright guess_upright(const PointCloud& cloud) {
   const dvec3 size = sample.size();
 
   // Depth cameras look along z with y down, renderers along -z with y up.
-  if (sample.seen_along(2, true)) return camera_view(UpAxis::neg_y, "a camera's view: all lies before the origin, along z");
-  if (sample.seen_along(2, false)) return camera_view(UpAxis::pos_y, "a camera's view: all lies before the origin, along -z");
+  if (sample.seen_along(2, true))
+    return camera_view(UpAxis::neg_y, "a camera's view: all lies before the origin, along z");
+  if (sample.seen_along(2, false))
+    return camera_view(UpAxis::pos_y, "a camera's view: all lies before the origin, along -z");
   // Nothing that one walks on faces down: these normals face a camera that looked along z.
-  if (sample.mean_normal.z < -0.5) return camera_view(UpAxis::neg_y, "its normals face a camera that looked along z");
+  if (sample.mean_normal.z < -0.5)
+    return camera_view(UpAxis::neg_y, "its normals face a camera that looked along z");
 
   const std::array<int, 3> by_size = [&] {
     std::array<int, 3> order{0, 1, 2};

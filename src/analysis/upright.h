@@ -9,14 +9,14 @@ namespace sfumato::analysis {
 
 struct Upright {
   UpAxis up = UpAxis::pos_z;
-  std::string reason;         ///< what speaks for it: "a camera's view: y down"
-  double azimuth_deg = -45;   ///< from where the first picture is taken, as --camera-azimuth-angle
+  std::string reason;        ///< what speaks for it: "a camera's view: y down"
+  double azimuth_deg = -45;  ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
   bool is_camera_view = false;  ///< the scan is a picture, best seen from about where it was taken
 };
 
-/// From the shape of a sample of at most 65,536 points; `cloud.up` is the custom of the file's format, which stays
-/// unless the shape speaks clearly against it.
+/// From the shape of a sample of at most 65,536 points; `cloud.up` is the custom of the file's format, which
+/// stays unless the shape speaks clearly against it.
 Upright guess_upright(const PointCloud& cloud);
 
 }  // namespace sfumato::analysis

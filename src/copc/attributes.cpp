@@ -24,8 +24,8 @@ bool has_field(const Schema& schema, const std::string& name) {
   return false;
 }
 
-/// Extra bytes that no descriptor covers get one, so that those behind them are where theirs say: each as the number that
-/// readers take it for while they are few (`extra_fields`), else all as bytes of no type.
+/// Extra bytes that no descriptor covers get one, so that those behind them are where theirs say: each as the
+/// number that readers take it for while they are few (`extra_fields`), else all as bytes of no type.
 void describe_the_rest(Schema& schema) {
   std::size_t described = 0;
   for (std::size_t at = 0; at + descriptor_size <= schema.extra_bytes.size(); at += descriptor_size)
@@ -72,7 +72,8 @@ void add_computed_fields(Schema& schema, Attributes wanted) {
       schema.unevenness_byte = add(analysis::unevenness_name);
   }
   if (schema.record_length + 2 * added.size() > 65535)
-    throw Error(ErrorCode::usage, "the files have so many extra attributes that a record has no room for --attributes");
+    throw Error(ErrorCode::usage,
+                "the files have so many extra attributes that a record has no room for --attributes");
   const std::vector<std::uint8_t> described = io::las::extra_bytes_record(added);
   schema.extra_bytes.insert(schema.extra_bytes.end(), described.begin(), described.end());
   schema.record_length = std::uint16_t(schema.record_length + 2 * added.size());
@@ -89,9 +90,11 @@ void compute_fields(const Schema& schema, std::span<std::uint8_t> records, std::
   const auto append = [&](std::span<const std::uint8_t> bytes) {
     for (std::size_t at = 0; at < bytes.size(); at += length) {
       vec3 place;
-      for (int axis = 0; axis < 3; ++axis)  // from the first point, where float has digits enough for a part of a scan
-        place[axis] = float(double(std::int64_t{get<std::int32_t>(bytes.data() + at + std::size_t(4 * axis))} - first[axis]) *
-                            schema.scale[axis]);
+      for (int axis = 0; axis < 3;
+           ++axis)  // from the first point, where float has digits enough for a part of a scan
+        place[axis] = float(
+            double(std::int64_t{get<std::int32_t>(bytes.data() + at + std::size_t(4 * axis))} - first[axis]) *
+            schema.scale[axis]);
       cloud.positions.push_back(place);
     }
   };
@@ -110,7 +113,8 @@ void compute_fields(const Schema& schema, std::span<std::uint8_t> records, std::
     std::uint8_t* record = records.data() + found.source_index[i] * length;
     for (int axis = 0; schema.normal_byte && axis < 3; ++axis)
       put(record + schema.normal_byte + 2 * axis, steps_of(found.normals[i][axis]));
-    // 1 on a plane, 7/3 among directions by chance: 16 bits hold 3 in these steps, and what is more counts as 3.
+    // 1 on a plane, 7/3 among directions by chance: 16 bits hold 3 in these steps, and what is more counts
+    // as 3.
     if (uncertainty && found.radii[i] > 0)
       put(record + schema.unevenness_byte, steps_of(double(uncertainty->values[i]) / found.radii[i]));
   }

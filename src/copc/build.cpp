@@ -30,8 +30,8 @@ constexpr std::uint64_t most_at_once = 1 << 20;
 constexpr std::uint64_t work_per_point = 40, work_per_stretch = 24 << 20;
 // Of what is computed: places, their order, neighbours and results (memory.h of analysis).
 constexpr std::uint64_t work_of_attributes = 160;
-// A cell keeps what lies within this share of its width around it as neighbours for attributes. Of points_per_bin on a
-// surface, 512 lie side by side: 24 neighbours reach three of them, and ten are kept.
+// A cell keeps what lies within this share of its width around it as neighbours for attributes. Of
+// points_per_bin on a surface, 512 lie side by side: 24 neighbours reach three of them, and ten are kept.
 constexpr double halo_share = 0.02;
 constexpr int most_levels_at_once = 6;
 constexpr std::uint64_t points_per_bin = 1 << 18;
@@ -279,11 +279,15 @@ class Builder {
     return std::max(levels, 1);
   }
 
-  /// The cells of one level below `region`, with their points and, for attributes, with what lies around them.
+  /// The cells of one level below `region`, with their points and, for attributes, with what lies around
+  /// them.
   struct Bins {
     Bins(const Key& of, int at, const std::filesystem::path& purpose, std::uint64_t memory, bool has_halos)
-        : region(of), level(at), points(purpose.parent_path(), purpose, std::uint64_t(share_of_bins * double(memory))) {
-      if (has_halos) halos.emplace(purpose.parent_path(), purpose, std::uint64_t(share_of_halos * double(memory)));
+        : region(of),
+          level(at),
+          points(purpose.parent_path(), purpose, std::uint64_t(share_of_bins * double(memory))) {
+      if (has_halos)
+        halos.emplace(purpose.parent_path(), purpose, std::uint64_t(share_of_halos * double(memory)));
     }
     Key region;
     int level;
@@ -340,7 +344,8 @@ class Builder {
           is_cell = is_cell && step[axis] != 0;
         }
         const int up = bins_.level - bins_.region.level;
-        if (!is_cell || to[0] >> up != bins_.region.x || to[1] >> up != bins_.region.y || to[2] >> up != bins_.region.z)
+        if (!is_cell || to[0] >> up != bins_.region.x || to[1] >> up != bins_.region.y ||
+            to[2] >> up != bins_.region.z)
           continue;
         std::vector<std::uint8_t>& bytes =
             around_[Key{bins_.level, std::uint32_t(to[0]), std::uint32_t(to[1]), std::uint32_t(to[2])}];
@@ -420,7 +425,9 @@ class Builder {
     for (unsigned octant = 0; octant < 8; ++octant) cut(key.child(octant), children[octant], level, plan);
   }
 
-  std::uint64_t work_of_a_point() const { return work_per_point + (schema_.computes() ? work_of_attributes : 0); }
+  std::uint64_t work_of_a_point() const {
+    return work_per_point + (schema_.computes() ? work_of_attributes : 0);
+  }
   std::uint64_t work_of(std::uint64_t points) const {
     return points * (schema_.record_length + work_of_a_point()) + work_per_stretch;
   }
@@ -487,9 +494,12 @@ class Builder {
     // One near an edge is a neighbour of several bins.
     std::vector<const std::uint8_t*> order;
     for (std::size_t at = 0; at < halo.size(); at += length) order.push_back(halo.data() + at);
-    const auto compare = [&](const std::uint8_t* a, const std::uint8_t* b) { return std::memcmp(a, b, length); };
+    const auto compare = [&](const std::uint8_t* a, const std::uint8_t* b) {
+      return std::memcmp(a, b, length);
+    };
     std::sort(order.begin(), order.end(), [&](auto a, auto b) { return compare(a, b) < 0; });
-    order.erase(std::unique(order.begin(), order.end(), [&](auto a, auto b) { return compare(a, b) == 0; }), order.end());
+    order.erase(std::unique(order.begin(), order.end(), [&](auto a, auto b) { return compare(a, b) == 0; }),
+                order.end());
     std::vector<std::uint8_t> once;
     for (const std::uint8_t* record : order) once.insert(once.end(), record, record + length);
     return once;

@@ -17,8 +17,8 @@ struct BuildOptions {
   std::uint64_t memory = 4'000'000'000;     ///< bytes that the build may take; `least_memory` or more
   std::optional<std::uint64_t> max_points;  ///< an even subset of what is read, the same one every time
   std::optional<Bounds> box;                ///< world; only the points in it
-  Attributes attributes;                    ///< normal, uncertainty: computed of all points, stored as extra bytes
-  bool average_colors = false;              ///< points of coarse levels get the mean colour of those they stand for
+  Attributes attributes;        ///< normal, uncertainty: computed of all points, stored as extra bytes
+  bool average_colors = false;  ///< points of coarse levels get the mean colour of those they stand for
 };
 
 struct BuildReport {

@@ -21,9 +21,7 @@ constexpr std::size_t most_chosen = 1 << 17;
 constexpr std::size_t gps_time_byte = 22, color_byte = 30;
 
 // The bits of a place, interleaved, without the last eleven of each axis.
-std::uint64_t morton(const Place& place) {
-  return interleaved(place.x >> 11, place.y >> 11, place.z >> 11);
-}
+std::uint64_t morton(const Place& place) { return interleaved(place.x >> 11, place.y >> 11, place.z >> 11); }
 
 // Bits whose order as whole numbers is that of the doubles.
 std::uint64_t sortable(double value) {
@@ -215,7 +213,8 @@ void NodeMaker::average_colors(const std::array<std::vector<std::uint32_t>, 8>& 
   for (const std::vector<std::uint32_t>& points : children)
     for (std::uint32_t i : points) {
       Sum& sum = sums[grid_[cell_of(places_[i], shift)] - 1];
-      for (std::size_t k = 0; k < 3; ++k) sum.channel[k] += io::las::get<std::uint16_t>(record(i) + color_byte + 2 * k);
+      for (std::size_t k = 0; k < 3; ++k)
+        sum.channel[k] += io::las::get<std::uint16_t>(record(i) + color_byte + 2 * k);
       ++sum.points;
     }
   for (std::size_t c = 0; c < candidates_.size(); ++c) {

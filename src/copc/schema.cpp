@@ -19,15 +19,9 @@ using io::las::put;
 constexpr double int32_reach = 2147483645.0;
 constexpr std::size_t longest_record = 65535;
 
-bool has_wave(int format) {
-  return format == 4 || format == 5 || format >= 9;
-}
-bool has_nir(int format) {
-  return format == 8 || format == 10;
-}
-std::size_t color_byte(int format) {
-  return format == 2 ? 20 : format >= 6 ? 30 : 28;
-}
+bool has_wave(int format) { return format == 4 || format == 5 || format >= 9; }
+bool has_nir(int format) { return format == 8 || format == 10; }
+std::size_t color_byte(int format) { return format == 2 ? 20 : format >= 6 ? 30 : 28; }
 
 // Some files describe their extra bytes in several records.
 std::vector<std::uint8_t> extra_record(const Header& header) {
@@ -88,9 +82,7 @@ void place_fields(std::vector<Field>& fields, int format) {
   }
 }
 
-bool is_whole(double value) {
-  return std::abs(value - std::round(value)) < 1e-6 && std::abs(value) < 1e15;
-}
+bool is_whole(double value) { return std::abs(value - std::round(value)) < 1e-6 && std::abs(value) < 1e15; }
 
 void choose_scaling(const std::vector<Header>& headers, const Bounds& box, Schema& schema) {
   for (int axis = 0; axis < 3; ++axis) {

@@ -14,7 +14,7 @@ namespace sfumato::copc {
 struct Schema {
   int format = 6;  ///< LAS point format, 6 to 8
   std::uint16_t record_length = 30;
-  std::uint16_t file_length = 30;  ///< of it what the files bring; computed fields follow
+  std::uint16_t file_length = 30;                      ///< of it what the files bring; computed fields follow
   std::uint16_t normal_byte = 0, unevenness_byte = 0;  ///< of computed fields; 0: there is none
   bool computes() const { return normal_byte || unevenness_byte; }
   dvec3 scale{0.001}, offset{0};

@@ -47,8 +47,8 @@ struct NodeSelection {
 NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> views,
                            const SelectOptions& options);
 
-/// The coarse levels of all trees, where they reach into `box`, as far as `budget` points reach; whole levels of spacing
-/// at a time, and one in any case.
+/// The coarse levels of all trees, where they reach into `box`, as far as `budget` points reach; whole levels
+/// of spacing at a time, and one in any case.
 NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget,
                               const std::optional<Bounds>& box = {});
 

@@ -26,9 +26,7 @@ std::string gigabytes(double bytes) {
   return text;
 }
 
-std::string cause(int error) {
-  return std::generic_category().message(error);
-}
+std::string cause(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
@@ -45,9 +43,7 @@ TemporaryFile::TemporaryFile(const std::filesystem::path& folder, std::filesyste
                                    cause(errno) + "); check the folder and its permissions");
 }
 
-TemporaryFile::~TemporaryFile() {
-  ::close(handle_);
-}
+TemporaryFile::~TemporaryFile() { ::close(handle_); }
 
 void TemporaryFile::write(std::uint64_t at, std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
@@ -90,8 +86,8 @@ void Spool::append(const Key& key, std::span<const std::uint8_t> bytes) {
   if (held_ <= memory_) return;
   for (auto& [other, each] : bins_) write_out(each);
 #ifdef __GLIBC__
-  // Tails that grew beside each other leave holes that no later tail fits into: 4.5 GB for 1 GB of tails, when a thousand
-  // million points were read.
+  // Tails that grew beside each other leave holes that no later tail fits into: 4.5 GB for 1 GB of tails,
+  // when a thousand million points were read.
   ::malloc_trim(0);
 #endif
 }

@@ -82,8 +82,7 @@ Tree read_tree(const std::filesystem::path& path) {
   return tree;
 }
 
-io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
-                          Progress& progress) {
+io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes, Progress& progress) {
   std::vector<std::size_t> in_order = nodes;
   std::sort(in_order.begin(), in_order.end());
   std::vector<io::las::LazChunk> chunks;

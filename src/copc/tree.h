@@ -48,8 +48,8 @@ bool is_tree(const std::filesystem::path& file);
 /// Reads header and hierarchy. Throws Error(bad_input) when they are damaged.
 Tree read_tree(const std::filesystem::path& file);
 
-/// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. Nodes that cannot be decoded
-/// are left out: see the report.
+/// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. Nodes that cannot be
+/// decoded are left out: see the report.
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
                           Progress& progress = no_progress());
 

@@ -30,7 +30,8 @@ dmat4 Camera::projection_matrix() const {
   const Intrinsics k = intrinsics();
   const double w = width, h = height, n = near_plane, f = far_plane;
   dmat4 m(0.0);  // column-major: m[column][row]
-  // x_px = fx x/w + cx and x_ndc = 2 x_px / width - 1; y_px = -fy y/w + cy, y_ndc = 2 y_px / height - 1 (y down).
+  // x_px = fx x/w + cx and x_ndc = 2 x_px / width - 1; y_px = -fy y/w + cy, y_ndc = 2 y_px / height - 1 (y
+  // down).
   m[0][0] = 2 * k.fx / w;
   m[1][1] = -2 * k.fy / h;
   if (orthographic()) {
@@ -53,9 +54,9 @@ Camera Camera::resized(int new_width, int new_height) const {
   Camera out = *this;
   if (custom_intrinsics) {
     const double s = double(new_height) / height;
-    out.custom_intrinsics = Intrinsics{custom_intrinsics->fx * s, custom_intrinsics->fy * s,
-                                       (custom_intrinsics->cx - 0.5 * width) * s + 0.5 * new_width,
-                                       custom_intrinsics->cy * s};
+    out.custom_intrinsics =
+        Intrinsics{custom_intrinsics->fx * s, custom_intrinsics->fy * s,
+                   (custom_intrinsics->cx - 0.5 * width) * s + 0.5 * new_width, custom_intrinsics->cy * s};
   }
   out.width = new_width;
   out.height = new_height;
@@ -95,9 +96,11 @@ Camera camera_of_matrices(const dmat4& view, const dmat4& projection, int width,
   const glm::dmat3 rest = turn * glm::transpose(turn) - glm::dmat3(1);
   bool is_rigid = glm::determinant(turn) > 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) is_rigid = is_rigid && std::abs(rest[i][j]) < 1e-4;  // floats are off by 1e-6 or so
+    for (int j = 0; j < 3; ++j)
+      is_rigid = is_rigid && std::abs(rest[i][j]) < 1e-4;  // floats are off by 1e-6 or so
   if (!is_rigid)
-    throw Error(ErrorCode::usage, "the view matrix scales, shears or mirrors: give one that only turns and moves");
+    throw Error(ErrorCode::usage,
+                "the view matrix scales, shears or mirrors: give one that only turns and moves");
   const dmat4& p = projection;
   const bool is_orthographic = p[2][3] == 0;
   const double scale = is_orthographic ? p[3][3] : -p[2][3];
@@ -114,7 +117,8 @@ Camera camera_of_matrices(const dmat4& view, const dmat4& projection, int width,
   camera.up = glm::normalize(dvec3(turn[0][1], turn[1][1], turn[2][1]));
   camera.target = camera.position - glm::normalize(dvec3(turn[0][2], turn[1][2], turn[2][2]));
   camera.projection = is_orthographic ? Projection::orthographic : Projection::perspective;
-  // x_ndc = p00 x/w - p20, of which a pixel's x is (x_ndc + 1) width / 2; y runs the other way. Orthographic: + p30.
+  // x_ndc = p00 x/w - p20, of which a pixel's x is (x_ndc + 1) width / 2; y runs the other way. Orthographic:
+  // + p30.
   Intrinsics k;
   k.fx = 0.5 * width * p[0][0] / scale;
   k.fy = 0.5 * height * p[1][1] / scale;

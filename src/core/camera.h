@@ -1,8 +1,8 @@
 // A pinhole or orthographic camera in world coordinates, double precision.
 //
-// Spaces. Eye space: camera at the origin, +x right, +y up, looking down -z; eye depth z_e = -z is positive in
-// front. Pixel space: x right, y DOWN, pixel centres at half integers, first row on top. All images and all
-// textures of sfumato store the top row first, so `projection()` flips y.
+// Spaces. Eye space: camera at the origin, +x right, +y up, looking down -z; eye depth z_e = -z is positive
+// in front. Pixel space: x right, y DOWN, pixel centres at half integers, first row on top. All images and
+// all textures of sfumato store the top row first, so `projection()` flips y.
 #pragma once
 
 #include <optional>
@@ -38,7 +38,8 @@ struct Camera {
   /// Unit direction of view, world.
   dvec3 direction() const;
   bool orthographic() const { return projection == Projection::orthographic; }
-  /// Pixels per scene unit at eye depth 1 (perspective) or anywhere (orthographic): notes k_px = h / (2 tan theta).
+  /// Pixels per scene unit at eye depth 1 (perspective) or anywhere (orthographic): notes k_px = h / (2 tan
+  /// theta).
   double pixels_per_unit() const { return intrinsics().fy; }
 
   /// The same view at another size; the vertical angle stays (custom intrinsics scale with the height).
@@ -49,13 +50,14 @@ struct Camera {
   void fit_depth_range(const Bounds& world_box);
 };
 
-/// The camera of two matrices of OpenGL (world to eye, eye to clip; column by column as glm has them) for an image of so
-/// many pixels. Throws Error(usage) where `view` does more than turn and move, or `projection` is neither a perspective nor
-/// an orthographic one that looks along -z.
+/// The camera of two matrices of OpenGL (world to eye, eye to clip; column by column as glm has them) for an
+/// image of so many pixels. Throws Error(usage) where `view` does more than turn and move, or `projection` is
+/// neither a perspective nor an orthographic one that looks along -z.
 Camera camera_of_matrices(const dmat4& view, const dmat4& projection, int width, int height);
 
 /// The camera that frames `box` from the direction given by azimuth and elevation (radians; azimuth turns
-/// counter-clockwise about `up`, 0 looks from the front; the default view is azimuth -45, elevation 30 degrees).
+/// counter-clockwise about `up`, 0 looks from the front; the default view is azimuth -45, elevation 30
+/// degrees).
 Camera frame(const Bounds& box, UpAxis up, int width, int height, double azimuth, double elevation,
              double fov_y = glm::radians(45.0), Projection projection = Projection::perspective);
 

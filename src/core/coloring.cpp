@@ -48,9 +48,9 @@ bool is_land(const PointCloud& cloud) {
   return narrow > 0 && height < 0.4 * narrow;
 }
 
-/// 2 and 98 % quantiles of at most a million finite values; all values when these coincide. `is_height`: widened to 0.1 and
-/// 99.9 %, by a fifth at each end at most. What stands highest is few points and much of the picture: crowns, roofs, ridges; but noise
-/// far above or below takes no more than that.
+/// 2 and 98 % quantiles of at most a million finite values; all values when these coincide. `is_height`:
+/// widened to 0.1 and 99.9 %, by a fifth at each end at most. What stands highest is few points and much of
+/// the picture: crowns, roofs, ridges; but noise far above or below takes no more than that.
 std::array<double, 2> stretch(const ScalarField& field, bool is_height) {
   constexpr double most_widened = 0.2;
   const std::size_t stride = std::max<std::size_t>(1, field.values.size() / 1'000'000);
@@ -80,7 +80,8 @@ void color_scalar(const ScalarField& field, const ColorSettings& settings, Color
                  : out.source == "intensity" ? "gray"
                                              : "viridis";
   const Colormap map = Colormap::named(out.colormap);
-  const std::array<double, 2> range = settings.range ? *settings.range : stretch(field, out.source == "elevation");
+  const std::array<double, 2> range =
+      settings.range ? *settings.range : stretch(field, out.source == "elevation");
   out.low = range[0], out.high = range[1];
   std::array<Rgba8, 1024> table;
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = map.at(double(i) / double(table.size() - 1));
@@ -136,9 +137,9 @@ void color_files(const ScalarField& field, const ColorSettings& settings, Colori
   }
   for (const auto& [number, points] : counts) {
     const std::size_t index = std::size_t(std::max(0L, number - 1));
-    out.swatches.push_back({index < settings.file_names.size() ? settings.file_names[index]
-                                                               : "file " + std::to_string(number),
-                            swatch_color(index), points});
+    out.swatches.push_back(
+        {index < settings.file_names.size() ? settings.file_names[index] : "file " + std::to_string(number),
+         swatch_color(index), points});
   }
 }
 
@@ -179,8 +180,10 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
 void expose(std::vector<Rgba8>& colors, double exposure) {
   std::array<std::array<std::uint8_t, 256>, 256> raised;  // of each strongest channel, each channel
   for (int most = 0; most < 256; ++most) {
-    const float m = linear_from_srgb(std::uint8_t(most)), factor = float(exposure / (1 + (exposure - 1) * double(m)));
-    for (int c = 0; c <= most; ++c) raised[std::size_t(most)][std::size_t(c)] = code_of(factor * linear_from_srgb(std::uint8_t(c)));
+    const float m = linear_from_srgb(std::uint8_t(most)),
+                factor = float(exposure / (1 + (exposure - 1) * double(m)));
+    for (int c = 0; c <= most; ++c)
+      raised[std::size_t(most)][std::size_t(c)] = code_of(factor * linear_from_srgb(std::uint8_t(c)));
   }
   for (Rgba8& c : colors) {
     const auto& row = raised[std::max({c.r, c.g, c.b})];
@@ -196,7 +199,8 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
     if (is_land(cloud)) return "elevation";
     return varies(cloud.scalar("intensity")) ? "intensity" : "clay";
   }
-  if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by)) return std::string(color_by);
+  if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by))
+    return std::string(color_by);
   if (color_by == "rgb" && has_colors(cloud)) return "rgb";
   if (color_by == "rgb" && !cloud.colors.empty())
     throw Error(ErrorCode::usage, "the cloud's rgb is all zero and would be black; use --color-by auto");
@@ -238,7 +242,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     color_normals(cloud, out);
   } else if (out.source == "classification" && settings.colormap.empty() && !settings.range) {
     color_classes(*cloud.scalar("classification"), out);
-  } else if (out.source == "file" && !settings.file_names.empty() && settings.colormap.empty() && !settings.range) {
+  } else if (out.source == "file" && !settings.file_names.empty() && settings.colormap.empty() &&
+             !settings.range) {
     color_files(*cloud.scalar("file"), settings, out);
   } else {
     color_scalar(out.source == "elevation" && !cloud.scalar("elevation") ? elevation(cloud)
@@ -246,7 +251,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
                  settings, out);
   }
   if (out.kind == ColorKind::rgb || out.kind == ColorKind::normal) {
-    const std::string why = " has no effect: the points are coloured by " + out.source + " (--color-by says otherwise)";
+    const std::string why =
+        " has no effect: the points are coloured by " + out.source + " (--color-by says otherwise)";
     if (!settings.colormap.empty()) out.notes.push_back("--colormap " + settings.colormap + why);
     if (settings.range) out.notes.push_back("--color-range" + why);
   }
@@ -267,7 +273,8 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 vec3 contrasting_background(const std::vector<Rgba8>& colors) {
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::size_t light = 0, seen = 0;
-  for (std::size_t i = 0; i < colors.size(); i += stride, ++seen)  // Rec. 709 luma; from 216 on, white is too near
+  for (std::size_t i = 0; i < colors.size();
+       i += stride, ++seen)  // Rec. 709 luma; from 216 on, white is too near
     light += 0.2126 * colors[i].r + 0.7152 * colors[i].g + 0.0722 * colors[i].b > 216;
   return 2 * light > seen ? vec3(0.11f, 0.12f, 0.13f) : vec3(1);
 }

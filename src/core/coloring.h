@@ -14,12 +14,13 @@
 namespace sfumato {
 
 struct ColorSettings {
-  std::string color_by = "auto";  ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar
-  std::string colormap;           ///< empty: gray for intensity, viridis for everything else
+  std::string color_by =
+      "auto";            ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar
+  std::string colormap;  ///< empty: gray for intensity, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: the 2-98 % percentiles, of heights more
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
-  std::optional<double> exposure;              ///< brightness of the file's own colours; empty: dark ones are raised
-  std::vector<std::string> file_names;         ///< what the numbers of the scalar `file` stand for, from 1
+  std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
+  std::vector<std::string> file_names;  ///< what the numbers of the scalar `file` stand for, from 1
 };
 
 enum class ColorKind { rgb, scalar, classes, normal, files };
@@ -50,14 +51,15 @@ struct Coloring {
 };
 
 /// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then elevation where the
-/// cloud is land (less than 0.4 times as high as wide), then intensity unless missing or constant, then clay. Throws Error(usage) naming the nearest
-/// attribute.
+/// cloud is land (less than 0.4 times as high as wide), then intensity unless missing or constant, then clay.
+/// Throws Error(usage) naming the nearest attribute.
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 
 /// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.
 /// `normal` needs normals: Error(usage) without.
-/// Colours of the file whose lightest tenth is dark, as of a dim room, are raised: the dark ones by `exposure`, in linear
-/// light, the lighter the less, so that hues stay and white stays white. Categories and scalars never are.
+/// Colours of the file whose lightest tenth is dark, as of a dim room, are raised: the dark ones by
+/// `exposure`, in linear light, the lighter the less, so that hues stay and white stays white. Categories and
+/// scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.

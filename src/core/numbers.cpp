@@ -37,8 +37,8 @@ std::string no_such_number(const PointCloud& cloud, const std::string& name) {
   std::string all;
   for (const std::string& each : names) all += " " + each;
   const std::string near = nearest_word(name, names);
-  return "the points have no '" + name + "' to filter by" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
-         "; they have:" + all;
+  return "the points have no '" + name + "' to filter by" +
+         (near.empty() ? "" : "; did you mean '" + near + "'?") + "; they have:" + all;
 }
 
 std::optional<double> parse_real(std::string_view text) {

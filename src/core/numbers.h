@@ -11,8 +11,8 @@
 
 namespace sfumato {
 
-/// The number of point i: of a scalar of the cloud, or x, y, z (world), elevation, red, green, blue, radius. Empty when the
-/// cloud has none of that name. It refers to the cloud.
+/// The number of point i: of a scalar of the cloud, or x, y, z (world), elevation, red, green, blue, radius.
+/// Empty when the cloud has none of that name. It refers to the cloud.
 std::function<double(std::size_t)> numbers_of(const PointCloud& cloud, const std::string& name);
 /// Every name that `numbers_of` knows.
 std::vector<std::string> number_names(const PointCloud& cloud);

@@ -96,8 +96,9 @@ void Param::set(std::string_view text) {
   auto refuse = [&](const std::string& expected) {
     throw Error(ErrorCode::usage, "parameter '" + name + "': '" + std::string(text) + "' is not " + expected);
   };
-  static const char* kinds[] = {"a boolean (true | false)", "a whole number", "a number", "", "a text",
-                                "a list of numbers (0.3,0.5,1)", "three numbers (X,Y,Z)"};
+  static const char* kinds[] = {
+      "a boolean (true | false)",      "a whole number",       "a number", "", "a text",
+      "a list of numbers (0.3,0.5,1)", "three numbers (X,Y,Z)"};
   if (!parse_(text))
     refuse((kind == ParamKind::choice ? "one of: " + join(choices) : std::string(kinds[int(kind)])) +
            (can_be_auto ? " or auto" : "") + did_you_mean(text, choices));
@@ -188,17 +189,24 @@ namespace {
 
 template <class T>
 std::string print_any(T value) {
-  if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
-  else if constexpr (std::is_same_v<T, int>) return std::to_string(value);
-  else if constexpr (std::is_same_v<T, std::vector<float>>) return print_list(value.data(), value.size());
-  else return print_number(value);
+  if constexpr (std::is_same_v<T, bool>)
+    return value ? "true" : "false";
+  else if constexpr (std::is_same_v<T, int>)
+    return std::to_string(value);
+  else if constexpr (std::is_same_v<T, std::vector<float>>)
+    return print_list(value.data(), value.size());
+  else
+    return print_number(value);
 }
 
 template <class T>
 bool parse_any(std::string_view text, T& value) {
-  if constexpr (std::is_same_v<T, bool>) return parse_bool(text, value);
-  else if constexpr (std::is_same_v<T, std::vector<float>>) return parse_list(text, value);
-  else return parse_number(text, value);
+  if constexpr (std::is_same_v<T, bool>)
+    return parse_bool(text, value);
+  else if constexpr (std::is_same_v<T, std::vector<float>>)
+    return parse_list(text, value);
+  else
+    return parse_number(text, value);
 }
 
 template <class T, class Print, class PrintResolved, class Parse, class Numbers>
@@ -214,8 +222,10 @@ void bind_auto(Auto<T>& value, Print& print, PrintResolved& print_resolved, Pars
   };
   numbers = [&value]() -> std::vector<double> {
     if (value.is_auto()) return {};
-    if constexpr (std::is_same_v<T, std::vector<float>>) return {value.user->begin(), value.user->end()};
-    else return {double(*value.user)};
+    if constexpr (std::is_same_v<T, std::vector<float>>)
+      return {value.user->begin(), value.user->end()};
+    else
+      return {double(*value.user)};
   };
 }
 
@@ -275,9 +285,12 @@ std::optional<double> parse_count(std::string_view text) {
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
   double unit = 1;
   if (!text.empty()) switch (text.back()) {
-      case 'k': case 'K': unit = 1e3; break;
-      case 'm': case 'M': unit = 1e6; break;
-      case 'g': case 'G': unit = 1e9; break;
+      case 'k':
+      case 'K': unit = 1e3; break;
+      case 'm':
+      case 'M': unit = 1e6; break;
+      case 'g':
+      case 'G': unit = 1e9; break;
       default: break;
     }
   if (unit != 1) text.remove_suffix(1);
@@ -286,7 +299,8 @@ std::optional<double> parse_count(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   value *= unit;
   // 2.3M is whole although 2.3 times a million in doubles need not be.
-  if (!std::isfinite(value) || std::abs(value - std::round(value)) > 1e-9 * std::abs(value)) return std::nullopt;
+  if (!std::isfinite(value) || std::abs(value - std::round(value)) > 1e-9 * std::abs(value))
+    return std::nullopt;
   return std::round(value);
 }
 

@@ -18,7 +18,8 @@
 
 namespace sfumato {
 
-/// A metric parameter that finds its own value unless the user gives one. `auto` is a state, not a magic number.
+/// A metric parameter that finds its own value unless the user gives one. `auto` is a state, not a magic
+/// number.
 template <class T>
 struct Auto {
   std::optional<T> user;  ///< what the user asked for
@@ -46,11 +47,26 @@ class Param {
   bool can_be_auto = false;
   std::string unit_text, help_text, paper_text;
 
-  Param& range(double lo, double hi) { min = lo, max = hi; return *this; }
-  Param& at_least(double lo) { min = lo; return *this; }
-  Param& unit(std::string text) { unit_text = std::move(text); return *this; }
-  Param& help(std::string text) { help_text = std::move(text); return *this; }
-  Param& paper(std::string text) { paper_text = std::move(text); return *this; }
+  Param& range(double lo, double hi) {
+    min = lo, max = hi;
+    return *this;
+  }
+  Param& at_least(double lo) {
+    min = lo;
+    return *this;
+  }
+  Param& unit(std::string text) {
+    unit_text = std::move(text);
+    return *this;
+  }
+  Param& help(std::string text) {
+    help_text = std::move(text);
+    return *this;
+  }
+  Param& paper(std::string text) {
+    paper_text = std::move(text);
+    return *this;
+  }
 
   /// Current value as text (`auto` while automatic).
   std::string get() const { return print_(); }
@@ -80,10 +96,10 @@ class ParamList {
   Param& add(std::string name, Auto<std::vector<float>>& value);
   /// An enum class whose values 0,1,2... are spelled by `names`.
   template <class E>
-    requires std::is_enum_v<E>
-  Param& add(std::string name, E& value, std::vector<std::string> names) {
-    return add_choice(std::move(name), std::move(names), [&value] { return int(value); },
-                      [&value](int i) { value = E(i); });
+  requires std::is_enum_v<E> Param& add(std::string name, E& value, std::vector<std::string> names) {
+    return add_choice(
+        std::move(name), std::move(names), [&value] { return int(value); },
+        [&value](int i) { value = E(i); });
   }
 
   /// By name, underscores or dashes; null when there is none.

@@ -29,9 +29,12 @@ std::optional<UpAxis> parse_up_axis(std::string_view text) {
   }
   if (text.size() != 1) return std::nullopt;
   switch (text[0]) {
-    case 'x': case 'X': return negative ? UpAxis::neg_x : UpAxis::pos_x;
-    case 'y': case 'Y': return negative ? UpAxis::neg_y : UpAxis::pos_y;
-    case 'z': case 'Z': return negative ? UpAxis::neg_z : UpAxis::pos_z;
+    case 'x':
+    case 'X': return negative ? UpAxis::neg_x : UpAxis::pos_x;
+    case 'y':
+    case 'Y': return negative ? UpAxis::neg_y : UpAxis::pos_y;
+    case 'z':
+    case 'Z': return negative ? UpAxis::neg_z : UpAxis::pos_z;
     default: return std::nullopt;
   }
 }
@@ -169,7 +172,8 @@ void append(PointCloud& cloud, const PointCloud& other) {
     else
       base = *std::max_element(cloud.source_index.begin(), cloud.source_index.end()) + 1;
     for (std::size_t i = 0; i < m; ++i)
-      cloud.source_index.push_back(base + (other.source_index.empty() ? std::uint32_t(i) : other.source_index[i]));
+      cloud.source_index.push_back(base +
+                                   (other.source_index.empty() ? std::uint32_t(i) : other.source_index[i]));
   }
   extend(cloud.grid_index, n, other.grid_index, m, 0u);
   for (Grid grid : other.grids) {

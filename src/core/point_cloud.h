@@ -26,8 +26,9 @@ struct ScalarField {
   double value(std::size_t i) const { return offset + double(values[i]); }
 };
 
-/// An organised scan inside the cloud: points [first, first + count) came from a width x height grid of pixels
-/// or scan directions, seen from `viewpoint` (world). `PointCloud::grid_index` holds row * width + column.
+/// An organised scan inside the cloud: points [first, first + count) came from a width x height grid of
+/// pixels or scan directions, seen from `viewpoint` (world). `PointCloud::grid_index` holds row * width +
+/// column.
 struct Grid {
   std::size_t first = 0, count = 0;
   std::uint32_t width = 0, height = 0;
@@ -44,11 +45,13 @@ struct LasStep {
 /// Fixed-point description of LAS coordinates, kept so that LAS -> LAS/LAZ loses nothing.
 struct LasScaling {
   dvec3 scale{0.001}, offset{0};
-  bool colors_16bit = true;     ///< false: the file held 0..255 in its 16-bit fields
-  bool colors_shifted = false;  ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
-  int point_format = -1;        ///< of the file, 0 to 10; -1 unknown
-  std::uint16_t time_and_returns = 0;  ///< global encoding bits 0 (kind of GPS time) and 3 (synthetic returns)
-  std::vector<LasStep> steps;   ///< of extra bytes
+  bool colors_16bit = true;  ///< false: the file held 0..255 in its 16-bit fields
+  bool colors_shifted =
+      false;              ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
+  int point_format = -1;  ///< of the file, 0 to 10; -1 unknown
+  std::uint16_t time_and_returns =
+      0;                       ///< global encoding bits 0 (kind of GPS time) and 3 (synthetic returns)
+  std::vector<LasStep> steps;  ///< of extra bytes
 };
 
 /// Axis that points away from the ground.
@@ -66,18 +69,18 @@ struct Bounds {
 };
 
 struct PointCloud {
-  dvec3 origin{0};                    ///< world position of the local (0,0,0)
-  std::vector<vec3> positions;        ///< relative to origin, always finite
-  std::vector<vec3> normals;          ///< unit, or zero where unknown; empty when the cloud has none
-  std::vector<Rgba8> colors;          ///< sRGB; empty when the cloud has none
-  std::vector<float> radii;           ///< scene units; empty when the cloud has none
-  std::vector<ScalarField> scalars;   ///< intensity, classification, uncertainty, any extra column of the file
+  dvec3 origin{0};                   ///< world position of the local (0,0,0)
+  std::vector<vec3> positions;       ///< relative to origin, always finite
+  std::vector<vec3> normals;         ///< unit, or zero where unknown; empty when the cloud has none
+  std::vector<Rgba8> colors;         ///< sRGB; empty when the cloud has none
+  std::vector<float> radii;          ///< scene units; empty when the cloud has none
+  std::vector<ScalarField> scalars;  ///< intensity, classification, uncertainty, any extra column of the file
   std::vector<std::uint32_t> source_index;  ///< place in the file; empty = identity (file order)
   std::vector<std::uint32_t> grid_index;    ///< place in its Grid; empty when nothing is organised
   std::vector<Grid> grids;
-  std::vector<dvec3> scanners;        ///< world positions of scanners the file knows; scalar `scanner` picks one
+  std::vector<dvec3> scanners;  ///< world positions of scanners the file knows; scalar `scanner` picks one
   UpAxis up = UpAxis::pos_z;
-  std::string crs;                    ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
+  std::string crs;  ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
   std::optional<LasScaling> las;
 
   std::size_t size() const { return positions.size(); }
@@ -95,11 +98,12 @@ Bounds bounds(const PointCloud& cloud);
 /// points do not decide the first view. Uses a fixed-stride sample of at most a million points.
 Bounds robust_bounds(const PointCloud& cloud, double low = 0.02, double high = 0.98);
 
-/// The points named by `order` (indices into `cloud`), every attribute permuted alike. `source_index` follows.
-/// Grids are kept only when the order keeps them contiguous, i.e. is ascending; otherwise use `source_index`.
+/// The points named by `order` (indices into `cloud`), every attribute permuted alike. `source_index`
+/// follows. Grids are kept only when the order keeps them contiguous, i.e. is ascending; otherwise use
+/// `source_index`.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
-/// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal 0,
-/// radius 0, white, NaN scalar.
+/// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal
+/// 0, radius 0, white, NaN scalar.
 void append(PointCloud& cloud, const PointCloud& other);
 /// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow.
 void transform(PointCloud& cloud, const dmat4& world_from_old);

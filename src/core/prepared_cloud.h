@@ -38,8 +38,8 @@ struct Batch {
   std::uint32_t first = 0, count = 0;
   vec3 box_min{0}, box_max{0};  ///< relative to the cloud's origin
   float spacing = 0;            ///< median point spacing, scene units (same definition as median_spacing)
-  /// The spacing at a place p, relative to the cloud's origin: 2^clamp(dot(xyz, p) + w, least, most), so that it does
-  /// not jump where batches meet.
+  /// The spacing at a place p, relative to the cloud's origin: 2^clamp(dot(xyz, p) + w, least, most), so that
+  /// it does not jump where batches meet.
   vec4 log2_spacing{0};
   float least_log2_spacing = 0, most_log2_spacing = 0;
 
@@ -59,25 +59,26 @@ struct Quantiles {
   float q02 = 0, q98 = 0;
 };
 
-/// Which pixel of which organised view a point was. Grids do not survive sorting; this does, until nothing is left
-/// that could be computed from it.
+/// Which pixel of which organised view a point was. Grids do not survive sorting; this does, until nothing is
+/// left that could be computed from it.
 struct ViewPlaces {
-  std::vector<Grid> grids;           ///< without `first` and `count`
-  std::vector<std::uint32_t> grid;   ///< per point; grids.size() = none
-  std::vector<std::uint32_t> cell;   ///< per point: row * width + column
+  std::vector<Grid> grids;          ///< without `first` and `count`
+  std::vector<std::uint32_t> grid;  ///< per point; grids.size() = none
+  std::vector<std::uint32_t> cell;  ///< per point: row * width + column
 };
 
 struct PreparedCloud {
-  PointCloud cloud;             ///< Morton order, stable; `source_index` always filled
+  PointCloud cloud;  ///< Morton order, stable; `source_index` always filled
   std::vector<Batch> batches;
   float median_spacing = 0;     ///< side of the square per point, scene units: median of R_8 sqrt(pi/8)
   float median_radius = 0;      ///< scene units; 0 while there are no radii
   Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
-  std::vector<float> shrunk;    ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
-  int neighbors = 24;           ///< that computed attributes were measured from
-  ViewPlaces views;             ///< empty unless normals or radii may still come from RGB-D views
+  std::vector<float>
+      shrunk;  ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
+  int neighbors = 24;  ///< that computed attributes were measured from
+  ViewPlaces views;    ///< empty unless normals or radii may still come from RGB-D views
 };
 
 }  // namespace sfumato

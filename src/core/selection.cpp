@@ -24,9 +24,7 @@ std::string text_of(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 15).ptr};
 }
 
-std::string text_of(const dvec3& v) {
-  return text_of(v.x) + "," + text_of(v.y) + "," + text_of(v.z);
-}
+std::string text_of(const dvec3& v) { return text_of(v.x) + "," + text_of(v.y) + "," + text_of(v.z); }
 
 std::string list_classes(const std::map<int, std::size_t>& counts) {
   std::string text;

@@ -30,9 +30,10 @@ std::vector<std::string_view> cut(std::string_view text, std::string_view by) {
 }
 
 [[noreturn]] void refuse(const std::string& whole, const std::string& why) {
-  throw Error(ErrorCode::usage, "'" + whole + "' selects nothing: " + why +
-                                    "; write *, \"classification 3-5\", \"intensity 10..200\", \"file 2\", \"box "
-                                    "x0,y0,z0,x1,y1,z1\", joined by and / not");
+  throw Error(ErrorCode::usage,
+              "'" + whole + "' selects nothing: " + why +
+                  "; write *, \"classification 3-5\", \"intensity 10..200\", \"file 2\", \"box "
+                  "x0,y0,z0,x1,y1,z1\", joined by and / not");
 }
 
 /// "ground": 2. Nothing for other words.
@@ -53,7 +54,8 @@ std::string nearest_class(std::string_view name) {
 Selector Selector::parse(std::string_view text) {
   Selector selector;
   selector.text_ = std::string(trim(text));
-  for (std::string_view term : cut(selector.text_, " and ")) selector.terms_.push_back(parse_term(term, selector.text_));
+  for (std::string_view term : cut(selector.text_, " and "))
+    selector.terms_.push_back(parse_term(term, selector.text_));
   return selector;
 }
 
@@ -99,14 +101,16 @@ Selector::Term Selector::parse_term(std::string_view text, const std::string& wh
     if (at == std::string_view::npos) at = part.find('-', 1), size = 1;
     const auto low = at == std::string_view::npos ? std::nullopt : parse_real(part.substr(0, at)),
                high = at == std::string_view::npos ? std::nullopt : parse_real(part.substr(at + size));
-    const bool open_low = size == 2 && at == 0, open_high = size == 2 && at != std::string_view::npos && at + 2 == part.size();
+    const bool open_low = size == 2 && at == 0,
+               open_high = size == 2 && at != std::string_view::npos && at + 2 == part.size();
     if ((!low && !open_low) || (!high && !open_high) || (open_low && open_high)) {
       const std::string near = is_class ? nearest_class(part) : "";
       refuse(whole, "'" + std::string(part) + "' is no number, range" + (is_class ? " or class" : "") +
                         (near.empty() ? "" : " (did you mean '" + near + "'?)"));
     }
     term.ranges.push_back({low.value_or(-infinite), high.value_or(infinite)});
-    if (term.ranges.back().low > term.ranges.back().high) refuse(whole, "the range " + std::string(part) + " is empty");
+    if (term.ranges.back().low > term.ranges.back().high)
+      refuse(whole, "the range " + std::string(part) + " is empty");
   }
   return term;
 }
@@ -118,7 +122,8 @@ std::vector<bool> Selector::matches(const PointCloud& cloud) const {
     if (term.kind == Term::Kind::box) {
       holds = [&](std::size_t i) {
         const dvec3 p = cloud.world(i);
-        return glm::all(glm::greaterThanEqual(p, term.box.min)) && glm::all(glm::lessThanEqual(p, term.box.max));
+        return glm::all(glm::greaterThanEqual(p, term.box.min)) &&
+               glm::all(glm::lessThanEqual(p, term.box.max));
       };
     } else if (term.kind == Term::Kind::scalar) {
       // One file needs no number to tell it from others.

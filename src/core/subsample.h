@@ -5,9 +5,9 @@
 
 namespace sfumato {
 
-/// `wanted` of `total` points (wanted <= total, both below 2^32 or their product below 2^64): one of each of `wanted` equal
-/// runs, at a place hashed from the run's number. Files come in scan order, and a fixed stride would alias with the scan
-/// lines.
+/// `wanted` of `total` points (wanted <= total, both below 2^32 or their product below 2^64): one of each of
+/// `wanted` equal runs, at a place hashed from the run's number. Files come in scan order, and a fixed stride
+/// would alias with the scan lines.
 class Subsample {
  public:
   Subsample(std::uint64_t total, std::uint64_t wanted) : total_(total), wanted_(wanted) {}

@@ -16,8 +16,6 @@ unsigned thread_count() {
   return count ? count : std::max(1u, std::thread::hardware_concurrency());
 }
 
-void set_thread_count(unsigned count) {
-  chosen.store(count, std::memory_order_relaxed);
-}
+void set_thread_count(unsigned count) { chosen.store(count, std::memory_order_relaxed); }
 
 }  // namespace sfumato

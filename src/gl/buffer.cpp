@@ -10,8 +10,8 @@ Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : 
   for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i) {  // a lost context has no end of them
   }
   glCreateBuffers(1, &id_);
-  // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato. GL reads as much as it stores, so
-  // less than the least size comes afterwards.
+  // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato. GL reads as much as it
+  // stores, so less than the least size comes afterwards.
   constexpr std::size_t least = 16;
   // On software GL the processor may fill a buffer where it lies.
   const GLbitfield map = GL_MAP_READ_BIT | (limits().software ? GL_MAP_WRITE_BIT : 0u);

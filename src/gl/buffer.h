@@ -70,7 +70,8 @@ class TextureBuffer {
   GLuint texture_ = 0;
 };
 
-/// Replaces a buffer that has less than `bytes` (or none yet); what it held is lost then. The format must not change.
+/// Replaces a buffer that has less than `bytes` (or none yet); what it held is lost then. The format must not
+/// change.
 void grow(Buffer& buffer, const std::string& label, std::size_t bytes);
 void grow(TextureBuffer& buffer, const std::string& label, GLenum format, std::size_t bytes);
 

@@ -28,14 +28,15 @@ const char* const advice =
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::no_gl, what + advice); }
 
-// Mesa takes 0.4 GB of address space before the first picture, and where it gets less it crashes or seems missing.
-// So much is asked for first, and not touched.
+// Mesa takes 0.4 GB of address space before the first picture, and where it gets less it crashes or seems
+// missing. So much is asked for first, and not touched.
 void require_memory() {
   constexpr std::size_t least = 512 << 20;
   void* probe = ::mmap(nullptr, least, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (probe == MAP_FAILED)
-    throw Error(ErrorCode::out_of_memory, "out of memory: OpenGL needs 512 MB of address space beside the points; "
-                                          "raise the limit (ulimit -v) or use fewer points (--max-points)");
+    throw Error(ErrorCode::out_of_memory,
+                "out of memory: OpenGL needs 512 MB of address space beside the points; "
+                "raise the limit (ulimit -v) or use fewer points (--max-points)");
   ::munmap(probe, least);
 }
 
@@ -49,7 +50,8 @@ bool has_extension(const char* list, const char* name) {
 
 void GLAPIENTRY on_message(GLenum source, GLenum, GLuint, GLenum severity, GLsizei length, const GLchar* text,
                            const void* user) {
-  // Mesa reports compiler warnings as severe, and only while its shader cache is cold; errors are thrown anyway.
+  // Mesa reports compiler warnings as severe, and only while its shader cache is cold; errors are thrown
+  // anyway.
   if (severity != GL_DEBUG_SEVERITY_HIGH || source == GL_DEBUG_SOURCE_SHADER_COMPILER) return;
   auto* messages = static_cast<std::vector<std::string>*>(const_cast<void*>(user));
   messages->emplace_back(text, length < 0 ? std::strlen(text) : std::size_t(length));
@@ -90,10 +92,17 @@ bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
   };
   if (!eglBindAPI(EGL_OPENGL_API)) return refuse("no OpenGL: this EGL offers OpenGL ES only");
   // Told of resets (gl/reset.h) where the driver can tell; the last attribute is left out where it cannot.
-  EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                         EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                         EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE,
-                         EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET, EGL_NONE};
+  EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                         4,
+                         EGL_CONTEXT_MINOR_VERSION,
+                         5,
+                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                         EGL_CONTEXT_OPENGL_DEBUG,
+                         EGL_TRUE,
+                         EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                         EGL_LOSE_CONTEXT_ON_RESET,
+                         EGL_NONE};
   EGLConfig config = nullptr;
   EGLint configs = 0;
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
@@ -130,18 +139,21 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   require_memory();
   // epoxy aborts the process where a library is missing, so look for them first.
   for (const char* library : {"libEGL.so.1", "libOpenGL.so.0"})
-    if (!dlopen(library, RTLD_LAZY | RTLD_GLOBAL)) fail(std::string("no OpenGL: ") + library + " is not installed");
+    if (!dlopen(library, RTLD_LAZY | RTLD_GLOBAL))
+      fail(std::string("no OpenGL: ") + library + " is not installed");
 
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-  if (!has_extension(client, "EGL_EXT_platform_base")) fail("no OpenGL: EGL cannot open a display by platform");
+  if (!has_extension(client, "EGL_EXT_platform_base"))
+    fail("no OpenGL: EGL cannot open a display by platform");
 
   std::unique_ptr<Context> context(new Context);
   context->preferences_ = std::move(preferences);
   context->egl_ = std::make_unique<Egl>();
-  // Devices first: on machines with a GPU the surfaceless platform of Mesa would find only software. A device whose
-  // driver is too old is passed over for the next one, software included.
+  // Devices first: on machines with a GPU the surfaceless platform of Mesa would find only software. A device
+  // whose driver is too old is passed over for the next one, software included.
   std::vector<EGLDisplay> displays;
-  if (has_extension(client, "EGL_EXT_platform_device") && has_extension(client, "EGL_EXT_device_enumeration")) {
+  if (has_extension(client, "EGL_EXT_platform_device") &&
+      has_extension(client, "EGL_EXT_device_enumeration")) {
     EGLDeviceEXT devices[16];
     EGLint count = 0;
     eglQueryDevicesEXT(16, devices, &count);
@@ -181,8 +193,8 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   glGetFloatv(GL_POINT_SIZE_RANGE, range);
   limits.max_point_size = range[1];
   // Mesa's zink (22.3) names the extension, and ends the process at the first shader that uses it.
-  limits.float_atomics =
-      epoxy_has_gl_extension("GL_NV_shader_atomic_float") && limits.renderer.find("zink") == std::string::npos;
+  limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float") &&
+                         limits.renderer.find("zink") == std::string::npos;
   limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
   current = {&limits, &context->preferences_};
 
@@ -213,10 +225,12 @@ Context::Use::Use(Context& context) {
     current = {&context.limits_, &context.preferences_};
     return;
   }
-  before_ = std::make_unique<Before>(Before{context.egl_->display, eglGetCurrentDisplay(), eglGetCurrentContext(),
-                                            eglGetCurrentSurface(EGL_DRAW), eglGetCurrentSurface(EGL_READ), current});
+  before_ = std::make_unique<Before>(Before{context.egl_->display, eglGetCurrentDisplay(),
+                                            eglGetCurrentContext(), eglGetCurrentSurface(EGL_DRAW),
+                                            eglGetCurrentSurface(EGL_READ), current});
   if (!eglMakeCurrent(context.egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.egl_->context))
-    throw Error(ErrorCode::no_gl, "the OpenGL context is in use on another thread; give each thread a renderer of its own");
+    throw Error(ErrorCode::no_gl,
+                "the OpenGL context is in use on another thread; give each thread a renderer of its own");
   current = {&context.limits_, &context.preferences_};
 }
 
@@ -260,8 +274,8 @@ void require(bool condition, const std::string& who, const std::string& needs) {
 
 void check_memory(const std::string& what) {
   if (glGetError() != GL_OUT_OF_MEMORY) return;
-  throw Error(ErrorCode::out_of_memory,
-              "out of graphics memory while allocating " + what + "; try --max-points or a smaller --resolution");
+  throw Error(ErrorCode::out_of_memory, "out of graphics memory while allocating " + what +
+                                            "; try --max-points or a smaller --resolution");
 }
 
 }  // namespace sfumato::gl

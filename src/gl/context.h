@@ -12,28 +12,28 @@ namespace sfumato::gl {
 /// What the driver can do, read once.
 struct Limits {
   std::string version, renderer, vendor;
-  bool software = false;        ///< llvmpipe and friends: fragment passes win, timer queries do not work
+  bool software = false;  ///< llvmpipe and friends: fragment passes win, timer queries do not work
   int max_texture_size = 0;
-  long max_texture_buffer_size = 0;    ///< texels
-  long max_storage_block_size = 0;     ///< bytes
-  int max_work_groups = 0;             ///< per axis
+  long max_texture_buffer_size = 0;  ///< texels
+  long max_storage_block_size = 0;   ///< bytes
+  int max_work_groups = 0;           ///< per axis
   float max_point_size = 1;
-  bool float_atomics = false;   ///< GL_NV_shader_atomic_float
-  bool int64_atomics = false;   ///< GL_NV_shader_atomic_int64
+  bool float_atomics = false;  ///< GL_NV_shader_atomic_float
+  bool int64_atomics = false;  ///< GL_NV_shader_atomic_int64
 };
 
 class Context {
  public:
-  /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform. Throws
-  /// Error(no_gl) with what is missing and what to install.
+  /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform.
+  /// Throws Error(no_gl) with what is missing and what to install.
   static std::unique_ptr<Context> create_headless(Preferences preferences = Preferences::from_environment());
   /// What the context made goes with it: delete GL objects of yours before, inside a `Use`.
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  /// Makes a context current on this thread while it lives, and then what was current before, ours or not. Throws
-  /// Error(no_gl) while another thread uses the context.
+  /// Makes a context current on this thread while it lives, and then what was current before, ours or not.
+  /// Throws Error(no_gl) while another thread uses the context.
   class Use {
    public:
     explicit Use(Context& context);

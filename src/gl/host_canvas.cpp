@@ -38,11 +38,14 @@ HostCanvas::~HostCanvas() {
 
 void HostCanvas::require_context() {
   if (!has_context())
-    throw Error(ErrorCode::no_gl, "no OpenGL context is current on this thread: make the host's current before drawing into it");
+    throw Error(
+        ErrorCode::no_gl,
+        "no OpenGL context is current on this thread: make the host's current before drawing into it");
   if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl())
-    throw Error(ErrorCode::no_gl, std::string("drawing into another program's context needs OpenGL 4.5, it has ") +
-                                      reinterpret_cast<const char*>(glGetString(GL_VERSION)) +
-                                      "; ask for a newer context, or use the picture itself");
+    throw Error(ErrorCode::no_gl,
+                std::string("drawing into another program's context needs OpenGL 4.5, it has ") +
+                    reinterpret_cast<const char*>(glGetString(GL_VERSION)) +
+                    "; ask for a newer context, or use the picture itself");
 }
 
 void HostCanvas::upload(const Image<Rgba8>& color, const Image<float>& depth) {
@@ -62,8 +65,9 @@ void HostCanvas::upload(const Image<Rgba8>& color, const Image<float>& depth) {
   glTextureSubImage2D(textures_[1], 0, 0, 0, width_, height_, GL_RED, GL_FLOAT, depth.data());
 }
 
-void HostCanvas::draw(const Image<Rgba8>& color, const Image<float>& depth, std::uint64_t serial, const dmat4& projection,
-                      std::uint32_t framebuffer, const std::array<int, 4>& viewport) {
+void HostCanvas::draw(const Image<Rgba8>& color, const Image<float>& depth, std::uint64_t serial,
+                      const dmat4& projection, std::uint32_t framebuffer,
+                      const std::array<int, 4>& viewport) {
   require_context();
   if (serial != serial_ || !textures_[0]) upload(color, depth);
   serial_ = serial;

@@ -20,12 +20,13 @@ class HostCanvas {
 
   /// Throws Error(no_gl) where no context of OpenGL 4.5 is current.
   static void require_context();
-  /// Blends `color` (sRGB, straight alpha, top row first) over `viewport` of `framebuffer` (0: the window's), where what is
-  /// there is not nearer; `depth` is along the view axis, infinite where nothing. `projection` is the host's, column by
-  /// column, as OpenGL takes it; it says what the host's depth buffer means, reversed ones as well. The host's state
-  /// is the same after it. `serial` names the picture: one that is there already is not uploaded again.
-  void draw(const Image<Rgba8>& color, const Image<float>& depth, std::uint64_t serial, const dmat4& projection,
-            std::uint32_t framebuffer, const std::array<int, 4>& viewport);
+  /// Blends `color` (sRGB, straight alpha, top row first) over `viewport` of `framebuffer` (0: the window's),
+  /// where what is there is not nearer; `depth` is along the view axis, infinite where nothing. `projection`
+  /// is the host's, column by column, as OpenGL takes it; it says what the host's depth buffer means,
+  /// reversed ones as well. The host's state is the same after it. `serial` names the picture: one that is
+  /// there already is not uploaded again.
+  void draw(const Image<Rgba8>& color, const Image<float>& depth, std::uint64_t serial,
+            const dmat4& projection, std::uint32_t framebuffer, const std::array<int, 4>& viewport);
   void release();
 
  private:

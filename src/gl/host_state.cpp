@@ -29,9 +29,9 @@ HostState::HostState(GLuint framebuffer, const std::array<int, 4>& viewport, GLe
   framebuffer_ = number(GL_DRAW_FRAMEBUFFER_BINDING);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
 
-  for (const GLenum off : {GL_CULL_FACE, GL_STENCIL_TEST, GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD, GL_SAMPLE_COVERAGE,
-                           GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_MASK, GL_SAMPLE_SHADING,
-                           GL_FRAMEBUFFER_SRGB, GL_DITHER, GL_DEPTH_CLAMP})
+  for (const GLenum off : {GL_CULL_FACE, GL_STENCIL_TEST, GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD,
+                           GL_SAMPLE_COVERAGE, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE,
+                           GL_SAMPLE_MASK, GL_SAMPLE_SHADING, GL_FRAMEBUFFER_SRGB, GL_DITHER, GL_DEPTH_CLAMP})
     set(off, false);
   for (GLint i = 0; i < number(GL_MAX_CLIP_DISTANCES); ++i) set(GLenum(GL_CLIP_DISTANCE0 + i), false);
   if (is_compatibility())
@@ -47,7 +47,8 @@ HostState::HostState(GLuint framebuffer, const std::array<int, 4>& viewport, GLe
   glEnablei(GL_BLEND, 0);
   blend_source_[0] = number(GL_BLEND_SRC_RGB, 0), blend_source_[1] = number(GL_BLEND_SRC_ALPHA, 0);
   blend_target_[0] = number(GL_BLEND_DST_RGB, 0), blend_target_[1] = number(GL_BLEND_DST_ALPHA, 0);
-  blend_equation_[0] = number(GL_BLEND_EQUATION_RGB, 0), blend_equation_[1] = number(GL_BLEND_EQUATION_ALPHA, 0);
+  blend_equation_[0] = number(GL_BLEND_EQUATION_RGB, 0),
+  blend_equation_[1] = number(GL_BLEND_EQUATION_ALPHA, 0);
   glBlendFunci(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glBlendEquationi(0, GL_FUNC_ADD);
   // What the shader does not write would be undefined.
@@ -66,7 +67,8 @@ HostState::HostState(GLuint framebuffer, const std::array<int, 4>& viewport, GLe
 
   program_ = number(GL_CURRENT_PROGRAM);
   vertex_array_ = number(GL_VERTEX_ARRAY_BINDING);
-  glCreateVertexArrays(1, &own_vertex_array_);  // vertex arrays are never shared, so one that is here is the context's own
+  glCreateVertexArrays(
+      1, &own_vertex_array_);  // vertex arrays are never shared, so one that is here is the context's own
   glBindVertexArray(own_vertex_array_);
   active_unit_ = number(GL_ACTIVE_TEXTURE);
   for (int i = 0; i < texture_units; ++i) {

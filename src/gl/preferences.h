@@ -14,7 +14,8 @@ enum class SplatPath { automatic, points, quads, compute };
 
 struct Preferences {
   std::string shader_folder;  ///< a source checkout, whose shaders win over those built in; empty: none
-  std::string kept_shaders;   ///< a folder for every variant that is compiled, for other compilers; empty: none
+  std::string
+      kept_shaders;  ///< a folder for every variant that is compiled, for other compilers; empty: none
   ScreenPassKind screen_passes = ScreenPassKind::automatic;
   SplatPath splat_path = SplatPath::automatic;
   Place depth_sort = Place::automatic, soft_blend = Place::automatic, stroke_lists = Place::automatic;
@@ -24,8 +25,8 @@ struct Preferences {
   static Preferences from_environment();
 };
 
-/// Those of the context that is current on this thread (without one, the environment's). Passes read them when they are
-/// made or run, so that a change holds for what comes after it.
+/// Those of the context that is current on this thread (without one, the environment's). Passes read them
+/// when they are made or run, so that a change holds for what comes after it.
 Preferences& preferences();
 /// `preferred`, or where it leaves the choice open, the CPU on software GL.
 Place place_of_work(Place preferred);

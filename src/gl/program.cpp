@@ -20,9 +20,12 @@ void keep(GLenum stage, std::string name, const std::string& text) {
   std::replace(name.begin(), name.end(), '/', '.');
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
-  const char* extension = stage == GL_COMPUTE_SHADER ? ".comp" : stage == GL_VERTEX_SHADER ? ".vert" : ".frag";
+  const char* extension = stage == GL_COMPUTE_SHADER  ? ".comp"
+                          : stage == GL_VERTEX_SHADER ? ".vert"
+                                                      : ".frag";
   const std::filesystem::path path =
-      std::filesystem::path(folder) / (name + "." + std::to_string(std::hash<std::string>()(text)) + extension);
+      std::filesystem::path(folder) /
+      (name + "." + std::to_string(std::hash<std::string>()(text)) + extension);
   // Under a name of its own first: another process may write the same.
   const std::string own = path.string() + "." + std::to_string(::getpid());
   std::ofstream(own, std::ios::binary) << text;
@@ -50,9 +53,19 @@ GLuint compile(GLenum stage, const std::string& file, const Defines& defines, co
 // Samplers and images are bound by layout(binding = n) and need no value.
 bool is_opaque(GLenum type) {
   switch (type) {
-    case GL_FLOAT: case GL_FLOAT_VEC2: case GL_FLOAT_VEC3: case GL_FLOAT_VEC4: case GL_INT: case GL_INT_VEC2:
-    case GL_INT_VEC3: case GL_INT_VEC4: case GL_UNSIGNED_INT: case GL_UNSIGNED_INT_VEC2: case GL_BOOL:
-    case GL_FLOAT_MAT3: case GL_FLOAT_MAT4: return false;
+    case GL_FLOAT:
+    case GL_FLOAT_VEC2:
+    case GL_FLOAT_VEC3:
+    case GL_FLOAT_VEC4:
+    case GL_INT:
+    case GL_INT_VEC2:
+    case GL_INT_VEC3:
+    case GL_INT_VEC4:
+    case GL_UNSIGNED_INT:
+    case GL_UNSIGNED_INT_VEC2:
+    case GL_BOOL:
+    case GL_FLOAT_MAT3:
+    case GL_FLOAT_MAT4: return false;
     default: return true;
   }
 }
@@ -96,8 +109,8 @@ Program Program::compute(const std::string& file, const Defines& defines, const 
   return program;
 }
 
-Program Program::raster(const std::string& vertex_file, const std::string& fragment_file, const Defines& defines,
-                        const std::string& fragment_head) {
+Program Program::raster(const std::string& vertex_file, const std::string& fragment_file,
+                        const Defines& defines, const std::string& fragment_head) {
   Program program;
   const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_file, defines, "");
   const GLuint fragment = compile(GL_FRAGMENT_SHADER, fragment_file, defines, fragment_head);
@@ -160,7 +173,8 @@ Program& Program::set(std::string_view name, std::span<const vec3> values) {
 
 void Program::use() const {
   for (const auto& [name, uniform] : uniforms_)
-    if (!uniform.set) throw Error(ErrorCode::no_gl, "shader " + name_ + ": uniform " + name + " was never set");
+    if (!uniform.set)
+      throw Error(ErrorCode::no_gl, "shader " + name_ + ": uniform " + name + " was never set");
   glUseProgram(id_);
 }
 

@@ -49,8 +49,8 @@ class Program {
   void use() const;
   /// Work groups along x, y, z.
   void dispatch(unsigned x, unsigned y = 1, unsigned z = 1) const;
-  /// `groups` work groups, in as many rows along y as their number asks for. Rows are of one length: there are at most
-  /// as many groups too many as rows, and llvmpipe computes an empty one as well.
+  /// `groups` work groups, in as many rows along y as their number asks for. Rows are of one length: there
+  /// are at most as many groups too many as rows, and llvmpipe computes an empty one as well.
   void dispatch_rows(unsigned groups) const;
 
  private:

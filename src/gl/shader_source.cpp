@@ -28,7 +28,8 @@ void flatten(const std::string& name, ShaderSource& out, std::vector<std::string
     throw Error(ErrorCode::no_gl, "shader " + name + " includes itself through " + open.back());
   const auto text = file_text(name);
   if (!text)
-    throw Error(ErrorCode::no_gl, "no shader file " + name + (open.empty() ? "" : ", included by " + open.back()));
+    throw Error(ErrorCode::no_gl,
+                "no shader file " + name + (open.empty() ? "" : ", included by " + open.back()));
   if (std::find(out.files.begin(), out.files.end(), name) != out.files.end()) return;  // once is enough
   open.push_back(name);
   const std::size_t number = out.files.size();

@@ -1,5 +1,5 @@
-// Shaders are files that read like the listing of a paper. They are embedded at build time; a source checkout that
-// the context prefers (gl/preferences.h) wins, so that shaders can be edited live.
+// Shaders are files that read like the listing of a paper. They are embedded at build time; a source checkout
+// that the context prefers (gl/preferences.h) wins, so that shaders can be edited live.
 #pragma once
 
 #include <string>
@@ -27,8 +27,8 @@ struct ShaderSource {
   std::string map_log(const std::string& log) const;
 };
 
-/// Flattens `name`, with `#version 450 core` and the definitions in front. `extra_head` follows the definitions.
-/// Throws Error(no_gl) for a missing file or a cycle of includes.
+/// Flattens `name`, with `#version 450 core` and the definitions in front. `extra_head` follows the
+/// definitions. Throws Error(no_gl) for a missing file or a cycle of includes.
 ShaderSource load_shader(std::string_view name, const Defines& defines, const std::string& extra_head = "");
 
 }  // namespace sfumato::gl

@@ -33,7 +33,8 @@ Texture Texture::view(const Texture& mipmap, int level, int levels) {
   texture.format_ = mipmap.format_;
   glGenTextures(1, &texture.id_);
   glTextureView(texture.id_, GL_TEXTURE_2D, mipmap.id_, mipmap.format_, GLuint(level), GLuint(levels), 0, 1);
-  glTextureParameteri(texture.id_, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
+  glTextureParameteri(texture.id_, GL_TEXTURE_MIN_FILTER,
+                      levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
   glTextureParameteri(texture.id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   return texture;
 }
@@ -63,14 +64,30 @@ namespace {
 
 template <class T>
 struct Transfer;
-template <> struct Transfer<float> { static constexpr GLenum format = GL_RED, type = GL_FLOAT; };
-template <> struct Transfer<vec2> { static constexpr GLenum format = GL_RG, type = GL_FLOAT; };
-template <> struct Transfer<vec3> { static constexpr GLenum format = GL_RGB, type = GL_FLOAT; };
-template <> struct Transfer<vec4> { static constexpr GLenum format = GL_RGBA, type = GL_FLOAT; };
-template <> struct Transfer<std::uint32_t> {
+template <>
+struct Transfer<float> {
+  static constexpr GLenum format = GL_RED, type = GL_FLOAT;
+};
+template <>
+struct Transfer<vec2> {
+  static constexpr GLenum format = GL_RG, type = GL_FLOAT;
+};
+template <>
+struct Transfer<vec3> {
+  static constexpr GLenum format = GL_RGB, type = GL_FLOAT;
+};
+template <>
+struct Transfer<vec4> {
+  static constexpr GLenum format = GL_RGBA, type = GL_FLOAT;
+};
+template <>
+struct Transfer<std::uint32_t> {
   static constexpr GLenum format = GL_RED_INTEGER, type = GL_UNSIGNED_INT;
 };
-template <> struct Transfer<Rgba8> { static constexpr GLenum format = GL_RGBA, type = GL_UNSIGNED_BYTE; };
+template <>
+struct Transfer<Rgba8> {
+  static constexpr GLenum format = GL_RGBA, type = GL_UNSIGNED_BYTE;
+};
 
 }  // namespace
 
@@ -122,8 +139,10 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> colors, const Tex
     width_ = depth->width();
     height_ = depth->height();
   }
-  if (count) glNamedFramebufferDrawBuffers(id_, count, buffers);
-  else glNamedFramebufferDrawBuffer(id_, GL_NONE);
+  if (count)
+    glNamedFramebufferDrawBuffers(id_, count, buffers);
+  else
+    glNamedFramebufferDrawBuffer(id_, GL_NONE);
   if (glCheckNamedFramebufferStatus(id_, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error(ErrorCode::no_gl, "the driver refuses a framebuffer of " + std::to_string(count) +
                                       " float targets; run `sfumato doctor`");

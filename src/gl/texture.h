@@ -13,11 +13,12 @@ namespace sfumato::gl {
 class Texture {
  public:
   Texture() = default;
-  /// Immutable storage. More than one level only where the size halves exactly (GL rounds down); a pyramid of any
-  /// size is a list of textures. Filters nearest, clamps to the edge. Throws Error(out_of_memory) or Error(usage) beyond the driver's size.
+  /// Immutable storage. More than one level only where the size halves exactly (GL rounds down); a pyramid of
+  /// any size is a list of textures. Filters nearest, clamps to the edge. Throws Error(out_of_memory) or
+  /// Error(usage) beyond the driver's size.
   Texture(const std::string& label, GLenum format, int width, int height, int levels = 1);
-  /// One level of `mipmap` as a texture of its own, so that a pass may write one level while it reads another; or
-  /// several from that one on.
+  /// One level of `mipmap` as a texture of its own, so that a pass may write one level while it reads
+  /// another; or several from that one on.
   static Texture view(const Texture& mipmap, int level, int levels = 1);
   ~Texture();
   Texture(Texture&& other) noexcept { swap(other); }

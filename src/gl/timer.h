@@ -1,5 +1,5 @@
-// A named scope around every pass. GL timestamps on GPUs; finish and a clock on software GL, whose timer queries
-// return 0. Off unless asked for: measuring costs a finish per pass.
+// A named scope around every pass. GL timestamps on GPUs; finish and a clock on software GL, whose timer
+// queries return 0. Off unless asked for: measuring costs a finish per pass.
 #pragma once
 
 #include <epoxy/gl.h>

@@ -1,4 +1,5 @@
-// Bare arrays: NumPy's .npy (a row a point, or records with names) and KITTI's .bin (x y z intensity as floats).
+// Bare arrays: NumPy's .npy (a row a point, or records with names) and KITTI's .bin (x y z intensity as
+// floats).
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -22,9 +23,10 @@ struct Array {
 
 std::optional<StoredType> type_of(std::string_view text) {
   static const std::pair<std::string_view, StoredType> types[] = {
-      {"f4", StoredType::float32}, {"f8", StoredType::float64}, {"u1", StoredType::uint8},  {"i1", StoredType::int8},
-      {"u2", StoredType::uint16},  {"i2", StoredType::int16},   {"u4", StoredType::uint32}, {"i4", StoredType::int32},
-      {"u8", StoredType::uint64},  {"i8", StoredType::int64},   {"b1", StoredType::uint8}};
+      {"f4", StoredType::float32}, {"f8", StoredType::float64}, {"u1", StoredType::uint8},
+      {"i1", StoredType::int8},    {"u2", StoredType::uint16},  {"i2", StoredType::int16},
+      {"u4", StoredType::uint32},  {"i4", StoredType::int32},   {"u8", StoredType::uint64},
+      {"i8", StoredType::int64},   {"b1", StoredType::uint8}};
   for (const auto& [name, type] : types)
     if (text == name) return type;
   return std::nullopt;
@@ -45,7 +47,8 @@ class NpyHeader {
     const std::uint64_t at = is_long ? 12 : 10;
     const std::uint64_t size = byte(8) | byte(9) << 8 | (is_long ? byte(10) << 16 | byte(11) << 24 : 0);
     array_.begin = at + size;
-    if (size > (1 << 20) || array_.begin > file_.size()) fail("found a header of " + std::to_string(size) + " bytes; the file is damaged");
+    if (size > (1 << 20) || array_.begin > file_.size())
+      fail("found a header of " + std::to_string(size) + " bytes; the file is damaged");
     text_ = file_.read_text(at, std::size_t(size));
     array_.by_column = value_of("fortran_order").starts_with("True");
     read_shape();
@@ -79,7 +82,8 @@ class NpyHeader {
       text.remove_prefix(error == std::errc() ? std::size_t(end - text.data()) : 1);
     }
     if (!is_cloud_ && shape_.size() == 1) shape_.push_back(1), is_list_ = true;
-    if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull || (shape_.size() == 2 && shape_[1] > 256))
+    if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull ||
+        (shape_.size() == 2 && shape_[1] > 256))
       fail("found an array of another shape than (points, columns); save the points as rows");
     array_.rows = shape_[0];
   }
@@ -90,17 +94,21 @@ class NpyHeader {
       const StoredType type = element(descr.substr(1, descr.find('\'', 1) - 1));
       if (shape_.size() != 2) fail("found a list of numbers, expected (points, columns)");
       std::vector<std::string> names;
-      if (is_cloud_) names = names_of(std::size_t(shape_[1]), type);
-      else names.resize(std::size_t(shape_[1]));
+      if (is_cloud_)
+        names = names_of(std::size_t(shape_[1]), type);
+      else
+        names.resize(std::size_t(shape_[1]));
       const std::size_t size = size_of(type);
       for (std::size_t k = 0; k < names.size(); ++k)
-        array_.columns.push_back({names[k], type, type, array_.by_column ? k * size * std::size_t(array_.rows) : k * size,
+        array_.columns.push_back({names[k], type, type,
+                                  array_.by_column ? k * size * std::size_t(array_.rows) : k * size,
                                   array_.by_column ? size : size * names.size()});
       array_.record = size * names.size();
     } else {
       read_records(descr);
     }
-    if (is_cloud_ && !assign_roles(array_.columns)) fail("the columns lack x, y or z; name them with --columns");
+    if (is_cloud_ && !assign_roles(array_.columns))
+      fail("the columns lack x, y or z; name them with --columns");
   }
 
   void read_records(std::string_view descr) {
@@ -127,7 +135,9 @@ class NpyHeader {
     if (text.empty()) fail("found no type of numbers; the file is damaged");
     const bool big = text[0] == '>';
     const auto type = type_of(text.substr(1));
-    if (!type || (big && seen_little_)) fail("found numbers of type '" + std::string(text.substr(0, 20)) + "', which are not read; save floats");
+    if (!type || (big && seen_little_))
+      fail("found numbers of type '" + std::string(text.substr(0, 20)) +
+           "', which are not read; save floats");
     seen_little_ = seen_little_ || (!big && size_of(*type) > 1);
     array_.big_endian = array_.big_endian || big;
     return *type;
@@ -136,14 +146,16 @@ class NpyHeader {
   std::vector<std::string> names_of(std::size_t width, StoredType type) const {
     if (!options_.columns.empty()) {
       if (options_.columns.size() != width)
-        throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(width) + " columns, --columns names " +
+        throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(width) +
+                                          " columns, --columns names " +
                                           std::to_string(options_.columns.size()));
       return options_.columns;
     }
     if (width < 3) fail("found " + std::to_string(width) + " columns, expected x y z and more");
     // The same guess as for text, from the first rows.
     std::vector<std::vector<double>> rows;
-    if (!array_.by_column && !array_.big_endian && (type == StoredType::float32 || type == StoredType::float64)) {
+    if (!array_.by_column && !array_.big_endian &&
+        (type == StoredType::float32 || type == StoredType::float64)) {
       const std::size_t size = size_of(type);
       const std::string bytes = file_.read_text(array_.begin, 100 * size * width);
       for (std::size_t at = 0; at + size * width <= bytes.size(); at += size * width) {
@@ -188,7 +200,8 @@ double number_of(StoredType type, const std::byte* bytes) {
 }
 
 ReadResult read_array(const File& file, const Array& array, Progress& progress) {
-  const std::size_t rows = std::size_t(array.rows), step = array.by_column ? std::max<std::size_t>(rows, 1) : 1 << 16;
+  const std::size_t rows = std::size_t(array.rows),
+                    step = array.by_column ? std::max<std::size_t>(rows, 1) : 1 << 16;
   CloudBuilder builder(array.columns, rows, array.big_endian);
   std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, rows)};
   std::vector<std::byte> block;
@@ -212,7 +225,8 @@ NpyValues read_npy_values(const std::filesystem::path& path, Progress& progress)
   const Array array = NpyHeader(file, {}, false).parse();
   NpyValues result;
   const auto rows = std::size_t(array.rows);
-  if (rows > 0 && array.record == 0) bad_input(path, "header", "found records of no bytes; the file is damaged");
+  if (rows > 0 && array.record == 0)
+    bad_input(path, "header", "found records of no bytes; the file is damaged");
   const std::string bytes = file.read_text(array.begin, std::size_t(array.record) * rows);
   for (const Column& column : array.columns) {
     progress.check();
@@ -232,7 +246,8 @@ NpyValues read_npy_values(const std::filesystem::path& path, Progress& progress)
 
 bool is_npy(std::string_view head) { return head.starts_with("\x93NUMPY"); }
 
-ReadResult read_npy_points(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+ReadResult read_npy_points(const std::filesystem::path& path, const ReadOptions& options,
+                           Progress& progress) {
   const File file(path);
   return read_array(file, NpyHeader(file, options).parse(), progress);
 }
@@ -242,7 +257,8 @@ ReadResult read_kitti(const std::filesystem::path& path, const ReadOptions&, Pro
   constexpr std::uint64_t record = 16;
   if (file.size() % record != 0)
     bad_input(path, "byte " + std::to_string(file.size()),
-              "the file ends inside a point, expected records of 4 floats (KITTI); it is cut short or of another layout");
+              "the file ends inside a point, expected records of 4 floats (KITTI); it is cut short or of "
+              "another layout");
   Array array;
   const char* names[] = {"x", "y", "z", "intensity"};
   for (std::size_t k = 0; k < 4; ++k)
@@ -254,7 +270,9 @@ ReadResult read_kitti(const std::filesystem::path& path, const ReadOptions&, Pro
   // Bytes of anything pass for floats: coordinates of a vehicle's scanner lie within some hundred metres.
   const double reach = std::max(glm::length(result.report.bounds_min), glm::length(result.report.bounds_max));
   if (result.report.points_finite == 0 || reach > 1e5)
-    bad_input(path, "byte 0", "the numbers are no points of a vehicle's scanner (4 floats each); name the format by its extension");
+    bad_input(
+        path, "byte 0",
+        "the numbers are no points of a vehicle's scanner (4 floats each); name the format by its extension");
   result.cloud.scanners.push_back(dvec3(0));
   result.report.notes.push_back("taken as KITTI: x y z intensity as floats, the scanner at 0 0 0");
   return result;

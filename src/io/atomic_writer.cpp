@@ -25,26 +25,22 @@ constexpr std::size_t buffer_size = 1 << 20;
 // Short, whatever the file is called: names may have 255 bytes.
 constexpr std::string_view temporary_begin = ".sfumato-", temporary_end = ".tmp";
 
-std::string cause(int error) {
-  return std::generic_category().message(error);
-}
+std::string cause(int error) { return std::generic_category().message(error); }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : ".";
 }
 
-std::filesystem::path name_of_handle(int handle) {
-  return "/proc/self/fd/" + std::to_string(handle);
-}
+std::filesystem::path name_of_handle(int handle) { return "/proc/self/fd/" + std::to_string(handle); }
 
 std::filesystem::path temporary_in(const std::filesystem::path& folder) {
   static std::atomic<unsigned> serial{0};
-  return folder / (std::string(temporary_begin) + std::to_string(::getpid()) + "-" + std::to_string(serial++) +
-                   std::string(temporary_end));
+  return folder / (std::string(temporary_begin) + std::to_string(::getpid()) + "-" +
+                   std::to_string(serial++) + std::string(temporary_end));
 }
 
-/// Deletes the temporaries of processes that were killed between naming and renaming. Writers hold a lock on theirs,
-/// and the kernel lets go of it when they die.
+/// Deletes the temporaries of processes that were killed between naming and renaming. Writers hold a lock on
+/// theirs, and the kernel lets go of it when they die.
 void sweep(const std::filesystem::path& folder) {
   static std::mutex mutex;
   static std::set<std::filesystem::path> swept;
@@ -55,7 +51,8 @@ void sweep(const std::filesystem::path& folder) {
   while (const dirent* entry = ::readdir(directory)) {
     const std::string_view name = entry->d_name;
     if (!name.starts_with(temporary_begin) || !name.ends_with(temporary_end)) continue;
-    const int handle = ::openat(::dirfd(directory), entry->d_name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    const int handle =
+        ::openat(::dirfd(directory), entry->d_name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (handle < 0) continue;
     if (::flock(handle, LOCK_EX | LOCK_NB) == 0) ::unlinkat(::dirfd(directory), entry->d_name, 0);
     ::close(handle);
@@ -88,15 +85,16 @@ void refuse_special_file(const std::filesystem::path& path) {
                      : S_ISFIFO(info.st_mode) ? "a FIFO"
                      : S_ISSOCK(info.st_mode) ? "a socket"
                                               : "a device";
-  throw Error(ErrorCode::usage,
-              path.string() + ": is " + kind + ", which is not replaced; name a file, or - for standard output");
+  throw Error(ErrorCode::usage, path.string() + ": is " + kind +
+                                    ", which is not replaced; name a file, or - for standard output");
 }
 
 AtomicWriter::AtomicWriter(const std::filesystem::path& path)
     : path_(path), to_standard_output_(is_standard_output(path)) {
   if (to_standard_output_) {
     if (::isatty(STDOUT_FILENO))
-      throw Error(ErrorCode::usage, path.string() + ": standard output is a terminal; redirect it, or name a file");
+      throw Error(ErrorCode::usage,
+                  path.string() + ": standard output is a terminal; redirect it, or name a file");
     handle_ = ::memfd_create("standard output", MFD_CLOEXEC);
     if (handle_ < 0) fail("cannot get memory for it");
   } else {
@@ -116,7 +114,8 @@ void AtomicWriter::open_beside() {
   const std::filesystem::path folder = folder_of(target_);
   sweep(folder);
   handle_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-  if (handle_ >= 0 && ::access(name_of_handle(handle_).c_str(), F_OK) != 0) ::close(std::exchange(handle_, -1));
+  if (handle_ >= 0 && ::access(name_of_handle(handle_).c_str(), F_OK) != 0)
+    ::close(std::exchange(handle_, -1));
   if (handle_ < 0) {
     const std::filesystem::path temporary = temporary_in(folder);
     handle_ = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -125,7 +124,8 @@ void AtomicWriter::open_beside() {
   }
   ::flock(handle_, LOCK_EX | LOCK_NB);
   if (!exists_) return;
-  if ((old.st_uid != ::geteuid() || old.st_gid != ::getegid()) && ::fchown(handle_, old.st_uid, old.st_gid) != 0)
+  if ((old.st_uid != ::geteuid() || old.st_gid != ::getegid()) &&
+      ::fchown(handle_, old.st_uid, old.st_gid) != 0)
     errno = 0;  // only root gives files away; the mode below still holds
   if (::fchmod(handle_, old.st_mode & 07777) != 0) fail("cannot keep its mode");
 }
@@ -170,7 +170,8 @@ void AtomicWriter::commit() {
   temporary_.clear();
   if (::close(std::exchange(handle_, -1)) != 0) fail("write failed");
   // The name itself reaches the disk with its folder; a file system that cannot sync folders is no error.
-  if (const int directory = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); directory >= 0) {
+  if (const int directory = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      directory >= 0) {
     ::fsync(directory);
     ::close(directory);
   }
@@ -246,7 +247,8 @@ std::streamsize WriterBuffer::xsputn(const char* bytes, std::streamsize count) {
   return count;
 }
 
-WriterBuffer::pos_type WriterBuffer::seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) {
+WriterBuffer::pos_type WriterBuffer::seekoff(off_type offset, std::ios_base::seekdir from,
+                                             std::ios_base::openmode) {
   const off_type here = off_type(writer_.tell()) + (pptr() - pbase());
   if (from == std::ios_base::cur && offset == 0) return pos_type(here);
   const off_type end = std::max(here, off_type(writer_.size()));

@@ -15,16 +15,18 @@ namespace sfumato::io {
 /// `-` and /dev/stdout: the output goes to whoever reads ours.
 bool is_standard_output(const std::filesystem::path& path);
 
-/// Symbolic links at the end of `path` followed, also to a file that does not exist yet: writing replaces what they
-/// lead to, never the link. Error(io) when they lead in a circle.
+/// Symbolic links at the end of `path` followed, also to a file that does not exist yet: writing replaces
+/// what they lead to, never the link. Error(io) when they lead in a circle.
 std::filesystem::path follow_links(const std::filesystem::path& path);
 
-/// Throws Error(usage) when `path` is there and is no regular file: a device, FIFO or folder is never replaced.
+/// Throws Error(usage) when `path` is there and is no regular file: a device, FIFO or folder is never
+/// replaced.
 void refuse_special_file(const std::filesystem::path& path);
 
-/// Writes to a file that has no name (or, where the file system cannot do that, a temporary one in the same folder);
-/// `commit` gives it its name, or sends it to standard output. Without `commit` (an error, Ctrl-C, a killed process)
-/// nothing is left, and an older file of that name stays as it was. The mode of a replaced file is kept.
+/// Writes to a file that has no name (or, where the file system cannot do that, a temporary one in the same
+/// folder); `commit` gives it its name, or sends it to standard output. Without `commit` (an error, Ctrl-C, a
+/// killed process) nothing is left, and an older file of that name stays as it was. The mode of a replaced
+/// file is kept.
 class AtomicWriter {
  public:
   explicit AtomicWriter(const std::filesystem::path& path);
@@ -48,15 +50,16 @@ class AtomicWriter {
   void give_name();
   [[noreturn]] void fail(std::string_view what) const;
 
-  std::filesystem::path path_, target_, temporary_;  ///< as given; behind its links; empty while there is no name
+  std::filesystem::path path_, target_,
+      temporary_;  ///< as given; behind its links; empty while there is no name
   bool exists_ = false, to_standard_output_ = false;
   int handle_ = -1;
   std::uint64_t at_ = 0, size_ = 0;
   std::vector<std::byte> buffer_;
 };
 
-/// An AtomicWriter for libraries that write to a std::ostream. They swallow exceptions: `rethrow` throws what went
-/// wrong.
+/// An AtomicWriter for libraries that write to a std::ostream. They swallow exceptions: `rethrow` throws what
+/// went wrong.
 class WriterBuffer final : public std::streambuf {
  public:
   explicit WriterBuffer(AtomicWriter& writer);

@@ -26,7 +26,8 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
     using Event = Json::parse_event_t;
     if (event == Event::object_start || event == Event::array_start) {
       keys.push_back(0);
-      if (keys.size() > deepest) refuse("nested more than " + std::to_string(deepest) + " deep; write it flat");
+      if (keys.size() > deepest)
+        refuse("nested more than " + std::to_string(deepest) + " deep; write it flat");
     } else if (event == Event::object_end || event == Event::array_end) {
       keys.pop_back();
     } else if (event == Event::key && ++keys.back() > most_keys) {
@@ -44,7 +45,8 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
     const std::string_view read = text.substr(0, error.byte > 0 ? std::min(error.byte - 1, text.size()) : 0);
     const std::size_t line = 1 + std::size_t(std::count(read.begin(), read.end(), '\n'));
     const std::size_t column = read.size() - (read.rfind('\n') == read.npos ? 0 : read.rfind('\n') + 1) + 1;
-    std::string what = error.what();  // "... syntax error while parsing object - unexpected ...; expected ..."
+    std::string what =
+        error.what();  // "... syntax error while parsing object - unexpected ...; expected ..."
     what = what.substr(what.find(" - ") == what.npos ? what.size() : what.find(" - ") + 3);
     what = what.substr(0, what.find("; last read"));
     refuse("not valid JSON: line " + std::to_string(line) + ", column " + std::to_string(column) +
@@ -58,7 +60,8 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
 nlohmann::ordered_json load_json(const std::filesystem::path& file) {
   const File input(file);
   if (input.size() > largest_file)
-    throw Error(ErrorCode::bad_input, file.string() + ": larger than 16 MB; this is no camera, path or preset");
+    throw Error(ErrorCode::bad_input,
+                file.string() + ": larger than 16 MB; this is no camera, path or preset");
   return parse_json(input.read_text(0, std::size_t(input.size())), file.string());
 }
 

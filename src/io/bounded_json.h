@@ -1,6 +1,6 @@
-// JSON from files that nobody vouches for: nested at most 16 deep, objects of at most 1000 keys, at most 16 MB.
-// Deeper nesting would overflow the stack of whoever walks it; the key lists of our ordered objects are searched
-// one by one.
+// JSON from files that nobody vouches for: nested at most 16 deep, objects of at most 1000 keys, at most 16
+// MB. Deeper nesting would overflow the stack of whoever walks it; the key lists of our ordered objects are
+// searched one by one.
 #pragma once
 
 #include <filesystem>

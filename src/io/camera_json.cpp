@@ -116,9 +116,7 @@ Camera camera_from_json(std::string_view text, const std::string& where) {
   return read(parse_json(text, where), where);
 }
 
-Camera read_camera(const std::filesystem::path& file) {
-  return read(load_json(file), file.string());
-}
+Camera read_camera(const std::filesystem::path& file) { return read(load_json(file), file.string()); }
 
 void write_camera(const std::filesystem::path& file, const Camera& camera) {
   AtomicWriter writer(file);

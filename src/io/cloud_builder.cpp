@@ -36,24 +36,15 @@ template <class Out>
 void load(const Column& column, const std::byte* from, std::size_t count, bool swap, Out* out) {
   const std::size_t stride = column.stride;
   switch (column.layout) {
-    case StoredType::uint8:
-      return load_as<std::uint8_t>(from, stride, count, false, out);
-    case StoredType::int8:
-      return load_as<std::int8_t>(from, stride, count, false, out);
-    case StoredType::uint16:
-      return load_as<std::uint16_t>(from, stride, count, swap, out);
-    case StoredType::int16:
-      return load_as<std::int16_t>(from, stride, count, swap, out);
-    case StoredType::uint32:
-      return load_as<std::uint32_t>(from, stride, count, swap, out);
-    case StoredType::int32:
-      return load_as<std::int32_t>(from, stride, count, swap, out);
-    case StoredType::uint64:
-      return load_as<std::uint64_t>(from, stride, count, swap, out);
-    case StoredType::int64:
-      return load_as<std::int64_t>(from, stride, count, swap, out);
-    case StoredType::float64:
-      return load_as<double>(from, stride, count, swap, out);
+    case StoredType::uint8: return load_as<std::uint8_t>(from, stride, count, false, out);
+    case StoredType::int8: return load_as<std::int8_t>(from, stride, count, false, out);
+    case StoredType::uint16: return load_as<std::uint16_t>(from, stride, count, swap, out);
+    case StoredType::int16: return load_as<std::int16_t>(from, stride, count, swap, out);
+    case StoredType::uint32: return load_as<std::uint32_t>(from, stride, count, swap, out);
+    case StoredType::int32: return load_as<std::int32_t>(from, stride, count, swap, out);
+    case StoredType::uint64: return load_as<std::uint64_t>(from, stride, count, swap, out);
+    case StoredType::int64: return load_as<std::int64_t>(from, stride, count, swap, out);
+    case StoredType::float64: return load_as<double>(from, stride, count, swap, out);
     case StoredType::float32:
       if (swap) return load_as<float>(from, stride, count, true, out);
       return load_as<float>(from, stride, count, false, out);
@@ -320,7 +311,8 @@ namespace {
 /// The quantiles 2 % and 98 % of a coordinate, from a sample.
 std::pair<double, double> middle_of(const std::vector<dvec3>& points, int axis) {
   std::vector<double> sample;
-  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 10'000) sample.push_back(points[i][axis]);
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 10'000)
+    sample.push_back(points[i][axis]);
   if (sample.empty()) return {0, 0};
   const auto quantile = [&](std::size_t place) {
     std::nth_element(sample.begin(), sample.begin() + std::ptrdiff_t(place), sample.end());
@@ -338,7 +330,9 @@ void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, PointClo
     // A stray point far off must not take the digits of all others: then the origin is where most points are.
     dvec3 low = min, high = max;
     for (int k = 0; k < 3; ++k) std::tie(low[k], high[k]) = middle_of(world_, k);
-    const auto extent = [](const dvec3& a, const dvec3& b) { return std::max({b.x - a.x, b.y - a.y, b.z - a.z}); };
+    const auto extent = [](const dvec3& a, const dvec3& b) {
+      return std::max({b.x - a.x, b.y - a.y, b.z - a.z});
+    };
     if (extent(min, max) > 1000 * extent(low, high)) cloud.origin = choose_origin(low, high, false);
     allocate(cloud.positions, world_.size());
     for (std::size_t i = 0; i < world_.size(); ++i) cloud.positions[i] = vec3(world_[i] - cloud.origin);

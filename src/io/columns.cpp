@@ -36,9 +36,7 @@ bool is_wide(StoredType type) {
          type == StoredType::int64 || type == StoredType::uint64;
 }
 
-bool is_integer(StoredType type) {
-  return type != StoredType::float32 && type != StoredType::float64;
-}
+bool is_integer(StoredType type) { return type != StoredType::float32 && type != StoredType::float64; }
 
 int column_of(const std::vector<Column>& columns, Role role) {
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -49,19 +47,15 @@ int column_of(const std::vector<Column>& columns, Role role) {
 std::size_t size_of(StoredType type) {
   switch (type) {
     case StoredType::uint8:
-    case StoredType::int8:
-      return 1;
+    case StoredType::int8: return 1;
     case StoredType::uint16:
-    case StoredType::int16:
-      return 2;
+    case StoredType::int16: return 2;
     case StoredType::uint32:
     case StoredType::int32:
-    case StoredType::float32:
-      return 4;
+    case StoredType::float32: return 4;
     case StoredType::uint64:
     case StoredType::int64:
-    case StoredType::float64:
-      return 8;
+    case StoredType::float64: return 8;
   }
   return 0;
 }

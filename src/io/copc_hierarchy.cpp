@@ -41,15 +41,18 @@ std::vector<CopcNode> read_copc_tree(const InputFile& file, const Header& header
     pages_size += page.size;
     if (page.size == 0 || page.size % entry_size != 0 || page.byte > file.size() ||
         page.size > file.size() - page.byte || pages_size > file.size())
-      file.fail(page.byte, "found a hierarchy page of " + std::to_string(page.size) +
-                               " bytes, expected a multiple of 32 inside the file; the file is truncated or damaged");
+      file.fail(page.byte,
+                "found a hierarchy page of " + std::to_string(page.size) +
+                    " bytes, expected a multiple of 32 inside the file; the file is truncated or damaged");
     if (!seen_pages.insert(page.byte).second)
-      file.fail(page.byte, "found a hierarchy page that leads back to itself, expected a tree; the file is damaged");
+      file.fail(page.byte,
+                "found a hierarchy page that leads back to itself, expected a tree; the file is damaged");
     std::vector<std::uint8_t> bytes(page.size);
     file.read(page.byte, bytes.data(), page.size);
     for (std::uint64_t at = 0; at < page.size; at += entry_size) {
       const std::uint8_t* b = bytes.data() + at;
-      const Key key{get<std::int32_t>(b), get<std::int32_t>(b + 4), get<std::int32_t>(b + 8), get<std::int32_t>(b + 12)};
+      const Key key{get<std::int32_t>(b), get<std::int32_t>(b + 4), get<std::int32_t>(b + 8),
+                    get<std::int32_t>(b + 12)};
       const auto byte = get<std::uint64_t>(b + 16);
       const auto size = get<std::int32_t>(b + 24), count = get<std::int32_t>(b + 28);
       auto require = [&](bool is_fine, const std::string& what) {
@@ -72,12 +75,14 @@ std::vector<CopcNode> read_copc_tree(const InputFile& file, const Header& header
       nodes.push_back({key[0], key[1], key[2], key[3], {byte, std::uint64_t(size), 0, std::uint32_t(count)}});
     }
   }
-  std::sort(nodes.begin(), nodes.end(), [](const CopcNode& a, const CopcNode& b) { return a.chunk.byte < b.chunk.byte; });
+  std::sort(nodes.begin(), nodes.end(),
+            [](const CopcNode& a, const CopcNode& b) { return a.chunk.byte < b.chunk.byte; });
   std::uint64_t first = 0, end = 0;
   for (CopcNode& one : nodes) {
     LazChunk& node = one.chunk;
     if (node.byte < end)
-      file.fail(node.byte, "found two octree nodes that overlap, expected one behind the other; the file is damaged");
+      file.fail(node.byte,
+                "found two octree nodes that overlap, expected one behind the other; the file is damaged");
     end = node.byte + node.size;
     node.level = one.level, node.x = one.x, node.y = one.y, node.z = one.z;
     node.first = first;

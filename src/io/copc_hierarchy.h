@@ -15,9 +15,9 @@ struct CopcNode {
 /// As `read_copc_nodes`, and where they are in the octree.
 std::vector<CopcNode> read_copc_tree(const InputFile& file, const Header& header, const LazLayout& layout);
 
-/// The nodes that hold points, by their place in the file, so that their points come in the order of a linear read.
-/// Throws Error(bad_input) for pages outside the file, cycles, duplicate or impossible nodes, and counts beyond the
-/// header's.
+/// The nodes that hold points, by their place in the file, so that their points come in the order of a linear
+/// read. Throws Error(bad_input) for pages outside the file, cycles, duplicate or impossible nodes, and
+/// counts beyond the header's.
 std::vector<LazChunk> read_copc_nodes(const InputFile& file, const Header& header, const LazLayout& layout);
 
 }  // namespace sfumato::io::las

@@ -1,5 +1,5 @@
-// What a program of ours and its decoder processes (src/apps/decoder) say to each other: packets over a socket, bytes and
-// records in memory that both see.
+// What a program of ours and its decoder processes (src/apps/decoder) say to each other: packets over a
+// socket, bytes and records in memory that both see.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ inline constexpr int decoder_socket = 3, decoder_memory = 4;
 
 enum class Decode : std::uint32_t { laszip = 1, draco = 2 };
 
-/// To the decoder: begin. The records come in blocks of `block_points` (the last is shorter) into two places in turn, the
-/// third block only after the first was given back (any packet of one byte), and so on.
+/// To the decoder: begin. The records come in blocks of `block_points` (the last is shorter) into two places
+/// in turn, the third block only after the first was given back (any packet of one byte), and so on.
 struct DecodeJob {
   Decode what = Decode::laszip;
   std::uint32_t format = 0, record_length = 0;  ///< LASzip: of its points

@@ -71,8 +71,10 @@ std::vector<fs::path> places() {
     all.push_back(folder / "sfumato-decoder");
     all.push_back(folder.parent_path() / "libexec" / "sfumato" / "sfumato-decoder");
   };
-  // A name that is not absolute is what the program was called, which may be anything in the folder it is called from.
-  if (::dladdr(reinterpret_cast<const void*>(&why_no_decoders), &info) && info.dli_fname && info.dli_fname[0] == '/')
+  // A name that is not absolute is what the program was called, which may be anything in the folder it is
+  // called from.
+  if (::dladdr(reinterpret_cast<const void*>(&why_no_decoders), &info) && info.dli_fname &&
+      info.dli_fname[0] == '/')
     add(info.dli_fname);
   add("/proc/self/exe");
   all.push_back(SFUMATO_DECODER_FILE);
@@ -86,13 +88,15 @@ class DecoderJob::Process {
   explicit Process(const fs::path& program) {
     memory_ = Handle(::memfd_create("sfumato decoder", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     int pair[2] = {-1, -1};
-    if (memory_.get() < 0 || ::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) fail("cannot be set up", errno);
+    if (memory_.get() < 0 || ::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
+      fail("cannot be set up", errno);
     socket_ = Handle(pair[0]);
     const Handle other(pair[1]);
     // Shared memory cut short would end us with SIGBUS.
     if (::fcntl(memory_.get(), F_ADD_SEALS, F_SEAL_SHRINK) != 0) fail("cannot be set up", errno);
     // dup2 onto the same number would keep close-on-exec: both numbers come from above.
-    const Handle far_socket(::fcntl(other.get(), F_DUPFD_CLOEXEC, 16)), far_memory(::fcntl(memory_.get(), F_DUPFD_CLOEXEC, 16));
+    const Handle far_socket(::fcntl(other.get(), F_DUPFD_CLOEXEC, 16)),
+        far_memory(::fcntl(memory_.get(), F_DUPFD_CLOEXEC, 16));
     if (far_socket.get() < 0 || far_memory.get() < 0) fail("cannot be set up", errno);
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -109,7 +113,8 @@ class DecoderJob::Process {
     ::posix_spawnattr_setsigmask(&attributes, &none);
     ::posix_spawnattr_setsigdefault(&attributes, &all);
     ::posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C is ours to answer
-    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    ::posix_spawnattr_setflags(&attributes,
+                               POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     char name[] = "sfumato-decoder";
     char* const words[] = {name, nullptr};
     const int error = ::posix_spawn(&id_, program.c_str(), &actions, &attributes, words, environ);
@@ -125,8 +130,10 @@ class DecoderJob::Process {
     if (map_) ::munmap(map_, map_size_);
     socket_ = Handle();  // an idle process ends of this
     if (is_busy) kill();
-    if (id_ > 0 && is_busy) wait();
-    else if (id_ > 0) ::waitpid(id_, nullptr, WNOHANG);
+    if (id_ > 0 && is_busy)
+      wait();
+    else if (id_ > 0)
+      ::waitpid(id_, nullptr, WNOHANG);
   }
 
   Process(const Process&) = delete;
@@ -171,14 +178,16 @@ class DecoderJob::Process {
     if (::ftruncate(memory_.get(), off_t(size)) == 0)
       mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, memory_.get(), 0);
     if (mapped == MAP_FAILED)
-      throw Error(ErrorCode::out_of_memory, "decoding needs " + std::to_string(size >> 20) + " MB (" + cause(errno) +
-                                                "); close other programs, or take fewer threads (SFUMATO_THREADS=1)");
+      throw Error(ErrorCode::out_of_memory,
+                  "decoding needs " + std::to_string(size >> 20) + " MB (" + cause(errno) +
+                      "); close other programs, or take fewer threads (SFUMATO_THREADS=1)");
     map_ = static_cast<std::uint8_t*>(mapped), map_size_ = size;
   }
 
   /// What it may take from now on. A limit that cannot be set is one that is tighter already.
   void limit(std::uint64_t memory, std::uint64_t seconds) const {
-    struct rlimit space {}, time {};
+    struct rlimit space {
+    }, time{};
     if (::prlimit(id_, RLIMIT_AS, nullptr, &space) == 0) {
       space.rlim_cur = std::min<rlim_t>(space.rlim_max, memory);
 #ifndef SFUMATO_DECODER_SANITIZED
@@ -197,18 +206,23 @@ class DecoderJob::Process {
   bool is_busy = false;
 
  private:
-  /// Processor time so far; negative when it cannot be known. Linux holds RLIMIT_CPU against ticks of its timer, not against
-  /// the time that was used, and for work in short turns the two drift apart: by 0.5 s in 17 s, measured on a busy machine.
+  /// Processor time so far; negative when it cannot be known. Linux holds RLIMIT_CPU against ticks of its
+  /// timer, not against the time that was used, and for work in short turns the two drift apart: by 0.5 s in
+  /// 17 s, measured on a busy machine.
   time_t used_seconds() const {
     clockid_t precise{};
-    struct timespec used {}, ticks {};
+    struct timespec used {
+    }, ticks{};
     if (::clock_getcpuclockid(id_, &precise) != 0 || ::clock_gettime(precise, &used) != 0) return -1;
-    const clockid_t by_ticks = precise & ~clockid_t(7);  // CPUCLOCK_PROF of the same process; the low bits are the kind
+    const clockid_t by_ticks =
+        precise & ~clockid_t(7);  // CPUCLOCK_PROF of the same process; the low bits are the kind
     if (::clock_gettime(by_ticks, &ticks) != 0) return used.tv_sec;
     return std::max(used.tv_sec, ticks.tv_sec);
   }
 
-  [[noreturn]] static void fail(const std::string& what, int error) { throw std::runtime_error(what + " (" + cause(error) + ")"); }
+  [[noreturn]] static void fail(const std::string& what, int error) {
+    throw std::runtime_error(what + " (" + cause(error) + ")");
+  }
 
   pid_t id_ = -1;
   Handle socket_, memory_, id_handle_;
@@ -220,7 +234,9 @@ namespace {
 
 /// Waits for a packet: true when there is one, or the end. `wait_ms` < 0: as long as it takes.
 bool is_ready(int socket, int wait_ms, const Progress& progress) {
-  struct pollfd one {socket, POLLIN, 0};
+  struct pollfd one {
+    socket, POLLIN, 0
+  };
   for (int waited = 0; wait_ms < 0 || waited < wait_ms; waited += poll_ms) {
     const int got = ::poll(&one, 1, poll_ms);
     if (got > 0) return true;
@@ -252,7 +268,8 @@ class DecoderPool {
   using Process = DecoderJob::Process;
 
   static DecoderPool& get() {
-    static auto* pool = new DecoderPool;  // never destroyed: sockets close when we end, and the processes with them
+    static auto* pool =
+        new DecoderPool;  // never destroyed: sockets close when we end, and the processes with them
     return *pool;
   }
 
@@ -271,22 +288,27 @@ class DecoderPool {
       while (!idle_.empty()) {
         std::unique_ptr<Process> process = std::move(idle_.back());
         idle_.pop_back();
-        struct pollfd one {process->socket(), POLLIN, 0};
+        struct pollfd one {
+          process->socket(), POLLIN, 0
+        };
         if (::poll(&one, 1, 0) == 0) return process;  // otherwise somebody has ended it
       }
     }
     try {
       return started();
     } catch (const std::runtime_error& error) {
-      throw Error(ErrorCode::out_of_memory, std::string("one more decoder ") + error.what() +
-                                                "; close other programs, or take fewer threads (SFUMATO_THREADS=1)");
+      throw Error(ErrorCode::out_of_memory,
+                  std::string("one more decoder ") + error.what() +
+                      "; close other programs, or take fewer threads (SFUMATO_THREADS=1)");
     }
   }
 
   void give(std::unique_ptr<Process> process) {
     const std::lock_guard lock(mutex_);
-    if (process->map_size() <= kept_memory) idle_.push_back(std::move(process));
-    else process->is_busy = true;  // and it is ended
+    if (process->map_size() <= kept_memory)
+      idle_.push_back(std::move(process));
+    else
+      process->is_busy = true;  // and it is ended
   }
 
  private:
@@ -323,7 +345,8 @@ class DecoderPool {
     }
     std::vector<fs::path> all = named.empty() ? places() : std::vector<fs::path>{named};
     std::error_code ignored;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const fs::path& file) { return fs::exists(file, ignored); });
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const fs::path& file) { return fs::exists(file, ignored); });
     if (found == all.end()) {
       reason_ = named.empty() ? "sfumato-decoder is not installed" : named + " is not there";
     } else {
@@ -336,7 +359,8 @@ class DecoderPool {
     }
     if (reason_.empty() || named.empty()) return;
     is_known_ = false;
-    throw Error(ErrorCode::usage, "SFUMATO_DECODER: " + reason_ + "; name the program sfumato-decoder, or none");
+    throw Error(ErrorCode::usage,
+                "SFUMATO_DECODER: " + reason_ + "; name the program sfumato-decoder, or none");
   }
 
   std::mutex mutex_;
@@ -352,8 +376,10 @@ std::string why_no_decoders() { return DecoderPool::get().why_none(); }
 DecoderJob::DecoderJob() : process_(DecoderPool::get().take()) {}
 
 DecoderJob::~DecoderJob() {
-  if (is_at_work_) process_->is_busy = true;  // ended with the job
-  else done();
+  if (is_at_work_)
+    process_->is_busy = true;  // ended with the job
+  else
+    done();
 }
 
 std::span<std::uint8_t> DecoderJob::make_room(std::size_t input_size, std::size_t block_size) {
@@ -382,7 +408,8 @@ DecodeReply DecoderJob::receive(Progress& progress) {
   reply.text[sizeof reply.text - 1] = 0;
   if (reply.kind == DecodeReply::fault) {
     std::string text = reply.text;
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
     done();
     throw DecodeFault(text);
   }

@@ -1,5 +1,6 @@
-// Decoders in processes of their own: what LASzip and Draco do to themselves on damaged bytes, they do there. A process has
-// limits on memory, processor time and files, and may make no system calls but those of computing (docs/adr/0130).
+// Decoders in processes of their own: what LASzip and Draco do to themselves on damaged bytes, they do there.
+// A process has limits on memory, processor time and files, and may make no system calls but those of
+// computing (docs/adr/0130).
 #pragma once
 
 #include <cstddef>
@@ -20,9 +21,10 @@ class DecodeFault : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Why this process has no decoders and decodes by itself: one line; empty when it has some. SFUMATO_DECODER names the
-/// program, or is `none`; otherwise it is sought beside the program or module that this code is in, in ../libexec/sfumato
-/// of there, and where it was configured to be installed. Throws Error(usage) when SFUMATO_DECODER names what is none.
+/// Why this process has no decoders and decodes by itself: one line; empty when it has some. SFUMATO_DECODER
+/// names the program, or is `none`; otherwise it is sought beside the program or module that this code is in,
+/// in ../libexec/sfumato of there, and where it was configured to be installed. Throws Error(usage) when
+/// SFUMATO_DECODER names what is none.
 std::string why_no_decoders();
 
 /// One job of one process. Processes are kept for the next job, and end with this one.
@@ -34,8 +36,8 @@ class DecoderJob {
   ~DecoderJob();
   DecoderJob(const DecoderJob&) = delete;
 
-  /// Room for the bytes to decode and for blocks of records, in memory that the process sees. They are nobody's to trust
-  /// once the job has begun: whoever reads them twice may read two things.
+  /// Room for the bytes to decode and for blocks of records, in memory that the process sees. They are
+  /// nobody's to trust once the job has begun: whoever reads them twice may read two things.
   std::span<std::uint8_t> make_room(std::size_t input_size, std::size_t block_size);
   /// Decodes what was put there. `memory`: bytes that the process may take beyond that.
   void begin(DecodeJob job, std::uint64_t memory);

@@ -1,12 +1,13 @@
 // A depth image and what its camera is, as JSON beside it: an organised cloud.
 //
-//   {"depth": "depth/1.png", "color": "rgb/1.png", "fx": 525, "fy": 525, "cx": 319.5, "cy": 239.5, "depth_scale": 5000,
+//   {"depth": "depth/1.png", "color": "rgb/1.png", "fx": 525, "fy": 525, "cx": 319.5, "cy": 239.5,
+//   "depth_scale": 5000,
 //    "pose": [tx, ty, tz, qx, qy, qz, qw]}
 //
-// As in the TUM RGB-D data: 16 bits a pixel, `depth_scale` of them a metre (5000), 0 where nothing was measured. Or an
-// OpenEXR with depth as floats in its channel Z, `depth_scale` 1, and 0 or no number where nothing was measured. The
-// middle of the first pixel is (0, 0); x right, y down, z forward; the pose takes the camera to the world. `color` and
-// `pose` may be left out.
+// As in the TUM RGB-D data: 16 bits a pixel, `depth_scale` of them a metre (5000), 0 where nothing was
+// measured. Or an OpenEXR with depth as floats in its channel Z, `depth_scale` 1, and 0 or no number where
+// nothing was measured. The middle of the first pixel is (0, 0); x right, y down, z forward; the pose takes
+// the camera to the world. `color` and `pose` may be left out.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -58,8 +59,10 @@ Frame read_frame(const std::filesystem::path& path) {
       double length = 0;
       for (int k = 0; k < 7; ++k) {
         const double v = number(value[std::size_t(k)], key, false);
-        if (k < 3) frame.place[k] = v;
-        else frame.q[k - 3] = v, length += v * v;
+        if (k < 3)
+          frame.place[k] = v;
+        else
+          frame.q[k - 3] = v, length += v * v;
       }
       if (!(std::abs(length - 1) < 0.01)) refuse("'pose' holds a rotation that is none");
       for (double& v : frame.q) v /= std::sqrt(length);
@@ -83,15 +86,17 @@ struct Depth {
 
 Depth read_depth(const Frame& frame) {
   std::string extension = frame.depth.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   if (extension == ".exr") {
     ExrDepth exr = read_exr_depth(frame.depth);
     return {exr.width, exr.height, {}, std::move(exr.values), frame.scale > 0 ? frame.scale : 1};
   }
   PngPicture png = read_png(frame.depth);
   if (png.channels != 1 || png.bits != 16)
-    bad_input(frame.depth, "header", "found " + std::to_string(png.channels) + " channels of " + std::to_string(png.bits) +
-                                         " bits, expected depth as one channel of 16 bits");
+    bad_input(frame.depth, "header",
+              "found " + std::to_string(png.channels) + " channels of " + std::to_string(png.bits) +
+                  " bits, expected depth as one channel of 16 bits");
   return {png.width, png.height, std::move(png.samples), {}, frame.scale > 0 ? frame.scale : 5000};
 }
 
@@ -109,10 +114,12 @@ ReadResult read_depth_image(const std::filesystem::path& path, const ReadOptions
   if (!frame.color.empty()) {
     color = read_png(frame.color);
     if (color.width != depth.width || color.height != depth.height || color.channels < 3 || color.bits != 8)
-      bad_input(frame.color, "header", "found a picture of another size or kind, expected " + std::to_string(depth.width) + "x" +
-                                           std::to_string(depth.height) + " of 8-bit colours");
+      bad_input(frame.color, "header",
+                "found a picture of another size or kind, expected " + std::to_string(depth.width) + "x" +
+                    std::to_string(depth.height) + " of 8-bit colours");
   }
-  std::vector<Column> columns{{"x", StoredType::float64}, {"y", StoredType::float64}, {"z", StoredType::float64}};
+  std::vector<Column> columns{
+      {"x", StoredType::float64}, {"y", StoredType::float64}, {"z", StoredType::float64}};
   if (!color.samples.empty())
     for (const char* name : {"red", "green", "blue"}) columns.push_back({name, StoredType::uint8});
   assign_roles(columns);
@@ -124,7 +131,8 @@ ReadResult read_depth_image(const std::filesystem::path& path, const ReadOptions
       table.column(3 + k)[i] = color.samples[i * std::size_t(color.channels) + k];
     const double z = depth.metres(i);
     if (!(z > 0)) continue;
-    dvec3 p((double(i % depth.width) - frame.cx) * z / frame.fx, (double(i / depth.width) - frame.cy) * z / frame.fy, z);
+    dvec3 p((double(i % depth.width) - frame.cx) * z / frame.fx,
+            (double(i / depth.width) - frame.cy) * z / frame.fy, z);
     if (frame.has_pose) {
       const dvec3 t = 2.0 * glm::cross(axis, p);
       p = p + frame.q[3] * t + glm::cross(axis, t) + frame.place;

@@ -1,5 +1,5 @@
-// Draco point clouds (.drc), and the vertices of Draco meshes. A decoder process does it (docs/adr/0130): the library has no
-// place in ours.
+// Draco point clouds (.drc), and the vertices of Draco meshes. A decoder process does it (docs/adr/0130): the
+// library has no place in ours.
 #include <algorithm>
 #include <charconv>
 
@@ -26,8 +26,9 @@ std::vector<Column> columns_of(std::string_view text) {
     text.remove_prefix(std::min(one.size() + 1, text.size()));
     const std::size_t space = one.find(' ');
     int type = -1;
-    if (space == one.npos || std::from_chars(one.data() + space + 1, one.data() + one.size(), type).ec != std::errc() || type < 0 ||
-        type > int(StoredType::int64))
+    if (space == one.npos ||
+        std::from_chars(one.data() + space + 1, one.data() + one.size(), type).ec != std::errc() ||
+        type < 0 || type > int(StoredType::int64))
       throw DecodeFault("a decoder out of step");
     columns.push_back({std::string(one.substr(0, space)), StoredType(type), StoredType(type), offset, 0});
     offset += size_of(StoredType(type));
@@ -43,7 +44,8 @@ bool is_draco(std::string_view head) { return head.starts_with("DRACO"); }
 ReadResult read_draco(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);
   if (const std::string reason = why_no_decoders(); !reason.empty())
-    throw Error(ErrorCode::usage, path.string() + ": Draco needs a decoder process, and there is none: " + reason);
+    throw Error(ErrorCode::usage,
+                path.string() + ": Draco needs a decoder process, and there is none: " + reason);
   const auto fail = [&](const std::string& what) {
     bad_input(path, "byte 0", "found " + what + " in a Draco file; it is truncated or damaged");
   };
@@ -61,7 +63,8 @@ ReadResult read_draco(const std::filesystem::path& path, const ReadOptions&, Pro
     std::vector<Column> columns = columns_of(reply.text);
     if (!assign_roles(columns)) fail("no positions of three numbers");
     const std::size_t record = columns.front().stride, most = block_size / record;
-    if (reply.total > 0xFFFFFFFFull || reply.total * record > std::max(trusted_bytes, trusted_ratio * file.size()))
+    if (reply.total > 0xFFFFFFFFull ||
+        reply.total * record > std::max(trusted_bytes, trusted_ratio * file.size()))
       fail(std::to_string(reply.total) + " points, more than its bytes can hold,");
     const auto rows = std::size_t(reply.total);
     CloudBuilder builder(std::move(columns), rows);

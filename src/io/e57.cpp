@@ -1,4 +1,5 @@
-// E57 (ASTM E2807): scans of bit-packed integers, scaled integers and floats, cartesian or spherical, each with its pose.
+// E57 (ASTM E2807): scans of bit-packed integers, scaled integers and floats, cartesian or spherical, each
+// with its pose.
 #include <pugixml.hpp>
 
 #include <algorithm>
@@ -46,7 +47,8 @@ class Reader {
     ReadResult result;
     std::uint64_t points = 0;
     for (Scan& scan : scans_) points += scan.points;
-    if (points > 0xFFFFFFFFull) file_.fail(0, "found " + std::to_string(points) + " points, expected at most 4294967295");
+    if (points > 0xFFFFFFFFull)
+      file_.fail(0, "found " + std::to_string(points) + " points, expected at most 4294967295");
     Table table(columns(), std::size_t(points));
     std::size_t first = 0;
     for (std::size_t s = 0; s < scans_.size(); ++s) {
@@ -59,7 +61,8 @@ class Reader {
       first += std::size_t(scans_[s].points);
     }
     table.build(false, progress, result);
-    // Without a pose the scanner's place is the origin only where the scan is spherical, or says that it stands there.
+    // Without a pose the scanner's place is the origin only where the scan is spherical, or says that it
+    // stands there.
     for (const Scan& scan : scans_) result.cloud.scanners.push_back(scan.translation);
     if (scans_.size() > 1) result.report.notes.push_back(std::to_string(scans_.size()) + " scans");
     result.cloud.up = UpAxis::pos_z;
@@ -67,7 +70,9 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void bad_xml(const std::string& what) const { file_.fail(24, "the XML part " + what + "; the file is damaged"); }
+  [[noreturn]] void bad_xml(const std::string& what) const {
+    file_.fail(24, "the XML part " + what + "; the file is damaged");
+  }
 
   double number(const pugi::xml_node& node, double otherwise) const {
     const std::string_view text = node.child_value();
@@ -75,10 +80,12 @@ class Reader {
     return parse(text);
   }
   double parse(std::string_view text) const {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '+' || text.front() == '\n')) text.remove_prefix(1);
+    while (!text.empty() && (text.front() == ' ' || text.front() == '+' || text.front() == '\n'))
+      text.remove_prefix(1);
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || !std::isfinite(value)) bad_xml("holds '" + std::string(text.substr(0, 30)) + "', expected a number");
+    if (error != std::errc() || !std::isfinite(value))
+      bad_xml("holds '" + std::string(text.substr(0, 30)) + "', expected a number");
     return value;
   }
   std::int64_t whole(const pugi::xml_attribute& attribute, std::int64_t otherwise) const {
@@ -94,7 +101,8 @@ class Reader {
   void read_xml() {
     pugi::xml_document document;
     // No entities, no DTD: pugixml knows only the five of XML itself.
-    const auto parsed = document.load_buffer(file_.xml().data(), file_.xml().size(), pugi::parse_cdata | pugi::parse_escapes);
+    const auto parsed =
+        document.load_buffer(file_.xml().data(), file_.xml().size(), pugi::parse_cdata | pugi::parse_escapes);
     if (!parsed) bad_xml(std::string("cannot be parsed (") + parsed.description() + ")");
     const pugi::xml_node root = document.child("e57Root");
     if (!root) bad_xml("has no e57Root");
@@ -114,7 +122,8 @@ class Reader {
     if (!prototype || count < 0) bad_xml("describes points without recordCount or prototype");
     scan.points = std::uint64_t(count);
     if (scan.points > file_.size() * most_points_per_byte)
-      bad_xml("promises " + std::to_string(count) + " points in a file of " + std::to_string(file_.size()) + " bytes");
+      bad_xml("promises " + std::to_string(count) + " points in a file of " + std::to_string(file_.size()) +
+              " bytes");
     read_fields(prototype, scan, 0);
     if (const pugi::xml_node pose = node.child("pose")) {
       scan.has_pose = true;
@@ -127,7 +136,8 @@ class Reader {
       }
       if (!(std::abs(square - 1) < 0.01)) bad_xml("holds a rotation that is none");
       for (double& q : scan.rotation) q /= std::sqrt(square);
-      for (int k = 0; k < 3 && translation; ++k) scan.translation[k] = number(translation.child(names[k + 1]), 0);
+      for (int k = 0; k < 3 && translation; ++k)
+        scan.translation[k] = number(translation.child(names[k + 1]), 0);
     }
     scans_.push_back(std::move(scan));
   }
@@ -141,11 +151,13 @@ class Reader {
         read_fields(node, scan, depth + 1);
         continue;
       }
-      if (scan.fields.size() >= most_fields) bad_xml("names more than " + std::to_string(most_fields) + " fields of a point");
+      if (scan.fields.size() >= most_fields)
+        bad_xml("names more than " + std::to_string(most_fields) + " fields of a point");
       Field field;
       field.name = node.name();
       if (type == "Float") {
-        field.kind = std::string_view(node.attribute("precision").value()) == "single" ? Field::Kind::float32 : Field::Kind::float64;
+        field.kind = std::string_view(node.attribute("precision").value()) == "single" ? Field::Kind::float32
+                                                                                       : Field::Kind::float64;
       } else if (type == "Integer" || type == "ScaledInteger") {
         field.kind = Field::Kind::integer;
         field.low = whole(node.attribute("minimum"), std::numeric_limits<std::int64_t>::min());
@@ -158,7 +170,8 @@ class Reader {
           if (const auto offset = node.attribute("offset")) field.offset = parse(offset.value());
         }
       } else {
-        bad_xml("gives '" + field.name + "' the type '" + std::string(type.substr(0, 20)) + "', which points cannot have");
+        bad_xml("gives '" + field.name + "' the type '" + std::string(type.substr(0, 20)) +
+                "', which points cannot have");
       }
       scan.fields.push_back(std::move(field));
     }
@@ -166,15 +179,19 @@ class Reader {
 
   /// The union of the fields of all scans, coordinates first.
   std::vector<Column> columns() const {
-    std::vector<Column> all{{"x", StoredType::float64}, {"y", StoredType::float64}, {"z", StoredType::float64}};
+    std::vector<Column> all{
+        {"x", StoredType::float64}, {"y", StoredType::float64}, {"z", StoredType::float64}};
     for (const Scan& scan : scans_)
       for (const Field& field : scan.fields) {
         if (is_coordinate(field.name)) continue;
-        const bool known = std::any_of(all.begin(), all.end(), [&](const Column& c) { return c.name == field.name; });
-        const bool small = field.kind == Field::Kind::integer && !field.is_scaled && field.low >= 0 && field.bits <= 16;
+        const bool known =
+            std::any_of(all.begin(), all.end(), [&](const Column& c) { return c.name == field.name; });
+        const bool small =
+            field.kind == Field::Kind::integer && !field.is_scaled && field.low >= 0 && field.bits <= 16;
         if (!known)
           all.push_back({field.name, small ? (field.bits <= 8 ? StoredType::uint8 : StoredType::uint16)
-                                           : field.kind == Field::Kind::float32 ? StoredType::float32 : StoredType::float64});
+                                     : field.kind == Field::Kind::float32 ? StoredType::float32
+                                                                          : StoredType::float64});
       }
     if (scans_.size() > 1) all.push_back({"scanner", StoredType::uint32});
     assign_roles(all);
@@ -182,8 +199,9 @@ class Reader {
   }
 
   static bool is_coordinate(const std::string& name) {
-    return name.starts_with("cartesianX") || name.starts_with("cartesianY") || name.starts_with("cartesianZ") ||
-           name == "sphericalRange" || name == "sphericalAzimuth" || name == "sphericalElevation";
+    return name.starts_with("cartesianX") || name.starts_with("cartesianY") ||
+           name.starts_with("cartesianZ") || name == "sphericalRange" || name == "sphericalAzimuth" ||
+           name == "sphericalElevation";
   }
 
   /// Collects the streams of the fields from the packets of a scan's section.
@@ -194,28 +212,34 @@ class Reader {
       return value;
     };
     const std::vector<std::byte> head = file_.read(scan.section, 32);
-    if (head[0] != std::byte(1)) file_.fail(scan.section, "found no section of points here; the file is damaged");
+    if (head[0] != std::byte(1))
+      file_.fail(scan.section, "found no section of points here; the file is damaged");
     std::uint64_t left = word(head, 8, std::uint64_t());
     std::uint64_t at = word(head, 16, std::uint64_t());
     left -= std::min<std::uint64_t>(left, 32);
-    if (left > file_.size()) file_.fail(scan.section + 8, "found a section larger than the file; it is damaged");
-    const auto is_complete = [&](const Field& field) { return field.stream.size() >= bytes_of(field, scan.points); };
+    if (left > file_.size())
+      file_.fail(scan.section + 8, "found a section larger than the file; it is damaged");
+    const auto is_complete = [&](const Field& field) {
+      return field.stream.size() >= bytes_of(field, scan.points);
+    };
     while (left >= 4 && !std::all_of(scan.fields.begin(), scan.fields.end(), is_complete)) {
       const std::vector<std::byte> start = file_.read(at, 4);
       const auto size = std::uint64_t(word(start, 2, std::uint16_t())) + 1;
       if (size > left || size < 4 || size % 4 != 0)
         file_.fail(at, "found a packet of " + std::to_string(size) +
                            " bytes, expected it to fit its section; the file is damaged");
-      if (start[0] == std::byte(1)) take_packet(scan, file_.read(at, size), at);
-      else if (start[0] != std::byte(0) && start[0] != std::byte(2)) file_.fail(at, "found a packet of an unknown kind; the file is damaged");
+      if (start[0] == std::byte(1))
+        take_packet(scan, file_.read(at, size), at);
+      else if (start[0] != std::byte(0) && start[0] != std::byte(2))
+        file_.fail(at, "found a packet of an unknown kind; the file is damaged");
       at = file_.behind(at, size);
       left -= size;
     }
     for (const Field& field : scan.fields)
       if (field.stream.size() < bytes_of(field, scan.points))
-        file_.fail(scan.section, "found " + std::to_string(field.stream.size()) + " bytes of '" + field.name + "', expected " +
-                                     std::to_string(bytes_of(field, scan.points)) + " for " + std::to_string(scan.points) +
-                                     " points; the file is damaged");
+        file_.fail(scan.section, "found " + std::to_string(field.stream.size()) + " bytes of '" + field.name +
+                                     "', expected " + std::to_string(bytes_of(field, scan.points)) + " for " +
+                                     std::to_string(scan.points) + " points; the file is damaged");
   }
 
   void take_packet(Scan& scan, const std::vector<std::byte>& packet, std::uint64_t at) {
@@ -226,11 +250,13 @@ class Reader {
     };
     const std::size_t streams = packet.size() >= 6 ? word(4) : 0;
     if (streams != scan.fields.size() || packet.size() < 6 + 2 * streams)
-      file_.fail(at, "found " + std::to_string(streams) + " streams, expected " + std::to_string(scan.fields.size()) + "; the file is damaged");
+      file_.fail(at, "found " + std::to_string(streams) + " streams, expected " +
+                         std::to_string(scan.fields.size()) + "; the file is damaged");
     std::size_t from = 6 + 2 * streams;
     for (std::size_t i = 0; i < streams; ++i) {
       const std::size_t size = word(6 + 2 * i);
-      if (size > packet.size() - from) file_.fail(at, "found a stream that leaves its packet; the file is damaged");
+      if (size > packet.size() - from)
+        file_.fail(at, "found a stream that leaves its packet; the file is damaged");
       scan.fields[i].stream.insert(scan.fields[i].stream.end(), packet.begin() + std::ptrdiff_t(from),
                                    packet.begin() + std::ptrdiff_t(from + size));
       from += size;
@@ -289,18 +315,22 @@ class Reader {
       return found == coordinates.end() ? nullptr : found->second.data();
     };
     const double *x = find("cartesianX"), *y = find("cartesianY"), *z = find("cartesianZ");
-    const double *range = find("sphericalRange"), *azimuth = find("sphericalAzimuth"), *elevation = find("sphericalElevation");
+    const double *range = find("sphericalRange"), *azimuth = find("sphericalAzimuth"),
+                 *elevation = find("sphericalElevation");
     const bool cartesian = x && y && z;
     if (n > 0 && !cartesian && !(range && azimuth && elevation))
-      file_.fail(scan.section, "found points without cartesian or spherical coordinates; the file is damaged");
-    const std::span<double> state = table.column(cartesian ? "cartesianInvalidState" : "sphericalInvalidState");
+      file_.fail(scan.section,
+                 "found points without cartesian or spherical coordinates; the file is damaged");
+    const std::span<double> state =
+        table.column(cartesian ? "cartesianInvalidState" : "sphericalInvalidState");
     std::span<double> out[3] = {table.column("x"), table.column("y"), table.column("z")};
-    const double *q = scan.rotation;
+    const double* q = scan.rotation;
     for (std::size_t i = 0; i < n; ++i) {
       if (!state.empty() && state[first + i] > 0) continue;  // only a direction, or nothing: stays NaN
-      dvec3 p = cartesian ? dvec3(x[i], y[i], z[i])
-                          : range[i] * dvec3(std::cos(elevation[i]) * std::cos(azimuth[i]),
-                                             std::cos(elevation[i]) * std::sin(azimuth[i]), std::sin(elevation[i]));
+      dvec3 p = cartesian
+                    ? dvec3(x[i], y[i], z[i])
+                    : range[i] * dvec3(std::cos(elevation[i]) * std::cos(azimuth[i]),
+                                       std::cos(elevation[i]) * std::sin(azimuth[i]), std::sin(elevation[i]));
       if (scan.has_pose) {
         const dvec3 v(q[1], q[2], q[3]), t = 2.0 * glm::cross(v, p);
         p = p + q[0] * t + glm::cross(v, t) + scan.translation;

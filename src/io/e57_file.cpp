@@ -43,8 +43,8 @@ std::uint32_t crc32c(const std::byte* bytes, std::size_t size) {
   std::uint32_t crc = ~0u;
   for (; size >= 8; bytes += 8, size -= 8) {
     const std::uint32_t low = get<std::uint32_t>(bytes) ^ crc, high = get<std::uint32_t>(bytes + 4);
-    crc = t[7][low & 255] ^ t[6][low >> 8 & 255] ^ t[5][low >> 16 & 255] ^ t[4][low >> 24] ^ t[3][high & 255] ^
-          t[2][high >> 8 & 255] ^ t[1][high >> 16 & 255] ^ t[0][high >> 24];
+    crc = t[7][low & 255] ^ t[6][low >> 8 & 255] ^ t[5][low >> 16 & 255] ^ t[4][low >> 24] ^
+          t[3][high & 255] ^ t[2][high >> 8 & 255] ^ t[1][high >> 16 & 255] ^ t[0][high >> 24];
   }
   for (; size > 0; ++bytes, --size) crc = (crc >> 8) ^ t[0][(crc ^ std::uint32_t(*bytes)) & 255];
   return ~crc;
@@ -52,7 +52,8 @@ std::uint32_t crc32c(const std::byte* bytes, std::size_t size) {
 
 E57File::E57File(const std::filesystem::path& path) : file_(path) {
   std::byte head[header_size] = {};
-  if (file_.size() < header_size) fail(file_.size(), "the file ends here, expected a header of 48 bytes; fetch it again");
+  if (file_.size() < header_size)
+    fail(file_.size(), "the file ends here, expected a header of 48 bytes; fetch it again");
   file_.read(0, head);
   if (std::memcmp(head, "ASTM-E57", 8) != 0) fail(0, "found no ASTM-E57, expected an E57 file");
   if (const auto major = get<std::uint32_t>(head + 8); major != 1)
@@ -66,7 +67,8 @@ E57File::E57File(const std::filesystem::path& path) : file_(path) {
     fail(16, "found a length of " + std::to_string(length) + " bytes, expected the file's " +
                  std::to_string(file_.size()) + "; it is cut short, fetch it again");
   if (xml_size > largest_xml)
-    fail(32, "found " + std::to_string(xml_size) + " bytes of XML, expected at most 64 MB; the file is damaged");
+    fail(32,
+         "found " + std::to_string(xml_size) + " bytes of XML, expected at most 64 MB; the file is damaged");
   const std::vector<std::byte> xml = read(xml_at, xml_size);
   xml_.assign(reinterpret_cast<const char*>(xml.data()), xml.size());
 }
@@ -81,8 +83,9 @@ std::vector<std::byte> E57File::read(std::uint64_t physical, std::uint64_t logic
   const std::uint64_t payload = page_size_ - checksum_size;
   if (physical >= file_.size() || logical_size > file_.size() || physical % page_size_ >= payload ||
       behind(physical, logical_size) > file_.size())
-    fail(std::min(physical, file_.size()), "expected " + std::to_string(logical_size) + " bytes here, beyond the file's " +
-                                               std::to_string(file_.size()) + "; the file is cut short or damaged");
+    fail(std::min(physical, file_.size()),
+         "expected " + std::to_string(logical_size) + " bytes here, beyond the file's " +
+             std::to_string(file_.size()) + "; the file is cut short or damaged");
   std::vector<std::byte> out(logical_size);
   constexpr std::uint64_t pages_at_once = 1024;
   std::vector<std::byte> pages;
@@ -98,7 +101,8 @@ std::vector<std::byte> E57File::read(std::uint64_t physical, std::uint64_t logic
       const std::byte* bytes = pages.data() + i * page_size_;
       const std::uint32_t stored = __builtin_bswap32(get<std::uint32_t>(bytes + payload));
       if (crc32c(bytes, payload) != stored)
-        fail(page * page_size_, "found a wrong checksum of the page here; the file is damaged, fetch it again");
+        fail(page * page_size_,
+             "found a wrong checksum of the page here; the file is damaged, fetch it again");
       const std::uint64_t part = std::min(payload - skip, logical_size - done);
       std::memcpy(out.data() + done, bytes + skip, part);
       done += part;

@@ -1,5 +1,5 @@
-// The pages of an E57 file (ASTM E2807): each ends with the CRC-32C of its other bytes, stored big-endian. Offsets in the
-// file are physical, contents are read in the logical stream without the checksums.
+// The pages of an E57 file (ASTM E2807): each ends with the CRC-32C of its other bytes, stored big-endian.
+// Offsets in the file are physical, contents are read in the logical stream without the checksums.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@ std::uint32_t crc32c(const std::byte* bytes, std::size_t size);
 class E57File {
  public:
   explicit E57File(const std::filesystem::path& path);
-  /// Logical bytes from a physical offset, every page checked. Error(bad_input) names the page that is damaged.
+  /// Logical bytes from a physical offset, every page checked. Error(bad_input) names the page that is
+  /// damaged.
   std::vector<std::byte> read(std::uint64_t physical, std::uint64_t logical_size) const;
   /// The physical offset `logical_size` logical bytes behind `physical`.
   std::uint64_t behind(std::uint64_t physical, std::uint64_t logical_size) const;

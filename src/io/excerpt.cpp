@@ -23,7 +23,8 @@ namespace {
 
 /// Below that, reading all of it is as good.
 constexpr std::uint64_t least_ratio = 4;
-/// Places in a file that are looked at: enough that they do not show as stripes, few enough for a disk that seeks.
+/// Places in a file that are looked at: enough that they do not show as stripes, few enough for a disk that
+/// seeks.
 constexpr std::uint64_t most_runs = 1000;
 /// By which the length of lines is judged.
 constexpr std::size_t beginning_bytes = 1 << 16;
@@ -55,13 +56,15 @@ class MemoryFile {
 struct Runs {
   std::uint64_t count = 0, length = 0, total = 0;
 
-  static std::uint64_t count_for(std::uint64_t points) { return std::clamp<std::uint64_t>(points / 16, 1, most_runs); }
+  static std::uint64_t count_for(std::uint64_t points) {
+    return std::clamp<std::uint64_t>(points / 16, 1, most_runs);
+  }
   std::uint64_t begin(std::uint64_t k) const { return Subsample(total / length, count).place(k) * length; }
 };
 
 /// Records of `size` bytes from `begin` on: about `points` of `total`, as they lie in the file.
-std::string records_of(const File& file, std::uint64_t begin, std::size_t size, std::uint64_t total, std::size_t points,
-                       Progress& progress) {
+std::string records_of(const File& file, std::uint64_t begin, std::size_t size, std::uint64_t total,
+                       std::size_t points, Progress& progress) {
   const std::uint64_t count = Runs::count_for(points);
   const Runs runs{count, std::max<std::uint64_t>(1, points / count), total};
   std::string bytes(std::size_t(runs.count * runs.length) * size, '\0');
@@ -78,10 +81,11 @@ struct Lines {
   std::size_t count = 0;
 };
 
-/// Whole lines from `begin` to the end of the file, about `points` of them, those that `is_wanted`. Nothing where the file
-/// has few more, going by the length of its first lines.
+/// Whole lines from `begin` to the end of the file, about `points` of them, those that `is_wanted`. Nothing
+/// where the file has few more, going by the length of its first lines.
 template <class Wanted>
-std::optional<Lines> lines_of(const File& file, std::uint64_t begin, std::size_t points, Progress& progress, Wanted is_wanted) {
+std::optional<Lines> lines_of(const File& file, std::uint64_t begin, std::size_t points, Progress& progress,
+                              Wanted is_wanted) {
   const std::string first = file.read_text(begin, beginning_bytes);
   const auto ends = std::uint64_t(std::count(first.begin(), first.end(), '\n'));
   const std::uint64_t bytes = file.size() - std::min(begin, file.size());
@@ -106,16 +110,16 @@ std::optional<Lines> lines_of(const File& file, std::uint64_t begin, std::size_t
   return lines;
 }
 
-ReadResult read_bytes(ReadFunction read, const std::string& bytes, std::uint64_t points_in_file, const ReadOptions& options,
-                      Progress& progress) {
+ReadResult read_bytes(ReadFunction read, const std::string& bytes, std::uint64_t points_in_file,
+                      const ReadOptions& options, Progress& progress) {
   const MemoryFile file(bytes);
   ReadResult result = read(file.path(), options, progress);
   result.report.points = std::max(points_in_file, result.report.points);
   return result;
 }
 
-std::optional<ReadResult> excerpt_laz(const std::filesystem::path& path, const las::InputFile& file, const las::Header& header,
-                                      std::size_t points, Progress& progress) {
+std::optional<ReadResult> excerpt_laz(const std::filesystem::path& path, const las::InputFile& file,
+                                      const las::Header& header, std::size_t points, Progress& progress) {
   const las::LazLayout layout = las::read_laz_layout(file, header);
   std::string reason;
   std::optional<std::vector<las::LazChunk>> chunks;
@@ -125,9 +129,11 @@ std::optional<ReadResult> excerpt_laz(const std::filesystem::path& path, const l
   std::vector<las::LazChunk> begun;
   const std::uint64_t wanted_chunks = std::min<std::uint64_t>(chunks->size(), most_runs);
   for (std::uint64_t k = 0; k < wanted_chunks; ++k) {
-    las::LazChunk& chunk = begun.emplace_back((*chunks)[std::size_t(Subsample(chunks->size(), wanted_chunks).place(k))]);
+    las::LazChunk& chunk =
+        begun.emplace_back((*chunks)[std::size_t(Subsample(chunks->size(), wanted_chunks).place(k))]);
     chunk.held = chunk.count;
-    chunk.count = std::uint32_t(std::min<std::uint64_t>(chunk.count, std::max<std::uint64_t>(1, points / wanted_chunks)));
+    chunk.count = std::uint32_t(
+        std::min<std::uint64_t>(chunk.count, std::max<std::uint64_t>(1, points / wanted_chunks)));
   }
   ReadResult result = read_las_chunks(path, begun, progress);
   result.report.points = header.count;
@@ -135,8 +141,8 @@ std::optional<ReadResult> excerpt_laz(const std::filesystem::path& path, const l
 }
 
 /// A LAS file of these records: the head of another one, which may be compressed, with its numbers put right.
-ReadResult read_records(std::string head, const std::string& records, std::size_t record_length, std::uint64_t points_in_file,
-                        const ReadOptions& options, Progress& progress) {
+ReadResult read_records(std::string head, const std::string& records, std::size_t record_length,
+                        std::uint64_t points_in_file, const ReadOptions& options, Progress& progress) {
   const std::uint64_t count = records.size() / record_length;
   const auto put = [&](std::size_t at, auto value) { std::memcpy(head.data() + at, &value, sizeof value); };
   head[104] = char(head[104] & 0x7f);
@@ -148,14 +154,16 @@ ReadResult read_records(std::string head, const std::string& records, std::size_
 
 }  // namespace
 
-std::optional<ReadResult> excerpt_las(const std::filesystem::path& path, std::size_t points, const ReadOptions& options,
-                                      Progress& progress) {
+std::optional<ReadResult> excerpt_las(const std::filesystem::path& path, std::size_t points,
+                                      const ReadOptions& options, Progress& progress) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
   if (header.count < least_ratio * points) return std::nullopt;
   if (header.compressed) return excerpt_laz(path, file, header, points, progress);
-  const std::string records = records_of(file, header.point_data, header.record_length, header.count, points, progress);
-  return read_records(file.read_text(0, std::size_t(header.point_data)), records, header.record_length, header.count, options, progress);
+  const std::string records =
+      records_of(file, header.point_data, header.record_length, header.count, points, progress);
+  return read_records(file.read_text(0, std::size_t(header.point_data)), records, header.record_length,
+                      header.count, options, progress);
 }
 
 void RecordTap::begin(std::string head, std::size_t record_length, std::uint64_t total) {
@@ -169,7 +177,8 @@ void RecordTap::take(std::uint64_t first, const std::uint8_t* records, std::size
   const std::lock_guard lock(mutex_);
   const std::uint64_t end = kept_->before(first + count);
   for (std::uint64_t k = kept_->before(first); k < end; ++k)
-    records_.append(reinterpret_cast<const char*>(records) + (kept_->place(k) - first) * record_length_, record_length_);
+    records_.append(reinterpret_cast<const char*>(records) + (kept_->place(k) - first) * record_length_,
+                    record_length_);
 }
 
 std::optional<ReadResult> RecordTap::so_far() const {
@@ -183,8 +192,8 @@ std::optional<ReadResult> RecordTap::so_far() const {
   return read_records(std::move(head), records, record_length_, total, {}, no_progress());
 }
 
-std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::size_t points, const ReadOptions& options,
-                                      Progress& progress) {
+std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::size_t points,
+                                      const ReadOptions& options, Progress& progress) {
   const File file(path);
   const PlyHeader header = read_ply_header(file);
   const PlyElement& vertex = header.elements[header.vertex];
@@ -194,7 +203,8 @@ std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::si
   std::size_t count = 0;
   if (header.ascii) {
     if (header.elements.size() > 1) return std::nullopt;  // where the vertices end is not known
-    const auto lines = lines_of(file, header.data_begin, points, progress, [](std::string_view) { return true; });
+    const auto lines =
+        lines_of(file, header.data_begin, points, progress, [](std::string_view) { return true; });
     if (!lines) return std::nullopt;
     body = lines->text, count = lines->count;
   } else {
@@ -217,8 +227,8 @@ std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::si
   return read_bytes(read_ply, bytes + body, vertex.count, options, progress);
 }
 
-std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& path, std::size_t points, const ReadOptions& options,
-                                      Progress& progress) {
+std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& path, std::size_t points,
+                                      const ReadOptions& options, Progress& progress) {
   const File file(path);
   const std::string head = file.read_text(0, 1 << 16);
   std::string kept, data;
@@ -242,19 +252,26 @@ std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& path, std::si
         all.push_back(std::min<std::uint64_t>(value, 1ull << 32));
       }
     };
-    if (key == "DATA") data = values.substr(std::min<std::size_t>(1, values.size()));
-    else if (key == "WIDTH" && !numbers().empty()) width = numbers()[0];
-    else if (key == "HEIGHT" && !numbers().empty()) height = numbers()[0];
-    else if (key == "SIZE") sizes = numbers(), kept += line + "\n";
-    else if (key == "COUNT") counts = numbers(), kept += line + "\n";
-    else if (key != "POINTS") kept += line + "\n";
+    if (key == "DATA")
+      data = values.substr(std::min<std::size_t>(1, values.size()));
+    else if (key == "WIDTH" && !numbers().empty())
+      width = numbers()[0];
+    else if (key == "HEIGHT" && !numbers().empty())
+      height = numbers()[0];
+    else if (key == "SIZE")
+      sizes = numbers(), kept += line + "\n";
+    else if (key == "COUNT")
+      counts = numbers(), kept += line + "\n";
+    else if (key != "POINTS")
+      kept += line + "\n";
   }
   const std::uint64_t total = width * height;
   if (total < least_ratio * points) return std::nullopt;
   std::string body;
   std::size_t count = 0;
   if (data == "ascii") {
-    const auto lines = lines_of(file, at, points, progress, [](std::string_view line) { return line[0] != '#'; });
+    const auto lines =
+        lines_of(file, at, points, progress, [](std::string_view line) { return line[0] != '#'; });
     if (!lines) return std::nullopt;
     body = lines->text, count = lines->count;
   } else if (data == "binary") {
@@ -267,21 +284,23 @@ std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& path, std::si
     return std::nullopt;  // all x, then all y, in one piece
   }
   const std::string number = std::to_string(count);
-  return read_bytes(read_pcd, kept + "WIDTH " + number + "\nHEIGHT 1\nPOINTS " + number + "\nDATA " + data + "\n" + body, total,
-                    options, progress);
+  return read_bytes(
+      read_pcd, kept + "WIDTH " + number + "\nHEIGHT 1\nPOINTS " + number + "\nDATA " + data + "\n" + body,
+      total, options, progress);
 }
 
-std::optional<ReadResult> excerpt_obj(const std::filesystem::path& path, std::size_t points, const ReadOptions& options,
-                                      Progress& progress) {
+std::optional<ReadResult> excerpt_obj(const std::filesystem::path& path, std::size_t points,
+                                      const ReadOptions& options, Progress& progress) {
   const File file(path);
-  const auto lines =
-      lines_of(file, 0, points, progress, [](std::string_view line) { return line.starts_with("v ") || line.starts_with("v\t"); });
+  const auto lines = lines_of(file, 0, points, progress, [](std::string_view line) {
+    return line.starts_with("v ") || line.starts_with("v\t");
+  });
   if (!lines || lines->count == 0) return std::nullopt;
   return read_bytes(read_obj, lines->text, 0, options, progress);
 }
 
-std::optional<ReadResult> excerpt_text(const std::filesystem::path& path, std::size_t points, const ReadOptions& options,
-                                       Progress& progress) {
+std::optional<ReadResult> excerpt_text(const std::filesystem::path& path, std::size_t points,
+                                       const ReadOptions& options, Progress& progress) {
   const File file(path);
   std::string head = file.read_text(0, text_head_bytes);
   head.resize(head.rfind('\n') + 1);

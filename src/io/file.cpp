@@ -15,14 +15,13 @@
 namespace sfumato::io {
 namespace {
 
-std::string cause(int error) {
-  return std::generic_category().message(error);
-}
+std::string cause(int error) { return std::generic_category().message(error); }
 
 /// All of standard input in memory; -1 with errno when it cannot be had. A redirected file is taken as it is.
 int take_standard_input() {
   struct stat info {};
-  if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode)) return ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+  if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode))
+    return ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
   const int memory = ::memfd_create("standard input", MFD_CLOEXEC);
   std::vector<char> block(1 << 20);
   while (memory >= 0) {
@@ -65,9 +64,7 @@ File::File(const std::filesystem::path& path) : path_(path) {
   size_ = std::uint64_t(info.st_size);
 }
 
-File::~File() {
-  ::close(handle_);
-}
+File::~File() { ::close(handle_); }
 
 void File::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {

@@ -14,8 +14,8 @@ namespace sfumato::io {
 bool is_standard_input(const std::filesystem::path& path);
 
 /// A regular file open for reading. Reads are positional (pread), so several threads may share one File, and
-/// a file cut short under us is an error instead of the SIGBUS a mapping would give. Standard input is read to
-/// its end once and kept in memory, so that it can be opened again.
+/// a file cut short under us is an error instead of the SIGBUS a mapping would give. Standard input is read
+/// to its end once and kept in memory, so that it can be opened again.
 class File {
  public:
   /// Throws Error(io) when the file is missing, not regular or not readable.

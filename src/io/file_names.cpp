@@ -8,7 +8,8 @@
 namespace sfumato::io {
 namespace {
 
-/// Device and inode of a file that is there, so that no other spelling or link hides it; else its folder's, and name.
+/// Device and inode of a file that is there, so that no other spelling or link hides it; else its folder's,
+/// and name.
 std::string identity(const std::filesystem::path& file) {
   if (is_standard_output(file)) return "-";
   const auto number = [](const std::filesystem::path& path) -> std::string {

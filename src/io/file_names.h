@@ -11,7 +11,8 @@ class FileNames {
  public:
   /// `role` is how the user knows it: "the input", "--camera".
   void input(const std::string& role, const std::filesystem::path& file);
-  /// Throws Error(usage) when the file is an input, named before, or there and not a regular file. Links are followed.
+  /// Throws Error(usage) when the file is an input, named before, or there and not a regular file. Links are
+  /// followed.
   void output(const std::string& role, const std::filesystem::path& file);
 
  private:

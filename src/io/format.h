@@ -12,7 +12,8 @@
 namespace sfumato::io {
 
 using ReadFunction = ReadResult (*)(const std::filesystem::path&, const ReadOptions&, Progress&);
-using ExcerptFunction = std::optional<ReadResult> (*)(const std::filesystem::path&, std::size_t, const ReadOptions&, Progress&);
+using ExcerptFunction = std::optional<ReadResult> (*)(const std::filesystem::path&, std::size_t,
+                                                      const ReadOptions&, Progress&);
 using WriteFunction = WriteReport (*)(const std::filesystem::path&, const PointCloud&, Progress&);
 using MeshFunction = Mesh (*)(const std::filesystem::path&, Progress&);
 /// Whether a file that begins with `head` (its first 4096 bytes, or all of it) has this format.
@@ -66,7 +67,8 @@ bool is_draco(std::string_view head);
 ReadResult read_draco(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
 bool is_depth_image(std::string_view head);
-ReadResult read_depth_image(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+ReadResult read_depth_image(const std::filesystem::path& file, const ReadOptions& options,
+                            Progress& progress);
 
 /// Names for `width` columns of numbers without names, by what the values in `rows` look like.
 std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width);

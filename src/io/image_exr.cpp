@@ -65,7 +65,8 @@ void write_exr(const std::filesystem::path& file, const Image<vec4>& color, cons
     if (!command.empty()) Imf::addComments(header, command);
     Imf::FrameBuffer buffer;
     const char* rgba[] = {"R", "G", "B", "A"};
-    for (int k = 0; k < 4 && !color.empty(); ++k) add_channel(header, buffer, rgba[k], &color.data()->x + k, 4, width);
+    for (int k = 0; k < 4 && !color.empty(); ++k)
+      add_channel(header, buffer, rgba[k], &color.data()->x + k, 4, width);
     if (!depth.empty()) add_channel(header, buffer, "Z", depth.data(), 1, width);
     const char* xyz[] = {"N.X", "N.Y", "N.Z"};
     for (int k = 0; k < 3 && !normal.empty(); ++k)

@@ -70,7 +70,8 @@ bool encode(png_structp png, png_infop info, const Image<T>& image, bool alpha,
 }
 
 template <class T>
-void write_any_png(const std::filesystem::path& file, const Image<T>& image, bool alpha, const PngTexts& texts) {
+void write_any_png(const std::filesystem::path& file, const Image<T>& image, bool alpha,
+                   const PngTexts& texts) {
   AtomicWriter writer(file);
   Sink sink{writer, nullptr};
   std::vector<png_text> entries;
@@ -104,7 +105,8 @@ void write_any_png(const std::filesystem::path& file, const Image<T>& image, boo
 
 }  // namespace
 
-void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha, const PngTexts& texts) {
+void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
+               const PngTexts& texts) {
   write_any_png(file, image, alpha, texts);
 }
 

@@ -19,6 +19,7 @@ void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, boo
                const PngTexts& texts = {});
 
 /// 16-bit grey, linear numbers.
-void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& gray, const PngTexts& texts = {});
+void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& gray,
+               const PngTexts& texts = {});
 
 }  // namespace sfumato::io

@@ -15,13 +15,48 @@ namespace {
 /// Ordered: content decides before the extension, and of two formats that recognise it the first wins.
 const std::vector<Format>& table() {
   static const std::vector<Format> formats = {
-      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, read_ply_mesh, excerpt_ply},
-      {"pcd", {".pcd"}, "Point Cloud Library, ascii, binary and compressed", is_pcd, read_pcd, write_pcd, nullptr, excerpt_pcd},
+      {"ply",
+       {".ply"},
+       "Stanford PLY, ascii and binary",
+       is_ply,
+       read_ply,
+       write_ply,
+       read_ply_mesh,
+       excerpt_ply},
+      {"pcd",
+       {".pcd"},
+       "Point Cloud Library, ascii, binary and compressed",
+       is_pcd,
+       read_pcd,
+       write_pcd,
+       nullptr,
+       excerpt_pcd},
       {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh, excerpt_obj},
-      {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las, nullptr, nullptr, excerpt_las},
+      {"copc",
+       {".copc.laz"},
+       "Cloud Optimized Point Cloud 1.0",
+       is_copc,
+       read_las,
+       nullptr,
+       nullptr,
+       excerpt_las},
       {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz, nullptr, excerpt_las},
-      {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las, nullptr, excerpt_las},
-      {"pts", {".pts"}, "lines of numbers behind their count", nullptr, read_text, nullptr, nullptr, excerpt_text},
+      {"las",
+       {".las"},
+       "LAS 1.0 to 1.4, point formats 0 to 10",
+       is_las,
+       read_las,
+       write_las,
+       nullptr,
+       excerpt_las},
+      {"pts",
+       {".pts"},
+       "lines of numbers behind their count",
+       nullptr,
+       read_text,
+       nullptr,
+       nullptr,
+       excerpt_text},
       {"npy", {".npy"}, "NumPy array, a row or a record a point", is_npy, read_npy_points, write_npy_cloud},
       {"e57", {".e57"}, "ASTM E2807, all scans", is_e57, read_e57},
       {"ptx", {".ptx"}, "Leica PTX, all scans", is_ptx, read_ptx},
@@ -29,7 +64,11 @@ const std::vector<Format>& table() {
 #ifdef SFUMATO_DRACO
       {"draco", {".drc"}, "Draco point clouds, and the vertices of Draco meshes", is_draco, read_draco},
 #endif
-      {"depth", {".json"}, "depth image (16-bit PNG or EXR) and its camera as JSON", is_depth_image, read_depth_image},
+      {"depth",
+       {".json"},
+       "depth image (16-bit PNG or EXR) and its camera as JSON",
+       is_depth_image,
+       read_depth_image},
       {"kitti", {".bin"}, "KITTI, x y z intensity as floats", nullptr, read_kitti},
       // Last: any lines of numbers are text.
       {"text",
@@ -71,7 +110,8 @@ const Format& find_format(const std::filesystem::path& file) {
     throw Error(ErrorCode::bad_input,
                 file.string() + ": byte 0: the file is empty; fetch or export it again");
   const std::string head = opened.read_text(0, 4096), name = lower_name(file);
-  // Any lines of numbers look like text: a file that is called otherwise is that, damaged, and its reader says where.
+  // Any lines of numbers look like text: a file that is called otherwise is that, damaged, and its reader
+  // says where.
   const auto is_called_otherwise = [&](const Format& format) {
     return format.sniff == is_text && !has_extension(format, name) &&
            std::any_of(table().begin(), table().end(),
@@ -90,7 +130,8 @@ const Format& find_format(const std::filesystem::path& file) {
 
 void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what) {
   std::string line = what;  // which may quote the file
-  std::replace_if(line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
   throw Error(ErrorCode::bad_input, file.string() + ": " + place + ": " + line);
 }
 
@@ -104,8 +145,8 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   return result;
 }
 
-std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::size_t points, const ReadOptions& options,
-                                       Progress& progress) {
+std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::size_t points,
+                                       const ReadOptions& options, Progress& progress) {
   const Format& format = find_format(file);
   if (!format.excerpt) return std::nullopt;
   std::optional<ReadResult> result = format.excerpt(file, points, options, progress);

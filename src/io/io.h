@@ -22,26 +22,26 @@ struct AttributeStats {
 class RecordTap;
 
 struct ReadOptions {
-  std::vector<std::string> columns;          ///< text files: names by position, wins over the guess
-  std::optional<std::uint64_t> max_points;   ///< deterministic subsample while or after reading
-  bool strict = false;                       ///< refuse a file of which parts are damaged
-  bool every_attribute = false;              ///< also those of LAS that are zero everywhere: for conversions
-  RecordTap* tap = nullptr;                  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
+  std::vector<std::string> columns;         ///< text files: names by position, wins over the guess
+  std::optional<std::uint64_t> max_points;  ///< deterministic subsample while or after reading
+  bool strict = false;                      ///< refuse a file of which parts are damaged
+  bool every_attribute = false;             ///< also those of LAS that are zero everywhere: for conversions
+  RecordTap* tap = nullptr;  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
 };
 
 struct ReadReport {
   std::filesystem::path file;
-  std::string format;                        ///< "las", "laz", "copc", "ply", "pcd", "text", ...
-  std::uint64_t points = 0;                  ///< records in the file
-  std::uint64_t points_finite = 0;           ///< kept (before any subsampling)
-  std::uint64_t points_dropped = 0;          ///< coordinates that are not finite, or beyond 1e37
-  std::uint64_t points_missing = 0;          ///< in parts that are damaged and left out
-  std::uint64_t normals_dropped = 0;         ///< zero or non-finite normals
-  dvec3 bounds_min{0}, bounds_max{0};        ///< world, doubles, over the finite points
-  std::vector<AttributeStats> attributes;    ///< in file order
+  std::string format;                      ///< "las", "laz", "copc", "ply", "pcd", "text", ...
+  std::uint64_t points = 0;                ///< records in the file
+  std::uint64_t points_finite = 0;         ///< kept (before any subsampling)
+  std::uint64_t points_dropped = 0;        ///< coordinates that are not finite, or beyond 1e37
+  std::uint64_t points_missing = 0;        ///< in parts that are damaged and left out
+  std::uint64_t normals_dropped = 0;       ///< zero or non-finite normals
+  dvec3 bounds_min{0}, bounds_max{0};      ///< world, doubles, over the finite points
+  std::vector<AttributeStats> attributes;  ///< in file order
   std::string crs;
-  std::vector<std::string> damage;           ///< the parts left out, one line each
-  std::vector<std::string> notes;            ///< guesses and choices the user should see, one line each
+  std::vector<std::string> damage;  ///< the parts left out, one line each
+  std::vector<std::string> notes;   ///< guesses and choices the user should see, one line each
 };
 
 struct ReadResult {
@@ -50,16 +50,18 @@ struct ReadResult {
 };
 
 /// Reads any supported file; the format is found by content first, extension second.
-/// Throws Error(bad_input) with file, byte or line, found, expected; Error(io) when it cannot be opened. Chunks of LAZ and
-/// nodes of COPC that are damaged are left out, and the report says so, unless `options.strict` or nothing else is left.
+/// Throws Error(bad_input) with file, byte or line, found, expected; Error(io) when it cannot be opened.
+/// Chunks of LAZ and nodes of COPC that are damaged are left out, and the report says so, unless
+/// `options.strict` or nothing else is left.
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options = {},
                 Progress& progress = no_progress());
 
-/// About `points` of the points of a large file, from everywhere in it, in a small part of the time: runs of neighbours of
-/// LAS, LAZ, COPC, PLY, PCD, OBJ and text. The report has the file's number of points where its header says it, and
-/// statistics of what is here. Nothing where the file cannot be cut so, or has less than four times as many.
-std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::size_t points, const ReadOptions& options = {},
-                                       Progress& progress = no_progress());
+/// About `points` of the points of a large file, from everywhere in it, in a small part of the time: runs of
+/// neighbours of LAS, LAZ, COPC, PLY, PCD, OBJ and text. The report has the file's number of points where its
+/// header says it, and statistics of what is here. Nothing where the file cannot be cut so, or has less than
+/// four times as many.
+std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::size_t points,
+                                       const ReadOptions& options = {}, Progress& progress = no_progress());
 
 /// Vertices and triangles of a PLY or OBJ file (polygons are fanned).
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress = no_progress());
@@ -68,10 +70,11 @@ struct WriteReport {
   std::vector<std::string> notes;  ///< what the file cannot hold as it was, one line each
 };
 
-/// Writes .las, .laz, .ply or .pcd (binary), .xyz .txt .asc .csv or .npy, by extension; `-` is PLY; file order and
-/// every attribute kept. The file appears under its name only when it is complete. Throws Error(usage) for an extension
-/// that cannot be written, and for coordinates that the format cannot hold.
-WriteReport write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress = no_progress());
+/// Writes .las, .laz, .ply or .pcd (binary), .xyz .txt .asc .csv or .npy, by extension; `-` is PLY; file
+/// order and every attribute kept. The file appears under its name only when it is complete. Throws
+/// Error(usage) for an extension that cannot be written, and for coordinates that the format cannot hold.
+WriteReport write(const std::filesystem::path& file, const PointCloud& cloud,
+                  Progress& progress = no_progress());
 
 /// Whether `write` knows the extension.
 bool can_write(const std::filesystem::path& file);

@@ -11,8 +11,8 @@
 
 namespace sfumato::io {
 
-/// The vector, empty before, at `count` zeros. First touching the memory takes longer than all the rest of reading where a
-/// virtual machine has to fetch it: large pages make it cheaper, and all threads share it.
+/// The vector, empty before, at `count` zeros. First touching the memory takes longer than all the rest of
+/// reading where a virtual machine has to fetch it: large pages make it cheaper, and all threads share it.
 template <class T>
 void allocate(std::vector<T>& values, std::size_t count) {
   values.reserve(count);
@@ -34,8 +34,10 @@ void allocate(std::vector<T>& values, std::size_t count) {
 /// The same for a vector that may hold something already.
 template <class T>
 void enlarge(std::vector<T>& values, std::size_t count) {
-  if (values.empty()) allocate(values, count);
-  else values.resize(count);
+  if (values.empty())
+    allocate(values, count);
+  else
+    values.resize(count);
 }
 
 }  // namespace sfumato::io

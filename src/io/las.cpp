@@ -18,8 +18,8 @@ namespace sfumato::io {
 namespace las {
 namespace {
 
-// Memory that is taken on the word of a compressed file: so much costs little when the word is wrong. Beyond it, and
-// beyond what compresses 64-fold, the cloud grows only as points come out.
+// Memory that is taken on the word of a compressed file: so much costs little when the word is wrong. Beyond
+// it, and beyond what compresses 64-fold, the cloud grows only as points come out.
 constexpr std::uint64_t trusted_bytes = 16 << 20, trusted_ratio = 64;
 // Chunks of a file that may end their decoder.
 constexpr int most_ended = 20;
@@ -49,7 +49,8 @@ std::uint64_t memory_limit() {
 class Thinning {
  public:
   /// Throws Error(out_of_memory) when the cloud does not fit and nobody asked for fewer points.
-  Thinning(const InputFile& file, const Header& header, std::size_t bytes_per_point, const ReadOptions& options)
+  Thinning(const InputFile& file, const Header& header, std::size_t bytes_per_point,
+           const ReadOptions& options)
       : total_(header.count), length_(header.record_length), tap_(options.tap) {
     if (tap_) tap_->begin(file.read_text(0, std::size_t(header.point_data)), length_, total_);
     const std::uint64_t limit = memory_limit(), most = limit / bytes_per_point;
@@ -62,15 +63,18 @@ class Thinning {
     }
     char text[160];
     std::snprintf(text, sizeof text, ": %llu points take about %.3g GB, and %.3g GB are there for them; ",
-                  static_cast<unsigned long long>(total_), double(total_) * double(bytes_per_point) / 1e9, double(limit) / 1e9);
+                  static_cast<unsigned long long>(total_), double(total_) * double(bytes_per_point) / 1e9,
+                  double(limit) / 1e9);
     throw Error(ErrorCode::out_of_memory,
-                file.path().string() + text + "give them levels (sfumato build IN... -o OUT.copc.laz) or take fewer (--max-points N)");
+                file.path().string() + text +
+                    "give them levels (sfumato build IN... -o OUT.copc.laz) or take fewer (--max-points N)");
   }
   std::uint64_t points() const { return kept_ ? wanted_ : total_; }
   /// Points kept of those before `i`.
   std::uint64_t before(std::uint64_t i) const { return kept_ ? kept_->before(i) : i; }
   /// Hands those of the records that are kept to the collector; the others are overwritten.
-  void store(PointCollector& points, std::uint64_t first, std::uint8_t* records, std::size_t count, Stats& stats) const {
+  void store(PointCollector& points, std::uint64_t first, std::uint8_t* records, std::size_t count,
+             Stats& stats) const {
     if (tap_) tap_->take(first, records, count);
     if (!kept_) return points.unpack(first, records, count, stats);
     std::size_t kept = 0;
@@ -95,11 +99,13 @@ class Thinning {
   std::optional<Subsample> kept_;
 };
 
-ReadResult read_uncompressed(const InputFile& file, const Header& header, const ReadOptions& options, Progress& progress) {
+ReadResult read_uncompressed(const InputFile& file, const Header& header, const ReadOptions& options,
+                             Progress& progress) {
   PointCollector points(header, first_record(file, header, header.point_data));
   const Thinning thinning(file, header, points.bytes_per_point(), options);
   points.resize(thinning.points());  // the header check has seen that the file holds them
-  const std::size_t block = records_at_a_time(header.record_length), blocks = (header.count + block - 1) / block;
+  const std::size_t block = records_at_a_time(header.record_length),
+                    blocks = (header.count + block - 1) / block;
   std::vector<Stats> stats(blocks, points.empty_stats());
   parallel_tasks(blocks, progress, "reading points", [&](std::size_t i) {
     const std::size_t first = i * block, count = std::min<std::size_t>(block, header.count - first);
@@ -112,9 +118,10 @@ ReadResult read_uncompressed(const InputFile& file, const Header& header, const 
   return result;
 }
 
-ReadResult read_chunks(const InputFile& file, const Header& header, const LazLayout& layout,
-                       const std::vector<LazChunk>& chunks, const ReadOptions& options, Progress& progress,
-                       std::vector<std::string>* damage = nullptr) {  // when given: a place for each chunk's error
+ReadResult read_chunks(
+    const InputFile& file, const Header& header, const LazLayout& layout, const std::vector<LazChunk>& chunks,
+    const ReadOptions& options, Progress& progress,
+    std::vector<std::string>* damage = nullptr) {  // when given: a place for each chunk's error
   PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
   Header counted = header;  // of the chunks that are read
   counted.count = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
@@ -193,8 +200,10 @@ ReadResult read_intact(const InputFile& file, const Header& header, const LazLay
     ReadResult result = read_chunks(file, header, layout, wanted, options, progress, &errors);
     std::vector<LazChunk> whole;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (errors[i].empty()) whole.push_back(wanted[i]);
-      else damage.push_back(errors[i]), missing += wanted[i].count;
+      if (errors[i].empty())
+        whole.push_back(wanted[i]);
+      else
+        damage.push_back(errors[i]), missing += wanted[i].count;
     }
     if (whole.size() == wanted.size()) {
       result.report.damage = std::move(damage);
@@ -206,11 +215,13 @@ ReadResult read_intact(const InputFile& file, const Header& header, const LazLay
   }
 }
 
-ReadResult read_compressed(const InputFile& file, const Header& header, const ReadOptions& options, Progress& progress) {
+ReadResult read_compressed(const InputFile& file, const Header& header, const ReadOptions& options,
+                           Progress& progress) {
   const LazChunks found = find_chunks(file, header);
-  ReadResult result = found.is_run ? read_run(file, header, found.layout, found.chunks.front(), options, progress)
-                      : options.strict ? read_chunks(file, header, found.layout, found.chunks, options, progress)
-                                       : read_intact(file, header, found.layout, found.chunks, options, progress);
+  ReadResult result =
+      found.is_run     ? read_run(file, header, found.layout, found.chunks.front(), options, progress)
+      : options.strict ? read_chunks(file, header, found.layout, found.chunks, options, progress)
+                       : read_intact(file, header, found.layout, found.chunks, options, progress);
   if (result.cloud.empty() && !result.report.damage.empty())
     throw Error(ErrorCode::bad_input, result.report.damage.front());
   if (!found.note.empty()) result.report.notes.push_back(found.note);
@@ -239,17 +250,20 @@ ReadResult read_las(const std::filesystem::path& path, const ReadOptions& option
   const las::Header header = las::read_header(file);
   ReadResult result = header.compressed ? las::read_compressed(file, header, options, progress)
                                         : las::read_uncompressed(file, header, options, progress);
-  // Columns of nothing but zeros were left out to save memory; a format that is not LAS would not know of them.
+  // Columns of nothing but zeros were left out to save memory; a format that is not LAS would not know of
+  // them.
   for (const auto& column :
        {std::pair("user_data", StoredType::uint8), std::pair("point_source_id", StoredType::uint16)})
     if (options.every_attribute && !result.cloud.scalar(column.first) &&
         std::any_of(result.report.attributes.begin(), result.report.attributes.end(),
                     [&](const AttributeStats& attribute) { return attribute.name == column.first; }))
-      result.cloud.set_scalar({column.first, 0, std::vector<float>(result.cloud.size(), 0.0f), column.second});
+      result.cloud.set_scalar(
+          {column.first, 0, std::vector<float>(result.cloud.size(), 0.0f), column.second});
   return result;
 }
 
-ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks, Progress& progress) {
+ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks,
+                           Progress& progress) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
   const las::LazLayout layout = las::read_laz_layout(file, header);

@@ -1,10 +1,11 @@
 // LAS 1.0 to 1.4 (point formats 0 to 10), LAZ and COPC: the rows of the table of formats.
 //
 // Kept: every dimension but wave packets. `scan_angle`, the flags, `scanner_channel`, `user_data` and
-// `point_source_id` are scalars of the cloud only when some point has one. What a float or an 8-bit colour channel
-// cannot hold goes into the scalars NAME_residual and rgb_low_bytes, which the writers add again: LAS -> LAS and
-// LAS -> LAZ are exact, coordinates as long as an axis is at most 15 million steps long. Organised grids and
-// scanner positions have no place in LAS. Normals and radii are written as the extra bytes nx, ny, nz, radius.
+// `point_source_id` are scalars of the cloud only when some point has one. What a float or an 8-bit colour
+// channel cannot hold goes into the scalars NAME_residual and rgb_low_bytes, which the writers add again: LAS
+// -> LAS and LAS -> LAZ are exact, coordinates as long as an axis is at most 15 million steps long. Organised
+// grids and scanner positions have no place in LAS. Normals and radii are written as the extra bytes nx, ny,
+// nz, radius.
 #pragma once
 
 #include <filesystem>
@@ -23,11 +24,13 @@ bool is_copc(std::string_view head);
 /// Throws Error(bad_input) with byte, found, expected, what to do.
 ReadResult read_las(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
-/// Reads only these chunks of a compressed file, in their order. Those that are damaged are left out: see the report.
-ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks, Progress& progress);
+/// Reads only these chunks of a compressed file, in their order. Those that are damaged are left out: see the
+/// report.
+ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks,
+                           Progress& progress);
 
-/// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the values
-/// fit, else the least format that holds them and steps of about a float's precision.
+/// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the
+/// values fit, else the least format that holds them and steps of about a float's precision.
 WriteReport write_las(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 /// The same, compressed by LASzip.
 WriteReport write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);

@@ -42,7 +42,9 @@ std::string epsg_text(const std::vector<GeoKey>& keys) {
   const bool user_defined = std::any_of(keys.begin(), keys.end(), [](const GeoKey& key) {
     return key.id == key_projected && key.location == 0 && key.value == 32767;
   });
-  const unsigned horizontal = code(key_projected) ? code(key_projected) : user_defined ? 0 : code(key_geographic);
+  const unsigned horizontal = code(key_projected) ? code(key_projected)
+                              : user_defined      ? 0
+                                                  : code(key_geographic);
   if (!horizontal) return {};
   std::string text = "EPSG:" + std::to_string(horizontal);
   if (const unsigned vertical = code(key_vertical)) text += "+" + std::to_string(vertical);
@@ -121,7 +123,8 @@ std::vector<CrsRecord> crs_records(const std::string& crs, bool& is_wkt) {
     return {{record_wkt, std::move(text)}};
   }
   text.insert(text.end() - 1, '|');
-  const GeoKey citation{key_citation, record_ascii, std::uint16_t(std::min<std::size_t>(text.size() - 1, 65535)), 0};
+  const GeoKey citation{key_citation, record_ascii,
+                        std::uint16_t(std::min<std::size_t>(text.size() - 1, 65535)), 0};
   return {{record_keys, key_directory({citation})}, {record_ascii, std::move(text)}};
 }
 

@@ -10,16 +10,19 @@ constexpr std::size_t longest_name = 32;
 // Files have a few; a record of 65535 bytes could name as many, each with an array of its own.
 constexpr std::size_t most_extra_fields = 1024, most_notes = 16;
 // Types of extra bytes 1 to 10 in the order of LAS 1.4 R15, table 24.
-constexpr StoredType extra_types[] = {StoredType::uint8,  StoredType::int8,   StoredType::uint16, StoredType::int16,
-                                      StoredType::uint32, StoredType::int32,  StoredType::uint64, StoredType::int64,
-                                      StoredType::float32, StoredType::float64};
+constexpr StoredType extra_types[] = {
+    StoredType::uint8, StoredType::int8,   StoredType::uint16, StoredType::int16,   StoredType::uint32,
+    StoredType::int32, StoredType::uint64, StoredType::int64,  StoredType::float32, StoredType::float64};
 
 }  // namespace
 
 bool Field::needs_residual() const {
   switch (type) {
     // Scaled or not, a float tells the numbers of 16 bits apart, and the writer knows the scale.
-    case StoredType::uint8: case StoredType::int8: case StoredType::uint16: case StoredType::int16: return false;
+    case StoredType::uint8:
+    case StoredType::int8:
+    case StoredType::uint16:
+    case StoredType::int16: return false;
     case StoredType::float32: return is_scaled();
     default: return true;
   }
@@ -27,9 +30,13 @@ bool Field::needs_residual() const {
 
 std::size_t size_of(StoredType type) {
   switch (type) {
-    case StoredType::uint8: case StoredType::int8: return 1;
-    case StoredType::uint16: case StoredType::int16: return 2;
-    case StoredType::uint32: case StoredType::int32: case StoredType::float32: return 4;
+    case StoredType::uint8:
+    case StoredType::int8: return 1;
+    case StoredType::uint16:
+    case StoredType::int16: return 2;
+    case StoredType::uint32:
+    case StoredType::int32:
+    case StoredType::float32: return 4;
     default: return 8;
   }
 }
@@ -58,16 +65,20 @@ std::vector<Field> standard_fields(int format) {
     if (format == 8 || format == 10) add("nir", StoredType::uint16, byte + 6);
   }
   add("intensity", StoredType::uint16, 12);
-  if (extended) add("classification", StoredType::uint8, 16);
-  else add_bits("classification", 15, 0, 5, false);
+  if (extended)
+    add("classification", StoredType::uint8, 16);
+  else
+    add_bits("classification", 15, 0, 5, false);
   add_bits("return_number", 14, 0, extended ? 4 : 3, false);
   add_bits("number_of_returns", 14, extended ? 4 : 3, extended ? 4 : 3, false);
   add("user_data", StoredType::uint8, 17);
   add("point_source_id", StoredType::uint16, extended ? 20 : 18);
   if (has_gps_time(format)) add("gps_time", StoredType::float64, extended ? 22 : 20);
 
-  if (extended) add("scan_angle", StoredType::int16, 18, true).scale = 0.006;
-  else add("scan_angle", StoredType::int8, 16, true);
+  if (extended)
+    add("scan_angle", StoredType::int16, 18, true).scale = 0.006;
+  else
+    add("scan_angle", StoredType::int8, 16, true);
   add_bits("scan_direction_flag", extended ? 15 : 14, 6, 1, true);
   add_bits("edge_of_flight_line", extended ? 15 : 14, 7, 1, true);
   const int flag_shift = extended ? 0 : 5;
@@ -83,7 +94,8 @@ std::vector<Field> standard_fields(int format) {
 
 std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& notes) {
   std::vector<Field> fields;
-  std::map<std::string, int> names;  // and how often each came: equal names are numbered without trying all numbers
+  std::map<std::string, int>
+      names;  // and how often each came: equal names are numbered without trying all numbers
   std::size_t byte = min_record_length[std::size_t(header.format)];
   auto add = [&](std::string name, StoredType type, double scale, double offset) {
     if (name.empty()) name = "extra";
@@ -102,7 +114,8 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
       const std::uint8_t* d = vlr.data.data() + at;
       const int type = d[2], options = d[3];
       if (fields.size() >= most_extra_fields || notes.size() >= most_notes) {
-        notes.push_back("extra bytes beyond the first " + std::to_string(fields.size()) + " fields are left out");
+        notes.push_back("extra bytes beyond the first " + std::to_string(fields.size()) +
+                        " fields are left out");
         return fields;
       }
       if (type == 0 || type > 30) {  // undocumented bytes, as many as the options say
@@ -113,18 +126,21 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
       const int parts = (type - 1) / 10 + 1;  // 11 to 20 and 21 to 30: pairs and triples, deprecated
       const StoredType stored = extra_types[(type - 1) % 10];
       if (byte + std::size_t(parts) * size_of(stored) > header.record_length) {
-        notes.push_back("extra bytes " + descriptor_name(d) + " lie outside the point record and are left out");
+        notes.push_back("extra bytes " + descriptor_name(d) +
+                        " lie outside the point record and are left out");
         return fields;
       }
       for (int k = 0; k < parts; ++k) {
         const double scale = (options & 8) ? get<double>(d + 112 + 8 * k) : 1;
         const double offset = (options & 16) ? get<double>(d + 136 + 8 * k) : 0;
-        add(descriptor_name(d) + (parts > 1 ? "_" + std::to_string(k) : ""), stored, scale == 0 ? 1 : scale, offset);
+        add(descriptor_name(d) + (parts > 1 ? "_" + std::to_string(k) : ""), stored, scale == 0 ? 1 : scale,
+            offset);
       }
     }
   }
   if (byte < header.record_length && header.record_length - byte > most_undescribed_fields)
-    notes.push_back(std::to_string(header.record_length - byte) + " undescribed extra bytes a point are left out");
+    notes.push_back(std::to_string(header.record_length - byte) +
+                    " undescribed extra bytes a point are left out");
   else
     while (byte < header.record_length) add("extra", StoredType::uint8, 1, 0);
   return fields;

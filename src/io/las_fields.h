@@ -29,14 +29,14 @@ struct Field {
 
 std::size_t size_of(StoredType type);
 
-/// The standard dimensions of a point format (0 to 10) in the order of reports. Coordinates (bytes 0 to 11) and
-/// wave packets are not among them.
+/// The standard dimensions of a point format (0 to 10) in the order of reports. Coordinates (bytes 0 to 11)
+/// and wave packets are not among them.
 std::vector<Field> standard_fields(int format);
 bool has_gps_time(int format);
 bool has_color(int format);
 
-/// The dimensions in the extra bytes: those the extra bytes records (all of them, in file order) describe, then
-/// undescribed bytes one by one, at most 16. Notes say what was left out.
+/// The dimensions in the extra bytes: those the extra bytes records (all of them, in file order) describe,
+/// then undescribed bytes one by one, at most 16. Notes say what was left out.
 std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& notes);
 
 /// More undescribed bytes of a point are left out.
@@ -50,8 +50,8 @@ std::size_t described_length(const std::uint8_t* descriptor);
 /// The extra bytes record (192 bytes a field) that describes `fields`.
 std::vector<std::uint8_t> extra_bytes_record(const std::vector<Field>& fields);
 
-/// Scalars that hold what the float of another scalar, or the 8 bits of a colour, cannot: added to the value on
-/// writing, so that LAS to LAS loses nothing.
+/// Scalars that hold what the float of another scalar, or the 8 bits of a colour, cannot: added to the value
+/// on writing, so that LAS to LAS loses nothing.
 inline const std::string residual_suffix = "_residual";
 inline const std::string rgb_low_name = "rgb_low_bytes";  ///< red << 16 | green << 8 | blue
 

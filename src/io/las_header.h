@@ -1,5 +1,5 @@
-// The public header block and the variable length records of a LAS, LAZ or COPC file (LAS 1.0 to 1.4), checked
-// before anything is allocated on their word or handed to LASzip.
+// The public header block and the variable length records of a LAS, LAZ or COPC file (LAS 1.0 to 1.4),
+// checked before anything is allocated on their word or handed to LASzip.
 #pragma once
 
 #include <array>

@@ -63,7 +63,9 @@ bool fits(const Range& range, const Field& field) {
          range.high <= high * field.scale;
 }
 
-bool is_rank(const Range& range) { return range.is_finite && range.is_whole && range.low >= -128 && range.high <= 127; }
+bool is_rank(const Range& range) {
+  return range.is_finite && range.is_whole && range.low >= -128 && range.high <= 127;
+}
 
 // Wave packets are not kept: their formats become the same ones without them.
 int without_waves(int format) {
@@ -91,13 +93,15 @@ int least_format(bool is_extended, bool gps_time, bool color, bool nir) {
 template <class T>
 T clamped(double value) {
   if (!std::isfinite(value)) return 0;
-  return T(std::clamp(std::round(value), double(std::numeric_limits<T>::min()), double(std::numeric_limits<T>::max())));
+  return T(std::clamp(std::round(value), double(std::numeric_limits<T>::min()),
+                      double(std::numeric_limits<T>::max())));
 }
 
 void put_value(const Field& field, double value, std::uint8_t* record) {
   std::uint8_t* at = record + field.byte;
   if (field.bits) {
-    *at = std::uint8_t(*at | (unsigned(clamped<std::uint8_t>(value)) & ((1u << field.bits) - 1)) << field.shift);
+    *at = std::uint8_t(*at | (unsigned(clamped<std::uint8_t>(value)) & ((1u << field.bits) - 1))
+                                 << field.shift);
     return;
   }
   if (field.is_scaled()) value = (value - field.offset) / field.scale;
@@ -123,13 +127,14 @@ void choose_scaling(const PointCloud& cloud, WriteLayout& layout) {
     layout.offset = cloud.las->offset;
     bool reaches = true;
     for (int axis = 0; axis < 3; ++axis)
-      reaches &= layout.scale[axis] != 0 &&
-                 std::max(std::abs(box.min[axis] - layout.offset[axis]), std::abs(box.max[axis] - layout.offset[axis])) <
-                     std::abs(layout.scale[axis]) * (int32_reach - 1);
+      reaches &= layout.scale[axis] != 0 && std::max(std::abs(box.min[axis] - layout.offset[axis]),
+                                                     std::abs(box.max[axis] - layout.offset[axis])) <
+                                                std::abs(layout.scale[axis]) * (int32_reach - 1);
     if (reaches) return;
   }
-  // 2^23 steps over the cloud: a float relative to its centre is no finer. The cloud is where most points are: one that
-  // strays far off makes the step only as coarse as 2^32 steps over everything must be, and on its own axis.
+  // 2^23 steps over the cloud: a float relative to its centre is no finer. The cloud is where most points
+  // are: one that strays far off makes the step only as coarse as 2^32 steps over everything must be, and on
+  // its own axis.
   const Bounds most = robust_bounds(cloud);
   const auto extent_of = [](const Bounds& b) { return std::max({b.size().x, b.size().y, b.size().z}); };
   const double extent = extent_of(most) > 0 ? extent_of(most) : std::max(extent_of(box), 1e-9);
@@ -140,16 +145,19 @@ void choose_scaling(const PointCloud& cloud, WriteLayout& layout) {
     scale = needed > wanted ? std::pow(10, std::ceil(std::log10(needed))) : wanted;
     layout.offset[axis] = std::round(box.center()[axis] / scale) * scale;
     if (!(scale * 2147483648.0 + std::abs(layout.offset[axis]) < largest_coordinate))
-      throw Error(ErrorCode::usage, "the cloud reaches " + text_of(box.max[axis]) + ", and LAS coordinates end at 1e15; "
-                                                                                    "leave stray points out or write .ply");
+      throw Error(ErrorCode::usage, "the cloud reaches " + text_of(box.max[axis]) +
+                                        ", and LAS coordinates end at 1e15; "
+                                        "leave stray points out or write .ply");
     if (scale > extent / 1024)
-      throw Error(ErrorCode::usage, "stray points reach " + text_of(box.size()[axis]) + " along " + "xyz"[axis] +
-                                        ", so that LAS would need steps of " + text_of(scale) + " for a cloud of " +
-                                        text_of(extent) + "; leave stray points out or write .ply");
+      throw Error(ErrorCode::usage, "stray points reach " + text_of(box.size()[axis]) + " along " +
+                                        "xyz"[axis] + ", so that LAS would need steps of " + text_of(scale) +
+                                        " for a cloud of " + text_of(extent) +
+                                        "; leave stray points out or write .ply");
   }
   const double step = std::max({layout.scale.x, layout.scale.y, layout.scale.z});
-  layout.notes.push_back("coordinates are written in steps of " + text_of(step) +
-                         (step > wanted ? ", as stray points lie far off: places move by up to half of that" : ""));
+  layout.notes.push_back(
+      "coordinates are written in steps of " + text_of(step) +
+      (step > wanted ? ", as stray points lie far off: places move by up to half of that" : ""));
 }
 
 std::vector<Source> sources_of(const PointCloud& cloud) {
@@ -158,8 +166,8 @@ std::vector<Source> sources_of(const PointCloud& cloud) {
   for (const ScalarField& scalar : cloud.scalars) {
     const std::string& name = scalar.name;
     const bool is_residual =
-        name == rgb_low_name ||
-        (name.ends_with(residual_suffix) && cloud.scalar(name.substr(0, name.size() - residual_suffix.size())));
+        name == rgb_low_name || (name.ends_with(residual_suffix) &&
+                                 cloud.scalar(name.substr(0, name.size() - residual_suffix.size())));
     if (is_residual && !(name == rgb_low_name && cloud.colors.empty())) continue;
     sources.push_back({Field{name, scalar.type}, &scalar, residual_of(name)});
   }
@@ -174,8 +182,8 @@ std::vector<Source> sources_of(const PointCloud& cloud) {
   return sources;
 }
 
-// The step of the scalar's file when all values still lie on it: a hundredth is more than a float's rounding of
-// 16 bits, or two floats' of 32, makes of it.
+// The step of the scalar's file when all values still lie on it: a hundredth is more than a float's rounding
+// of 16 bits, or two floats' of 32, makes of it.
 std::optional<LasStep> step_of(const Source& source, const PointCloud& cloud) {
   if (!cloud.las || !source.scalar) return std::nullopt;
   for (const LasStep& step : cloud.las->steps) {
@@ -184,7 +192,8 @@ std::optional<LasStep> step_of(const Source& source, const PointCloud& cloud) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const double number = (source.value(cloud, i) - step.offset) / step.scale;
       if (is_float(step.type)) continue;
-      if (!(std::abs(number - std::round(number)) < 0.01 && std::round(number) >= low && std::round(number) <= high))
+      if (!(std::abs(number - std::round(number)) < 0.01 && std::round(number) >= low &&
+            std::round(number) <= high))
         return std::nullopt;
     }
     return step;
@@ -192,7 +201,8 @@ std::optional<LasStep> step_of(const Source& source, const PointCloud& cloud) {
   return std::nullopt;
 }
 
-// A type that holds the values: the one of the scalar's file, else a float, of 64 bits when the value is a sum.
+// A type that holds the values: the one of the scalar's file, else a float, of 64 bits when the value is a
+// sum.
 StoredType extra_type(const Source& source, const Range& range) {
   if (!is_float(source.field.type) && fits(range, source.field)) return source.field.type;
   if (source.residual || (source.scalar && source.scalar->offset != 0)) return StoredType::float64;
@@ -260,7 +270,8 @@ WriteLayout choose_layout(const PointCloud& cloud) {
       source.field.byte = std::uint16_t(byte);
       // A LAS name has 32 bytes; shortened ones must stay different.
       std::string name = source.field.name.substr(0, 32);
-      for (int k = 2; !names.insert(name).second; ++k) name = source.field.name.substr(0, 28) + "_" + std::to_string(k);
+      for (int k = 2; !names.insert(name).second; ++k)
+        name = source.field.name.substr(0, 28) + "_" + std::to_string(k);
       source.field.name = name;
       byte += size_of(source.field.type);
       layout.extra.push_back(source.field);
@@ -282,7 +293,8 @@ std::array<std::int32_t, 3> WriteLayout::steps(const PointCloud& cloud, std::siz
   return result;
 }
 
-void WriteLayout::pack(const PointCloud& cloud, std::size_t first, std::size_t count, std::uint8_t* records) const {
+void WriteLayout::pack(const PointCloud& cloud, std::size_t first, std::size_t count,
+                       std::uint8_t* records) const {
   const ScalarField* low = cloud.scalar(rgb_low_name);
   const std::size_t color = !cloud.colors.empty() ? find(standard_fields(format), "red")->byte : 0;
   // A scan without return numbers has one return a point.

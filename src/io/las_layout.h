@@ -27,8 +27,8 @@ struct WriteLayout {
   std::uint16_t record_length = 0;
   dvec3 scale{0.001}, offset{0};
   bool colors_shifted = false, colors_16bit = true;
-  std::vector<Source> sources;  ///< fields that get values; the others stay zero
-  std::vector<Field> extra;     ///< those of them in the extra bytes, in order
+  std::vector<Source> sources;     ///< fields that get values; the others stay zero
+  std::vector<Field> extra;        ///< those of them in the extra bytes, in order
   std::vector<std::string> notes;  ///< what the user should know of the choice
 
   /// The coordinates of point `i` in steps of `scale` from `offset`.
@@ -37,9 +37,10 @@ struct WriteLayout {
   void pack(const PointCloud& cloud, std::size_t first, std::size_t count, std::uint8_t* records) const;
 };
 
-/// The cloud's own format and scaling where they hold its values; every scalar finds a place. Throws Error(usage)
-/// when a record would be longer than 65535 bytes, and when the coordinates do not fit: a step must be no coarser than a
-/// thousandth of the cloud, or its shape would be gone, and our reader must take what we write.
+/// The cloud's own format and scaling where they hold its values; every scalar finds a place. Throws
+/// Error(usage) when a record would be longer than 65535 bytes, and when the coordinates do not fit: a step
+/// must be no coarser than a thousandth of the cloud, or its shape would be gone, and our reader must take
+/// what we write.
 WriteLayout choose_layout(const PointCloud& cloud);
 
 }  // namespace sfumato::io::las

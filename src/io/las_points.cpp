@@ -48,7 +48,8 @@ PointCollector::PointCollector(const Header& header, const std::vector<std::uint
   fields.insert(fields.end(), extra.begin(), extra.end());
   for (Field& field : fields) {
     Column column{field};
-    if (field.is_color()) color_columns_[field.name == "red" ? 0 : field.name == "green" ? 1 : 2] = int(columns_.size());
+    if (field.is_color())
+      color_columns_[field.name == "red" ? 0 : field.name == "green" ? 1 : 2] = int(columns_.size());
     if (field.is_scaled()) {
       column.base = field.offset;
     } else if (field.needs_residual() && !first_record.empty()) {
@@ -56,8 +57,10 @@ PointCollector::PointCollector(const Header& header, const std::vector<std::uint
       if (std::abs(value) >= 65536 && std::abs(value) < 1e15) column.base = value;
     }
     // Those that the cloud does not get when they are zero everywhere.
-    column.may_be_absent = column.base == 0 && field.offset == 0 && !field.is_color() &&
-                           (field.optional || (!field.is_extra && (field.name == "user_data" || field.name == "point_source_id")));
+    column.may_be_absent =
+        column.base == 0 && field.offset == 0 && !field.is_color() &&
+        (field.optional ||
+         (!field.is_extra && (field.name == "user_data" || field.name == "point_source_id")));
     columns_.push_back(std::move(column));
   }
 }
@@ -111,7 +114,8 @@ PointCollector::Stats PointCollector::empty_stats() const {
 namespace {
 
 /// Which bits some record has set, byte by byte.
-void gather_bits(const std::uint8_t* records, std::size_t count, std::size_t length, std::vector<std::uint8_t>& seen) {
+void gather_bits(const std::uint8_t* records, std::size_t count, std::size_t length,
+                 std::vector<std::uint8_t>& seen) {
   constexpr std::size_t word = 8;
   seen.assign((length + word - 1) / word * word, 0);
   for (std::size_t at = 0; at < length; at += word) {
@@ -133,8 +137,9 @@ bool is_zero(const Field& field, const std::vector<std::uint8_t>& seen) {
 }  // namespace
 
 template <class T>
-void PointCollector::unpack_values(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
-                                   const std::vector<std::uint8_t>& seen, FieldStats& stats) {
+void PointCollector::unpack_values(Column& column, std::size_t first, const std::uint8_t* records,
+                                   std::size_t count, const std::vector<std::uint8_t>& seen,
+                                   FieldStats& stats) {
   const Field& field = column.field;
   const std::size_t stride = header_.record_length;
   const std::uint8_t* at = records + field.byte;
@@ -191,8 +196,9 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
   stats.count += finite;
 }
 
-void PointCollector::unpack_column(Column& column, std::size_t first, const std::uint8_t* records, std::size_t count,
-                                   const std::vector<std::uint8_t>& seen, FieldStats& stats) {
+void PointCollector::unpack_column(Column& column, std::size_t first, const std::uint8_t* records,
+                                   std::size_t count, const std::vector<std::uint8_t>& seen,
+                                   FieldStats& stats) {
   switch (column.field.type) {
     case StoredType::uint8: return unpack_values<std::uint8_t>(column, first, records, count, seen, stats);
     case StoredType::int8: return unpack_values<std::int8_t>(column, first, records, count, seen, stats);
@@ -224,7 +230,8 @@ void PointCollector::unpack(std::size_t first, const std::uint8_t* records, std:
     }
     gather_bits(block, n, stride, seen);
     for (std::size_t c = 0; c < columns_.size(); ++c)
-      if (!columns_[c].field.is_color()) unpack_column(columns_[c], first + begin, block, n, seen, stats.fields[c]);
+      if (!columns_[c].field.is_color())
+        unpack_column(columns_[c], first + begin, block, n, seen, stats.fields[c]);
     for (std::size_t channel = 0; channel < 3 && color_columns_[channel] >= 0; ++channel) {
       const std::size_t c = std::size_t(color_columns_[channel]);
       FieldStats& s = stats.fields[c];
@@ -307,15 +314,16 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
     }
   }
   const dvec3 scale = header_.scale, shift = header_.offset, origin = cloud.origin;
-  parallel_tasks((positions_.size() + pass_size - 1) / pass_size, progress, "placing points", [&](std::size_t task) {
-    const std::size_t last = std::min(positions_.size(), (task + 1) * pass_size);
-    for (std::size_t i = task * pass_size; i < last; ++i)
-      for (int axis = 0; axis < 3; ++axis) {
-        std::int32_t steps;
-        std::memcpy(&steps, &positions_[i][axis], sizeof steps);
-        positions_[i][axis] = float(scale[axis] * steps + shift[axis] - origin[axis]);
-      }
-  });
+  parallel_tasks((positions_.size() + pass_size - 1) / pass_size, progress, "placing points",
+                 [&](std::size_t task) {
+                   const std::size_t last = std::min(positions_.size(), (task + 1) * pass_size);
+                   for (std::size_t i = task * pass_size; i < last; ++i)
+                     for (int axis = 0; axis < 3; ++axis) {
+                       std::int32_t steps;
+                       std::memcpy(&steps, &positions_[i][axis], sizeof steps);
+                       positions_[i][axis] = float(scale[axis] * steps + shift[axis] - origin[axis]);
+                     }
+                 });
   cloud.positions = std::move(positions_);
 }
 
@@ -325,7 +333,8 @@ void PointCollector::place_colors(ReadResult& result, const Stats& total, Progre
   for (int column : color_columns_) high = std::max(high, total.fields[std::size_t(column)].max);
   const bool is_8bit = high <= 255;
   result.cloud.las->colors_16bit = !is_8bit;
-  if (is_8bit && high > 0) result.report.notes.push_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
+  if (is_8bit && high > 0)
+    result.report.notes.push_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
   std::vector<Rgba8>& colors = result.cloud.colors;
   allocate(colors, colors_.size());
   std::vector<float> low;
@@ -348,7 +357,9 @@ void PointCollector::place_colors(ReadResult& result, const Stats& total, Progre
     }
   });
   colors_ = {};
-  auto all = [](const std::vector<char>& flags) { return std::find(flags.begin(), flags.end(), 0) == flags.end(); };
+  auto all = [](const std::vector<char>& flags) {
+    return std::find(flags.begin(), flags.end(), 0) == flags.end();
+  };
   result.cloud.las->colors_shifted = !is_8bit && all(shifts);
   if (!is_8bit && !all(shifts) && !all(repeats))
     result.cloud.set_scalar({rgb_low_name, 0, std::move(low), StoredType::uint32});
@@ -367,11 +378,13 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     });
     if (is_replaced) continue;
     const double n = double(std::max<std::uint64_t>(1, stats.count));
-    result.report.attributes.push_back(stats.count ? AttributeStats{field.name, stats.min, stats.max, stats.sum / n}
-                                                   : AttributeStats{field.name});
+    result.report.attributes.push_back(stats.count
+                                           ? AttributeStats{field.name, stats.min, stats.max, stats.sum / n}
+                                           : AttributeStats{field.name});
     if (field.is_color()) continue;
     // Two bytes that are seldom used cost eight in the cloud: nothing is lost by leaving zeros out.
-    if (is_zero && !field.is_extra && (field.name == "user_data" || field.name == "point_source_id")) continue;
+    if (is_zero && !field.is_extra && (field.name == "user_data" || field.name == "point_source_id"))
+      continue;
     StoredType type = field.type;
     if (field.is_scaled()) type = field.is_extra ? StoredType::float64 : StoredType::float32;
     if (field.is_scaled() && field.is_extra)
@@ -379,9 +392,11 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     numbers(column.values, *column.values_at);  // none was other than zero in a cloud that is not all there
     result.cloud.set_scalar({field.name, column.base, std::move(column.values), type});
     if (stats.has_residual)
-      result.cloud.set_scalar({field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
+      result.cloud.set_scalar(
+          {field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
     if (stats.is_inexact && !field.is_scaled())
-      result.report.notes.push_back(field.name + " has more digits than are kept (48 bits around its first value)");
+      result.report.notes.push_back(field.name +
+                                    " has more digits than are kept (48 bits around its first value)");
     column.values = {};
     column.residuals = {};
   }
@@ -397,7 +412,8 @@ void PointCollector::place_normals_and_radii(ReadResult& result) {
       const float squared = glm::dot(normal, normal);
       if (!std::isfinite(squared) || squared == 0) ++result.report.normals_dropped;
       // Unit normals stay bit for bit: a float's rounding of the length is below 1e-5.
-      else cloud.normals[i] = std::abs(squared - 1) < 1e-5f ? normal : normal / std::sqrt(squared);
+      else
+        cloud.normals[i] = std::abs(squared - 1) < 1e-5f ? normal : normal / std::sqrt(squared);
     }
   }
   if (const ScalarField* radius = cloud.scalar("radius")) {

@@ -14,7 +14,8 @@
 
 namespace sfumato::io::las {
 
-/// Collects records into a cloud in file order. `unpack` may be called from several threads for disjoint ranges.
+/// Collects records into a cloud in file order. `unpack` may be called from several threads for disjoint
+/// ranges.
 class PointCollector {
  public:
   struct FieldStats {
@@ -44,7 +45,8 @@ class PointCollector {
   struct Column {
     Field field;
     double base = 0;  ///< offset of the scalar
-    /// Columns that are mostly zeros are not there before a number is: fresh memory costs more than unpacking.
+    /// Columns that are mostly zeros are not there before a number is: fresh memory costs more than
+    /// unpacking.
     bool may_be_absent = false;
     std::vector<float> values, residuals;
     std::unique_ptr<std::atomic<float*>> values_at = std::make_unique<std::atomic<float*>>(nullptr),

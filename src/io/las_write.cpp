@@ -1,4 +1,5 @@
-// Writing LAS and LAZ (LAS 1.4): choose a point format, the scaling and the extra bytes, then pack record by record.
+// Writing LAS and LAZ (LAS 1.4): choose a point format, the scaling and the extra bytes, then pack record by
+// record.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -48,21 +49,23 @@ Summary summarize(const PointCloud& cloud, const WriteLayout& layout, Progress& 
   return summary;
 }
 
-std::vector<OutVlr> vlrs_of(const std::filesystem::path& file, const PointCloud& cloud, const WriteLayout& layout,
-                            bool& is_wkt) {
+std::vector<OutVlr> vlrs_of(const std::filesystem::path& file, const PointCloud& cloud,
+                            const WriteLayout& layout, bool& is_wkt) {
   std::vector<OutVlr> vlrs;
   for (CrsRecord& record : crs_records(cloud.crs, is_wkt))
     vlrs.push_back({"LASF_Projection", record.record_id, std::move(record.data)});
   if (!layout.extra.empty()) vlrs.push_back({"LASF_Spec", 4, extra_bytes_record(layout.extra)});
   for (const OutVlr& vlr : vlrs)
     if (vlr.data.size() > longest_vlr)
-      throw Error(ErrorCode::usage, file.string() + ": the cloud has " + std::to_string(layout.extra.size()) +
-                                        " extra attributes or a long coordinate system, and a LAS record holds 65535 "
-                                        "bytes; write .ply instead");
+      throw Error(ErrorCode::usage,
+                  file.string() + ": the cloud has " + std::to_string(layout.extra.size()) +
+                      " extra attributes or a long coordinate system, and a LAS record holds 65535 "
+                      "bytes; write .ply instead");
   return vlrs;
 }
 
-laszip_header_struct header_of(const PointCloud& cloud, const WriteLayout& layout, const Summary& summary, bool is_wkt) {
+laszip_header_struct header_of(const PointCloud& cloud, const WriteLayout& layout, const Summary& summary,
+                               bool is_wkt) {
   laszip_header_struct h{};
   h.global_encoding = std::uint16_t((is_wkt ? 16 : 0) | (cloud.las ? cloud.las->time_and_returns : 0));
   h.version_major = 1;
@@ -114,8 +117,9 @@ std::vector<std::uint8_t> header_bytes(const laszip_header_struct& h, const std:
   put(b + 105, h.point_data_record_length);
   put(b + 107, h.number_of_point_records);
   std::memcpy(b + 111, h.number_of_points_by_return, 20);
-  const double numbers[12] = {h.x_scale_factor, h.y_scale_factor, h.z_scale_factor, h.x_offset, h.y_offset, h.z_offset,
-                              h.max_x, h.min_x, h.max_y, h.min_y, h.max_z, h.min_z};
+  const double numbers[12] = {h.x_scale_factor, h.y_scale_factor, h.z_scale_factor, h.x_offset,
+                              h.y_offset,       h.z_offset,       h.max_x,          h.min_x,
+                              h.max_y,          h.min_y,          h.max_z,          h.min_z};
   std::memcpy(b + 131, numbers, sizeof numbers);
   put(b + 247, h.extended_number_of_point_records);
   std::memcpy(b + 255, h.extended_number_of_points_by_return, 120);
@@ -146,8 +150,10 @@ void write_records(const PointCloud& cloud, const WriteLayout& layout, Progress&
 
 class LazWriter {
  public:
-  LazWriter(const std::filesystem::path& path, AtomicWriter& writer) : path_(path), buffer_(writer), stream_(&buffer_) {
-    if (laszip_create(&laszip_) != 0) throw Error(ErrorCode::out_of_memory, "LASzip cannot be started: no memory");
+  LazWriter(const std::filesystem::path& path, AtomicWriter& writer)
+      : path_(path), buffer_(writer), stream_(&buffer_) {
+    if (laszip_create(&laszip_) != 0)
+      throw Error(ErrorCode::out_of_memory, "LASzip cannot be started: no memory");
   }
   ~LazWriter() { laszip_destroy(laszip_); }
   LazWriter(const LazWriter&) = delete;
@@ -157,7 +163,8 @@ class LazWriter {
     check(laszip_set_header(laszip_, &header));
     check(laszip_preserve_generating_software(laszip_, 1));
     for (const OutVlr& vlr : vlrs)
-      check(laszip_add_vlr(laszip_, vlr.user_id, vlr.record_id, laszip_U16(vlr.data.size()), "", vlr.data.data()));
+      check(laszip_add_vlr(laszip_, vlr.user_id, vlr.record_id, laszip_U16(vlr.data.size()), "",
+                           vlr.data.data()));
     check(laszip_request_native_extension(laszip_, 1));
     check(laszip_open_writer_stream(laszip_, stream_, 1, 0));
     check(laszip_get_point_pointer(laszip_, &point_));
@@ -205,7 +212,8 @@ WriteReport write_las(const std::filesystem::path& file, const PointCloud& cloud
   bool is_wkt = false;
   const std::vector<las::OutVlr> vlrs = las::vlrs_of(file, cloud, layout, is_wkt);
   const las::Summary summary = las::summarize(cloud, layout, progress);
-  const std::vector<std::uint8_t> head = las::header_bytes(las::header_of(cloud, layout, summary, is_wkt), vlrs);
+  const std::vector<std::uint8_t> head =
+      las::header_bytes(las::header_of(cloud, layout, summary, is_wkt), vlrs);
   AtomicWriter writer(file);
   writer.write(std::as_bytes(std::span(head)));
   las::write_records(cloud, layout, progress,
@@ -216,7 +224,10 @@ WriteReport write_las(const std::filesystem::path& file, const PointCloud& cloud
 
 WriteReport write_laz(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   if (file.filename().string().ends_with(".copc.laz"))
-    throw Error(ErrorCode::usage, file.string() + ": COPC is written by sfumato build IN... -o OUT.copc.laz; here name a .laz without .copc");
+    throw Error(
+        ErrorCode::usage,
+        file.string() +
+            ": COPC is written by sfumato build IN... -o OUT.copc.laz; here name a .laz without .copc");
   const las::WriteLayout layout = las::choose_layout(cloud);
   bool is_wkt = false;
   const std::vector<las::OutVlr> vlrs = las::vlrs_of(file, cloud, layout, is_wkt);
@@ -225,7 +236,8 @@ WriteReport write_laz(const std::filesystem::path& file, const PointCloud& cloud
   {
     las::LazWriter laz(file, writer);
     laz.open(las::header_of(cloud, layout, summary, is_wkt), vlrs);
-    las::write_records(cloud, layout, progress, [&](std::span<const std::uint8_t> records) { laz.write(records); });
+    las::write_records(cloud, layout, progress,
+                       [&](std::span<const std::uint8_t> records) { laz.write(records); });
     laz.close();
   }
   writer.commit();

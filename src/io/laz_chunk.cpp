@@ -11,8 +11,8 @@
 namespace sfumato::io::las {
 namespace {
 
-// Parts of the "laszip encoded" record (22204): compressor at 0, coder at 2, chunk size at 12, number of items at
-// 32, then items of {type, size, version} from 34 on.
+// Parts of the "laszip encoded" record (22204): compressor at 0, coder at 2, chunk size at 12, number of
+// items at 32, then items of {type, size, version} from 34 on.
 constexpr std::size_t layout_head = 34, item_size = 6;
 enum Compressor : std::uint16_t { pointwise = 1, pointwise_chunked = 2, layered_chunked = 3 };
 
@@ -24,18 +24,17 @@ struct Item {
 std::vector<Item> expected_items(const Header& header) {
   constexpr std::uint16_t byte = 0, point10 = 6, gps11 = 7, rgb12 = 8, wave13 = 9, point14 = 10, rgb14 = 11,
                           rgbnir14 = 12, wave14 = 13, byte14 = 14;
-  static const std::vector<Item> items[11] = {
-      {{point10, 20}},
-      {{point10, 20}, {gps11, 8}},
-      {{point10, 20}, {rgb12, 6}},
-      {{point10, 20}, {gps11, 8}, {rgb12, 6}},
-      {{point10, 20}, {gps11, 8}, {wave13, 29}},
-      {{point10, 20}, {gps11, 8}, {rgb12, 6}, {wave13, 29}},
-      {{point14, 30}},
-      {{point14, 30}, {rgb14, 6}},
-      {{point14, 30}, {rgbnir14, 8}},
-      {{point14, 30}, {wave14, 29}},
-      {{point14, 30}, {rgbnir14, 8}, {wave14, 29}}};
+  static const std::vector<Item> items[11] = {{{point10, 20}},
+                                              {{point10, 20}, {gps11, 8}},
+                                              {{point10, 20}, {rgb12, 6}},
+                                              {{point10, 20}, {gps11, 8}, {rgb12, 6}},
+                                              {{point10, 20}, {gps11, 8}, {wave13, 29}},
+                                              {{point10, 20}, {gps11, 8}, {rgb12, 6}, {wave13, 29}},
+                                              {{point14, 30}},
+                                              {{point14, 30}, {rgb14, 6}},
+                                              {{point14, 30}, {rgbnir14, 8}},
+                                              {{point14, 30}, {wave14, 29}},
+                                              {{point14, 30}, {rgbnir14, 8}, {wave14, 29}}};
   std::vector<Item> expected = items[header.format];
   const auto extra = std::uint16_t(header.record_length - min_record_length[std::size_t(header.format)]);
   if (extra) expected.push_back({header.format >= 6 ? byte14 : byte, extra});
@@ -43,14 +42,15 @@ std::vector<Item> expected_items(const Header& header) {
 }
 
 std::uint32_t layer_count(const Header& header) {
-  // Nine layers of the point, then one for colour, one for near infrared, one for the wave packet, one a byte.
+  // Nine layers of the point, then one for colour, one for near infrared, one for the wave packet, one a
+  // byte.
   const int format = header.format;
   return 9u + (format == 7) + 2u * (format == 8 || format == 10) + (format >= 9) +
          (header.record_length - min_record_length[std::size_t(format)]);
 }
 
-// What stands before the chunk in a LAS 1.4 file that holds it alone: header, the LASzip record, and the address of a
-// chunk table equal to its own place, which LASzip takes as "no table, read on".
+// What stands before the chunk in a LAS 1.4 file that holds it alone: header, the LASzip record, and the
+// address of a chunk table equal to its own place, which LASzip takes as "no table, read on".
 std::vector<std::uint8_t> chunk_head(const LazLayout& layout, std::uint32_t count, std::uint32_t chunk_size) {
   constexpr std::uint32_t header_size = 375, vlr_header = 54;
   const std::uint32_t points = header_size + vlr_header + std::uint32_t(layout.vlr.size());
@@ -77,8 +77,8 @@ std::vector<std::uint8_t> chunk_head(const LazLayout& layout, std::uint32_t coun
   return bytes;
 }
 
-// The arithmetic decoder starts with the four bytes at the head of a stream and indexes its tables with them: all
-// ones is the one value that an encoder never writes and that leads outside.
+// The arithmetic decoder starts with the four bytes at the head of a stream and indexes its tables with them:
+// all ones is the one value that an encoder never writes and that leads outside.
 bool is_decodable(const std::uint8_t* stream) { return get<std::uint32_t>(stream) != 0xFFFFFFFFu; }
 
 }  // namespace
@@ -90,8 +90,8 @@ LazLayout read_laz_layout(const InputFile& file, const Header& header) {
   auto require = [&](bool is_fine, std::uint64_t at, const std::string& what) {
     if (!is_fine) file.fail(record->byte + at, what + "; the LASzip record is damaged or of a newer LASzip");
   };
-  require(record->data.size() >= layout_head, 0, "found a LASzip record of " + std::to_string(record->data.size()) +
-                                                     " bytes, expected at least 34");
+  require(record->data.size() >= layout_head, 0,
+          "found a LASzip record of " + std::to_string(record->data.size()) + " bytes, expected at least 34");
   const std::uint8_t* b = record->data.data();
   const std::vector<Item> items = expected_items(header);
   LazLayout layout;
@@ -100,14 +100,17 @@ LazLayout read_laz_layout(const InputFile& file, const Header& header) {
   const auto compressor = get<std::uint16_t>(b);
   layout.is_chunked = compressor != pointwise;
   layout.is_layered = compressor == layered_chunked;
-  require(header.format >= 6 ? layout.is_layered : (compressor == pointwise || compressor == pointwise_chunked), 0,
-          "found compressor " + std::to_string(compressor) + " for point format " + std::to_string(header.format) +
-              ", expected " + (header.format >= 6 ? "3" : "1 or 2"));
-  require(get<std::uint16_t>(b + 2) == 0, 2, "found entropy coder " + std::to_string(get<std::uint16_t>(b + 2)) +
-                                                 ", expected 0");
+  require(
+      header.format >= 6 ? layout.is_layered : (compressor == pointwise || compressor == pointwise_chunked),
+      0,
+      "found compressor " + std::to_string(compressor) + " for point format " +
+          std::to_string(header.format) + ", expected " + (header.format >= 6 ? "3" : "1 or 2"));
+  require(get<std::uint16_t>(b + 2) == 0, 2,
+          "found entropy coder " + std::to_string(get<std::uint16_t>(b + 2)) + ", expected 0");
   layout.chunk_size = get<std::uint32_t>(b + 12);
   if (layout.chunk_size == 0) layout.chunk_size = variable_chunks;  // so written by some COPC software
-  require(!layout.is_chunked || layout.chunk_size == variable_chunks || layout.chunk_size <= largest_chunk, 12,
+  require(!layout.is_chunked || layout.chunk_size == variable_chunks || layout.chunk_size <= largest_chunk,
+          12,
           "found chunks of " + std::to_string(layout.chunk_size) + " points, expected at most " +
               std::to_string(largest_chunk));
   const auto count = get<std::uint16_t>(b + 32);
@@ -122,15 +125,16 @@ LazLayout read_laz_layout(const InputFile& file, const Header& header) {
             "found item " + std::to_string(type) + " of " + std::to_string(size) + " bytes, expected item " +
                 std::to_string(items[i].type) + " of " + std::to_string(items[i].size));
     require(layout.is_layered ? version == 3 || version == 4 : version == 1 || version == 2, at + 4,
-            "found item version " + std::to_string(version) + ", expected " + (layout.is_layered ? "3" : "1 or 2"));
+            "found item version " + std::to_string(version) + ", expected " +
+                (layout.is_layered ? "3" : "1 or 2"));
   }
   if (layout.is_layered) layout.layers = layer_count(header);
   layout.vlr.assign(b, b + layout_head + item_size * items.size());
   return layout;
 }
 
-std::uint64_t layered_chunk_size(const LazLayout& layout, std::span<const std::uint8_t> bytes, std::uint64_t available,
-                                 std::uint32_t& count) {
+std::uint64_t layered_chunk_size(const LazLayout& layout, std::span<const std::uint8_t> bytes,
+                                 std::uint64_t available, std::uint32_t& count) {
   const std::uint64_t head = std::uint64_t(layout.record_length) + 4 + 4ull * layout.layers;
   if (bytes.size() < head || available < head) return 0;
   count = get<std::uint32_t>(bytes.data() + layout.record_length);
@@ -165,7 +169,8 @@ struct LazDecoder::State {
   [[noreturn]] void fail(const std::string& what) const {
     file.fail(chunk.byte, "found " + what + " in the compressed points from point " +
                               std::to_string(chunk.first + decoded) + " on (" + name_of(chunk) + ", points " +
-                              std::to_string(chunk.first) + " to " + std::to_string(chunk.first + chunk.count - 1) +
+                              std::to_string(chunk.first) + " to " +
+                              std::to_string(chunk.first + chunk.count - 1) +
                               "); the file is truncated or damaged");
   }
 
@@ -198,8 +203,9 @@ LazDecoder::LazDecoder(const InputFile& file, const LazLayout& layout, const Laz
   State& s = *state_;
   s.block_points = std::min<std::size_t>(records_at_a_time(layout.record_length), chunk.count);
   if (chunk.byte > file.size() || chunk.size > file.size() - chunk.byte)
-    file.fail(chunk.byte, "found a chunk of " + std::to_string(chunk.size) + " bytes, expected it to end before the " +
-                              "file's " + std::to_string(file.size()) + "; the file is truncated or damaged");
+    file.fail(chunk.byte, "found a chunk of " + std::to_string(chunk.size) +
+                              " bytes, expected it to end before the " + "file's " +
+                              std::to_string(file.size()) + "; the file is truncated or damaged");
   if (chunk.count == 0) return;
   const std::vector<std::uint8_t> head =
       chunk_head(layout, chunk.count, is_run ? layout.chunk_size : std::max(1u, chunk.count));

@@ -1,4 +1,5 @@
-// The adaptive models of LASzip's arithmetic coder (FastAC), which decoder and encoder of the chunk table share.
+// The adaptive models of LASzip's arithmetic coder (FastAC), which decoder and encoder of the chunk table
+// share.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +30,8 @@ class BitModel {
   }
 
  private:
-  std::uint32_t zeros_ = 1, total_ = 2, zero_probability_ = 1u << (bit_shift - 1), cycle_ = 4, until_update_ = 4;
+  std::uint32_t zeros_ = 1, total_ = 2, zero_probability_ = 1u << (bit_shift - 1), cycle_ = 4,
+                until_update_ = 4;
 };
 
 class SymbolModel {

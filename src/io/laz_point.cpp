@@ -36,7 +36,8 @@ void pack_point(const laszip_point_struct& p, int format, std::size_t record_len
   } else {
     record[14] = std::uint8_t(p.return_number | p.number_of_returns << 3 | p.scan_direction_flag << 6 |
                               p.edge_of_flight_line << 7);
-    record[15] = std::uint8_t(p.classification | p.synthetic_flag << 5 | p.keypoint_flag << 6 | p.withheld_flag << 7);
+    record[15] =
+        std::uint8_t(p.classification | p.synthetic_flag << 5 | p.keypoint_flag << 6 | p.withheld_flag << 7);
     put(record + 16, p.scan_angle_rank);
     record[17] = p.user_data;
     put(record + 18, p.point_source_ID);

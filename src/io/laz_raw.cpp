@@ -11,8 +11,8 @@
 namespace sfumato::io::las {
 namespace {
 
-// A read-only stream over bytes which never ends: LASzip does not survive an end of file where a chunk begins, so
-// zeros follow, and `is_overrun` tells that they were asked for.
+// A read-only stream over bytes which never ends: LASzip does not survive an end of file where a chunk
+// begins, so zeros follow, and `is_overrun` tells that they were asked for.
 class ChunkBuffer : public std::streambuf {
  public:
   explicit ChunkBuffer(std::span<const std::uint8_t> bytes) {

@@ -1,5 +1,5 @@
-// The one place that hands bytes to LASzip's decoder, which does not survive every damage (docs/adr/0130): it runs in a
-// decoder process, or here where none can be started.
+// The one place that hands bytes to LASzip's decoder, which does not survive every damage (docs/adr/0130): it
+// runs in a decoder process, or here where none can be started.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
-// The chunk table is coded with LASzip's arithmetic coder (A. Said, "Introduction to arithmetic coding - theory and
-// practice", HP Labs 2004, FastAC; M. Isenburg, LASzip): read here, with bounds, because LASzip itself allocates and
-// indexes on its word.
+// The chunk table is coded with LASzip's arithmetic coder (A. Said, "Introduction to arithmetic coding -
+// theory and practice", HP Labs 2004, FastAC; M. Isenburg, LASzip): read here, with bounds, because LASzip
+// itself allocates and indexes on its word.
 #include "io/laz_table.h"
 
 #include <algorithm>
@@ -22,8 +22,10 @@ class ArithmeticDecoder {
   bool bit(BitModel& model) {
     const std::uint32_t split = model.zero_probability() * (length_ >> bit_shift);
     const bool result = value_ >= split;
-    if (result) value_ -= split, length_ -= split;
-    else length_ = split;
+    if (result)
+      value_ -= split, length_ -= split;
+    else
+      length_ = split;
     renormalize();
     model.count(result);
     return result;
@@ -34,8 +36,10 @@ class ArithmeticDecoder {
     length_ >>= symbol_shift;
     for (std::uint32_t middle = high >> 1; middle != low; middle = (low + high) >> 1) {
       const std::uint32_t at = length_ * model.distribution(middle);
-      if (at > value_) high = middle, end = at;
-      else low = middle, start = at;
+      if (at > value_)
+        high = middle, end = at;
+      else
+        low = middle, start = at;
     }
     value_ -= start;
     length_ = end - start;
@@ -77,14 +81,16 @@ class ArithmeticDecoder {
   bool is_overrun_ = false;
 };
 
-// LASzip's IntegerCompressor for 32-bit values, two contexts and 8 high bits: the difference to a prediction, as
-// its number of bits and the bits themselves.
+// LASzip's IntegerCompressor for 32-bit values, two contexts and 8 high bits: the difference to a prediction,
+// as its number of bits and the bits themselves.
 class IntegerDecoder {
  public:
   explicit IntegerDecoder(ArithmeticDecoder& decoder) : decoder_(decoder) {
     for (int bits = 1; bits <= 32; ++bits) correctors_.emplace_back(1u << std::min(bits, high_bits));
   }
-  std::uint32_t decode(std::uint32_t prediction, int context) { return prediction + correction(sizes_[context]); }
+  std::uint32_t decode(std::uint32_t prediction, int context) {
+    return prediction + correction(sizes_[context]);
+  }
 
  private:
   static constexpr int high_bits = 8;
@@ -150,11 +156,13 @@ std::optional<std::vector<LazChunk>> read_chunk_table(const InputFile& file, con
   std::uint64_t byte = first_chunk(header), first = 0;
   std::uint32_t points = 0, size = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (is_variable) points = integers.decode(points, 0);
-    else points = std::uint32_t(std::min<std::uint64_t>(layout.chunk_size, header.count - first));
+    if (is_variable)
+      points = integers.decode(points, 0);
+    else
+      points = std::uint32_t(std::min<std::uint64_t>(layout.chunk_size, header.count - first));
     size = integers.decode(size, 1);
-    if (decoder.is_overrun() || points > largest_chunk || points > header.count - first || size > table - byte ||
-        (points > 0 && size < layout.record_length))
+    if (decoder.is_overrun() || points > largest_chunk || points > header.count - first ||
+        size > table - byte || (points > 0 && size < layout.record_length))
       return missing("the chunk table is damaged");
     if (points > 0) chunks.push_back({byte, size, first, points});
     byte += size;
@@ -164,7 +172,8 @@ std::optional<std::vector<LazChunk>> read_chunk_table(const InputFile& file, con
   return chunks;
 }
 
-std::vector<LazChunk> walk_layered_chunks(const InputFile& file, const Header& header, const LazLayout& layout) {
+std::vector<LazChunk> walk_layered_chunks(const InputFile& file, const Header& header,
+                                          const LazLayout& layout) {
   std::vector<LazChunk> chunks;
   std::vector<std::uint8_t> head(std::size_t(layout.record_length) + 4 + 4 * layout.layers);
   std::uint64_t byte = first_chunk(header), first = 0;
@@ -173,8 +182,10 @@ std::vector<LazChunk> walk_layered_chunks(const InputFile& file, const Header& h
     std::uint32_t count = 0;
     const std::uint64_t size = layered_chunk_size(layout, head, file.size() - byte, count);
     if (size == 0 || count == 0 || count > largest_chunk || count > header.count - first)
-      file.fail(byte, "found a chunk of " + std::to_string(count) + " points that does not fit the file, expected " +
-                          std::to_string(header.count - first) + " more points; the file is truncated or damaged");
+      file.fail(byte, "found a chunk of " + std::to_string(count) +
+                          " points that does not fit the file, expected " +
+                          std::to_string(header.count - first) +
+                          " more points; the file is truncated or damaged");
     chunks.push_back({byte, size, first, count});
     byte += size;
     first += count;

@@ -45,7 +45,8 @@ MemoryResult read_memory(std::span<const MemoryColumn> given, std::size_t rows, 
     result.report.notes.push_back(std::to_string(result.report.points_dropped) + " of " +
                                   std::to_string(rows) + " points are not finite and left out");
   }
-  std::vector<std::uint32_t>().swap(cloud.grid_index);  // "= {}" would keep its memory as long as the cloud lives
+  std::vector<std::uint32_t>().swap(
+      cloud.grid_index);  // "= {}" would keep its memory as long as the cloud lives
   return result;
 }
 

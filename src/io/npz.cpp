@@ -1,5 +1,6 @@
-// NumPy's .npz: a zip of arrays. Which array is what, its name says: xyz (or points, positions, coords, vertices), rgb (colors),
-// normals, all of three columns; lists of numbers are scalars by their own name, x, y, z among them.
+// NumPy's .npz: a zip of arrays. Which array is what, its name says: xyz (or points, positions, coords,
+// vertices), rgb (colors), normals, all of three columns; lists of numbers are scalars by their own name, x,
+// y, z among them.
 #include <sys/mman.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -18,7 +19,8 @@ namespace sfumato::io {
 namespace {
 
 // Deflate makes at most 1032 bytes of one.
-constexpr std::uint64_t deflate_ratio = 1032, most_members = 256, header_size = 30, entry_size = 46, end_size = 22;
+constexpr std::uint64_t deflate_ratio = 1032, most_members = 256, header_size = 30, entry_size = 46,
+                        end_size = 22;
 constexpr std::uint64_t trusted_bytes = 64 << 20;
 
 struct Member {
@@ -37,12 +39,14 @@ T get(std::string_view bytes, std::size_t at) {
 /// The list of files at the end of a zip.
 std::vector<Member> members_of(const File& file) {
   const auto fail = [&](std::uint64_t byte, const std::string& what) {
-    bad_input(file.path(), "byte " + std::to_string(byte), what + "; the file is truncated or damaged, fetch it again");
+    bad_input(file.path(), "byte " + std::to_string(byte),
+              what + "; the file is truncated or damaged, fetch it again");
   };
   const std::uint64_t tail_at = file.size() - std::min<std::uint64_t>(file.size(), end_size + 65535);
   const std::string tail = file.read_text(tail_at, end_size + 65535);
   const std::size_t end = tail.rfind("PK\5\6");
-  if (end == std::string::npos || tail.size() - end < end_size) fail(file.size(), "found no list of arrays at the end");
+  if (end == std::string::npos || tail.size() - end < end_size)
+    fail(file.size(), "found no list of arrays at the end");
   std::uint64_t count = get<std::uint16_t>(tail, end + 10), size = get<std::uint32_t>(tail, end + 12),
                 at = get<std::uint32_t>(tail, end + 16);
   // Files beyond 4 GB: the numbers stand in another record, 56 bytes before the 20 bytes that lead to it.
@@ -54,17 +58,21 @@ std::vector<Member> members_of(const File& file) {
   const std::string list = file.read_text(at, std::size_t(size));
   std::vector<Member> members;
   for (std::size_t entry = 0; members.size() < count;) {
-    if (list.compare(entry, 4, "PK\1\2") != 0 || list.size() - entry < entry_size) fail(at + entry, "found no array where one is listed");
+    if (list.compare(entry, 4, "PK\1\2") != 0 || list.size() - entry < entry_size)
+      fail(at + entry, "found no array where one is listed");
     Member one;
     const auto flags = get<std::uint16_t>(list, entry + 8), method = get<std::uint16_t>(list, entry + 10);
     one.packed = get<std::uint32_t>(list, entry + 20);
     one.size = get<std::uint32_t>(list, entry + 24);
-    const std::size_t name = get<std::uint16_t>(list, entry + 28), extra = get<std::uint16_t>(list, entry + 30),
+    const std::size_t name = get<std::uint16_t>(list, entry + 28),
+                      extra = get<std::uint16_t>(list, entry + 30),
                       comment = get<std::uint16_t>(list, entry + 32);
     one.byte = get<std::uint32_t>(list, entry + 42);
-    if (entry + entry_size + name + extra + comment > list.size()) fail(at + entry, "found an array outside the list");
+    if (entry + entry_size + name + extra + comment > list.size())
+      fail(at + entry, "found an array outside the list");
     one.name = list.substr(entry + entry_size, name);
-    std::replace_if(one.name.begin(), one.name.end(), [](unsigned char c) { return c < ' '; }, '?');
+    std::replace_if(
+        one.name.begin(), one.name.end(), [](unsigned char c) { return c < ' '; }, '?');
     // Numbers of 64 bits for those that are all ones, in this order.
     for (std::size_t e = entry + entry_size + name, last = e + extra; e + 4 <= last;) {
       const std::size_t length = get<std::uint16_t>(list, e + 2);
@@ -76,15 +84,19 @@ std::vector<Member> members_of(const File& file) {
       e += 4 + length;
     }
     entry += entry_size + name + extra + comment;
-    if ((flags & 1) || (method != 0 && method != 8)) fail(at, "found '" + one.name + "' packed in a way that numpy does not use");
+    if ((flags & 1) || (method != 0 && method != 8))
+      fail(at, "found '" + one.name + "' packed in a way that numpy does not use");
     one.is_deflated = method == 8;
-    if (one.byte > file.size() || file.size() - one.byte < header_size) fail(at, "found '" + one.name + "' outside the file");
+    if (one.byte > file.size() || file.size() - one.byte < header_size)
+      fail(at, "found '" + one.name + "' outside the file");
     // The head before the array has a name and extra bytes of its own.
     const std::string head = file.read_text(one.byte, header_size);
     if (!head.starts_with("PK\3\4")) fail(one.byte, "found no array where '" + one.name + "' is listed");
     one.byte += header_size + get<std::uint16_t>(head, 26) + get<std::uint16_t>(head, 28);
-    if (one.byte > file.size() || one.packed > file.size() - one.byte || one.size > (one.is_deflated ? deflate_ratio : 1) * one.packed)
-      fail(one.byte, "found " + std::to_string(one.size) + " bytes of '" + one.name + "', more than the file can hold");
+    if (one.byte > file.size() || one.packed > file.size() - one.byte ||
+        one.size > (one.is_deflated ? deflate_ratio : 1) * one.packed)
+      fail(one.byte,
+           "found " + std::to_string(one.size) + " bytes of '" + one.name + "', more than the file can hold");
     members.push_back(one);
   }
   return members;
@@ -95,7 +107,8 @@ class Unpacked {
  public:
   Unpacked(const File& file, const Member& member, Progress& progress) {
     handle_ = ::memfd_create("array", MFD_CLOEXEC);
-    if (handle_ < 0) throw Error(ErrorCode::out_of_memory, file.path().string() + ": no memory for '" + member.name + "'");
+    if (handle_ < 0)
+      throw Error(ErrorCode::out_of_memory, file.path().string() + ": no memory for '" + member.name + "'");
     path_ = "/proc/self/fd/" + std::to_string(handle_);
     z_stream stream{};
     if (member.is_deflated && ::inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
@@ -111,11 +124,13 @@ class Unpacked {
     const auto write = [&](const char* bytes, std::size_t count) {
       made += count;
       if (made > member.size || ::write(handle_, bytes, count) != ssize_t(count))
-        bad_input(file.path(), "byte " + std::to_string(member.byte), "found more bytes in '" + member.name + "' than listed; the file is damaged");
+        bad_input(file.path(), "byte " + std::to_string(member.byte),
+                  "found more bytes in '" + member.name + "' than listed; the file is damaged");
     };
     for (std::uint64_t done = 0; done < member.packed && !is_over;) {
       progress.check();
-      std::string in = file.read_text(member.byte + done, std::size_t(std::min<std::uint64_t>(1 << 20, member.packed - done)));
+      std::string in = file.read_text(member.byte + done,
+                                      std::size_t(std::min<std::uint64_t>(1 << 20, member.packed - done)));
       done += in.size();
       if (!member.is_deflated) {
         write(in.data(), in.size());
@@ -129,7 +144,8 @@ class Unpacked {
         const int got = ::inflate(&stream, Z_NO_FLUSH);
         is_over = got == Z_STREAM_END;
         if (got != Z_OK && got != Z_STREAM_END && got != Z_BUF_ERROR)
-          bad_input(file.path(), "byte " + std::to_string(member.byte + done), "found an impossible deflate stream in '" + member.name + "'; the file is damaged");
+          bad_input(file.path(), "byte " + std::to_string(member.byte + done),
+                    "found an impossible deflate stream in '" + member.name + "'; the file is damaged");
         write(out.data(), out.size() - stream.avail_out);
       } while (!is_over && (stream.avail_in > 0 || stream.avail_out == 0));
     }
@@ -152,7 +168,9 @@ std::vector<std::string> columns_named(const std::string& name, std::size_t widt
   const auto is = [&](std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(), [&](const char* one) { return low == one; });
   };
-  if (is({"xyz", "points", "point", "positions", "position", "pos", "coords", "coord", "vertices", "pts", "arr_0"}) && width >= 3) {
+  if (is({"xyz", "points", "point", "positions", "position", "pos", "coords", "coord", "vertices", "pts",
+          "arr_0"}) &&
+      width >= 3) {
     std::vector<std::string> names{"x", "y", "z"};
     for (std::size_t k = 3; k < width; ++k) names.push_back(name + "_" + std::to_string(k));
     return names;
@@ -189,7 +207,8 @@ ReadResult read_npz(const std::filesystem::path& path, const ReadOptions&, Progr
     // Files of zeros unpack to a thousand times their size: nobody's scan.
     taken += member.size;
     if (taken > std::max(trusted_bytes, 64 * file.size()))
-      bad_input(path, "byte " + std::to_string(member.byte), "found arrays of more than 64 times the file's size; the file is damaged");
+      bad_input(path, "byte " + std::to_string(member.byte),
+                "found arrays of more than 64 times the file's size; the file is damaged");
     const Unpacked array(file, member, progress);
     try {
       NpyValues one = read_npy_values(array.path(), progress);
@@ -208,13 +227,15 @@ ReadResult read_npz(const std::filesystem::path& path, const ReadOptions&, Progr
     }
   }
   // The cloud is what most arrays are as long as.
-  const auto most = std::max_element(numbers.begin(), numbers.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most = std::max_element(numbers.begin(), numbers.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
   const std::size_t rows = most == numbers.end() ? 0 : most->first;
   std::vector<Column> wanted;
   std::vector<std::size_t> from;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (values[i].size() != rows) {
-      result.report.notes.push_back("'" + columns[i].name + "' is left out: " + std::to_string(values[i].size()) + " numbers for " +
+      result.report.notes.push_back("'" + columns[i].name +
+                                    "' is left out: " + std::to_string(values[i].size()) + " numbers for " +
                                     std::to_string(rows) + " points");
       continue;
     }
@@ -222,8 +243,10 @@ ReadResult read_npz(const std::filesystem::path& path, const ReadOptions&, Progr
     from.push_back(i);
   }
   if (!assign_roles(wanted))
-    bad_input(path, "arrays", "found none called xyz, points or positions with three columns, and no x, y and z; name one so" +
-                                  (result.report.notes.empty() ? std::string() : " (" + result.report.notes.front() + ")"));
+    bad_input(
+        path, "arrays",
+        "found none called xyz, points or positions with three columns, and no x, y and z; name one so" +
+            (result.report.notes.empty() ? std::string() : " (" + result.report.notes.front() + ")"));
   Table table(std::move(wanted), rows);
   for (std::size_t i = 0; i < from.size(); ++i) {
     std::copy(values[from[i]].begin(), values[from[i]].end(), table.column(i).begin());

@@ -10,9 +10,7 @@
 
 namespace sfumato::io {
 
-inline std::size_t thread_count() {
-  return std::clamp<std::size_t>(sfumato::thread_count(), 1, 16);
-}
+inline std::size_t thread_count() { return std::clamp<std::size_t>(sfumato::thread_count(), 1, 16); }
 
 /// Calls `work(i)` for i in [0, count), each on its own thread (the last on the caller's), and waits. Of
 /// several exceptions the one with the lowest i is thrown, so that errors do not depend on timing.

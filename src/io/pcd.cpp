@@ -143,14 +143,10 @@ class HeaderParser {
 StoredType type_of(const Field& field) {
   if (field.type == 'F') return field.size == 4 ? StoredType::float32 : StoredType::float64;
   switch (field.size) {
-    case 1:
-      return field.type == 'U' ? StoredType::uint8 : StoredType::int8;
-    case 2:
-      return field.type == 'U' ? StoredType::uint16 : StoredType::int16;
-    case 4:
-      return field.type == 'U' ? StoredType::uint32 : StoredType::int32;
-    default:
-      return field.type == 'U' ? StoredType::uint64 : StoredType::int64;
+    case 1: return field.type == 'U' ? StoredType::uint8 : StoredType::int8;
+    case 2: return field.type == 'U' ? StoredType::uint16 : StoredType::int16;
+    case 4: return field.type == 'U' ? StoredType::uint32 : StoredType::int32;
+    default: return field.type == 'U' ? StoredType::uint64 : StoredType::int64;
   }
 }
 

@@ -31,9 +31,7 @@ std::vector<Column> vertex_columns(const File& file, const PlyElement& vertex) {
   return columns;
 }
 
-std::string count_of(const PlyElement& vertex) {
-  return std::to_string(vertex.count) + " vertices";
-}
+std::string count_of(const PlyElement& vertex) { return std::to_string(vertex.count) + " vertices"; }
 
 /// Points of fixed-size records: each thread reads its share of the file in big blocks.
 void read_records(const File& file, const PlyHeader& header, std::uint64_t begin, bool keep_places,
@@ -169,9 +167,7 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
   return result;
 }
 
-bool is_ply(std::string_view head) {
-  return head.starts_with("ply\n") || head.starts_with("ply\r");
-}
+bool is_ply(std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r"); }
 
 ReadResult read_ply(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);

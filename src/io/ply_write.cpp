@@ -8,22 +8,14 @@ namespace {
 
 const char* ply_name(StoredType type) {
   switch (type) {
-    case StoredType::uint8:
-      return "uchar";
-    case StoredType::int8:
-      return "char";
-    case StoredType::uint16:
-      return "ushort";
-    case StoredType::int16:
-      return "short";
-    case StoredType::uint32:
-      return "uint";
-    case StoredType::int32:
-      return "int";
-    case StoredType::float32:
-      return "float";
-    default:
-      return "double";  // PLY has no 64-bit integers
+    case StoredType::uint8: return "uchar";
+    case StoredType::int8: return "char";
+    case StoredType::uint16: return "ushort";
+    case StoredType::int16: return "short";
+    case StoredType::uint32: return "uint";
+    case StoredType::int32: return "int";
+    case StoredType::float32: return "float";
+    default: return "double";  // PLY has no 64-bit integers
   }
 }
 

@@ -61,7 +61,8 @@ bool read_pixels(png_structp png, png_bytepp rows) {
 PngPicture read_png(const std::filesystem::path& path) {
   const File file(path);
   constexpr std::uint64_t largest_file = 1 << 30;
-  if (file.size() > largest_file) bad_input(path, "byte 0", "found a picture of more than 1 GB, expected a frame of a camera");
+  if (file.size() > largest_file)
+    bad_input(path, "byte 0", "found a picture of more than 1 GB, expected a frame of a camera");
   const std::string bytes = file.read_text(0, std::size_t(file.size()));
   if (bytes.size() < 8 || png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, 8) != 0)
     bad_input(path, "byte 0", "found no PNG, expected one");
@@ -80,7 +81,8 @@ PngPicture read_png(const std::filesystem::path& path) {
   bool done = read_info(png, info, picture);
   if (done) {
     // Deflate makes at most 1032 bytes out of one: more cannot be in the file.
-    const std::uint64_t row = std::uint64_t(picture.width) * std::uint64_t(picture.channels) * std::uint64_t(picture.bits / 8);
+    const std::uint64_t row =
+        std::uint64_t(picture.width) * std::uint64_t(picture.channels) * std::uint64_t(picture.bits / 8);
     if (row * picture.height > 1100 * file.size()) {
       std::strcpy(failure.text, "more pixels than its bytes can hold");
       done = false;
@@ -91,10 +93,14 @@ PngPicture read_png(const std::filesystem::path& path) {
     }
   }
   png_destroy_read_struct(&png, &info, nullptr);
-  if (!done) bad_input(path, "byte " + std::to_string(source.at), std::string(failure.text) + "; the picture is damaged");
+  if (!done)
+    bad_input(path, "byte " + std::to_string(source.at),
+              std::string(failure.text) + "; the picture is damaged");
   picture.samples.resize(pixels.size() / std::size_t(picture.bits / 8));
-  if (picture.bits == 16) std::memcpy(picture.samples.data(), pixels.data(), pixels.size());
-  else std::copy(pixels.begin(), pixels.end(), picture.samples.begin());
+  if (picture.bits == 16)
+    std::memcpy(picture.samples.data(), pixels.data(), pixels.size());
+  else
+    std::copy(pixels.begin(), pixels.end(), picture.samples.begin());
   return picture;
 }
 

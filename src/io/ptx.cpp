@@ -1,5 +1,5 @@
-// PTX (Leica): scans one after the other, each a grid of scan directions, column after column, with the scanner's pose
-// and a matrix for row vectors. A cell at 0 0 0 had no return.
+// PTX (Leica): scans one after the other, each a grid of scan directions, column after column, with the
+// scanner's pose and a matrix for row vectors. A cell at 0 0 0 had no return.
 #include <cmath>
 #include <optional>
 
@@ -34,7 +34,8 @@ class Reader {
   explicit Reader(const std::filesystem::path& path) : file_(path), lines_(file_, 0, 1) {}
 
   ReadResult read(Progress& progress) {
-    while (read_scan(progress)) {}
+    while (read_scan(progress)) {
+    }
     const bool has_color = !values_[4].empty(), has_intensity = !values_[3].empty();
     std::vector<Column> columns;
     const char* names[] = {"x", "y", "z", "intensity", "red", "green", "blue"};
@@ -70,16 +71,18 @@ class Reader {
 
   std::vector<double> next(std::size_t count, const char* what) {
     std::string_view line;
-    if (!lines_.next(line)) fail(std::string("the file ends before ") + what + "; it is cut short, fetch it again");
+    if (!lines_.next(line))
+      fail(std::string("the file ends before ") + what + "; it is cut short, fetch it again");
     const auto numbers = numbers_of(line);
     if (!numbers || numbers->size() != count)
-      fail("found '" + std::string(line.substr(0, 20)) + "', expected " + what + " (" + std::to_string(count) +
-           " numbers); the file is damaged");
+      fail("found '" + std::string(line.substr(0, 20)) + "', expected " + what + " (" +
+           std::to_string(count) + " numbers); the file is damaged");
     return *numbers;
   }
 
   std::uint32_t size(double value) const {
-    if (!(value >= 0 && value <= 0x1p31) || value != std::floor(value)) fail("found no size of a grid; the file is damaged");
+    if (!(value >= 0 && value <= 0x1p31) || value != std::floor(value))
+      fail("found no size of a grid; the file is damaged");
     return std::uint32_t(value);
   }
 
@@ -89,7 +92,8 @@ class Reader {
       if (!lines_.next(line)) return false;
     } while (skip_blanks(line.data(), line.data() + line.size()) == line.data() + line.size());
     const auto first = numbers_of(line);
-    if (!first || first->size() != 1) fail("found '" + std::string(line.substr(0, 20)) + "', expected the columns of a scan");
+    if (!first || first->size() != 1)
+      fail("found '" + std::string(line.substr(0, 20)) + "', expected the columns of a scan");
     Scan scan;
     scan.columns = size((*first)[0]);
     scan.rows = size(next(1, "the rows of the scan")[0]);
@@ -97,14 +101,15 @@ class Reader {
     scan.cells = std::size_t(scan.columns) * scan.rows;
     // The shortest line of a cell is "0 0 0" and its end.
     if (scan.cells > file_.size() / 6 + 1)
-      fail("found a grid of " + std::to_string(scan.cells) + " cells, more than the file of " + std::to_string(file_.size()) +
-           " bytes can hold; it is cut short or damaged");
+      fail("found a grid of " + std::to_string(scan.cells) + " cells, more than the file of " +
+           std::to_string(file_.size()) + " bytes can hold; it is cut short or damaged");
     next(3, "the scanner's position");
     for (int axis = 0; axis < 3; ++axis) next(3, "the scanner's axes");
     double m[4][4];
     for (auto& row : m) {
       const std::vector<double> numbers = next(4, "the matrix");
-      for (int k = 0; k < 4; ++k) row[k] = std::isfinite(numbers[std::size_t(k)]) ? numbers[std::size_t(k)] : 0;
+      for (int k = 0; k < 4; ++k)
+        row[k] = std::isfinite(numbers[std::size_t(k)]) ? numbers[std::size_t(k)] : 0;
     }
     scan.scanner = {m[3][0], m[3][1], m[3][2]};
     for (std::size_t i = 0; i < scan.cells; ++i) {
@@ -123,18 +128,22 @@ class Reader {
     if (!lines_.next(line)) fail("the file ends inside a grid; it is cut short, fetch it again");
     double v[7];
     int count = 0;
-    for (const char *at = line.data(), *end = at + line.size(); count < 7 && (at = skip_blanks(at, end)) < end; ++count) {
+    for (const char *at = line.data(), *end = at + line.size();
+         count < 7 && (at = skip_blanks(at, end)) < end; ++count) {
       const char* behind = parse_number(at, end, v[count]);
       if (!behind || (behind < end && !is_blank(*behind)))
-        fail("found '" + std::string(at, std::min(end, at + 20)) + "', expected a number; the file is damaged");
+        fail("found '" + std::string(at, std::min(end, at + 20)) +
+             "', expected a number; the file is damaged");
       at = behind;
     }
     if (count != 3 && count != 4 && count != 6 && count != 7)
-      fail("found " + std::to_string(count) + " numbers, expected x y z [intensity] [r g b]; the file is damaged");
+      fail("found " + std::to_string(count) +
+           " numbers, expected x y z [intensity] [r g b]; the file is damaged");
     const std::size_t place = values_[0].size();
     const bool missing = v[0] == 0 && v[1] == 0 && v[2] == 0;
     for (int k = 0; k < 3; ++k)
-      values_[std::size_t(k)].push_back(missing ? std::nan("") : v[0] * m[0][k] + v[1] * m[1][k] + v[2] * m[2][k] + m[3][k]);
+      values_[std::size_t(k)].push_back(missing ? std::nan("")
+                                                : v[0] * m[0][k] + v[1] * m[1][k] + v[2] * m[2][k] + m[3][k]);
     const int color = count == 6 ? 3 : 4;
     const auto keep = [&](std::size_t column, double value) {
       values_[column].resize(place, std::nan(""));  // earlier scans may have had no such column

@@ -30,29 +30,14 @@ bool all_fit(const ScalarField& field, std::size_t count) {
 StoredType smallest_type(const ScalarField& field, std::size_t count) {
   bool fits = false;
   switch (field.type) {
-    case StoredType::float32:
-      fits = field.offset == 0;
-      break;
-    case StoredType::uint8:
-      fits = all_fit<std::uint8_t>(field, count);
-      break;
-    case StoredType::int8:
-      fits = all_fit<std::int8_t>(field, count);
-      break;
-    case StoredType::uint16:
-      fits = all_fit<std::uint16_t>(field, count);
-      break;
-    case StoredType::int16:
-      fits = all_fit<std::int16_t>(field, count);
-      break;
-    case StoredType::uint32:
-      fits = all_fit<std::uint32_t>(field, count);
-      break;
-    case StoredType::int32:
-      fits = all_fit<std::int32_t>(field, count);
-      break;
-    default:
-      break;  // 64 bits are more than our numbers have
+    case StoredType::float32: fits = field.offset == 0; break;
+    case StoredType::uint8: fits = all_fit<std::uint8_t>(field, count); break;
+    case StoredType::int8: fits = all_fit<std::int8_t>(field, count); break;
+    case StoredType::uint16: fits = all_fit<std::uint16_t>(field, count); break;
+    case StoredType::int16: fits = all_fit<std::int16_t>(field, count); break;
+    case StoredType::uint32: fits = all_fit<std::uint32_t>(field, count); break;
+    case StoredType::int32: fits = all_fit<std::int32_t>(field, count); break;
+    default: break;  // 64 bits are more than our numbers have
   }
   return fits ? field.type : StoredType::float64;
 }
@@ -80,22 +65,14 @@ template void put(std::vector<std::byte>&, std::uint8_t);
 
 void put_as(std::vector<std::byte>& record, StoredType type, double value) {
   switch (type) {
-    case StoredType::uint8:
-      return put(record, std::uint8_t(value));
-    case StoredType::int8:
-      return put(record, std::int8_t(value));
-    case StoredType::uint16:
-      return put(record, std::uint16_t(value));
-    case StoredType::int16:
-      return put(record, std::int16_t(value));
-    case StoredType::uint32:
-      return put(record, std::uint32_t(value));
-    case StoredType::int32:
-      return put(record, std::int32_t(value));
-    case StoredType::float32:
-      return put(record, float(value));
-    default:
-      return put(record, value);
+    case StoredType::uint8: return put(record, std::uint8_t(value));
+    case StoredType::int8: return put(record, std::int8_t(value));
+    case StoredType::uint16: return put(record, std::uint16_t(value));
+    case StoredType::int16: return put(record, std::int16_t(value));
+    case StoredType::uint32: return put(record, std::uint32_t(value));
+    case StoredType::int32: return put(record, std::int32_t(value));
+    case StoredType::float32: return put(record, float(value));
+    default: return put(record, value);
   }
 }
 
@@ -103,24 +80,16 @@ double OutColumn::value(const PointCloud& cloud, std::size_t i) const {
   switch (source) {
     case Source::x:
     case Source::y:
-    case Source::z:
-      return cloud.world(i)[int(source)];
+    case Source::z: return cloud.world(i)[int(source)];
     case Source::nx:
     case Source::ny:
-    case Source::nz:
-      return cloud.normals[i][int(source) - int(Source::nx)];
-    case Source::red:
-      return cloud.colors[i].r;
-    case Source::green:
-      return cloud.colors[i].g;
-    case Source::blue:
-      return cloud.colors[i].b;
-    case Source::alpha:
-      return cloud.colors[i].a;
-    case Source::radius:
-      return cloud.radii[i];
-    case Source::scalar:
-      return cloud.scalars[scalar].value(i);
+    case Source::nz: return cloud.normals[i][int(source) - int(Source::nx)];
+    case Source::red: return cloud.colors[i].r;
+    case Source::green: return cloud.colors[i].g;
+    case Source::blue: return cloud.colors[i].b;
+    case Source::alpha: return cloud.colors[i].a;
+    case Source::radius: return cloud.radii[i];
+    case Source::scalar: return cloud.scalars[scalar].value(i);
   }
   return 0;
 }

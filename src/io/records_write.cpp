@@ -13,22 +13,14 @@ namespace {
 /// 'F', 'I' or 'U', and the bytes of a value.
 std::pair<char, int> kind_of(StoredType type) {
   switch (type) {
-    case StoredType::uint8:
-      return {'U', 1};
-    case StoredType::int8:
-      return {'I', 1};
-    case StoredType::uint16:
-      return {'U', 2};
-    case StoredType::int16:
-      return {'I', 2};
-    case StoredType::uint32:
-      return {'U', 4};
-    case StoredType::int32:
-      return {'I', 4};
-    case StoredType::float32:
-      return {'F', 4};
-    default:
-      return {'F', 8};
+    case StoredType::uint8: return {'U', 1};
+    case StoredType::int8: return {'I', 1};
+    case StoredType::uint16: return {'U', 2};
+    case StoredType::int16: return {'I', 2};
+    case StoredType::uint32: return {'U', 4};
+    case StoredType::int32: return {'I', 4};
+    case StoredType::float32: return {'F', 4};
+    default: return {'F', 8};
   }
 }
 

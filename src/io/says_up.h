@@ -5,7 +5,8 @@
 
 namespace sfumato::io {
 
-/// True for a PLY file with a line "comment up +Z" in its header, as sfumato writes it. Other formats have a custom.
+/// True for a PLY file with a line "comment up +Z" in its header, as sfumato writes it. Other formats have a
+/// custom.
 bool says_up(const std::filesystem::path& file);
 
 }  // namespace sfumato::io

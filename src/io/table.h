@@ -18,8 +18,8 @@ class Table {
   /// Empty when there is no column of that name.
   std::span<double> column(std::string_view name);
   std::span<double> column(std::size_t index) { return std::span(values_).subspan(index * rows_, rows_); }
-  /// Fills cloud and report; points whose coordinates are not finite are dropped and counted. `keep_places` as in
-  /// CloudBuilder.
+  /// Fills cloud and report; points whose coordinates are not finite are dropped and counted. `keep_places`
+  /// as in CloudBuilder.
   void build(bool keep_places, Progress& progress, ReadResult& result);
 
  private:

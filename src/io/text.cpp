@@ -18,9 +18,7 @@ constexpr std::size_t sample_lines = 100;
 constexpr std::size_t most_columns = 256;
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
-bool is_separator(char c) {
-  return c == ',' || c == ';';
-}
+bool is_separator(char c) { return c == ',' || c == ';'; }
 
 /// `at`: behind the blanks that a line begins with.
 bool is_comment(const char* at, const char* end) {
@@ -74,7 +72,8 @@ std::string clean_name(std::string_view word) {
   return std::string(word);
 }
 
-/// "1,5 2,5 3,5": every word is one number with a decimal comma. Read as separators, the commas would make 1, 5, 2 of it.
+/// "1,5 2,5 3,5": every word is one number with a decimal comma. Read as separators, the commas would make 1,
+/// 5, 2 of it.
 bool has_decimal_commas(std::string_view line) {
   int words = 0;
   for (const char *at = line.data(), *end = at + line.size(); (at = skip_blanks(at, end)) < end;) {

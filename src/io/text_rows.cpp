@@ -133,8 +133,8 @@ const char* parse_number(const char* at, const char* end, double& value) {
   }
   const auto [behind, error] = std::from_chars(begin, end, value);
   if (error == std::errc::invalid_argument) return nullptr;
-  // Beyond double: too large a number is no coordinate, and its point is dropped like any that is not finite; one too
-  // small is 0. Which it is shows in the place of its first digit that is not 0.
+  // Beyond double: too large a number is no coordinate, and its point is dropped like any that is not finite;
+  // one too small is 0. Which it is shows in the place of its first digit that is not 0.
   if (error == std::errc::result_out_of_range)
     value = is_tiny(begin, behind) ? 0 : std::numeric_limits<double>::infinity();
   return behind;

@@ -25,18 +25,17 @@ struct LineError : std::runtime_error {
 /// std::from_chars.
 const char* parse_number(const char* at, const char* end, double& value);
 
-inline bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
-}
+inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 inline const char* skip_blanks(const char* at, const char* end) {
   while (at < end && is_blank(*at)) ++at;
   return at;
 }
 
-/// The usual spelling, -12.345 with at most 15 digits, without leaving the caller: the value that `parse_number` gives, or null
-/// for everything else. What stands behind the number is for the caller to see.
+/// The usual spelling, -12.345 with at most 15 digits, without leaving the caller: the value that
+/// `parse_number` gives, or null for everything else. What stands behind the number is for the caller to see.
 inline const char* parse_plain_number(const char* at, const char* end, double& value) {
-  static constexpr double power[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  static constexpr double power[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                     1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
   const bool is_negative = at < end && *at == '-';
   at += is_negative;
   const char* digits = at;

@@ -13,8 +13,8 @@ struct Panel {
   Image<Rgba8> image;
 };
 
-/// Panels of one size, in reading order, three side by side (a square for four, four from seven on), a label above each.
-/// `background` is sRGB 0..1; with `transparent` what lies between the panels is clear.
+/// Panels of one size, in reading order, three side by side (a square for four, four from seven on), a label
+/// above each. `background` is sRGB 0..1; with `transparent` what lies between the panels is clear.
 Image<Rgba8> contact_sheet(const std::vector<Panel>& panels, const vec3& background, bool transparent);
 
 }  // namespace sfumato::labels

@@ -4,14 +4,21 @@
 namespace sfumato::binding {
 
 enum Unit {
-  positions = 0, source_index = 1, colors = 2, normals = 3, radii = 4, field = 5, shadow = 6, batches = 7,
-  input = 8,    ///< 8..15: textures of the pass
+  positions = 0,
+  source_index = 1,
+  colors = 2,
+  normals = 3,
+  radii = 4,
+  field = 5,
+  shadow = 6,
+  batches = 7,
+  input = 8,  ///< 8..15: textures of the pass
   places = 16,
-  list = 17,    ///< places within the chunk, in drawing order
+  list = 17,  ///< places within the chunk, in drawing order
   fragment_offsets = 18,
   fragments = 19,
   casters = 20,
-  tiles = 21,   ///< one texel a tile of the image
+  tiles = 21,  ///< one texel a tile of the image
 };
 enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
 enum Block { frame = 0, cut = 1 };

@@ -6,7 +6,8 @@
 
 namespace sfumato {
 
-std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys, std::span<const std::uint32_t> initial) {
+std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys,
+                                       std::span<const std::uint32_t> initial) {
   struct Entry {
     std::uint32_t key, place;
   };

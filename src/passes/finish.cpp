@@ -9,14 +9,16 @@ void EyeDomeLighting::run(const View& view, const RenderSettings& settings, cons
   if (!pass_) pass_ = ScreenPass("passes/eye_dome_lighting.glsl", {GL_RGBA32F});
   view.bind();
   pass_.set("radius_px", settings.edl_radius).set("strength", settings.edl_strength);
-  // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same extent.
+  // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same
+  // extent.
   const Camera& camera = view.camera();
   const double reference = camera.height / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
   pass_.set("orthographic_distance", float(reference));
   pass_.run({&color, &depth}, {&out});
 }
 
-void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out) {
+void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::Texture& depth,
+                         const gl::Texture& out) {
   if (!smooth_) {
     find_edges_ = ScreenPass("passes/depth_edges.glsl", {GL_R32UI});
     smooth_ = ScreenPass("passes/smooth_outlines.glsl", {GL_RGBA32F});

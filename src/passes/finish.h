@@ -8,19 +8,19 @@
 
 namespace sfumato {
 
-/// Eye-dome lighting (Boucheny 2009), with the radius and strength that Potree users know. Darkens pixels that
-/// lie behind their neighbours, a step of any height alike; background neighbours do not count.
+/// Eye-dome lighting (Boucheny 2009), with the radius and strength that Potree users know. Darkens pixels
+/// that lie behind their neighbours, a step of any height alike; background neighbours do not count.
 class EyeDomeLighting {
  public:
-  void run(const View& view, const RenderSettings& settings, const gl::Texture& color, const gl::Texture& depth,
-           const gl::Texture& out);
+  void run(const View& view, const RenderSettings& settings, const gl::Texture& color,
+           const gl::Texture& depth, const gl::Texture& out);
 
  private:
   ScreenPass pass_;
 };
 
-/// Takes the stairs from outlines and from edges in depth (Reshetov 2009, "Morphological Antialiasing"); coverage in alpha
-/// follows. Reads all of `color` and `depth`, writes `out`.
+/// Takes the stairs from outlines and from edges in depth (Reshetov 2009, "Morphological Antialiasing");
+/// coverage in alpha follows. Reads all of `color` and `depth`, writes `out`.
 class SmoothOutlines {
  public:
   void run(const View& view, const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out);

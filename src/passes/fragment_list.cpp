@@ -31,8 +31,9 @@ std::uint64_t FragmentList::allocate(const std::string& who) {
   prefix_sum_.run(offsets_.buffer(), std::uint32_t(width) * std::uint32_t(height));
   const std::uint64_t total = prefix_sum_.total();
   if (total > most_records())
-    throw Error(ErrorCode::out_of_memory, who + " needs " + std::to_string(total) + " fragments in this view, " +
-                                              std::to_string(most_records()) + " fit into a buffer of this driver; "
+    throw Error(ErrorCode::out_of_memory, who + " needs " + std::to_string(total) +
+                                              " fragments in this view, " + std::to_string(most_records()) +
+                                              " fit into a buffer of this driver; "
                                               "lower --resolution or let fewer points take part");
   // Room for a third more, so that a moving camera does not allocate anew in every frame.
   if (!records_ || records_.buffer().bytes() < total * 8)

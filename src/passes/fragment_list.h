@@ -1,15 +1,15 @@
-// All fragments of a pixel, however many there are: the dynamic fragment buffer of Maule et al. 2012. One pass counts,
-// a prefix sum on the GPU gives every pixel its place, the buffer is sized from the sum, a second pass stores.
+// All fragments of a pixel, however many there are: the dynamic fragment buffer of Maule et al. 2012. One
+// pass counts, a prefix sum on the GPU gives every pixel its place, the buffer is sized from the sum, a
+// second pass stores.
 //
 //   list.begin(width, height);
-//   ... draw with blending `add` into Framebuffer({&list.counts()}); the fragment adds how many records it will store
-//   list.allocate(who);
-//   list.bind_store();  ... draw again; the fragment calls store_fragment() of shaders/fragment_list.glsl
-//   list.finish_store();
-//   list.bind_read();   ... a screen pass reads the records of its pixel, in any order, and may sort them in place
+//   ... draw with blending `add` into Framebuffer({&list.counts()}); the fragment adds how many records it
+//   will store list.allocate(who); list.bind_store();  ... draw again; the fragment calls store_fragment() of
+//   shaders/fragment_list.glsl list.finish_store(); list.bind_read();   ... a screen pass reads the records
+//   of its pixel, in any order, and may sort them in place
 //
-// A record is two 32-bit words. Memory: 8 bytes a record, 12 bytes a pixel. At most `most_records()` records, the
-// driver's largest texture buffer (1 GiB on llvmpipe): beyond it `allocate` throws Error(out_of_memory).
+// A record is two 32-bit words. Memory: 8 bytes a record, 12 bytes a pixel. At most `most_records()` records,
+// the driver's largest texture buffer (1 GiB on llvmpipe): beyond it `allocate` throws Error(out_of_memory).
 #pragma once
 
 #include <cstdint>

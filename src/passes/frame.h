@@ -21,20 +21,21 @@ struct Target {
 
 struct Frame {
   GpuCloud& cloud;
-  const Camera& camera;           ///< near and far already fitted to the cloud
+  const Camera& camera;  ///< near and far already fitted to the cloud
   const RenderSettings& settings;
-  Light light;                    ///< settings.light_text, parsed
+  Light light;  ///< settings.light_text, parsed
   Target& target;
-  bool wants_normal;              ///< the caller reads target.normal; else it may stay undefined
+  bool wants_normal;  ///< the caller reads target.normal; else it may stay undefined
   gl::Timers& timers;
   Progress& progress;
-  /// The finished picture (RGBA8, sRGB), offered when nothing follows the technique but the encoding and nobody
-  /// reads the target: who has finished colours at hand may write them here and set `is_finished`, and save two
-  /// passes over float targets. Null otherwise.
+  /// The finished picture (RGBA8, sRGB), offered when nothing follows the technique but the encoding and
+  /// nobody reads the target: who has finished colours at hand may write them here and set `is_finished`, and
+  /// save two passes over float targets. Null otherwise.
   const gl::Texture* finished = nullptr;
   bool is_finished = false;
   /// The opaque items of the scene, of the target's size, for techniques that let some of it through
-  /// (Technique::transparency): they blend over it and show nothing that lies behind it. Null: there is nothing.
+  /// (Technique::transparency): they blend over it and show nothing that lies behind it. Null: there is
+  /// nothing.
   const Target* behind = nullptr;
 };
 

@@ -50,8 +50,8 @@ GpuCloud::GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std
   if (max_chunk_points == 0) {
     // 3 GiB of positions is what llvmpipe was seen to accept in one buffer.
     const std::uint64_t bytes_limit = (std::uint64_t(3) << 30) / sizeof(vec3);
-    max_chunk_points = std::uint32_t(std::min<std::uint64_t>(
-        std::uint64_t(gl::limits().max_texture_buffer_size), bytes_limit));
+    max_chunk_points = std::uint32_t(
+        std::min<std::uint64_t>(std::uint64_t(gl::limits().max_texture_buffer_size), bytes_limit));
   }
   set_cut({});
   Chunk chunk;
@@ -141,7 +141,8 @@ void GpuCloud::set_cut(std::vector<vec4> planes) {
 
 void GpuCloud::bind_colors(Chunk& chunk) {
   if (!chunk.colors)
-    chunk.colors = gl::TextureBuffer("colors", GL_RGBA8, std::span<const Rgba8>(colors_).subspan(chunk.first, chunk.count));
+    chunk.colors = gl::TextureBuffer("colors", GL_RGBA8,
+                                     std::span<const Rgba8>(colors_).subspan(chunk.first, chunk.count));
   chunk.colors.bind(binding::colors);
 }
 
@@ -152,8 +153,8 @@ void GpuCloud::bind_normals(Chunk& chunk) {
 
 void GpuCloud::bind_radii(Chunk& chunk) {
   if (!chunk.radii)
-    chunk.radii = gl::TextureBuffer("radii", GL_R32F,
-                                    std::span<const float>(prepared_.cloud.radii).subspan(chunk.first, chunk.count));
+    chunk.radii = gl::TextureBuffer(
+        "radii", GL_R32F, std::span<const float>(prepared_.cloud.radii).subspan(chunk.first, chunk.count));
   chunk.radii.bind(binding::radii);
 }
 
@@ -169,9 +170,11 @@ void GpuCloud::bind_shadow(Chunk& chunk) {
 void GpuCloud::bind_places() {
   if (!places_) {
     const std::vector<std::uint32_t>& source = prepared_.cloud.source_index;
-    const std::size_t count = source.empty() ? 0 : std::size_t(*std::max_element(source.begin(), source.end())) + 1;
+    const std::size_t count =
+        source.empty() ? 0 : std::size_t(*std::max_element(source.begin(), source.end())) + 1;
     gl::require(count <= std::size_t(gl::limits().max_texture_buffer_size),
-                "a cloud of " + std::to_string(count) + " points", "larger texture buffers (or --max-points)");
+                "a cloud of " + std::to_string(count) + " points",
+                "larger texture buffers (or --max-points)");
     std::vector<std::uint32_t> places(count, 0);
     for (std::size_t i = 0; i < source.size(); ++i) places[source[i]] = std::uint32_t(i);
     places_ = gl::TextureBuffer("places", GL_R32UI, std::span<const std::uint32_t>(places));
@@ -200,8 +203,9 @@ void GpuCloud::set_casters(std::span<const float> opacity, float see_through_spa
   has_casters_ = !opacity.empty();
   see_through_spacing_ = see_through_spacing;
   for (Chunk& chunk : chunks_)
-    chunk.casters = has_casters_ ? gl::TextureBuffer("casters", GL_R32F, opacity.subspan(chunk.first, chunk.count))
-                                 : gl::TextureBuffer();
+    chunk.casters = has_casters_
+                        ? gl::TextureBuffer("casters", GL_R32F, opacity.subspan(chunk.first, chunk.count))
+                        : gl::TextureBuffer();
 }
 
 void GpuCloud::bind_casters(const Chunk& chunk) const { chunk.casters.bind(binding::casters); }
@@ -209,8 +213,9 @@ void GpuCloud::bind_casters(const Chunk& chunk) const { chunk.casters.bind(bindi
 void GpuCloud::set_shadow(std::span<const float> values) {
   has_shadow_ = !values.empty();
   for (Chunk& chunk : chunks_)
-    chunk.shadow = has_shadow_ ? gl::TextureBuffer("shadow factors", GL_R32F, values.subspan(chunk.first, chunk.count))
-                               : gl::TextureBuffer();
+    chunk.shadow =
+        has_shadow_ ? gl::TextureBuffer("shadow factors", GL_R32F, values.subspan(chunk.first, chunk.count))
+                    : gl::TextureBuffer();
 }
 
 const std::vector<float>& GpuCloud::largest_radii() {
@@ -243,7 +248,8 @@ void GpuCloud::begin_shadow() {
 }
 
 std::uint64_t GpuCloud::next_serial() {
-  static std::atomic<std::uint64_t> last = 0;  // a process may have several contexts, each on a thread of its own
+  static std::atomic<std::uint64_t> last =
+      0;  // a process may have several contexts, each on a thread of its own
   return ++last;
 }
 

@@ -26,14 +26,15 @@ class GpuCloud {
   };
 
   /// Keeps a reference to `prepared`. `max_chunk_points` is for tests; 0 means the driver's limit.
-  explicit GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
+  explicit GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors,
+                    std::uint32_t max_chunk_points = 0);
 
   const PreparedCloud& prepared() const { return prepared_; }
   std::size_t size() const { return prepared_.cloud.size(); }
   /// Another number for every cloud and after every change of colours or attributes, never 0: what techniques
   /// derive from the cloud is kept under it.
   std::uint64_t serial() const { return serial_; }
-  Bounds bounds() const { return bounds_; }   ///< world
+  Bounds bounds() const { return bounds_; }  ///< world
   float median_spacing() const { return prepared_.median_spacing; }
   /// Largest radius of each batch, scene units; measured on first use.
   const std::vector<float>& largest_radii();
@@ -41,7 +42,8 @@ class GpuCloud {
   float median_radius() const {
     return prepared_.median_radius > 0 ? prepared_.median_radius : std::numeric_limits<float>::infinity();
   }
-  /// What was computed for one technique is not there for another, which so draws the same picture in any company.
+  /// What was computed for one technique is not there for another, which so draws the same picture in any
+  /// company.
   void show_to(Attributes needs) { shown_ = needs; }
   bool has_normals() const {
     return prepared_.available.without(prepared_.computed.without(shown_)).has(Attribute::normal);
@@ -50,8 +52,8 @@ class GpuCloud {
 
   /// Chooses the batches that the view may see, in every chunk; returns how many points they hold.
   std::uint64_t cull(const View& view);
-  /// Makes these ranges of points (first of the chunk's, count) its visible batches, of no spacing; returns the largest
-  /// count.
+  /// Makes these ranges of points (first of the chunk's, count) its visible batches, of no spacing; returns
+  /// the largest count.
   static std::uint32_t show(Chunk& chunk, std::span<const glm::uvec2> ranges);
   /// Binds positions, source index, batches; call for each chunk, then bind what the shader reads besides.
   void bind_geometry(const Chunk& chunk) const;
@@ -67,14 +69,14 @@ class GpuCloud {
 
   const std::vector<Rgba8>& colors() const { return colors_; }
   void set_colors(std::vector<Rgba8> colors);
-  /// One float per point of the prepared cloud, read by shaders as `point_field(i)`. `key` says what the values are,
-  /// so that whoever finds its own key need not upload again.
+  /// One float per point of the prepared cloud, read by shaders as `point_field(i)`. `key` says what the
+  /// values are, so that whoever finds its own key need not upload again.
   void set_field(std::span<const float> values, std::string key = "");
   const std::string& field_key() const { return field_key_; }
   /// Different after every set_field of any cloud, 0 before the first.
   std::uint64_t field_stamp() const { return field_stamp_; }
-  /// How much of the light each point stops, 0 to 1; empty = all of it. `see_through_spacing`: spacing of the points
-  /// that let some of it pass, scene units, 0 when there are none. `key` as for `set_field`.
+  /// How much of the light each point stops, 0 to 1; empty = all of it. `see_through_spacing`: spacing of the
+  /// points that let some of it pass, scene units, 0 when there are none. `key` as for `set_field`.
   void set_casters(std::span<const float> opacity, float see_through_spacing, std::string key);
   const std::string& casters_key() const { return casters_key_; }
   /// Different after every set_casters.
@@ -82,12 +84,13 @@ class GpuCloud {
   bool has_casters() const { return has_casters_; }
   float see_through_spacing() const { return see_through_spacing_; }
   void bind_casters(const Chunk& chunk) const;
-  /// Half spaces of cloud space, at most 6, whose points are left out: where dot(xyz, p) + w > 0. Shadows and other
-  /// things that follow from the cloud are made anew when they change.
+  /// Half spaces of cloud space, at most 6, whose points are left out: where dot(xyz, p) + w > 0. Shadows and
+  /// other things that follow from the cloud are made anew when they change.
   void set_cut(std::vector<vec4> planes);
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
-  /// Makes room for shadow factors, which a pass then gives every point (image unit access to `Chunk::shadow`).
+  /// Makes room for shadow factors, which a pass then gives every point (image unit access to
+  /// `Chunk::shadow`).
   void begin_shadow();
   bool has_shadow() const { return has_shadow_; }
   /// Normals and radii for part of a picture, uploaded; no normals: the cloud's own.
@@ -123,7 +126,8 @@ class GpuCloud {
   std::vector<float> largest_radii_;
 };
 
-/// Unit normal as two 16-bit octahedral coordinates; the zero vector becomes (0,0), which no unit normal uses.
+/// Unit normal as two 16-bit octahedral coordinates; the zero vector becomes (0,0), which no unit normal
+/// uses.
 std::uint32_t encode_normal(const vec3& normal);
 
 }  // namespace sfumato

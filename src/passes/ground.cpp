@@ -14,8 +14,9 @@ Ground ground_below(const PointCloud& cloud) {
   return ground;
 }
 
-void GroundPlane::run(const View& view, const Ground& ground, const dvec3& cloud_origin, const gl::Texture& color,
-                      const gl::Texture& depth, const gl::Texture& factor, const gl::Texture& out) {
+void GroundPlane::run(const View& view, const Ground& ground, const dvec3& cloud_origin,
+                      const gl::Texture& color, const gl::Texture& depth, const gl::Texture& factor,
+                      const gl::Texture& out) {
   if (!pass_) pass_ = ScreenPass("passes/ground.glsl", {GL_RGBA32F});
   view.bind();
   const dvec3 point(view.eye_from_cloud() * glm::dvec4(ground.point - cloud_origin, 1));

@@ -11,16 +11,16 @@
 
 namespace sfumato {
 
-/// From `occlusion` on only some techniques can (Technique::shows): `occlusion` and `hidden` show hidden point removal
-/// at work, `weight` how much a pixel's surface weighs.
+/// From `occlusion` on only some techniques can (Technique::shows): `occlusion` and `hidden` show hidden
+/// point removal at work, `weight` how much a pixel's surface weighs.
 enum class Shading { lit, albedo, normals, depth, occlusion, hidden, weight };
 
 struct Light {
   enum class Kind { headlight, point, directional };
   Kind kind = Kind::headlight;
   dvec3 vector{0};  ///< point: world position; directional: unit direction TOWARDS the light, world
-  /// "headlight", "X,Y,Z" (a point light in world coordinates) or "dir:X,Y,Z" (direction the light comes from).
-  /// Throws Error(usage) on anything else.
+  /// "headlight", "X,Y,Z" (a point light in world coordinates) or "dir:X,Y,Z" (direction the light comes
+  /// from). Throws Error(usage) on anything else.
   static Light parse(std::string_view text);
 };
 
@@ -37,8 +37,8 @@ Light key_light(const Camera& camera, UpAxis up);
 enum class Shadows { off, hard, soft };
 struct RenderSettings;
 
-/// With shadows, a headlight becomes the key light of `camera` and stays where it is: call it with the first camera of
-/// a path, so that shadows do not wander with the view.
+/// With shadows, a headlight becomes the key light of `camera` and stays where it is: call it with the first
+/// camera of a path, so that shadows do not wander with the view.
 void fix_light(RenderSettings& settings, const Camera& camera, UpAxis up);
 
 /// What every technique shares; the command line lists these parameters beside the technique's own.
@@ -47,26 +47,26 @@ struct RenderSettings {
   std::string light_text = "headlight";
   Phong phong;
   Shadows shadows = Shadows::off;
-  Auto<float> light_size;       ///< diameter of the light's disc, scene units
+  Auto<float> light_size;  ///< diameter of the light's disc, scene units
   int light_samples = 16;
   Auto<float> shadow_distance;  ///< d_min of the lit test, scene units
   bool ground = false;          ///< a plane under the cloud that catches shadows
-  Auto<bool> edl;            ///< automatic: what the technique wants
-  float edl_radius = 1.4f;   ///< pixels (the two numbers Potree users know)
+  Auto<bool> edl;               ///< automatic: what the technique wants
+  float edl_radius = 1.4f;      ///< pixels (the two numbers Potree users know)
   float edl_strength = 0.4f;
-  /// Linear colours of categories: a surface shows one of them and nothing between them. At most `palette_limit`
-  /// of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
+  /// Linear colours of categories: a surface shows one of them and nothing between them. At most
+  /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
   std::vector<vec3> palette;
   static constexpr std::size_t palette_limit = 64;
   vec3 background{1};        ///< sRGB 0..1
   bool transparent = false;  ///< --no-background
   int samples = 1;           ///< places in a pixel whose pictures are averaged
-  Auto<bool> smooth_outlines;  ///< of one sample; automatic: in finished pictures of techniques whose edges are hard
-  bool fast = false;         ///< allow float atomics: not bit-reproducible
+  Auto<bool>
+      smooth_outlines;  ///< of one sample; automatic: in finished pictures of techniques whose edges are hard
+  bool fast = false;    ///< allow float atomics: not bit-reproducible
 
-  /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess, edl,
-  /// edl_radius, edl_strength, samples,
-  /// smooth_outlines, fast. (Background has its own options.)
+  /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess,
+  /// edl, edl_radius, edl_strength, samples, smooth_outlines, fast. (Background has its own options.)
   void describe(ParamList& params);
 };
 

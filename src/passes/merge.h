@@ -9,10 +9,12 @@ namespace sfumato {
 
 class Merge {
  public:
-  /// Of two pictures the nearer surface of each pixel, blended over the other where its edge covers a part (premultiplied
-  /// colours). `target` and `other` have one size; the result is in `target`. Without normals, its normals stay.
+  /// Of two pictures the nearer surface of each pixel, blended over the other where its edge covers a part
+  /// (premultiplied colours). `target` and `other` have one size; the result is in `target`. Without normals,
+  /// its normals stay.
   void run(const Target& other, Target& target, bool with_normals);
-  /// Ray distances (R32F, passes/splat_surface.h) become those of `depth` (R32F, eye depth) where it is nearer.
+  /// Ray distances (R32F, passes/splat_surface.h) become those of `depth` (R32F, eye depth) where it is
+  /// nearer.
   void limit(const View& view, const gl::Texture& depth, gl::Texture& ray_distance);
 
  private:

@@ -69,9 +69,9 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
   return points;
 }
 
-void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint,
-                                float bin, gl::Texture& depth_lists, gl::Texture& index_lists,
-                                gl::Timers& timers, const gl::Texture* reference) {
+void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint, float bin,
+                                gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers,
+                                const gl::Texture* reference) {
   cloud.cull(view);
   inverse_bin_ = 1 / bin;
   {
@@ -108,7 +108,8 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
   }
   if (with_normals)
     for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth, &layer.normal}, true);
-  else for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth});
+  else
+    for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth});
 }
 
 void PointsToPixels::resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,

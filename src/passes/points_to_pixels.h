@@ -21,8 +21,8 @@ struct Footprint {
   float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
   /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more.
   float largest_medians = 4;
-  /// Discs wider than this grow with the root of what they would be; 0: no. Points that far apart are no surface any
-  /// more to whoever looks, and discs that close it would hide what shape there is. px
+  /// Discs wider than this grow with the root of what they would be; 0: no. Points that far apart are no
+  /// surface any more to whoever looks, and discs that close it would hide what shape there is. px
   float wide_px = 0;
 };
 
@@ -54,8 +54,8 @@ class PointsToPixels {
                            gl::Texture& depth_bits, const gl::Texture* reference = nullptr, float min_gap = 0,
                            const CasterRange* casters = nullptr);
   /// The same into bits that hold the points of other clouds already, of the view's size.
-  std::uint64_t add_depth(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
-                          const gl::Texture* reference = nullptr, float min_gap = 0,
+  std::uint64_t add_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
+                          gl::Texture& depth_bits, const gl::Texture* reference = nullptr, float min_gap = 0,
                           const CasterRange* casters = nullptr);
   /// Entries of a list below.
   static constexpr int list_length = 4;

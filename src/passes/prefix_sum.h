@@ -8,7 +8,8 @@ namespace sfumato {
 
 class PrefixSum {
  public:
-  /// Replaces the first `count` 32-bit words of `buffer` by the sum of all words before them. Up to 2^25 words.
+  /// Replaces the first `count` 32-bit words of `buffer` by the sum of all words before them. Up to 2^25
+  /// words.
   void run(const gl::Buffer& buffer, std::uint32_t count);
   /// The sum of all words of the last run, 2^32 - 1 when it is that or more; waits for the GPU.
   std::uint32_t total() const;

@@ -27,13 +27,16 @@ void PullPush::allocate(int width, int height) {
     const std::string level = " level " + std::to_string(filled_.size());
     pulled_.emplace_back();
     if (filled_.size() > 0)
-      pulled_.back() = {gl::Texture("pull a" + level, GL_RGBA32F, w, h), gl::Texture("pull b" + level, GL_RGBA32F, w, h)};
-    filled_.push_back({gl::Texture("push a" + level, GL_RGBA32F, w, h), gl::Texture("push b" + level, GL_RGBA32F, w, h)});
+      pulled_.back() = {gl::Texture("pull a" + level, GL_RGBA32F, w, h),
+                        gl::Texture("pull b" + level, GL_RGBA32F, w, h)};
+    filled_.push_back(
+        {gl::Texture("push a" + level, GL_RGBA32F, w, h), gl::Texture("push b" + level, GL_RGBA32F, w, h)});
     if (w == 1 && h == 1) break;
   }
 }
 
-void PullPush::run(const gl::Texture& a, const gl::Texture& b, float depth_edge, int first, const Tiles* tiles) {
+void PullPush::run(const gl::Texture& a, const gl::Texture& b, float depth_edge, int first,
+                   const Tiles* tiles) {
   if (!pull_) {
     pull_ = ScreenPass("passes/pull.glsl", {GL_RGBA32F, GL_RGBA32F}, {}, kind_);
     push_ = ScreenPass("passes/push.glsl", {GL_RGBA32F, GL_RGBA32F}, {}, kind_);
@@ -41,7 +44,8 @@ void PullPush::run(const gl::Texture& a, const gl::Texture& b, float depth_edge,
   allocate(a.width(), a.height());
   pull_.set("depth_edge", depth_edge);
   push_.set("depth_edge", depth_edge);
-  // The kernel reaches 3 px per px of level 2, less than a tile: there, off is still empty. Coarser levels are small.
+  // The kernel reaches 3 px per px of level 2, less than a tile: there, off is still empty. Coarser levels
+  // are small.
   const auto on_level = [&](int level, int last) { return level <= last ? tiles : nullptr; };
   const int top = int(filled_.size()) - 1;
   for (int l = 1; l <= top; ++l) {
@@ -57,8 +61,10 @@ void PullPush::run(const gl::Texture& a, const gl::Texture& b, float depth_edge,
 void PullPush::pull(const gl::Texture& fine_a, const gl::Texture& fine_b, int level, const Tiles* tiles) {
   const Level& to = pulled_[std::size_t(level)];
   pull_.set("level", level - 1);
-  if (tiles) pull_.run({tiles->on, tiles->size >> level}, {&fine_a, &fine_b}, {&to.a, &to.b}, {vec4(0), vec4(0)});
-  else pull_.run({&fine_a, &fine_b}, {&to.a, &to.b});
+  if (tiles)
+    pull_.run({tiles->on, tiles->size >> level}, {&fine_a, &fine_b}, {&to.a, &to.b}, {vec4(0), vec4(0)});
+  else
+    pull_.run({&fine_a, &fine_b}, {&to.a, &to.b});
 }
 
 void PullPush::push(const gl::Texture& pulled_a, const gl::Texture& pulled_b, int level, const Tiles* tiles) {
@@ -66,11 +72,14 @@ void PullPush::push(const gl::Texture& pulled_a, const gl::Texture& pulled_b, in
   const std::size_t l = std::size_t(level);
   const bool top = l + 1 == filled_.size();
   const Level& to = filled_[l];
-  const gl::Texture &coarse_a = top ? pulled_a : filled_[l + 1].a, &coarse_b = top ? pulled_b : filled_[l + 1].b;
+  const gl::Texture &coarse_a = top ? pulled_a : filled_[l + 1].a,
+                    &coarse_b = top ? pulled_b : filled_[l + 1].b;
   push_.set("top", top).set("level", level);
   const auto inputs = {&pulled_a, &pulled_b, &coarse_a, &coarse_b};
-  if (tiles) push_.run({tiles->on, tiles->size >> level}, inputs, {&to.a, &to.b}, {vec4(0), vec4(0)});
-  else push_.run(inputs, {&to.a, &to.b});
+  if (tiles)
+    push_.run({tiles->on, tiles->size >> level}, inputs, {&to.a, &to.b}, {vec4(0), vec4(0)});
+  else
+    push_.run(inputs, {&to.a, &to.b});
 }
 
 }  // namespace sfumato

@@ -14,9 +14,9 @@ struct Format {
   bool integer;
 };
 constexpr Format known_formats[] = {
-    {GL_RGBA32F, "rgba32f", false}, {GL_RGBA16F, "rgba16f", false}, {GL_RG32F, "rg32f", false},
-    {GL_R32F, "r32f", false},       {GL_RG16F, "rg16f", false},     {GL_R16F, "r16f", false},
-    {GL_RGBA8, "rgba8", false},     {GL_R8, "r8", false},           {GL_R32UI, "r32ui", true},
+    {GL_RGBA32F, "rgba32f", false},  {GL_RGBA16F, "rgba16f", false}, {GL_RG32F, "rg32f", false},
+    {GL_R32F, "r32f", false},        {GL_RG16F, "rg16f", false},     {GL_R16F, "r16f", false},
+    {GL_RGBA8, "rgba8", false},      {GL_R8, "r8", false},           {GL_R32UI, "r32ui", true},
     {GL_RGBA32UI, "rgba32ui", true}, {GL_RG32UI, "rg32ui", true}};
 
 const Format& describe(GLenum format) {
@@ -31,8 +31,8 @@ std::string output_declarations(const std::vector<GLenum>& formats, bool compute
     const Format& f = describe(formats[i]);
     const std::string n = std::to_string(i), type = f.integer ? "uvec4" : "vec4";
     if (compute)
-      text += type + " out_" + n + " = " + type + "(0);\nlayout(" + f.glsl + ", binding = " + n + ") writeonly uniform " +
-              (f.integer ? "uimage2D" : "image2D") + " screen_image_" + n + ";\n";
+      text += type + " out_" + n + " = " + type + "(0);\nlayout(" + f.glsl + ", binding = " + n +
+              ") writeonly uniform " + (f.integer ? "uimage2D" : "image2D") + " screen_image_" + n + ";\n";
     else
       text += "layout(location = " + n + ") out " + type + " out_" + n + ";\n";
   }
@@ -56,14 +56,17 @@ std::string compute_main(const std::vector<GLenum>& formats) {
          "  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
          "  if (any(greaterThanEqual(pixel, imageSize(screen_image_0)))) return;\n"
          "  bool runs = screen_tile_size == 0;\n"
-         "  if (!runs) runs = texelFetch(screen_tiles, (pixel + screen_tile_offset) / screen_tile_size, 0).x > 0.0;\n"
-         "  if (!runs) {" + otherwise + " }\n  else if (!filter_pixel(pixel)) return;\n" + stores + "}\n";
+         "  if (!runs) runs = texelFetch(screen_tiles, (pixel + screen_tile_offset) / screen_tile_size, 0).x "
+         "> 0.0;\n"
+         "  if (!runs) {" +
+         otherwise + " }\n  else if (!filter_pixel(pixel)) return;\n" + stores + "}\n";
 }
 
 }  // namespace
 
 ScreenPassKind default_screen_pass_kind() {
-  if (const ScreenPassKind kind = gl::preferences().screen_passes; kind != ScreenPassKind::automatic) return kind;
+  if (const ScreenPassKind kind = gl::preferences().screen_passes; kind != ScreenPassKind::automatic)
+    return kind;
   return gl::limits().software ? ScreenPassKind::fragment : ScreenPassKind::compute;
 }
 
@@ -86,12 +89,14 @@ void ScreenPass::run(std::initializer_list<const gl::Texture*> inputs,
 }
 
 void ScreenPass::run(const Tiles& tiles, std::initializer_list<const gl::Texture*> inputs,
-                     std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere) {
+                     std::initializer_list<const gl::Texture*> outputs,
+                     std::initializer_list<vec4> elsewhere) {
   draw(&tiles, inputs, outputs, elsewhere);
 }
 
 void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Texture*> inputs,
-                      std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere) {
+                      std::initializer_list<const gl::Texture*> outputs,
+                      std::initializer_list<vec4> elsewhere) {
   int unit = binding::input;
   for (const gl::Texture* input : inputs) input->bind(unit++);
   if (tiles) tiles->on.bind(binding::tiles);
@@ -105,8 +110,8 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
     for (const gl::Texture* output : outputs) output->bind_image(image++, GL_WRITE_ONLY);
     const gl::Texture& first = **outputs.begin();
     program_.dispatch(unsigned(first.width() + 15) / 16, unsigned(first.height() + 7) / 8);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
-                    GL_TEXTURE_UPDATE_BARRIER_BIT);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                    GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
     return;
   }
 

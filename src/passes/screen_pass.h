@@ -1,8 +1,9 @@
-// A screen filter: one GLSL function body, `bool filter_pixel(ivec2 pixel)`, wrapped as a fragment pass (faster on
-// software GL) or as a compute pass (faster on data-centre GPUs). The context's preferences decide first.
+// A screen filter: one GLSL function body, `bool filter_pixel(ivec2 pixel)`, wrapped as a fragment pass
+// (faster on software GL) or as a compute pass (faster on data-centre GPUs). The context's preferences decide
+// first.
 //
-// The body writes `out_0`, `out_1` ... (vec4, or uvec4 for integer formats) and returns false to leave the targets
-// of this pixel as they were. It reads its inputs with texelFetch from units UNIT_INPUT + k.
+// The body writes `out_0`, `out_1` ... (vec4, or uvec4 for integer formats) and returns false to leave the
+// targets of this pixel as they were. It reads its inputs with texelFetch from units UNIT_INPUT + k.
 #pragma once
 
 #include <initializer_list>
@@ -21,8 +22,8 @@ ScreenPassKind default_screen_pass_kind();
 
 /// Squares of pixels, of an area that holds the image, and which of them a pass has something to do in.
 struct Tiles {
-  /// One texel a tile, above 0 where the pass runs. Vertex shaders read it, and those of llvmpipe (Mesa 22.3) do not
-  /// wait for the fragment pass that draws it: software GL needs a glFinish in between.
+  /// One texel a tile, above 0 where the pass runs. Vertex shaders read it, and those of llvmpipe (Mesa 22.3)
+  /// do not wait for the fragment pass that draws it: software GL needs a glFinish in between.
   const gl::Texture& on;
   int size;                 ///< px of the image
   ivec2 offset = ivec2(0);  ///< of the image within the tiled area, px
@@ -44,7 +45,8 @@ class ScreenPass {
     return *this;
   }
   /// Binds `inputs` to UNIT_INPUT + k and runs over every pixel of `outputs` (all of one size).
-  void run(std::initializer_list<const gl::Texture*> inputs, std::initializer_list<const gl::Texture*> outputs);
+  void run(std::initializer_list<const gl::Texture*> inputs,
+           std::initializer_list<const gl::Texture*> outputs);
   /// The same, only where a tile is on; everywhere else output k becomes `elsewhere[k]` (float formats only).
   void run(const Tiles& tiles, std::initializer_list<const gl::Texture*> inputs,
            std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere);

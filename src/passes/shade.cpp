@@ -4,8 +4,8 @@
 
 namespace sfumato {
 
-void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings, const Light& light,
-                        const dvec3& cloud_origin) {
+void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings,
+                        const Light& light, const dvec3& cloud_origin) {
   // Light in eye space: w = 1 a position, w = 0 a direction towards it.
   vec4 light_eye(0, 0, 0, 1);
   if (light.kind == Light::Kind::point)
@@ -18,11 +18,12 @@ void set_light_uniforms(gl::Program& program, const View& view, const RenderSett
   const Phong& phong = settings.phong;
   program.set("phong", vec4(phong.ambient, phong.diffuse, phong.specular.value(), phong.shininess));
   if (!program.has("palette_size")) return;
-  program.set("palette_size", int(settings.palette.size())).set("palette", std::span<const vec3>(settings.palette));
+  program.set("palette_size", int(settings.palette.size()))
+      .set("palette", std::span<const vec3>(settings.palette));
 }
 
-void Shade::run(const View& view, const RenderSettings& settings, const Light& light, const dvec3& cloud_origin,
-                const Surface& surface, const gl::Texture& color) {
+void Shade::run(const View& view, const RenderSettings& settings, const Light& light,
+                const dvec3& cloud_origin, const Surface& surface, const gl::Texture& color) {
   const int shading = int(settings.shading);
   ScreenPass& pass = passes_[shading];
   if (!pass) pass = ScreenPass("passes/shade.glsl", {GL_RGBA32F}, {"SHADING " + std::to_string(shading)});

@@ -14,13 +14,14 @@ namespace sfumato {
 struct Surface {
   const gl::Texture& albedo;  ///< RGBA32F: linear colour premultiplied by coverage, coverage in alpha
   const gl::Texture& depth;   ///< R32F: eye depth, +inf where nothing
-  const gl::Texture& normal;  ///< RGBA32F: world normal or 0 (then the light falls straight on); w = shadow factor m
+  const gl::Texture&
+      normal;  ///< RGBA32F: world normal or 0 (then the light falls straight on); w = shadow factor m
 };
 
-/// Sets the uniforms of shaders/lighting.glsl (`light_eye`, `phong`) and shaders/shading.glsl (`palette`) for a program
-/// that lights points itself.
-void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings, const Light& light,
-                        const dvec3& cloud_origin);
+/// Sets the uniforms of shaders/lighting.glsl (`light_eye`, `phong`) and shaders/shading.glsl (`palette`) for
+/// a program that lights points itself.
+void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings,
+                        const Light& light, const dvec3& cloud_origin);
 
 class Shade {
  public:

@@ -82,8 +82,8 @@ std::vector<Camera> ShadowMaps::light_cameras(const Light& light, const Bounds& 
 std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& box, double size, int count) {
   std::vector<Light> samples{light};
   // A directional light stands at one diagonal from the cloud: its disc turns it by size / diagonal.
-  const dvec3 towards = light.kind == Light::Kind::directional ? light.vector
-                                                                : glm::normalize(light.vector - box.center());
+  const dvec3 towards =
+      light.kind == Light::Kind::directional ? light.vector : glm::normalize(light.vector - box.center());
   const auto [u, v] = perpendicular(towards);
   std::mt19937 random(20100501);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -154,7 +154,9 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
   if (key_ == key && have_all && !ground_view) return;
   key_.reset();  // who cancels leaves the factors half done
 
-  std::erase_if(passed_, [&](const auto& each) { return std::find(clouds.begin(), clouds.end(), each.first) == clouds.end(); });
+  std::erase_if(passed_, [&](const auto& each) {
+    return std::find(clouds.begin(), clouds.end(), each.first) == clouds.end();
+  });
   const dvec3 origin = clouds.front()->prepared().cloud.origin;
   for (GpuCloud* cloud : clouds) {
     cloud->begin_shadow();
@@ -186,7 +188,8 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
         // See-through casters are sparser than their cloud: their map is as much coarser, and so is d_min.
         const float coarser = cloud->see_through_spacing() / std::max(cloud->median_spacing(), 1e-12f);
         if (!(coarser > 0)) continue;
-        const std::vector<Camera> coarse = light_cameras(samples[i], box, texel_of(cloud->median_spacing()) * coarser);
+        const std::vector<Camera> coarse =
+            light_cameras(samples[i], box, texel_of(cloud->median_spacing()) * coarser);
         peel(*cloud, clouds, coarse[face], d_min_of(*cloud, asked) * coarser, is_first_peel, timers, caught);
         is_first_peel = false;
       }
@@ -202,7 +205,8 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
       if (views.size() < most && !is_last) continue;
       for (GpuCloud* cloud : clouds)
-        test_points(*cloud, kind, views, std::span(maps_).first(views.size()), d_min_of(*cloud, asked), is_first, share);
+        test_points(*cloud, kind, views, std::span(maps_).first(views.size()), d_min_of(*cloud, asked),
+                    is_first, share);
       views.clear();
       is_first = false;
     }
@@ -210,8 +214,8 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
   key_ = std::move(key);
 }
 
-void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_camera, float d_min, bool is_first,
-                      gl::Timers& timers, const Catcher* catcher) {
+void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_camera, float d_min,
+                      bool is_first, gl::Timers& timers, const Catcher* catcher) {
   const dvec3 origin = cloud.prepared().cloud.origin;
   const View view(light_camera, origin);
   const int w = view.width(), h = view.height();
@@ -270,8 +274,8 @@ void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_cam
     if (++kept == most || is_last) {
       for (std::size_t k = 0; k < kept; ++k) opacity_[k].bind(binding::input + int(kept + k));
       for (GpuCloud* receiver : receivers)
-        test_points(*receiver, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept), d_min,
-                    is_first);
+        test_points(*receiver, LitTest::see_through, std::span(&view, 1), std::span(layer_depth_).first(kept),
+                    d_min, is_first);
       kept = 0;
       is_first = false;
     }

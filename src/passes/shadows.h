@@ -25,15 +25,16 @@ struct Ground {
   dvec3 point{0}, normal{0, 0, 1};
 };
 
-/// Gives automatic sizes of `settings` the values that they take for a cloud of these bounds and median spacing.
+/// Gives automatic sizes of `settings` the values that they take for a cloud of these bounds and median
+/// spacing.
 void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float median_spacing);
 
 class ShadowMaps {
  public:
   /// Clouds of one origin that darken themselves and each other.
   using Clouds = std::span<GpuCloud* const>;
-  /// Gives the clouds their shadow factors; keeps them while clouds, light and settings stay. With `ground`, also
-  /// fills `ground_factor` (R32F, the view's size): the shadow factor of the ground seen by each pixel.
+  /// Gives the clouds their shadow factors; keeps them while clouds, light and settings stay. With `ground`,
+  /// also fills `ground_factor` (R32F, the view's size): the shadow factor of the ground seen by each pixel.
   void update(Clouds clouds, const RenderSettings& settings, const Light& light, gl::Timers& timers,
               Progress& progress, const View* ground_view = nullptr, const Ground& ground = {},
               gl::Texture* ground_factor = nullptr);
@@ -83,17 +84,18 @@ class ShadowMaps {
   };
   /// How far behind a light map a point of the cloud is dark.
   static float d_min_of(const GpuCloud& cloud, const RenderSettings& settings);
-  /// What the see-through points of `caster` let pass of one light sample, for every point of the clouds (`passed_`) and
-  /// the ground. `is_first`: nothing has stopped any of it yet.
-  void peel(GpuCloud& caster, Clouds clouds, const Camera& light_camera, float d_min, bool is_first, gl::Timers& timers,
-            const Catcher* catcher);
-  /// The closed light map of the solid points; those of a sparser cloud than the densest, whose spacing is `spacing`, cover
-  /// as many texels more.
-  void draw_map(Clouds clouds, const View& view, float spacing, float d_min, gl::Texture& map, gl::Timers& timers);
-  /// Tests every point of the cloud against all of `maps`: one view each, or layers of one view with their opacities bound
-  /// behind. `is_first`: the points know nothing yet.
-  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views, std::span<const gl::Texture> maps,
-                   float d_min, bool is_first, float share = 0);
+  /// What the see-through points of `caster` let pass of one light sample, for every point of the clouds
+  /// (`passed_`) and the ground. `is_first`: nothing has stopped any of it yet.
+  void peel(GpuCloud& caster, Clouds clouds, const Camera& light_camera, float d_min, bool is_first,
+            gl::Timers& timers, const Catcher* catcher);
+  /// The closed light map of the solid points; those of a sparser cloud than the densest, whose spacing is
+  /// `spacing`, cover as many texels more.
+  void draw_map(Clouds clouds, const View& view, float spacing, float d_min, gl::Texture& map,
+                gl::Timers& timers);
+  /// Tests every point of the cloud against all of `maps`: one view each, or layers of one view with their
+  /// opacities bound behind. `is_first`: the points know nothing yet.
+  void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
+                   std::span<const gl::Texture> maps, float d_min, bool is_first, float share = 0);
   void test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
                    float d_min, float share);
   void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,

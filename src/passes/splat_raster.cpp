@@ -11,19 +11,20 @@
 namespace sfumato {
 namespace {
 
-/// Up to this width in pixels a compute loop finds the nearest hits as fast as the rasteriser; splats that prove
-/// hidden then cost nothing more (docs/performance.md).
+/// Up to this width in pixels a compute loop finds the nearest hits as fast as the rasteriser; splats that
+/// prove hidden then cost nothing more (docs/performance.md).
 constexpr double small_splat_px = 32;
 
-/// Largest width in pixels that a splat of this radius can have with its centre in the box; infinite when it may
-/// reach the plane of the eye.
+/// Largest width in pixels that a splat of this radius can have with its centre in the box; infinite when it
+/// may reach the plane of the eye.
 double largest_size_px(const View& view, const Batch& batch, double radius) {
   const Camera& camera = view.camera();
   const double scale = std::max(camera.intrinsics().fx, camera.intrinsics().fy);
   if (camera.orthographic()) return 2 * radius * scale;
   double nearest = 1e300;
   for (int corner = 0; corner < 8; ++corner) {
-    const dvec3 p{corner & 1 ? batch.box_max.x : batch.box_min.x, corner & 2 ? batch.box_max.y : batch.box_min.y,
+    const dvec3 p{corner & 1 ? batch.box_max.x : batch.box_min.x,
+                  corner & 2 ? batch.box_max.y : batch.box_min.y,
                   corner & 4 ? batch.box_max.z : batch.box_min.z};
     nearest = std::min(nearest, -(view.eye_from_cloud() * glm::dvec4(p, 1)).z);
   }
@@ -31,8 +32,10 @@ double largest_size_px(const View& view, const Batch& batch, double radius) {
   const double z = std::max(nearest, 1e-4 * camera.far_plane - radius);
   if (z <= 2 * radius) return 1e300;
   const Intrinsics k = camera.intrinsics();
-  const double slope = std::max(std::max(k.cx, camera.width - k.cx) / k.fx, std::max(k.cy, camera.height - k.cy) / k.fy);
-  // A splat seen on the border may have its centre beyond it. Slopes of the touching planes: notes on the sphere.
+  const double slope =
+      std::max(std::max(k.cx, camera.width - k.cx) / k.fx, std::max(k.cy, camera.height - k.cy) / k.fy);
+  // A splat seen on the border may have its centre beyond it. Slopes of the touching planes: notes on the
+  // sphere.
   const double s = (slope * z + radius) / (z - radius);
   const double half = (s * radius * radius + radius * z * std::sqrt(1 + s * s)) / (z * z - radius * radius);
   return 2 * half * scale;
@@ -49,15 +52,18 @@ SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape&
     for (std::uint32_t b = chunk.first_batch; b < chunk.first_batch + chunk.batch_count; ++b) {
       const Batch& batch = batches[b];
       const float radius = std::min(radii[b], shape.radius_limit) * shape.radius_scale;
-      // The screen filter reaches one pixel further than the disc: at most the size of a pixel on the far side.
-      const float pixel = shape.prefilter_px * float((view.camera().orthographic() ? 1 : view.camera().far_plane) /
-                                                     view.camera().pixels_per_unit());
+      // The screen filter reaches one pixel further than the disc: at most the size of a pixel on the far
+      // side.
+      const float pixel =
+          shape.prefilter_px * float((view.camera().orthographic() ? 1 : view.camera().far_plane) /
+                                     view.camera().pixels_per_unit());
       const vec3 reach(std::max(radius, pixel));
       if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
       chosen.points_seen += batch.count;
       // A sprite that is cut at a narrow image may need twice its width (splat.vert).
       const double size_px = std::max(largest_size_px(view, batch, radius), 2.0 * shape.prefilter_px);
-      const bool automatic = path == SplatPath::automatic, too_large = 2 * size_px + 2 > gl::limits().max_point_size;
+      const bool automatic = path == SplatPath::automatic,
+                 too_large = 2 * size_px + 2 > gl::limits().max_point_size;
       if (path == SplatPath::quads || (too_large && automatic)) {
         ranges.quads.add(6 * (batch.first - chunk.first), 6 * batch.count);
         chosen.fallbacks += batch.count;
@@ -79,7 +85,8 @@ void set_splat_uniforms(gl::Program& program, const SplatShape& shape) {
 
 gl::Defines splat_defines(gl::Defines defines, const SplatShape& shape) {
   if (shape.prefilter_px > 0) defines.push_back("SPLAT_PREFILTER");
-  if (shape.part != SplatPart::all && std::find(defines.begin(), defines.end(), "SPLAT_FIELD") == defines.end())
+  if (shape.part != SplatPart::all &&
+      std::find(defines.begin(), defines.end(), "SPLAT_FIELD") == defines.end())
     defines.push_back("SPLAT_FIELD");
   return defines;
 }
@@ -117,8 +124,9 @@ void SplatRaster::bind(GpuCloud& cloud, GpuCloud::Chunk& chunk) {
   if (cloud.has_shadow()) cloud.bind_shadow(chunk);
 }
 
-void SplatRaster::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                       const gl::State& state, const SetUniforms& set_uniforms, bool with_small) {
+void SplatRaster::draw(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                       const SplatBatches& batches, const gl::State& state, const SetUniforms& set_uniforms,
+                       bool with_small) {
   view.bind();
   state.apply();
   for (std::size_t c = 0; c < batches.chunks.size(); ++c) {

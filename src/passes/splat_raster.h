@@ -1,7 +1,7 @@
 // Splats through the rasteriser, for every technique that draws discs or spheres.
 //
-// A technique brings its own fragment file, which includes shaders/splat_fragment.glsl (ray casting, weights, what
-// the vertex stage hands over), and the targets and blending that go with it:
+// A technique brings its own fragment file, which includes shaders/splat_fragment.glsl (ray casting, weights,
+// what the vertex stage hands over), and the targets and blending that go with it:
 //
 //   SplatRaster raster("techniques/mine/mine.frag", {"SPLAT_COLOR"});
 //   SplatBatches batches = choose_batches(cloud, view, shape);       // once a frame
@@ -9,9 +9,10 @@
 //   raster.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::add},
 //               [&](gl::Program& p) { p.set("mine", mine); });
 //
-// Definitions: SPLAT_COLOR (colour and shadow factor), SPLAT_FIELD (the scalar; set shape.part), SPLAT_SPHERE (the
-// primitive covers the ball of that radius and not only the disc), KERNEL_GAUSSIAN, and whatever the fragment file
-// itself looks at. Textures of the pass are bound to UNIT_INPUT + k, images to image units, by the caller.
+// Definitions: SPLAT_COLOR (colour and shadow factor), SPLAT_FIELD (the scalar; set shape.part), SPLAT_SPHERE
+// (the primitive covers the ball of that radius and not only the disc), KERNEL_GAUSSIAN, and whatever the
+// fragment file itself looks at. Textures of the pass are bound to UNIT_INPUT + k, images to image units, by
+// the caller.
 #pragma once
 
 #include <cstdint>
@@ -35,13 +36,13 @@ enum class SplatPart { all, not_above, above };
 struct SplatShape {
   float radius_scale = 1;
   float radius_limit = std::numeric_limits<float>::infinity();  ///< scene units, applied before the scale
-  float prefilter_px = 0;       ///< radius of the screen filter (antialiasing); 0 = off
+  float prefilter_px = 0;  ///< radius of the screen filter (antialiasing); 0 = off
   SplatPart part = SplatPart::all;
-  float field_threshold = 0;    ///< of GpuCloud::set_field; needs the definition SPLAT_FIELD
+  float field_threshold = 0;  ///< of GpuCloud::set_field; needs the definition SPLAT_FIELD
 };
 
-/// How the splats of a batch reach the pixels. `automatic` chooses per batch by its size on the screen; the rest
-/// are for tests. The context's preferences decide first.
+/// How the splats of a batch reach the pixels. `automatic` chooses per batch by its size on the screen; the
+/// rest are for tests. The context's preferences decide first.
 using gl::SplatPath;
 
 /// The batches that a view may see, by the way they are drawn.
@@ -76,11 +77,12 @@ class SplatRaster {
   /// `with_small` the batches of small splats are left to another pass.
   void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
             const gl::State& state, const SetUniforms& set_uniforms = {}, bool with_small = true);
-  /// Draws points [first, first + count) of `list` (R32UI places within the one chunk) in that order, as sprites or
-  /// quads. A sprite larger than the driver's limit is cut off: where `choose_batches` counts fallbacks, use quads.
+  /// Draws points [first, first + count) of `list` (R32UI places within the one chunk) in that order, as
+  /// sprites or quads. A sprite larger than the driver's limit is cut off: where `choose_batches` counts
+  /// fallbacks, use quads.
   void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
-                 const gl::TextureBuffer& list, GLint first, GLsizei count, bool as_quads, const gl::State& state,
-                 const SetUniforms& set_uniforms = {});
+                 const gl::TextureBuffer& list, GLint first, GLsizei count, bool as_quads,
+                 const gl::State& state, const SetUniforms& set_uniforms = {});
   /// The same as sprites, with the number of points read from `command` (see passes/compact.comp).
   void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
                  const gl::TextureBuffer& list, const gl::Buffer& command, const gl::State& state,

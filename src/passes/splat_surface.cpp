@@ -74,7 +74,8 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
   normalize_.set("has_shadow", cloud.has_shadow());
   view.bind();
   const gl::Texture& shadow_sum = cloud.has_shadow() ? shadow_sum_ : color_sum_;
-  normalize_.run({&color_sum_, &normal_sum_, &shadow_sum}, {&targets.albedo, &targets.depth, &targets.normal});
+  normalize_.run({&color_sum_, &normal_sum_, &shadow_sum},
+                 {&targets.albedo, &targets.depth, &targets.normal});
 }
 
 }  // namespace sfumato

@@ -9,7 +9,8 @@ namespace {
 
 constexpr unsigned group_size = Compaction::group_size;
 
-/// Uploads the batches of small splats as the chunk's visible ones; returns the work groups that the largest needs.
+/// Uploads the batches of small splats as the chunk's visible ones; returns the work groups that the largest
+/// needs.
 unsigned show_small(GpuCloud::Chunk& chunk, const SplatBatches::Ranges& small) {
   std::vector<glm::uvec2> ranges;
   for (std::size_t b = 0; b < small.first.size(); ++b)
@@ -19,7 +20,8 @@ unsigned show_small(GpuCloud::Chunk& chunk, const SplatBatches::Ranges& small) {
 
 }  // namespace
 
-void visit_small(GpuCloud& cloud, const View& view, const SplatBatches& batches, gl::Program& program, bool colors) {
+void visit_small(GpuCloud& cloud, const View& view, const SplatBatches& batches, gl::Program& program,
+                 bool colors) {
   view.bind();
   for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
     const SplatBatches::Ranges& small = batches.chunks[c].small;
@@ -45,16 +47,18 @@ gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
   return chosen;
 }
 
-void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                              const gl::Texture& nearest_t) {
+void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                              const SplatBatches& batches, const gl::Texture& nearest_t) {
   glBindImageTexture(0, nearest_t.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
   visit_small(cloud, view, batches, program(false, shape));
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                  GL_FRAMEBUFFER_BARRIER_BIT);
 }
 
 void SplatVisit::measure_farthest(const View& view, const gl::Texture& nearest_t) {
   if (!farthest_) farthest_ = ScreenPass("passes/splat_farthest.glsl", {GL_R32F});
-  gl::ensure(farthest_t_, "farthest visible distance", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
+  gl::ensure(farthest_t_, "farthest visible distance", GL_R32F, (view.width() + 7) / 8,
+             (view.height() + 7) / 8);
   farthest_.run({&nearest_t}, {&farthest_t_});
 }
 

@@ -311,12 +311,9 @@ py::object value_of(const Setting& setting) {
   const auto number = [](const std::string& word) { return py::float_(py::str(word)); };
   if (text == "auto" && setting.can_be_auto) return py::str(text);
   switch (setting.kind) {
-    case ParamKind::boolean:
-      return py::bool_(text == "true");
-    case ParamKind::integer:
-      return py::int_(py::str(text));
-    case ParamKind::real:
-      return number(text);
+    case ParamKind::boolean: return py::bool_(text == "true");
+    case ParamKind::integer: return py::int_(py::str(text));
+    case ParamKind::real: return number(text);
     case ParamKind::real_list:
     case ParamKind::vector3: {
       py::list values;
@@ -327,8 +324,7 @@ py::object value_of(const Setting& setting) {
       }
       return py::tuple(values);
     }
-    default:
-      return py::str(text);
+    default: return py::str(text);
   }
 }
 

@@ -9,12 +9,8 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-dvec3 vec(const Triple& v) {
-  return {v[0], v[1], v[2]};
-}
-py::tuple tuple_of(const dvec3& v) {
-  return py::make_tuple(v.x, v.y, v.z);
-}
+dvec3 vec(const Triple& v) { return {v[0], v[1], v[2]}; }
+py::tuple tuple_of(const dvec3& v) { return py::make_tuple(v.x, v.y, v.z); }
 
 template <dvec3 Camera::*Member>
 void triple(py::class_<Camera>& type, const char* name) {

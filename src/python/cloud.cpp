@@ -179,9 +179,7 @@ CloudPtr pick(const CloudPtr& self, const std::vector<std::uint32_t>& places) {
   return out;
 }
 
-py::tuple tuple_of(const dvec3& v) {
-  return py::make_tuple(v.x, v.y, v.z);
-}
+py::tuple tuple_of(const dvec3& v) { return py::make_tuple(v.x, v.y, v.z); }
 
 }  // namespace
 
@@ -276,7 +274,8 @@ void bind_cloud(py::module_& module) {
       .def_property_readonly("notes",
                              [](Cloud& self) {
                                std::vector<std::string> notes = self.scene.notes;
-                               for (const std::string& part : self.scene.damage) notes.push_back(part + "; it is left out");
+                               for (const std::string& part : self.scene.damage)
+                                 notes.push_back(part + "; it is left out");
                                return notes;
                              })
       .def_property_readonly("damage", [](Cloud& self) { return self.scene.damage; })

@@ -13,22 +13,14 @@ namespace {
 
 const char* word_of(ErrorCode code) {
   switch (code) {
-    case ErrorCode::usage:
-      return "usage";
-    case ErrorCode::bad_input:
-      return "bad_input";
-    case ErrorCode::partial:
-      return "partial";
-    case ErrorCode::no_gl:
-      return "no_gl";
-    case ErrorCode::out_of_memory:
-      return "out_of_memory";
-    case ErrorCode::io:
-      return "io";
-    case ErrorCode::internal:
-      return "internal";
-    case ErrorCode::interrupted:
-      return "interrupted";
+    case ErrorCode::usage: return "usage";
+    case ErrorCode::bad_input: return "bad_input";
+    case ErrorCode::partial: return "partial";
+    case ErrorCode::no_gl: return "no_gl";
+    case ErrorCode::out_of_memory: return "out_of_memory";
+    case ErrorCode::io: return "io";
+    case ErrorCode::internal: return "internal";
+    case ErrorCode::interrupted: return "interrupted";
   }
   return "usage";
 }

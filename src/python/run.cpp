@@ -167,9 +167,7 @@ void run_gl(const std::function<void(gl::Context&, Progress&)>& work, const py::
   wait(done, reporter, progress);
 }
 
-void keep_gl(const std::shared_ptr<OnGl>& object) {
-  GlThread::get().keep(object);
-}
+void keep_gl(const std::shared_ptr<OnGl>& object) { GlThread::get().keep(object); }
 void free_gl(std::shared_ptr<OnGl> object) noexcept {
   try {
     GlThread::get().free(std::move(object));

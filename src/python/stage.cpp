@@ -129,9 +129,7 @@ bool Stage::has_shadows(const Settings& parameters) const {
   return any;
 }
 
-void Stage::set_color(const ColorSettings& color) {
-  session_->set_color(color);
-}
+void Stage::set_color(const ColorSettings& color) { session_->set_color(color); }
 
 void Stage::clear() {
   looks_.clear();

@@ -102,7 +102,9 @@ StandardInput::StandardInput(const Progress& progress) {
   while (true) {
     progress.check();
     // Who writes may take for ever, and Ctrl-C does not end a read.
-    struct pollfd one {STDIN_FILENO, POLLIN, 0};
+    struct pollfd one {
+      STDIN_FILENO, POLLIN, 0
+    };
     const int ready = ::poll(&one, 1, poll_ms);
     if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());

@@ -23,7 +23,8 @@ Bounds bounds_of(const std::vector<copc::Tree>& trees) {
 }  // namespace
 
 std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& files,
-                                               const SceneOptions& options, std::uint64_t memory, bool always) {
+                                               const SceneOptions& options, std::uint64_t memory,
+                                               bool always) {
   const auto is_tree = [](const SceneFile& file) { return !file.transform && copc::is_tree(file.name); };
   if (files.empty() || !std::all_of(files.begin(), files.end(), is_tree)) return std::nullopt;
   LeveledScene scene;
@@ -47,9 +48,7 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   return scene;
 }
 
-Scene LeveledScene::overview(Progress& progress) const {
-  return coarse(overview_points, progress);
-}
+Scene LeveledScene::overview(Progress& progress) const { return coarse(overview_points, progress); }
 
 Scene LeveledScene::coarse(std::uint64_t points, Progress& progress) const {
   return read(copc::select_overview(trees_, std::min(budget_, points), options_.selection.crop), progress);
@@ -64,7 +63,9 @@ Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Pr
 }
 
 Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progress) const {
-  const auto read_one = [&](std::size_t i) { return copc::read_nodes(trees_[i], selection.nodes[i], progress); };
+  const auto read_one = [&](std::size_t i) {
+    return copc::read_nodes(trees_[i], selection.nodes[i], progress);
+  };
   Scene scene = assemble(files_, options_, read_one, true);
   scene.levels = {selection.points,     selection.points_needed, selection.points_in_files,
                   selection.nodes_read, selection.nodes_needed,  selection.nodes_in_files,

@@ -42,7 +42,8 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     scene.points_read += result.report.points;
     scene.points_missing += result.report.points_missing;
     scene.file_names.push_back(file == "-" ? "standard input" : name);
-    if (result.cloud.empty() && !may_be_empty) throw Error(ErrorCode::bad_input, file + ": there is no point in it");
+    if (result.cloud.empty() && !may_be_empty)
+      throw Error(ErrorCode::bad_input, file + ": there is no point in it");
     if (files[i].transform) transform(result.cloud, *files[i].transform);
     scene.files.push_back(std::move(result.report));
     if (files.size() == 1) {
@@ -64,8 +65,9 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     append(scene.cloud, result.cloud);
   }
   if (scene.cloud.empty())
-    throw Error(ErrorCode::bad_input,
-                files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
+    throw Error(
+        ErrorCode::bad_input,
+        files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
   if (options.up) scene.cloud.up = *options.up;
   return scene;
 }
@@ -106,11 +108,12 @@ Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options,
   const bool selects = options.selection.crop || options.selection.crop_share ||
                        !options.selection.show_classes.empty() || !options.selection.filters.empty();
   if (selects) read.max_points.reset();
-  return put_together(files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); }, false);
+  return put_together(
+      files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); }, false);
 }
 
-std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options, std::size_t points,
-                                 Progress& progress) {
+std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options,
+                                 std::size_t points, Progress& progress) {
   try {
     if (const auto leveled = LeveledScene::open(files, options, default_memory, true)) {
       std::uint64_t all = 0;

@@ -25,7 +25,8 @@ struct SceneOptions {
 
 /// What was read of files with levels.
 struct LevelsReport {
-  std::uint64_t points = 0, points_needed = 0, points_in_files = 0;  ///< needed: by the view, without a budget
+  std::uint64_t points = 0, points_needed = 0,
+                points_in_files = 0;  ///< needed: by the view, without a budget
   std::size_t nodes = 0, nodes_needed = 0, nodes_in_files = 0;
   double widest_px = 0;  ///< the widest spacing in pixels that the budget left; 0 when it left nothing out
   bool is_complete() const { return points == points_needed; }
@@ -37,9 +38,9 @@ struct Scene {
   std::uint64_t points_read = 0;     ///< in the files
   std::uint64_t points_missing = 0;  ///< of those, in parts that are damaged and left out
   SelectionReport selected;
-  std::vector<std::string> notes;       ///< of readers ("FILE: ..."), of putting together and of selecting
-  std::vector<std::string> damage;      ///< parts of files that could not be read and are left out, one line each
-  std::optional<LevelsReport> levels;  ///< of a scene that was read by its levels (scene/leveled_scene.h)
+  std::vector<std::string> notes;   ///< of readers ("FILE: ..."), of putting together and of selecting
+  std::vector<std::string> damage;  ///< parts of files that could not be read and are left out, one line each
+  std::optional<LevelsReport> levels;   ///< of a scene that was read by its levels (scene/leveled_scene.h)
   std::vector<std::string> file_names;  ///< without folders; of several files the scalar `file` counts from 1
 };
 
@@ -54,15 +55,16 @@ Scene read_scene(const std::vector<SceneFile>& files, const SceneOptions& option
 Scene read_scene(const std::vector<std::string>& files, const SceneOptions& options,
                  Progress& progress = no_progress());
 
-/// Its two halves, for whoever selects again from what was read: first all points of the files (`max_points` of them where
-/// nothing is selected), then `narrow`, which keeps those that are wanted.
-Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress = no_progress());
+/// Its two halves, for whoever selects again from what was read: first all points of the files (`max_points`
+/// of them where nothing is selected), then `narrow`, which keeps those that are wanted.
+Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options,
+               Progress& progress = no_progress());
 void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options);
-/// About `points` of the points of large files, from everywhere in them, without reading the files: COPC by its coarsest
-/// levels, others by `io::read_excerpt`; files that cannot be cut so are left out. Nothing when that leaves none, and
-/// nothing that is wrong with a file is said: reading it does.
-std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options, std::size_t points,
-                                 Progress& progress = no_progress());
+/// About `points` of the points of large files, from everywhere in them, without reading the files: COPC by
+/// its coarsest levels, others by `io::read_excerpt`; files that cannot be cut so are left out. Nothing when
+/// that leaves none, and nothing that is wrong with a file is said: reading it does.
+std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options,
+                                 std::size_t points, Progress& progress = no_progress());
 /// Files that stand where their points say.
 std::vector<SceneFile> files_of(const std::vector<std::string>& names);
 

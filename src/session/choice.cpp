@@ -30,9 +30,9 @@ void Choice::settle(const TechniqueChoice& found) {
   const auto has_all = [&](ChosenTechnique& one, std::string* lacks) {
     for (const auto& [name, value] : given) {
       if (one.parameters.find(name) || prepare_parameters.find(name)) continue;
-      const bool of_another = std::any_of(techniques.begin(), techniques.end(), [&, name = name](const auto& other) {
-        return other->candidate && other->parameters.find(name);
-      });
+      const bool of_another = std::any_of(
+          techniques.begin(), techniques.end(),
+          [&, name = name](const auto& other) { return other->candidate && other->parameters.find(name); });
       if (of_another) return *lacks = name, false;
     }
     return true;
@@ -51,7 +51,8 @@ void Choice::settle(const TechniqueChoice& found) {
         reason = "has --" + with_dashes(lacks) + ", which " + found.technique + " has not";
       }
     if (!best)
-      throw Error(ErrorCode::usage, "no technique has all the parameters given: choose with -t (sfumato techniques)");
+      throw Error(ErrorCode::usage,
+                  "no technique has all the parameters given: choose with -t (sfumato techniques)");
     if (best->candidate) {
       best->candidate = false;
       best->reason = reason;
@@ -71,9 +72,11 @@ void Choice::reopen() {
   for (auto& one : techniques) one->candidate = one->of_auto;
   const std::vector<TechniqueInfo>& all = all_techniques();
   const auto rank = [&](const ChosenTechnique& one) {
-    return std::pair(one.place, std::find_if(all.begin(), all.end(), [&](const auto& info) { return info.name == one.name; }));
+    return std::pair(one.place, std::find_if(all.begin(), all.end(),
+                                             [&](const auto& info) { return info.name == one.name; }));
   };
-  std::sort(techniques.begin(), techniques.end(), [&](const auto& a, const auto& b) { return rank(*a) < rank(*b); });
+  std::sort(techniques.begin(), techniques.end(),
+            [&](const auto& a, const auto& b) { return rank(*a) < rank(*b); });
 }
 
 std::vector<const Look*> Choice::looks() const {

@@ -15,22 +15,23 @@ namespace sfumato {
 /// A technique that is asked for.
 struct ChosenTechnique : Look {
   using Look::Look;
-  std::size_t place = 0;   ///< in the list of names
-  bool candidate = false;  ///< of `auto`: one of several with the same place, until `settle`
-  bool of_auto = false;    ///< before and after it
-  std::string reason;      ///< why `auto` chose it
+  std::size_t place = 0;                    ///< in the list of names
+  bool candidate = false;                   ///< of `auto`: one of several with the same place, until `settle`
+  bool of_auto = false;                     ///< before and after it
+  std::string reason;                       ///< why `auto` chose it
   float surface_share = 1, line_share = 0;  ///< what it saw
 };
 
 struct Choice {
-  std::vector<std::unique_ptr<ChosenTechnique>> techniques;  ///< of `auto`, every candidate until `settle`
-  std::vector<std::unique_ptr<ChosenTechnique>> passed_over; ///< by `settle`
-  std::size_t count = 0;                                     ///< of techniques that will be drawn
-  std::vector<std::pair<std::string, std::string>> given;    ///< names and values, which `auto` must have
+  std::vector<std::unique_ptr<ChosenTechnique>> techniques;   ///< of `auto`, every candidate until `settle`
+  std::vector<std::unique_ptr<ChosenTechnique>> passed_over;  ///< by `settle`
+  std::size_t count = 0;                                      ///< of techniques that will be drawn
+  std::vector<std::pair<std::string, std::string>> given;     ///< names and values, which `auto` must have
   analysis::PrepareOptions prepare;
   ParamList prepare_parameters;
 
-  /// `names`: A,B,C, where `auto` stands for what suits the scan. Throws Error(usage) naming the nearest technique.
+  /// `names`: A,B,C, where `auto` stands for what suits the scan. Throws Error(usage) naming the nearest
+  /// technique.
   explicit Choice(const std::string& names);
   Choice(const Choice&) = delete;
   Choice& operator=(const Choice&) = delete;
@@ -46,8 +47,8 @@ struct Choice {
 
 inline constexpr const char* automatic_technique = "auto";
 inline std::string default_technique() { return automatic_technique; }
-/// "points, splats": the techniques that have a parameter, with underscores or dashes, maybe qualified by a technique. Empty
-/// when none has.
+/// "points, splats": the techniques that have a parameter, with underscores or dashes, maybe qualified by a
+/// technique. Empty when none has.
 std::string techniques_with(const std::string& parameter);
 
 }  // namespace sfumato

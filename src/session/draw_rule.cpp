@@ -11,9 +11,10 @@ DrawRule DrawRule::parse(std::string_view text) {
   rule.text = std::string(text);
   const std::size_t colon = text.find(':');
   const auto refuse = [&](const std::string& why) {
-    throw Error(ErrorCode::usage, "--draw: '" + rule.text + "': " + why +
-                                      "; write \"SELECTION: TECHNIQUE [name=value ...]\", such as \"classification 3-5: soft "
-                                      "opacity=0.2\"");
+    throw Error(ErrorCode::usage,
+                "--draw: '" + rule.text + "': " + why +
+                    "; write \"SELECTION: TECHNIQUE [name=value ...]\", such as \"classification 3-5: soft "
+                    "opacity=0.2\"");
   };
   if (colon == std::string_view::npos) refuse("there is no colon between selection and technique");
   rule.selector = Selector::parse(text.substr(0, colon));
@@ -36,12 +37,13 @@ DrawRule DrawRule::parse(std::string_view text) {
     rule.parameters.emplace_back(words[i].substr(0, equals), words[i].substr(equals + 1));
   }
   // Who selects points for haze has said which ones are soft: all of them, and none more than others.
-  const bool says_which = std::any_of(rule.parameters.begin(), rule.parameters.end(), [](const auto& parameter) {
-    return parameter.first.starts_with("field");
-  });
+  const bool says_which =
+      std::any_of(rule.parameters.begin(), rule.parameters.end(),
+                  [](const auto& parameter) { return parameter.first.starts_with("field"); });
   if (rule.technique == "soft" && !says_which)
-    rule.parameters.insert(rule.parameters.begin(),
-                           {{"field", "distance"}, {"field_threshold", "-1"}, {"modulation_threshold", "-1"}});
+    rule.parameters.insert(
+        rule.parameters.begin(),
+        {{"field", "distance"}, {"field_threshold", "-1"}, {"modulation_threshold", "-1"}});
   Look look(rule.technique);
   for (const auto& [name, value] : rule.parameters) look.set(name, value);
   return rule;

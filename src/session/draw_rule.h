@@ -13,14 +13,14 @@ namespace sfumato {
 struct DrawRule {
   std::string text;
   Selector selector;
-  std::string technique;  ///< or `none`
+  std::string technique;                                        ///< or `none`
   std::vector<std::pair<std::string, std::string>> parameters;  ///< as Look::set takes them
 
   static constexpr const char* none = "none";
 
-  /// "SELECTION: TECHNIQUE [name=value ...]", or "SELECTION: none", which leaves the points out. With `soft`, all selected
-  /// points are soft unless a field says which. Throws Error(usage) for what is no selection (core/selector.h), technique
-  /// or parameter of it.
+  /// "SELECTION: TECHNIQUE [name=value ...]", or "SELECTION: none", which leaves the points out. With `soft`,
+  /// all selected points are soft unless a field says which. Throws Error(usage) for what is no selection
+  /// (core/selector.h), technique or parameter of it.
   static DrawRule parse(std::string_view text);
   bool draws_nothing() const { return technique == none; }
   /// A look by this rule in the light of `base`; not of one that draws nothing.

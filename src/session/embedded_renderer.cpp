@@ -45,9 +45,10 @@ struct Answer {
 struct EmbeddedRenderer::State {
   std::mutex mutex;
   std::condition_variable work, answered;
-  std::optional<CloudToShow> cloud;          ///< to be set next
-  std::optional<Request> waiting, asked;     ///< to be drawn next; the last one
-  std::uint64_t serial = 0, answered_serial = 0;  ///< of the last request, and of the last that was answered or failed
+  std::optional<CloudToShow> cloud;       ///< to be set next
+  std::optional<Request> waiting, asked;  ///< to be drawn next; the last one
+  std::uint64_t serial = 0,
+                answered_serial = 0;  ///< of the last request, and of the last that was answered or failed
   std::shared_ptr<const Answer> answer;
   std::exception_ptr failure;
   Flag call_off_picture, call_off_cloud;
@@ -65,11 +66,14 @@ void EmbeddedRenderer::State::show(HeadlessRenderer& renderer, CloudToShow next)
   renderer.set_cloud(std::move(next.cloud), next.coloring, call_off_cloud);
 }
 
-void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const Request& request, std::uint64_t number) {
+void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const Request& request,
+                                    std::uint64_t number) {
   const HostView& v = request.view;
-  Pictures pictures = renderer.render(request.technique, camera_of_matrices(v.view, v.projection, v.width, v.height),
-                                      request.parameters, std::nullopt, call_off_picture);
-  auto made = std::make_shared<Answer>(Answer{number, v, std::move(pictures.color), std::move(pictures.depth)});
+  Pictures pictures =
+      renderer.render(request.technique, camera_of_matrices(v.view, v.projection, v.width, v.height),
+                      request.parameters, std::nullopt, call_off_picture);
+  auto made =
+      std::make_shared<Answer>(Answer{number, v, std::move(pictures.color), std::move(pictures.depth)});
   const std::lock_guard lock(mutex);
   answer = std::move(made);
 }
@@ -135,7 +139,8 @@ void EmbeddedRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
   state_->work.notify_all();
 }
 
-void EmbeddedRenderer::request(const std::string& technique, const HostView& view, const Parameters& parameters) {
+void EmbeddedRenderer::request(const std::string& technique, const HostView& view,
+                               const Parameters& parameters) {
   camera_of_matrices(view.view, view.projection, view.width, view.height);
   Request next{technique, view, parameters};
   {
@@ -166,7 +171,8 @@ bool EmbeddedRenderer::draw(std::uint32_t framebuffer, const std::array<int, 4>&
   }
   gl::HostCanvas::require_context();
   if (!answer) return false;
-  state_->canvas.draw(answer->color, answer->depth, answer->serial, answer->view.projection, framebuffer, viewport);
+  state_->canvas.draw(answer->color, answer->depth, answer->serial, answer->view.projection, framebuffer,
+                      viewport);
   return true;
 }
 

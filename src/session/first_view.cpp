@@ -53,8 +53,8 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
     eye.z = std::max({0.5 * (right + left) / tan_x, 0.5 * (top + bottom) / tan_y, 0.95 * target_z});
   }
   if (!camera.orthographic()) {
-    // Where one direction decides the distance, the margins of the other are made equal on the screen, not in the scene:
-    // what is near moves more.
+    // Where one direction decides the distance, the margins of the other are made equal on the screen, not in
+    // the scene: what is near moves more.
     for (int axis : {0, 1}) {
       double low = eye[axis] - (axis == 0 ? tan_x : tan_y) * std::abs(target_z), high = 2 * eye[axis] - low;
       for (int step = 0; step < 24; ++step) {
@@ -75,8 +75,12 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
 
 NamedView find_view(std::string_view wanted, const std::string& who) {
   // The front is what azimuth 0 shows; iso sees three sides of a cube at equal angles (atan(1 / sqrt 2)).
-  static constexpr NamedView views[] = {{"front", 0, 0},  {"back", 180, 0},    {"left", -90, 0},
-                                        {"right", 90, 0}, {"top", 0, 90},      {"bottom", 0, -90},
+  static constexpr NamedView views[] = {{"front", 0, 0},
+                                        {"back", 180, 0},
+                                        {"left", -90, 0},
+                                        {"right", 90, 0},
+                                        {"top", 0, 90},
+                                        {"bottom", 0, -90},
                                         {"iso", -45, 35.26438968275465}};
   std::vector<std::string> names;
   std::string all;
@@ -175,8 +179,8 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
 
 namespace {
 
-/// The share of the columns along up over `box` with points in them that holds half of all points: 0.3 to 0.45 of tiles
-/// and forests, 0.08 and more where walls stand, 0.04 around a scanner.
+/// The share of the columns along up over `box` with points in them that holds half of all points: 0.3 to
+/// 0.45 of tiles and forests, 0.08 and more where walls stand, 0.04 around a scanner.
 double crowding(const PointCloud& cloud, const Bounds& box, std::size_t stride) {
   constexpr int cells = 64;
   const dvec3 size = glm::max(box.size(), dvec3(1e-300));
@@ -195,9 +199,9 @@ double crowding(const PointCloud& cloud, const Bounds& box, std::size_t stride) 
   return occupied > 0 ? double(crowded) / double(occupied) : 1;
 }
 
-/// The distance from the middle, across up, within which 85 % of the points lie, where they thin out as around a scanner
-/// that stands on a street: half of them within 0.48 of that (a square tile has 0.73, a strip 0.59) and in few places. Else
-/// 0.
+/// The distance from the middle, across up, within which 85 % of the points lie, where they thin out as
+/// around a scanner that stands on a street: half of them within 0.48 of that (a square tile has 0.73, a
+/// strip 0.59) and in few places. Else 0.
 double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middle, std::size_t stride) {
   const dvec3 up = up_vector(cloud.up);
   std::vector<double> distances;
@@ -214,12 +218,14 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
   return half < 0.48 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
 }
 
-/// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where fewer than
-/// `few_strays` of the points lie beyond a gap that nothing else has. `inner` is the box of nearly all points.
+/// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where
+/// fewer than `few_strays` of the points lie beyond a gap that nothing else has. `inner` is the box of nearly
+/// all points.
 Bounds without_strays(const PointCloud& cloud, const Bounds& inner, Bounds box) {
   constexpr double wide_gap = 0.1, few_strays = 0.003;
   const double gap = wide_gap * inner.diagonal();
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000), sampled = cloud.size() / stride;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000),
+                    sampled = cloud.size() / stride;
   std::vector<double> beyond;  // how far outside of `inner`, of a sample
   for (int k = 0; k < 3; ++k)
     for (const bool above : {false, true}) {

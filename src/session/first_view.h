@@ -13,7 +13,8 @@
 
 namespace sfumato {
 
-/// The frame that azimuth and elevation are measured in, as in core/camera.cpp: azimuth 0 looks from the front. Radians.
+/// The frame that azimuth and elevation are measured in, as in core/camera.cpp: azimuth 0 looks from the
+/// front. Radians.
 struct Compass {
   dvec3 up, front, right;
   explicit Compass(UpAxis axis);
@@ -36,8 +37,9 @@ struct Subject {
 /// site nor the tip of a wedge is cut. Where points thin out around the middle, the nearer 85 % of them.
 Subject subject_of(const PointCloud& cloud);
 
-/// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points with a margin
-/// of 8 %, in which the discs of the outermost have room. Points in one place have no extent to fit: the camera stays.
+/// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points
+/// with a margin of 8 %, in which the discs of the outermost have room. Points in one place have no extent to
+/// fit: the camera stays.
 void fit(Camera& camera, const std::vector<dvec3>& points);
 /// Likewise the points of a subject that are drawn for who looks from this side.
 void fit(Camera& camera, const Subject& subject);
@@ -50,8 +52,8 @@ struct NamedView {
 /// front, back, left, right, top, bottom or iso. Throws Error(usage) that names `who` asked and the nearest.
 NamedView find_view(std::string_view name, const std::string& who);
 
-/// Turns the camera about its target to where azimuth and elevation (radians) say; what is not given stays. Straight up and
-/// down it gets an up of its own; elsewhere it keeps its up, or stands `upright`.
+/// Turns the camera about its target to where azimuth and elevation (radians) say; what is not given stays.
+/// Straight up and down it gets an up of its own; elsewhere it keeps its up, or stands `upright`.
 void look_from(Camera& camera, UpAxis axis, std::optional<double> azimuth, std::optional<double> elevation,
                bool upright = false);
 /// Shows things `factor` times as large, from the same place.

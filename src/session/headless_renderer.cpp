@@ -24,7 +24,8 @@ PresetLook read_preset(const std::string& file, const std::string& technique) {
 struct HeadlessRenderer::State {
   std::unique_ptr<gl::Context> context = gl::Context::create_headless();
   Session session{*context};
-  std::unique_ptr<Look> look;  ///< of the last picture: another one of the same technique needs nothing made anew
+  std::unique_ptr<Look>
+      look;  ///< of the last picture: another one of the same technique needs nothing made anew
   std::optional<TechniqueChoice> choice;  ///< what suits the points, once somebody asked
   std::vector<std::string> notes;         ///< of reading
   RenderWants wants{.color_linear = true, .depth = true, .normal = true};
@@ -40,19 +41,22 @@ struct HeadlessRenderer::State {
   std::string settle(const std::string& name);
 };
 
-void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress) {
+void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionOptions& options,
+                                   Progress& progress) {
   forget_look();  // what it holds of the last cloud is of no use for this one
   choice.reset();
   notes = scene.notes;
   for (const std::string& part : scene.damage) notes.push_back(part + "; it is left out");
-  session.set_scene(std::move(scene), std::move(pose), options, [](const Session::Suggest&) { return Attributes(); },
-                    progress);
+  session.set_scene(
+      std::move(scene), std::move(pose), options, [](const Session::Suggest&) { return Attributes(); },
+      progress);
   notes.insert(notes.end(), session.notes().begin(), session.notes().end());
 }
 
 std::string HeadlessRenderer::State::settle(const std::string& name) {
   if (name != automatic_technique) return name;
-  if (!choice) choice = choose_technique(session.prepared(), analysis::NeighborTree(session.cloud().positions));
+  if (!choice)
+    choice = choose_technique(session.prepared(), analysis::NeighborTree(session.cloud().positions));
   return choice->technique;
 }
 
@@ -92,9 +96,11 @@ void HeadlessRenderer::set_outputs(const Outputs& outputs) {
   state_->wants.normal = outputs.normal;
 }
 
-Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camera, const Parameters& parameters,
-                                  std::optional<vec3> background, Progress& progress) {
-  if (state_->session.empty()) throw Error(ErrorCode::usage, "nothing to render: call open or set_cloud first");
+Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camera,
+                                  const Parameters& parameters, std::optional<vec3> background,
+                                  Progress& progress) {
+  if (state_->session.empty())
+    throw Error(ErrorCode::usage, "nothing to render: call open or set_cloud first");
   const std::string name = state_->settle(wanted);
   std::unique_ptr<Look>& look = state_->look;
   if (look && look->name != name) state_->forget_look();
@@ -105,9 +111,11 @@ Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camer
   state_->session.set_background(background.value_or(vec3(1)));
   RenderOutput out = state_->session.render(*look, camera, state_->wants, progress);
 
-  Pictures pictures{std::move(out.rgba8), std::move(out.color_linear), std::move(out.depth), std::move(out.normal), name};
+  Pictures pictures{std::move(out.rgba8), std::move(out.color_linear), std::move(out.depth),
+                    std::move(out.normal), name};
   if (wanted == automatic_technique) pictures.reason = state_->choice->reason;
-  for (const Param& param : look->parameters.all()) pictures.parameters.emplace_back(param.name, param.resolved());
+  for (const Param& param : look->parameters.all())
+    pictures.parameters.emplace_back(param.name, param.resolved());
   pictures.notes = state_->notes;
   const std::vector<std::string>& of_colors = state_->session.coloring().notes;
   pictures.notes.insert(pictures.notes.end(), of_colors.begin(), of_colors.end());

@@ -18,8 +18,8 @@ void Look::set(std::string_view parameter, std::string_view value) {
     std::vector<std::string> names;
     for (const Param& each : parameters.all()) names.push_back(each.name);
     const std::string near = nearest_word(parameter, names);
-    throw Error(ErrorCode::usage, "the technique " + name + " has no parameter '" + std::string(parameter) + "'" +
-                                      (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    throw Error(ErrorCode::usage, "the technique " + name + " has no parameter '" + std::string(parameter) +
+                                      "'" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
   }
   param->set(value);
 }

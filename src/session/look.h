@@ -18,13 +18,13 @@ struct Look {
   Look(const Look&) = delete;
   Look& operator=(const Look&) = delete;
 
-  /// Sets a parameter by name (underscores or dashes) and value as on the command line. Throws Error(usage) naming the
-  /// nearest parameter, or what values are allowed.
+  /// Sets a parameter by name (underscores or dashes) and value as on the command line. Throws Error(usage)
+  /// naming the nearest parameter, or what values are allowed.
   void set(std::string_view parameter, std::string_view value);
   /// Every parameter at its default.
   void reset();
-  /// Values of `other` for every parameter that both have; `shared_only`: for those that all techniques share, so that
-  /// another technique is seen in the same light.
+  /// Values of `other` for every parameter that both have; `shared_only`: for those that all techniques
+  /// share, so that another technique is seen in the same light.
   void take_over(const Look& other, bool shared_only = false);
   /// Those that are not at their defaults, as `set` takes them.
   std::vector<std::pair<std::string, std::string>> changed() const;

@@ -29,10 +29,9 @@ std::string spell(const Json& value) {
 /// alone.
 bool is_look(const std::string& option) {
   static const std::set<std::string> others = {
-      "technique", "preset", "camera",  "path",    "frames", "degrees", "sequence",
-      "timings",   "json",   "quiet",   "version", "help",   "strict",  "memory",
-      "config",    "each",   "verbose", "threads", "crop",   "look-at", "panorama", "scene",
-      "transform", "shader-dir"};
+      "technique", "preset",  "camera",  "path",    "frames",   "degrees", "sequence",  "timings",
+      "json",      "quiet",   "version", "help",    "strict",   "memory",  "config",    "each",
+      "verbose",   "threads", "crop",    "look-at", "panorama", "scene",   "transform", "shader-dir"};
   const std::string name = with_dashes(option);
   const bool is_word =
       !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
@@ -45,7 +44,8 @@ scene::SceneFile scene_file(const Json& json, const std::filesystem::path& prese
     throw Error(ErrorCode::bad_input, preset.string() + ": files: " + what);
   };
   const Json& name = json.is_object() && json.contains("file") ? json["file"] : json;
-  if (!name.is_string()) refuse("each is a name, or {\"file\": name, \"transform\": [16 numbers, row by row]}");
+  if (!name.is_string())
+    refuse("each is a name, or {\"file\": name, \"transform\": [16 numbers, row by row]}");
   scene::SceneFile file;
   // A relative name is meant where the scene stands.
   file.name = (preset.parent_path() / name.get<std::string>()).lexically_normal().string();
@@ -53,12 +53,12 @@ scene::SceneFile scene_file(const Json& json, const std::filesystem::path& prese
   for (const auto& [key, value] : json.items()) {
     if (key == "file") continue;
     if (key != "transform") refuse("'" + key + "' is neither file nor transform");
-    const bool fits = value.is_array() && value.size() == 16 &&
-                      std::all_of(value.begin(), value.end(), [](const Json& each) { return each.is_number(); });
+    const bool fits =
+        value.is_array() && value.size() == 16 &&
+        std::all_of(value.begin(), value.end(), [](const Json& each) { return each.is_number(); });
     if (!fits) refuse("transform: 16 numbers, row by row, are wanted");
     file.transform = transform_of_rows(value.get<std::vector<double>>());
-    if (!file.transform)
-      refuse("transform: the last row of a transform is 0 0 0 1, and it flattens nothing");
+    if (!file.transform) refuse("transform: the last row of a transform is 0 0 0 1, and it flattens nothing");
   }
   return file;
 }
@@ -160,8 +160,8 @@ Preset load_config() {
   return fs::exists(file, error) ? load_preset(file) : Preset{};
 }
 
-void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks, const ParamList& analysis,
-                 const NamesAndValues& given, const std::optional<Camera>& camera,
+void save_preset(const std::filesystem::path& file, std::span<const Look* const> looks,
+                 const ParamList& analysis, const NamesAndValues& given, const std::optional<Camera>& camera,
                  const std::vector<scene::SceneFile>& files, bool automatic) {
   Json json;
   json["sfumato"] = version();
@@ -188,11 +188,10 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
   const Look& first = *looks.front();
   for (std::size_t k = first.own_count; k < first.parameters.all().size(); ++k) {
     const Param& param = first.parameters.all()[k];
-    const bool agreed =
-        std::all_of(looks.begin(), looks.end(), [&](const Look* chosen) {
-          const Param* theirs = chosen->parameters.find(param.name);
-          return theirs && theirs->get() == param.get();
-        });
+    const bool agreed = std::all_of(looks.begin(), looks.end(), [&](const Look* chosen) {
+      const Param* theirs = chosen->parameters.find(param.name);
+      return theirs && theirs->get() == param.get();
+    });
     if (agreed) add(json["parameters"], param);
   }
   for (const Param& param : analysis.all()) add(json["parameters"], param);
@@ -206,8 +205,7 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
   for (const auto& [name, value] : given) {
     bool is_parameter = name.find('.') != std::string::npos;  // saved above
     for (const Look* chosen : looks) is_parameter |= chosen->parameters.find(name) != nullptr;
-    for (const Param& param : analysis.all())
-      is_parameter |= with_dashes(param.name) == name;
+    for (const Param& param : analysis.all()) is_parameter |= with_dashes(param.name) == name;
     const bool is_kept = is_look(name) || (name == "crop" && !files.empty());
     if (!is_kept || is_parameter || (!files.empty() && is_view(name))) continue;
     Json& kept = json["options"];

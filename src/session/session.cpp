@@ -14,7 +14,8 @@
 
 namespace sfumato {
 
-Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked, bool cutaway) {
+Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked,
+                   bool cutaway) {
   analysis::Upright upright;
   if (asked)
     upright = {*asked, "--up"};
@@ -33,8 +34,8 @@ Pose stand_upright(scene::Scene& scene, const std::string& file, const std::opti
 }
 
 Camera first_view(const Pose& pose, int width, int height) {
-  Camera camera = frame(pose.subject.box, pose.upright.up, width, height, glm::radians(pose.upright.azimuth_deg),
-                        glm::radians(pose.upright.elevation_deg));
+  Camera camera = frame(pose.subject.box, pose.upright.up, width, height,
+                        glm::radians(pose.upright.azimuth_deg), glm::radians(pose.upright.elevation_deg));
   fit(camera, pose.subject);
   return camera;
 }
@@ -55,7 +56,8 @@ std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::ui
   if (counts.back() > 0) parts_.push_back({}), members.push_back({std::uint32_t(rules.size())});
   for (std::uint32_t r = 0; r < rules.size(); ++r) {
     if (counts[r] == 0) {
-      notes_.push_back("--draw \"" + rules[r].text + "\" draws no point: none is selected, or earlier rules draw them");
+      notes_.push_back("--draw \"" + rules[r].text +
+                       "\" draws no point: none is selected, or earlier rules draw them");
       continue;
     }
     if (rules[r].draws_nothing()) continue;
@@ -134,8 +136,8 @@ std::uint64_t Session::source(std::size_t part, std::size_t i) const {
   return of_part.empty() ? in_part : of_part[in_part];
 }
 
-void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
-                        Progress& progress) {
+void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options,
+                        const ChooseNeeds& needs, Progress& progress) {
   // What is refused is refused before anything of the last scene is gone.
   std::vector<std::uint32_t> matches;
   if (!options.draw.empty()) matches = first_matches(options.draw, scene.cloud);
@@ -162,7 +164,8 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
       return needs([&] { return choose_technique(sorted, tree); }) | shown;
     };
     const std::size_t given = clouds[k].size();
-    prepared.push_back({analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress), {}});
+    prepared.push_back(
+        {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress), {}});
     left_out_ += given - prepared.back().cloud.cloud.size();
     spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
   }
@@ -201,7 +204,8 @@ void Session::complete(const Look& look, Progress& progress) {
 }
 
 bool Session::complete(Attributes attributes, Progress& progress) {
-  if (is_empty_ || parts_.front().rule || attributes.without(renderer_.prepared().available).empty()) return false;
+  if (is_empty_ || parts_.front().rule || attributes.without(renderer_.prepared().available).empty())
+    return false;
   analysis::complete(renderer_.prepared(), attributes, options_.prepare, progress);
   return true;
 }
@@ -254,8 +258,8 @@ RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants
 
 RenderOutput Session::render_panorama(Look& look, const Camera& camera, const RenderWants& wants,
                                       Progress& progress) {
-  RenderOutput out = sfumato::render_panorama(renderer_, settle(look, progress), camera, up_vector(pose_.upright.up),
-                                              look.settings, wants, progress);
+  RenderOutput out = sfumato::render_panorama(renderer_, settle(look, progress), camera,
+                                              up_vector(pose_.upright.up), look.settings, wants, progress);
   name_notes(out, look);
   return out;
 }

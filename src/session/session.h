@@ -1,5 +1,5 @@
-// From a scene that was read to pictures of it: which way is up, the first view, analysis, colours and what is automatic,
-// the same for every front end, so that the same wishes give the same bytes everywhere.
+// From a scene that was read to pictures of it: which way is up, the first view, analysis, colours and what
+// is automatic, the same for every front end, so that the same wishes give the same bytes everywhere.
 #pragma once
 
 #include <functional>
@@ -23,17 +23,20 @@ struct SessionOptions {
   analysis::PrepareOptions prepare;
   ColorSettings color;
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
-  std::vector<DrawRule> draw = {};  ///< the first that selects a point draws it; the others are drawn as the caller says
+  std::vector<DrawRule> draw =
+      {};  ///< the first that selects a point draws it; the others are drawn as the caller says
 };
 
-/// How a scene presents itself: which way is up, from which side to look first, and what the first view shows.
+/// How a scene presents itself: which way is up, from which side to look first, and what the first view
+/// shows.
 struct Pose {
   analysis::Upright upright;
   Subject subject;
 };
 
-/// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says. `file` is the first
-/// of the scene, empty for points from elsewhere. `cutaway`: rooms are seen without the walls before them.
+/// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
+/// `file` is the first of the scene, empty for points from elsewhere. `cutaway`: rooms are seen without the
+/// walls before them.
 Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked = {},
                    bool cutaway = true);
 /// The view from the side that suits the scan, which shows all but stray points.
@@ -48,8 +51,8 @@ class Session {
   using Suggest = std::function<TechniqueChoice()>;
   /// Called when the points lie sorted: says which attributes the techniques need that will be drawn.
   using ChooseNeeds = std::function<Attributes(const Suggest&)>;
-  /// Sorts and measures the points of a scene and colours them. Throws Error(usage) for a colour source that they do not
-  /// have and Cancelled when `progress` asks for it.
+  /// Sorts and measures the points of a scene and colours them. Throws Error(usage) for a colour source that
+  /// they do not have and Cancelled when `progress` asks for it.
   void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
                  Progress& progress = no_progress());
   /// Other colours for the same points. A background that contrasts with them is found anew.
@@ -57,33 +60,39 @@ class Session {
   void set_background(const std::optional<vec3>& background);
 
   Camera first_view(int width, int height) const { return sfumato::first_view(pose_, width, height); }
-  /// Draws until the picture is final: points that no rule selects with `look`, the others by their rules in its light. What
-  /// a technique needs and its points lack is computed and kept. What is automatic is settled in `look.settings`.
-  RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {}, Progress& progress = no_progress());
-  /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who calls pictures
-  /// off more often than this takes.
+  /// Draws until the picture is final: points that no rule selects with `look`, the others by their rules in
+  /// its light. What a technique needs and its points lack is computed and kept. What is automatic is settled
+  /// in `look.settings`.
+  RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {},
+                      Progress& progress = no_progress());
+  /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who
+  /// calls pictures off more often than this takes.
   void complete(const Look& look, Progress& progress = no_progress());
-  /// Programs are compiled anew from now on: files of shaders changed. Looks of the caller's are the caller's.
+  /// Programs are compiled anew from now on: files of shaders changed. Looks of the caller's are the
+  /// caller's.
   void forget_programs();
-  /// The same for attributes that nobody has asked for yet, of the points that no rule draws. False: they are all there.
+  /// The same for attributes that nobody has asked for yet, of the points that no rule draws. False: they are
+  /// all there.
   bool complete(Attributes attributes, Progress& progress);
   /// Everything around the camera's position (techniques/panorama.h).
   RenderOutput render_panorama(Look& look, const Camera& camera, const RenderWants& wants = {},
                                Progress& progress = no_progress());
 
-  /// Points that are drawn alike: first those of no rule, when there are any, then those of each group of rules.
+  /// Points that are drawn alike: first those of no rule, when there are any, then those of each group of
+  /// rules.
   struct Part {
-    std::vector<std::string> rules;   ///< as they were written; none: the points of no rule
-    const DrawRule* rule = nullptr;   ///< the first of them
-    std::unique_ptr<Look> look;       ///< by the rule
+    std::vector<std::string> rules;  ///< as they were written; none: the points of no rule
+    const DrawRule* rule = nullptr;  ///< the first of them
+    std::unique_ptr<Look> look;      ///< by the rule
     std::size_t points = 0;
-    std::vector<std::uint32_t> source_index;  ///< of rules: the place in the scene of each of the part's points
+    std::vector<std::uint32_t>
+        source_index;  ///< of rules: the place in the scene of each of the part's points
   };
   const std::vector<Part>& parts() const { return parts_; }
   const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }
-  const PointCloud& cloud(std::size_t part = 0) const { return prepared(part).cloud; }   ///< in prepared order
-  std::size_t prepared_points() const;   ///< of all parts
-  std::uint64_t point_bytes() const;     ///< of their positions and attributes in memory
+  const PointCloud& cloud(std::size_t part = 0) const { return prepared(part).cloud; }  ///< in prepared order
+  std::size_t prepared_points() const;                                                  ///< of all parts
+  std::uint64_t point_bytes() const;  ///< of their positions and attributes in memory
   /// The place in the scene's files of a point of `cloud(part)`.
   std::uint64_t source(std::size_t part, std::size_t i) const;
   const std::vector<Rgba8>& colors(std::size_t part = 0) const { return renderer_.colors(part); }
@@ -91,10 +100,10 @@ class Session {
   Bounds box() const { return box_; }
   /// Lines on what the rules selected.
   const std::vector<std::string>& notes() const { return notes_; }
-  const Coloring& coloring() const { return coloring_; }         ///< without `colors`
+  const Coloring& coloring() const { return coloring_; }  ///< without `colors`
   const Pose& pose() const { return pose_; }
   vec3 background() const { return background_; }
-  std::size_t left_out() const { return left_out_; }   ///< points beyond those that one place holds
+  std::size_t left_out() const { return left_out_; }  ///< points beyond those that one place holds
   bool empty() const { return is_empty_; }
 
  private:

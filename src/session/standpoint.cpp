@@ -7,7 +7,8 @@
 namespace sfumato {
 namespace {
 
-/// Height over the side of a square of the same ground: below the first all lies flat, above the second it stands.
+/// Height over the side of a square of the same ground: below the first all lies flat, above the second it
+/// stands.
 constexpr double lies = 0.35, stands = 0.8;
 constexpr double elevation_lying = 32, elevation_standing = 14, elevation_amid = 50, elevation_room = 55;
 /// By how much another side must fill more of the picture than the custom one.
@@ -24,16 +25,19 @@ double height_over_width(const Bounds& box, UpAxis up) {
 
 /// The share of the picture's cells that hold a point.
 double filled(const Subject& subject, UpAxis up, const Standpoint& from) {
-  Camera camera = frame(subject.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg), glm::radians(from.elevation_deg));
-  const std::vector<glm::dvec4> walls = subject.room ? walls_before(*subject.room, camera) : std::vector<glm::dvec4>();
+  Camera camera = frame(subject.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg),
+                        glm::radians(from.elevation_deg));
+  const std::vector<glm::dvec4> walls =
+      subject.room ? walls_before(*subject.room, camera) : std::vector<glm::dvec4>();
   fit(camera, subject);
   const dmat4 to_eye = camera.view();
   const double tan_y = std::tan(0.5 * camera.fov_y), tan_x = tan_y * camera.width / camera.height;
-  std::bitset<std::size_t(columns* rows)> cells;
+  std::bitset<std::size_t(columns * rows)> cells;
   for (const dvec3& world : subject.points) {
     if (is_behind(walls, world)) continue;
     const dvec3 p(to_eye * glm::dvec4(world, 1));
-    const int x = int((p.x / (-p.z * tan_x) + 1) * 0.5 * columns), y = int((p.y / (-p.z * tan_y) + 1) * 0.5 * rows);
+    const int x = int((p.x / (-p.z * tan_x) + 1) * 0.5 * columns),
+              y = int((p.y / (-p.z * tan_y) + 1) * 0.5 * rows);
     if (p.z < 0 && x >= 0 && y >= 0 && x < columns && y < rows) cells.set(std::size_t(y * columns + x));
   }
   return double(cells.count()) / (columns * rows);
@@ -43,7 +47,8 @@ double filled(const Subject& subject, UpAxis up, const Standpoint& from) {
 Standpoint into_room(const Subject& subject, UpAxis up) {
   const Compass compass(up);
   double first = -30;
-  if (subject.room->outside.size() > 1) first += glm::degrees(compass.azimuth(dvec3(subject.room->outside[1])));
+  if (subject.room->outside.size() > 1)
+    first += glm::degrees(compass.azimuth(dvec3(subject.room->outside[1])));
   Standpoint best{first, elevation_room};
   double most = -1;
   for (int side = 0; side < 4; ++side)

@@ -10,8 +10,8 @@ struct Standpoint {
   double azimuth_deg = -30, elevation_deg = 30;
 };
 
-/// What stands is seen almost at eye level, a little from the left of its front, as one looks at a statue; what lies, from
-/// above. Land has no front: it is seen from where it fills most of a picture of 16 to 9.
+/// What stands is seen almost at eye level, a little from the left of its front, as one looks at a statue;
+/// what lies, from above. Land has no front: it is seen from where it fills most of a picture of 16 to 9.
 Standpoint standpoint_for(const Subject& subject, UpAxis up);
 
 /// A place inside of a scan to look around from: where a scanner stood, else the middle. World.

@@ -9,24 +9,27 @@
 
 namespace sfumato {
 
-/// Angles in degrees, places and directions in world coordinates. What is given wins over what `start` or the first view has.
+/// Angles in degrees, places and directions in world coordinates. What is given wins over what `start` or the
+/// first view has.
 struct ViewWishes {
   std::optional<Camera> start;  ///< instead of the view that shows the scan
   std::optional<double> azimuth, elevation;
-  std::optional<double> fov;       ///< full vertical angle, from where 45 degrees show everything: a smaller one zooms in
+  std::optional<double>
+      fov;  ///< full vertical angle, from where 45 degrees show everything: a smaller one zooms in
   std::optional<double> distance;  ///< from the place looked at
   std::optional<dvec3> position, direction, view_up;
   std::optional<dvec3> focal_point;  ///< looked at from where the camera stands
-  std::optional<dvec3> look_at;      ///< looked at from the same side and distance; with `position`, from there
+  std::optional<dvec3> look_at;  ///< looked at from the same side and distance; with `position`, from there
   double zoom = 1, roll = 0;
   bool orthographic = false;
   bool upright = false;  ///< azimuth and elevation are a named view, whose picture stands upright
-  std::optional<std::pair<int, int>> size;       ///< px
-  std::pair<int, int> first_size{1280, 720};     ///< of the view that shows the scan, where no size is given
+  std::optional<std::pair<int, int>> size;    ///< px
+  std::pair<int, int> first_size{1280, 720};  ///< of the view that shows the scan, where no size is given
 };
 
-/// Throws Error(usage) where the camera would stand in the place that it looks at. A `start` with intrinsics of its own takes no
-/// size, fov or parallel projection: who asks refuses them first, by the names that they have there.
+/// Throws Error(usage) where the camera would stand in the place that it looks at. A `start` with intrinsics
+/// of its own takes no size, fov or parallel projection: who asks refuses them first, by the names that they
+/// have there.
 Camera view_of(const Pose& pose, const ViewWishes& wishes);
 
 }  // namespace sfumato

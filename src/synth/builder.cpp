@@ -17,9 +17,7 @@ void Builder::place(dvec3 origin, double yaw) {
   sin_ = exact ? std::round(std::sin(yaw)) : std::sin(yaw);
 }
 
-dvec3 Builder::turn(dvec3 v) const {
-  return {cos_ * v.x - sin_ * v.y, sin_ * v.x + cos_ * v.y, v.z};
-}
+dvec3 Builder::turn(dvec3 v) const { return {cos_ * v.x - sin_ * v.y, sin_ * v.x + cos_ * v.y, v.z}; }
 
 Primitive& Builder::add(Primitive p, Finish finish) {
   p.center = to_world(p.center);

@@ -13,9 +13,7 @@ double hash(std::int64_t x, std::int64_t y, std::int64_t z = 0) {
   return double(mix_bits(key + 0x27D4EB2Full) >> 11) * 0x1p-53;
 }
 
-double smooth(double t) {
-  return t * t * (3 - 2 * t);
-}
+double smooth(double t) { return t * t * (3 - 2 * t); }
 
 /// Value noise in [-1, 1], about one feature a unit.
 double noise(dvec3 p) {
@@ -31,13 +29,9 @@ double noise(dvec3 p) {
 }
 
 /// Three octaves, in about [-1, 1].
-double cloudy(dvec3 p) {
-  return 0.55 * noise(p) + 0.3 * noise(2.03 * p + 7.1) + 0.15 * noise(4.1 * p + 3.7);
-}
+double cloudy(dvec3 p) { return 0.55 * noise(p) + 0.3 * noise(2.03 * p + 7.1) + 0.15 * noise(4.1 * p + 3.7); }
 
-vec3 mix(vec3 a, vec3 b, double t) {
-  return glm::mix(a, b, float(std::clamp(t, 0.0, 1.0)));
-}
+vec3 mix(vec3 a, vec3 b, double t) { return glm::mix(a, b, float(std::clamp(t, 0.0, 1.0))); }
 
 /// 0 in the joint (of half width `joint`), 1 on the piece; u and v are positions inside the piece in scene
 /// units.
@@ -86,9 +80,7 @@ vec3 albedo(const Material& m, const SurfacePoint& s, std::uint32_t primitive) {
   const double mottling = cloudy(3.0 * p / std::max(m.size, 1e-6) * 0.35);
   vec3 color = m.color;
   switch (m.pattern) {
-    case Pattern::plain:
-      color *= float(1 + m.contrast * mottling);
-      break;
+    case Pattern::plain: color *= float(1 + m.contrast * mottling); break;
     case Pattern::checker: {
       const dvec3 cell = glm::floor((p + 1e-7) / m.size);
       const bool odd = std::int64_t(cell.x + cell.y + cell.z) & 1;
@@ -158,9 +150,7 @@ vec3 albedo(const Material& m, const SurfacePoint& s, std::uint32_t primitive) {
   return glm::clamp(color, vec3(0.003f), vec3(0.97f));
 }
 
-double luminance(vec3 c) {
-  return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
-}
+double luminance(vec3 c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
 Rgba8 to_srgb(vec3 linear, std::uint8_t alpha) {
   const auto encode = [](float v) {

@@ -10,9 +10,7 @@
 namespace sfumato::synth {
 namespace {
 
-bool analytic(const Scene& scene) {
-  return !scene.primitives.empty();
-}
+bool analytic(const Scene& scene) { return !scene.primitives.empty(); }
 
 }  // namespace
 

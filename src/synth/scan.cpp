@@ -121,10 +121,8 @@ std::optional<double> measure(const SampleOptions& options, double z, double amp
   const double level = options.noise_level;
   if (options.sigma > 0) z += options.sigma * random.gaussian();
   switch (options.noise) {
-    case NoiseModel::none:
-      return z;
-    case NoiseModel::poisson:
-      return z + level * z * z / 1000 * random.gaussian();  // notes D.2, z in metres
+    case NoiseModel::none: return z;
+    case NoiseModel::poisson: return z + level * z * z / 1000 * random.gaussian();  // notes D.2, z in metres
     case NoiseModel::tof:
       // Phase noise grows as the amplitude falls (Lange, Seitz 2001): 0.5 mm at amplitude 1, a white wall at
       // 1 m.

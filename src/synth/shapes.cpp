@@ -10,9 +10,7 @@ bool within_angle(double x, double y, double limit) {
   return limit >= M_PI || std::abs(std::atan2(y, x)) <= limit;
 }
 
-double half_width(const Primitive& p, double y) {
-  return p.a + (p.c - p.a) * (y + p.b) / (2 * p.b);
-}
+double half_width(const Primitive& p, double y) { return p.a + (p.c - p.a) * (y + p.b) / (2 * p.b); }
 
 bool on_quad(const Primitive& p, dvec2 q) {
   if (std::abs(q.y) > p.b || std::abs(q.x) > half_width(p, q.y)) return false;
@@ -81,9 +79,7 @@ void torus_crossings(const Primitive& p, dvec3 o, dvec3 d, Roots& roots) {
   }
 }
 
-double quad_frame_area(const Primitive& p) {
-  return 2 * p.b * (p.a + p.c);
-}
+double quad_frame_area(const Primitive& p) { return 2 * p.b * (p.a + p.c); }
 
 }  // namespace
 
@@ -105,18 +101,10 @@ Roots crossings(const Primitive& p, const Ray& ray) {
   const dvec3 o = p.to_local(ray.origin - p.center), d = p.to_local(ray.direction);
   switch (p.shape) {
     case Shape::quad:
-    case Shape::disc:
-      flat_crossing(p, o, d, roots);
-      break;
-    case Shape::sphere:
-      sphere_crossings(p, o, d, roots);
-      break;
-    case Shape::torus:
-      torus_crossings(p, o, d, roots);
-      break;
-    case Shape::cone:
-      cone_crossings(p, o, d, roots);
-      break;
+    case Shape::disc: flat_crossing(p, o, d, roots); break;
+    case Shape::sphere: sphere_crossings(p, o, d, roots); break;
+    case Shape::torus: torus_crossings(p, o, d, roots); break;
+    case Shape::cone: cone_crossings(p, o, d, roots); break;
   }
   return roots;
 }
@@ -128,14 +116,10 @@ double area(const Primitive& p) {
       for (const Opening& opening : p.openings) sum -= opening.area();
       return sum;
     }
-    case Shape::disc:
-      return M_PI * (p.a * p.a - p.b * p.b);
-    case Shape::sphere:
-      return 2 * M_PI * p.a * p.a * (p.c - p.b);
-    case Shape::torus:
-      return 4 * M_PI * p.a * p.b * p.c;
-    case Shape::cone:
-      return p.d * (p.a + p.b) * std::hypot(p.c, p.b - p.a);
+    case Shape::disc: return M_PI * (p.a * p.a - p.b * p.b);
+    case Shape::sphere: return 2 * M_PI * p.a * p.a * (p.c - p.b);
+    case Shape::torus: return 4 * M_PI * p.a * p.b * p.c;
+    case Shape::cone: return p.d * (p.a + p.b) * std::hypot(p.c, p.b - p.a);
   }
   return 0;
 }
@@ -220,18 +204,10 @@ Bounds bounds(const Primitive& p) {
   // Half extents of the solid's box in its own frame, then the box of that box.
   dvec3 lo(-p.a), hi(p.a);
   switch (p.shape) {
-    case Shape::quad:
-      hi = dvec3(std::max(p.a, p.c), p.b, 0), lo = -hi;
-      break;
-    case Shape::disc:
-      lo.z = hi.z = 0;
-      break;
-    case Shape::sphere:
-      lo.z = p.a * p.b, hi.z = p.a * p.c;
-      break;
-    case Shape::torus:
-      hi = dvec3(p.a + p.b, p.a + p.b, p.b), lo = -hi;
-      break;
+    case Shape::quad: hi = dvec3(std::max(p.a, p.c), p.b, 0), lo = -hi; break;
+    case Shape::disc: lo.z = hi.z = 0; break;
+    case Shape::sphere: lo.z = p.a * p.b, hi.z = p.a * p.c; break;
+    case Shape::torus: hi = dvec3(p.a + p.b, p.a + p.b, p.b), lo = -hi; break;
     case Shape::cone: {
       const double widest = std::max(p.a, p.b);
       lo = dvec3(-widest, -widest, 0), hi = dvec3(widest, widest, p.c);

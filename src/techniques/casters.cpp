@@ -24,8 +24,8 @@ void set_casters(GpuCloud& cloud, const std::vector<float>& opacity, std::string
       spacing = std::max(spacing, analysis::measure_spacing({&all, 1}, tree));
     }
   }
-  const bool is_solid =
-      std::all_of(opacity.begin(), opacity.end(), [](float each) { return each >= ShadowMaps::solid_opacity; });
+  const bool is_solid = std::all_of(opacity.begin(), opacity.end(),
+                                    [](float each) { return each >= ShadowMaps::solid_opacity; });
   cloud.set_casters(is_solid ? std::span<const float>() : std::span(opacity), spacing, std::move(key));
 }
 

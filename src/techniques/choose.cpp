@@ -9,20 +9,22 @@
 namespace sfumato {
 namespace {
 
-/// Fewer points than this have too few neighbours each for normals that mean something, and discs that meet would be
-/// 50 pixels wide in a picture that they fill.
+/// Fewer points than this have too few neighbours each for normals that mean something, and discs that meet
+/// would be 50 pixels wide in a picture that they fill.
 constexpr std::size_t few = 2000;
 /// From here on a scan is made of lines, between which nothing is known: discs would be beads on them.
 /// 0.65 to 0.9 of sweeps of 16 to 64 rings and of vertices on the rims of a mesh, 0 to 0.11 of all others.
 constexpr float lined = 0.35f;
 /// From here on clutter makes the picture.
 constexpr float cluttered = 0.5f;
-/// From here on hardly anything else is there: lit discs show leaves, and dots with outlines the crowns that they form. So
-/// they do where clutter is sparse: discs of 100,000 points or fewer, which fill the picture, invent walls.
+/// From here on hardly anything else is there: lit discs show leaves, and dots with outlines the crowns that
+/// they form. So they do where clutter is sparse: discs of 100,000 points or fewer, which fill the picture,
+/// invent walls.
 constexpr float only_clutter = 0.35f;
 constexpr std::size_t sparse = 100'000;
-/// The spacing that a tenth of the scan exceeds over that which nine tenths do: 1 to 2.3 of objects, rooms and tiles, 3 and
-/// more around a scanner in the open. Of a few points those far off would be discs as large as what they show.
+/// The spacing that a tenth of the scan exceeds over that which nine tenths do: 1 to 2.3 of objects, rooms
+/// and tiles, 3 and more around a scanner in the open. Of a few points those far off would be discs as large
+/// as what they show.
 constexpr float thinning = 2.7f;
 constexpr std::size_t few_of_thinning = 10'000;
 
@@ -53,14 +55,19 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
     return TechniqueChoice{technique, std::move(reason), survey.surface_share, survey.line_share};
   };
   if (survey.line_share >= lined)
-    return choice("points", "lines of a scanner or mesh: " + percent(survey.line_share) + " of the points lie on one");
+    return choice("points",
+                  "lines of a scanner or mesh: " + percent(survey.line_share) + " of the points lie on one");
   if (survey.surface_share < cluttered)
-    return choice(survey.surface_share < only_clutter || points < sparse ? "points" : "splats", "vegetation or other clutter: " + percent(1 - survey.surface_share) + " of the points lie on no surface");
+    return choice(survey.surface_share < only_clutter || points < sparse ? "points" : "splats",
+                  "vegetation or other clutter: " + percent(1 - survey.surface_share) +
+                      " of the points lie on no surface");
   const float spread = spacing_spread(prepared);
   if (points < few_of_thinning && spread > thinning)
-    return choice("points", "only " + std::to_string(points) + " points, " + std::to_string(int(spread)) + " times as far apart in some places as in others");
+    return choice("points", "only " + std::to_string(points) + " points, " + std::to_string(int(spread)) +
+                                " times as far apart in some places as in others");
   if (!prepared.views.grids.empty())
-    return choice("splats", "a camera's depth picture: " + percent(survey.surface_share) + " of the points lie on surfaces");
+    return choice("splats", "a camera's depth picture: " + percent(survey.surface_share) +
+                                " of the points lie on surfaces");
   return choice("splats", "surfaces: " + percent(survey.surface_share) + " of the points lie on one");
 }
 

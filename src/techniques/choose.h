@@ -10,7 +10,7 @@ namespace sfumato {
 
 struct TechniqueChoice {
   std::string technique;
-  std::string reason;  ///< one line: kind of scan, and the number that says so
+  std::string reason;                       ///< one line: kind of scan, and the number that says so
   float surface_share = 1, line_share = 0;  ///< analysis::Survey, from 0 to 1
 };
 

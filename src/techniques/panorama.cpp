@@ -67,8 +67,9 @@ vec4 sample(const Image<T>& image, const glm::dvec2& place, Get&& get) {
 
 }  // namespace
 
-RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, const Camera& camera, const dvec3& up,
-                             const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
+RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, const Camera& camera,
+                             const dvec3& up, const RenderSettings& settings, const RenderWants& wants,
+                             Progress& progress) {
   const int width = camera.width, height = camera.height;
   if (width != 2 * height)
     throw Error(ErrorCode::usage, "a panorama is twice as wide as high, not " + std::to_string(width) + "x" +

@@ -10,8 +10,8 @@ namespace sfumato {
 /// with `up`. Six square views with overlap are rendered and sampled, colours between pixels, the rest at the
 /// nearest one. Depth is the distance from the place. The key light of shadows is that of the view along the
 /// middle.
-RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, const Camera& camera, const dvec3& up,
-                             const RenderSettings& settings, const RenderWants& wants = {},
+RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, const Camera& camera,
+                             const dvec3& up, const RenderSettings& settings, const RenderWants& wants = {},
                              Progress& progress = no_progress());
 
 }  // namespace sfumato

@@ -32,12 +32,13 @@ double van_der_corput(unsigned i) {
   return value;
 }
 
-/// The camera seen through another place of its pixels: one in each row and column of a grid over the pixel (for four
-/// samples the rotated grid), their mean the centre where `samples` is a power of two.
+/// The camera seen through another place of its pixels: one in each row and column of a grid over the pixel
+/// (for four samples the rotated grid), their mean the centre where `samples` is a power of two.
 Camera jittered(const Camera& camera, int sample, int samples) {
   const double x = (sample + 0.5) / samples - 0.5;
   const double inverse = van_der_corput(unsigned(sample));
-  const double y = (inverse < 0.5 ? inverse : inverse - 1) + 0.5 / samples;  // half a turn: no two on a diagonal
+  const double y =
+      (inverse < 0.5 ? inverse : inverse - 1) + 0.5 / samples;  // half a turn: no two on a diagonal
   Camera out = camera;
   Intrinsics inside = camera.intrinsics();
   inside.cx += x;
@@ -46,8 +47,8 @@ Camera jittered(const Camera& camera, int sample, int samples) {
   return out;
 }
 
-/// What depth is resolved for: everything within a hundred diagonals of most points, so that one stray point a billion
-/// times farther out costs nobody else.
+/// What depth is resolved for: everything within a hundred diagonals of most points, so that one stray point
+/// a billion times farther out costs nobody else.
 Bounds depth_bounds(const PointCloud& cloud) {
   const Bounds all = bounds(cloud), most = robust_bounds(cloud);
   const double reach = 100 * most.diagonal();
@@ -88,7 +89,8 @@ struct Renderer::State {
   /// One picture through pixel centres (of a camera that may be jittered) into `target`.
   void draw(Shot& shot, const Camera& camera);
   /// One item into `into`; `behind`: what it lets through.
-  void draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light, Target& into, const Target* behind);
+  void draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light, Target& into,
+                 const Target* behind);
   /// Adds the target's colour, a share of the whole.
   void average(int sample, int samples, gl::Timers& timers);
 };
@@ -147,9 +149,10 @@ Ground Renderer::State::ground_below_all() const {
   return ground_below(sample);
 }
 
-void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light, Target& into,
-                                const Target* behind) {
-  Frame frame{*cloud_of(item).gpu, camera, *item.settings, light, into, shot.wants_normal, shot.timers, shot.progress};
+void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light,
+                                Target& into, const Target* behind) {
+  Frame frame{*cloud_of(item).gpu, camera,      *item.settings, light, into,
+              shot.wants_normal,   shot.timers, shot.progress};
   frame.behind = behind;
   if (shot.may_finish) frame.finished = &rgba8;
   while (!item.technique->render(frame)) shot.progress.check();
@@ -178,8 +181,8 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
       ground_plane = ground_below_all();
       gl::ensure(ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
     }
-    shadows.update(all, settings, light, shot.timers, shot.progress, on_ground ? &view : nullptr, ground_plane,
-                   on_ground ? &ground_factor : nullptr);
+    shadows.update(all, settings, light, shot.timers, shot.progress, on_ground ? &view : nullptr,
+                   ground_plane, on_ground ? &ground_factor : nullptr);
   } else {
     shadows.clear(all);
   }
@@ -238,7 +241,8 @@ void Renderer::set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::ui
 void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_chunk_points) {
   for (const ColoredCloud& each : clouds)
     if (each.cloud.cloud.origin != clouds.front().cloud.cloud.origin)
-      throw Error(ErrorCode::usage, "the clouds of a scene have one origin: move them to that of the first (append does)");
+      throw Error(ErrorCode::usage,
+                  "the clouds of a scene have one origin: move them to that of the first (append does)");
   const gl::Context::Use use(state_->context);
   state_->clouds.clear();
   state_->room.reset();
@@ -267,9 +271,13 @@ void Renderer::set_colors(std::vector<Rgba8> colors, std::size_t cloud) {
 }
 
 std::size_t Renderer::cloud_count() const { return state_->clouds.size(); }
-const std::vector<Rgba8>& Renderer::colors(std::size_t cloud) const { return state_->clouds.at(cloud)->gpu->colors(); }
+const std::vector<Rgba8>& Renderer::colors(std::size_t cloud) const {
+  return state_->clouds.at(cloud)->gpu->colors();
+}
 PreparedCloud& Renderer::prepared(std::size_t cloud) { return state_->clouds.at(cloud)->prepared; }
-const PreparedCloud& Renderer::prepared(std::size_t cloud) const { return state_->clouds.at(cloud)->prepared; }
+const PreparedCloud& Renderer::prepared(std::size_t cloud) const {
+  return state_->clouds.at(cloud)->prepared;
+}
 
 RenderOutput Renderer::render(Technique& technique, const Camera& camera, const RenderSettings& settings,
                               const RenderWants& wants, Progress& progress) {
@@ -277,14 +285,15 @@ RenderOutput Renderer::render(Technique& technique, const Camera& camera, const 
   return render({&item, 1}, camera, settings, wants, progress);
 }
 
-RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked, const RenderSettings& settings,
-                              const RenderWants& wants, Progress& progress) {
+RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked,
+                              const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
   State& s = *state_;
   const gl::Context::Use use(s.context);
   for (const Item& item : items)
     if (!item.technique->shows(item.settings->shading))
-      throw Error(ErrorCode::usage, "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
-                                    "to denoise; use that technique, or another shading");
+      throw Error(ErrorCode::usage,
+                  "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
+                  "to denoise; use that technique, or another shading");
   const Camera camera = s.prepare(items, asked);
   if (!s.target.color || s.target.color.width() != camera.width || s.target.color.height() != camera.height)
     s.target = Target(camera.width, camera.height);
@@ -302,7 +311,11 @@ RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked, 
   if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
 
   // `auto` was resolved by those who ask for a finished picture: a frame in motion stays as it is.
-  Shot shot{{items.begin(), items.end()}, settings, timers, progress, with_edl,
+  Shot shot{{items.begin(), items.end()},
+            settings,
+            timers,
+            progress,
+            with_edl,
             settings.smooth_outlines.value() && !plain};
   std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();

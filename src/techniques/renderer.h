@@ -25,23 +25,23 @@ struct RenderWants {
   bool color = true;          ///< rgba8: finished 8-bit picture
   bool color_linear = false;  ///< float picture, for EXR and NPY
   bool depth = false, normal = false;
-  bool timings = false;       ///< measure passes (costs a finish per pass on software GL)
+  bool timings = false;  ///< measure passes (costs a finish per pass on software GL)
 };
 
 struct RenderOutput {
-  Image<Rgba8> rgba8;         ///< sRGB, straight alpha
-  Image<vec4> color_linear;   ///< linear premultiplied; alpha is coverage when transparent, else 1
-  Image<float> depth;         ///< eye depth, +inf where nothing
-  Image<vec3> normal;         ///< world, facing the camera, 0 where none
+  Image<Rgba8> rgba8;        ///< sRGB, straight alpha
+  Image<vec4> color_linear;  ///< linear premultiplied; alpha is coverage when transparent, else 1
+  Image<float> depth;        ///< eye depth, +inf where nothing
+  Image<vec3> normal;        ///< world, facing the camera, 0 where none
   std::vector<PassTiming> timings;
-  double total_ms = 0;        ///< clear to finished picture on the GPU, before reading back
+  double total_ms = 0;             ///< clear to finished picture on the GPU, before reading back
   std::uint64_t points_drawn = 0;  ///< points of batches inside the view
   std::vector<std::string> notes;  ///< the technique's
 };
 
 /// One cloud of a scene, and how it is drawn. Each item has a technique of its own.
 struct Item {
-  std::size_t cloud = 0;                     ///< in the order of `Renderer::set_clouds`
+  std::size_t cloud = 0;  ///< in the order of `Renderer::set_clouds`
   Technique* technique = nullptr;
   const RenderSettings* settings = nullptr;  ///< shading and material; the rest is the scene's
 };
@@ -76,9 +76,9 @@ class Renderer {
   /// Renders until the technique says the image is final. The camera's near and far planes are fitted here.
   RenderOutput render(Technique& technique, const Camera& camera, const RenderSettings& settings,
                       const RenderWants& wants = {}, Progress& progress = no_progress());
-  /// Several clouds in one picture: opaque items meet by depth, see-through ones are blended over them. Light, shadows,
-  /// ground, eye-dome lighting, outlines, samples and background are those of `settings`; shadows fall from every item on
-  /// every other. An item without points draws nothing.
+  /// Several clouds in one picture: opaque items meet by depth, see-through ones are blended over them.
+  /// Light, shadows, ground, eye-dome lighting, outlines, samples and background are those of `settings`;
+  /// shadows fall from every item on every other. An item without points draws nothing.
   RenderOutput render(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
                       const RenderWants& wants = {}, Progress& progress = no_progress());
 

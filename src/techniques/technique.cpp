@@ -18,7 +18,8 @@ const TechniqueInfo& find_technique(std::string_view name) {
   }
   const std::string nearest = nearest_word(name, names);
   throw Error(ErrorCode::usage, "there is no technique '" + std::string(name) + "'" +
-                                    (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list + ")");
+                                    (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list +
+                                    ")");
 }
 
 }  // namespace sfumato

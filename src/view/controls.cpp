@@ -9,12 +9,14 @@ namespace sfumato::view {
 namespace {
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   return text;
 }
 
 bool matches(const Control& control, const std::string& search) {
-  const std::string all = lower(control.label + " " + control.name + " " + control.tooltip + " " + control.group);
+  const std::string all =
+      lower(control.label + " " + control.name + " " + control.tooltip + " " + control.group);
   std::istringstream words(lower(search));
   for (std::string word; words >> word;)
     if (all.find(word) == std::string::npos) return false;
@@ -24,8 +26,8 @@ bool matches(const Control& control, const std::string& search) {
 /// The shared parameters by what they do; what is new stands under "Picture" until it has a better place.
 std::string shared_group(const std::string& name) {
   if (name.starts_with("shadow") || name.starts_with("light_") || name == "ground") return "Shadows";
-  if (name == "light" || name == "ambient" || name == "diffuse" || name == "specular" || name == "shininess" ||
-      name == "shading")
+  if (name == "light" || name == "ambient" || name == "diffuse" || name == "specular" ||
+      name == "shininess" || name == "shading")
     return "Light";
   if (name.starts_with("edl")) return "Eye-dome lighting";
   return "Picture";
@@ -33,7 +35,8 @@ std::string shared_group(const std::string& name) {
 
 void set_range(Control& control, const Param& param) {
   double value = 0;
-  if (const std::vector<float> numbers = numbers_of(control.value); numbers.size() == 1) value = double(numbers[0]);
+  if (const std::vector<float> numbers = numbers_of(control.value); numbers.size() == 1)
+    value = double(numbers[0]);
   if (param.min) control.limit_low = *param.min;
   if (param.max) control.limit_high = *param.max;
   control.low = param.min ? *param.min : std::min(0.0, -4 * std::abs(value));
@@ -43,7 +46,8 @@ void set_range(Control& control, const Param& param) {
     usual = std::max(usual, std::abs(double(numbers[0])));
   control.high = param.max ? *param.max : std::max(control.low, 0.0) + 4 * (usual > 0 ? usual : 1);
   // Limits that guard against nonsense are no range to drag through.
-  if (param.max && usual > 0 && *param.max > 50 * usual && param.kind == ParamKind::real) control.high = 8 * usual;
+  if (param.max && usual > 0 && *param.max > 50 * usual && param.kind == ParamKind::real)
+    control.high = 8 * usual;
   control.high = std::max(control.high, value);
   control.logarithmic = param.kind == ParamKind::real && control.low > 0 && control.high / control.low > 100;
 }
@@ -63,8 +67,8 @@ Control control_of(const Param& param, const std::string& group) {
   control.value = control.is_auto ? param.resolved() : text;
   control.default_value = param.default_text;
   control.tooltip = param.help_text + (param.unit_text.empty() ? "" : " (" + param.unit_text + ")") +
-                    (param.paper_text.empty() ? "" : "\n[" + param.paper_text + "]") + "\n--" + with_dashes(param.name) +
-                    ", default " + param.default_text;
+                    (param.paper_text.empty() ? "" : "\n[" + param.paper_text + "]") + "\n--" +
+                    with_dashes(param.name) + ", default " + param.default_text;
   if (param.kind == ParamKind::integer || param.kind == ParamKind::real) set_range(control, param);
   return control;
 }
@@ -87,16 +91,20 @@ std::vector<Control> controls_of(const Look& look, const std::string& search) {
   }
   // Groups stay together.
   const std::vector<std::string> order{look.name, "Light", "Shadows", "Eye-dome lighting", "Picture"};
-  const auto place = [&](const Control& c) { return std::find(order.begin(), order.end(), c.group) - order.begin(); };
+  const auto place = [&](const Control& c) {
+    return std::find(order.begin(), order.end(), c.group) - order.begin();
+  };
   std::stable_sort(controls.begin(), controls.end(),
                    [&](const Control& a, const Control& b) { return place(a) < place(b); });
   return controls;
 }
 
-std::vector<Control> controls_of(const ParamList& parameters, const std::string& group, const std::string& search) {
+std::vector<Control> controls_of(const ParamList& parameters, const std::string& group,
+                                 const std::string& search) {
   std::vector<Control> controls;
   for (const Param& param : parameters.all())
-    if (Control control = control_of(param, group); matches(control, search)) controls.push_back(std::move(control));
+    if (Control control = control_of(param, group); matches(control, search))
+      controls.push_back(std::move(control));
   return controls;
 }
 

@@ -15,18 +15,20 @@ struct Control {
   std::string tooltip;  ///< help, unit, paper symbol, the option on a command line
   ParamKind kind = ParamKind::real;
   std::vector<std::string> choices;
-  double low = 0, high = 1;   ///< of the slider; what may be typed is `limit_low` to `limit_high`
+  double low = 0, high = 1;  ///< of the slider; what may be typed is `limit_low` to `limit_high`
   double limit_low = -1e30, limit_high = 1e30;
-  bool logarithmic = false;   ///< the slider spans more than two powers of ten
+  bool logarithmic = false;  ///< the slider spans more than two powers of ten
   bool can_be_auto = false, is_auto = false, is_changed = false;
-  std::string value;          ///< as text; what `auto` became where `is_auto` and it is known
+  std::string value;  ///< as text; what `auto` became where `is_auto` and it is known
   std::string default_value;
 };
 
-/// Those whose name, help or symbol contain every word of `search` (any, when it is empty), in the order of the list. The
-/// technique's own stand first, in its group; the others are of "Light", "Shadows", "Eye-dome lighting" and "Picture".
+/// Those whose name, help or symbol contain every word of `search` (any, when it is empty), in the order of
+/// the list. The technique's own stand first, in its group; the others are of "Light", "Shadows", "Eye-dome
+/// lighting" and "Picture".
 std::vector<Control> controls_of(const Look& look, const std::string& search = {});
-std::vector<Control> controls_of(const ParamList& parameters, const std::string& group, const std::string& search = {});
+std::vector<Control> controls_of(const ParamList& parameters, const std::string& group,
+                                 const std::string& search = {});
 
 /// A number as the shortest text that reads back the same.
 std::string number_text(double value);

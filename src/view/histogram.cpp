@@ -23,7 +23,8 @@ Histogram histogram_of(const PointCloud& cloud, const std::string& number, std::
   out.counts.resize(steps);
   const double per_unit = out.high > out.low ? double(steps) / (out.high - out.low) : 0;
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (const double v = value(i); std::isfinite(v)) ++out.counts[std::min(steps - 1, std::size_t((v - out.low) * per_unit))];
+    if (const double v = value(i); std::isfinite(v))
+      ++out.counts[std::min(steps - 1, std::size_t((v - out.low) * per_unit))];
   return out;
 }
 

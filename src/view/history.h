@@ -12,8 +12,8 @@ class History {
  public:
   explicit History(State first, std::size_t most = 200) : states_{std::move(first)}, most_(most) {}
 
-  /// `state` follows a change of the kind `what`. Changes of one kind within a second are one step: a slider that is
-  /// dragged is undone at once.
+  /// `state` follows a change of the kind `what`. Changes of one kind within a second are one step: a slider
+  /// that is dragged is undone at once.
   void record(const State& state, const std::string& what, double now_ms) {
     if (state == states_[at_]) return;
     const bool same = what == what_ && now_ms - when_ms_ < 1000 && at_ > 0 && at_ + 1 == states_.size();

@@ -26,7 +26,8 @@ void KeyFrames::move(std::size_t from, std::size_t to) {
 
 ViewCamera KeyFrames::at(double seconds) const {
   if (keys_.size() < 2) return keys_.front();
-  // `interpolate` takes a number of frames; the share of the way is one of so many that none is missed on a screen.
+  // `interpolate` takes a number of frames; the share of the way is one of so many that none is missed on a
+  // screen.
   constexpr int steps = 4096;
   const double share = std::clamp(seconds / duration_s(), 0.0, 1.0);
   const double place = share * double(keys_.size() - 1);
@@ -34,7 +35,8 @@ ViewCamera KeyFrames::at(double seconds) const {
   // Only the four keys around decide; the ends of the path are repeated, as `interpolate` does.
   std::vector<Camera> around;
   for (int i = -1; i <= 2; ++i) {
-    const std::ptrdiff_t j = std::clamp<std::ptrdiff_t>(std::ptrdiff_t(k) + i, 0, std::ptrdiff_t(keys_.size()) - 1);
+    const std::ptrdiff_t j =
+        std::clamp<std::ptrdiff_t>(std::ptrdiff_t(k) + i, 0, std::ptrdiff_t(keys_.size()) - 1);
     around.push_back(keys_[std::size_t(j)].to_camera(1280, 720));
   }
   const std::vector<Camera> fine = interpolate(around, 3 * steps + 1);

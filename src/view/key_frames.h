@@ -22,8 +22,8 @@ class KeyFrames {
 
   /// Seconds from the first key to the last.
   double duration_s() const { return keys_.size() < 2 ? 0 : double(keys_.size() - 1) * seconds_per_key; }
-  /// The camera at a time, clamped to the path: the one that `--path FILE --frames N` shows at that share of its frames.
-  /// Needs a key.
+  /// The camera at a time, clamped to the path: the one that `--path FILE --frames N` shows at that share of
+  /// its frames. Needs a key.
   ViewCamera at(double seconds) const;
   /// As `--path` reads it: {"cameras": [...]}.
   std::string json(int width, int height) const;

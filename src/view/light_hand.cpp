@@ -11,7 +11,8 @@ namespace {
 
 /// Rodrigues' formula.
 dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
-  return v * std::cos(angle) + glm::cross(axis, v) * std::sin(angle) + axis * glm::dot(axis, v) * (1 - std::cos(angle));
+  return v * std::cos(angle) + glm::cross(axis, v) * std::sin(angle) +
+         axis * glm::dot(axis, v) * (1 - std::cos(angle));
 }
 
 }  // namespace
@@ -19,13 +20,14 @@ dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 dvec3 towards_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows) {
   const Light parsed = Light::parse(light);
   if (parsed.kind == Light::Kind::directional) return parsed.vector;
-  if (parsed.kind == Light::Kind::headlight) return has_shadows ? key_light(camera, up).vector : -camera.direction();
+  if (parsed.kind == Light::Kind::headlight)
+    return has_shadows ? key_light(camera, up).vector : -camera.direction();
   const dvec3 way = parsed.vector - camera.target;
   return glm::length(way) > 0 ? glm::normalize(way) : -camera.direction();
 }
 
-std::string drag_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows, double dx_px, double dy_px,
-                       int height_px) {
+std::string drag_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows,
+                       double dx_px, double dy_px, int height_px) {
   const double angle_of_px = std::numbers::pi / height_px;
   const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up));
   const dvec3 above = glm::cross(right, camera.direction());

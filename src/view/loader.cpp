@@ -41,7 +41,8 @@ class Loader::Watch final : public Progress {
   void update(double fraction, std::string_view text) override {
     std::unique_lock lock(loader_.mutex_);
     loader_.activity_ = {fraction, std::string(text)};
-    if (const auto now = std::chrono::steady_clock::now(); now - last_wake_ > std::chrono::milliseconds(100)) {
+    if (const auto now = std::chrono::steady_clock::now();
+        now - last_wake_ > std::chrono::milliseconds(100)) {
       last_wake_ = now;
       loader_.wake_();
     }
@@ -57,7 +58,8 @@ class Loader::Watch final : public Progress {
   void more(double fraction) {
     const std::unique_lock alone(more_mutex_, std::try_to_lock);
     const auto now = std::chrono::steady_clock::now();
-    if (!alone || !on_more || fraction <= 0 || fraction > 0.9 || now - last_more_ < more_pause || cancelled()) return;
+    if (!alone || !on_more || fraction <= 0 || fraction > 0.9 || now - last_more_ < more_pause || cancelled())
+      return;
     on_more();
     last_more_ = std::chrono::steady_clock::now();
   }
@@ -114,7 +116,8 @@ Loaded Loader::sample_of(const LoadJob& job, scene::Scene scene) {
   out.is_sample = true;
   out.is_first = !sample_up_;
   // Later samples stand as the first does.
-  out.pose = stand_upright(scene, job.files.front().name, sample_up_ ? sample_up_ : job.options.up, job.cutaway);
+  out.pose =
+      stand_upright(scene, job.files.front().name, sample_up_ ? sample_up_ : job.options.up, job.cutaway);
   sample_up_ = out.pose.upright.up;
   scene.levels.reset();
   out = finish(std::move(scene), std::move(out));
@@ -190,7 +193,8 @@ Loaded Loader::read(const LoadJob& job, Watch& watch) {
   out.classes = classes_of(scene.cloud);
   out.box = bounds(scene.cloud);
   scene::narrow(scene, job.files, job.options);
-  out.pose = stand_upright(scene, job.files.empty() ? "" : job.files.front().name, job.options.up, job.cutaway);
+  out.pose =
+      stand_upright(scene, job.files.empty() ? "" : job.files.front().name, job.options.up, job.cutaway);
   watch.check();
   return finish(std::move(scene), std::move(out));
 }
@@ -207,10 +211,12 @@ Loaded Loader::finish(scene::Scene scene, Loaded out) {
   out.points_shown = scene.cloud.size();
   out.crs = scene.cloud.crs;
   for (const io::ReadReport& file : scene.files)
-    if (out.formats.find(file.format) == std::string::npos) out.formats += (out.formats.empty() ? "" : ", ") + file.format;
+    if (out.formats.find(file.format) == std::string::npos)
+      out.formats += (out.formats.empty() ? "" : ", ") + file.format;
   out.sample.file_names = scene.file_names;
   out.sample.cloud =
-      subsample(scene.cloud, out.is_sample ? most_sample : std::clamp(scene.cloud.size() / 10, least_sample, most_sample));
+      subsample(scene.cloud,
+                out.is_sample ? most_sample : std::clamp(scene.cloud.size() / 10, least_sample, most_sample));
   out.near = std::make_shared<const PointCloud>(out.sample.cloud);
   out.whole = std::move(scene);
   return out;
@@ -228,7 +234,9 @@ void Loader::run() {
     }
     Watch watch(*this);
     Loaded loaded;
-    const auto fail = [&](ErrorCode code, const std::string& what) { loaded.failure = Failure{job.id, code, what}; };
+    const auto fail = [&](ErrorCode code, const std::string& what) {
+      loaded.failure = Failure{job.id, code, what};
+    };
     try {
       loaded = read(job, watch);
     } catch (const Cancelled&) {

@@ -23,28 +23,28 @@ struct LoadJob {
   std::uint64_t id = 0;
   std::vector<scene::SceneFile> files;
   scene::SceneOptions options;
-  bool cutaway = true;  ///< rooms are seen without the walls before them
+  bool cutaway = true;                           ///< rooms are seen without the walls before them
   std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
-  bool anew = false;  ///< the files changed on the disk
-  bool sample_first = false;  ///< gives a sample of large files before they are read
+  bool anew = false;                             ///< the files changed on the disk
+  bool sample_first = false;                     ///< gives a sample of large files before they are read
 };
 
 /// What was read, ready to be shown.
 struct Loaded {
   std::uint64_t id = 0;
-  bool is_sample = false;                    ///< of files that are still being read: there is no `whole`
-  bool is_first = true;                      ///< of the samples
+  bool is_sample = false;  ///< of files that are still being read: there is no `whole`
+  bool is_first = true;    ///< of the samples
   scene::Scene whole;
-  scene::Scene sample;                       ///< of at most `sample_points` points
-  std::shared_ptr<const PointCloud> near;    ///< the sample's points once more, for what the hand touches
+  scene::Scene sample;                     ///< of at most `sample_points` points
+  std::shared_ptr<const PointCloud> near;  ///< the sample's points once more, for what the hand touches
   Pose pose;
-  std::vector<ClassShare> classes;           ///< also those that are hidden; empty without a classification
+  std::vector<ClassShare> classes;  ///< also those that are hidden; empty without a classification
   std::vector<std::string> scalars;
   std::vector<std::string> notes;
   std::uint64_t points_read = 0, points_shown = 0;
-  Bounds box;                                ///< of all points, also those that are left out
+  Bounds box;  ///< of all points, also those that are left out
   std::string crs, formats;
-  std::optional<Failure> failure;            ///< then nothing else holds
+  std::optional<Failure> failure;  ///< then nothing else holds
 };
 
 class Loader {
@@ -85,7 +85,7 @@ class Loader {
   std::atomic<bool> stop_{false}, cancel_{false};
   std::optional<scene::Scene> kept_;  ///< of the thread alone
   std::string kept_key_;
-  PointCloud first_sample_;                   ///< some of it, until the file is read
+  PointCloud first_sample_;  ///< some of it, until the file is read
   std::optional<UpAxis> sample_up_;
   std::unique_ptr<io::RecordTap> tap_;
   std::thread thread_;

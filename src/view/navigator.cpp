@@ -17,9 +17,11 @@ dvec3 turned(const dvec3& v, double angle, const dvec3& axis) {
 }  // namespace
 
 ViewCamera ViewCamera::from(const Camera& camera) {
-  ViewCamera out{camera.position, camera.target, camera.up, glm::degrees(camera.fov_y), camera.orthographic()};
+  ViewCamera out{camera.position, camera.target, camera.up, glm::degrees(camera.fov_y),
+                 camera.orthographic()};
   // 45 degrees in radians and back are not 45.
-  if (const double round = std::round(out.fov_deg * 1e6) / 1e6; glm::radians(round) == camera.fov_y) out.fov_deg = round;
+  if (const double round = std::round(out.fov_deg * 1e6) / 1e6; glm::radians(round) == camera.fov_y)
+    out.fov_deg = round;
   if (camera.custom_intrinsics && !out.orthographic)
     out.fov_deg = glm::degrees(2 * std::atan(0.5 * camera.height / camera.custom_intrinsics->fy));
   if (out.orthographic) {  // from where the angle shows as much
@@ -45,8 +47,7 @@ Ray ray_through(const Camera& camera, double x_px, double y_px) {
   const Intrinsics k = camera.intrinsics();
   const dvec3 eye((x_px - k.cx) / k.fx, -(y_px - k.cy) / k.fy, -1);
   const dmat4 to_world = camera.inverse_view();
-  if (camera.orthographic())
-    return {dvec3(to_world * glm::dvec4(eye.x, eye.y, 0, 1)), camera.direction()};
+  if (camera.orthographic()) return {dvec3(to_world * glm::dvec4(eye.x, eye.y, 0, 1)), camera.direction()};
   return {camera.position, glm::normalize(dvec3(to_world * glm::dvec4(eye, 0)))};
 }
 
@@ -104,7 +105,8 @@ void Navigator::zoom(double steps, const dvec3& place) {
 void Navigator::fly(const dvec3& way, double seconds, double fast) {
   const dmat4 to_world = camera_.to_camera(1, 1).inverse_view();
   const dvec3 right(to_world[0]), forward = camera_.direction();
-  const dvec3 shift = (way.x * right + way.y * up_vector(up_) + way.z * forward) * (0.25 * size_ * seconds * fast);
+  const dvec3 shift =
+      (way.x * right + way.y * up_vector(up_) + way.z * forward) * (0.25 * size_ * seconds * fast);
   camera_.position += shift;
   camera_.target += shift;
 }
@@ -125,7 +127,8 @@ void Navigator::show(NamedView side, int width_px, int height_px) {
     case NamedView::bottom: elevation = -0.5 * pi; break;
   }
   const Compass compass(up_);
-  Camera camera = sfumato::frame(subject_.box, up_, width_px, height_px, azimuth, elevation, glm::radians(camera_.fov_deg));
+  Camera camera = sfumato::frame(subject_.box, up_, width_px, height_px, azimuth, elevation,
+                                 glm::radians(camera_.fov_deg));
   camera.up = elevation == 0 ? compass.up : (elevation > 0 ? -1.0 : 1.0) * compass.from(azimuth, 0);
   if (!subject_.points.empty()) fit(camera, subject_);
   const bool parallel = camera_.orthographic;

@@ -1,5 +1,5 @@
-// The camera as a hand moves it: turned about a point of the scene, dragged, brought nearer to what is under the cursor,
-// flown. No window in it: pixels come in, cameras come out.
+// The camera as a hand moves it: turned about a point of the scene, dragged, brought nearer to what is under
+// the cursor, flown. No window in it: pixels come in, cameras come out.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace sfumato::view {
 
-/// A camera in the words of the command line, so that what is seen can be said there exactly: the height of a parallel
-/// view follows from distance and angle.
+/// A camera in the words of the command line, so that what is seen can be said there exactly: the height of a
+/// parallel view follows from distance and angle.
 struct ViewCamera {
   dvec3 position{0, -1, 0}, target{0}, up{0, 0, 1};
   double fov_deg = 45;
@@ -42,15 +42,17 @@ class Navigator {
   void set_camera(const ViewCamera& camera);
   const ViewCamera& camera() const { return camera_; }
 
-  /// Turns the camera by a drag of so many pixels about `pivot`, which stays where it is in the picture. The up axis stays
-  /// upright and the camera does not go over the poles. A drag over the height of the picture is half a turn.
+  /// Turns the camera by a drag of so many pixels about `pivot`, which stays where it is in the picture. The
+  /// up axis stays upright and the camera does not go over the poles. A drag over the height of the picture
+  /// is half a turn.
   void rotate(double dx_px, double dy_px, int height_px, const dvec3& pivot);
   /// What lies at the depth of `grabbed` follows the cursor.
   void pan(double dx_px, double dy_px, int height_px, const dvec3& grabbed);
-  /// Brings `place` nearer by `steps` notches of a wheel (away when negative); it stays where it is in the picture.
+  /// Brings `place` nearer by `steps` notches of a wheel (away when negative); it stays where it is in the
+  /// picture.
   void zoom(double steps, const dvec3& place);
-  /// Along the camera's own axes: right, up, forward in -1..1, for `seconds`; `fast` times the usual speed, which crosses
-  /// the scene in four seconds.
+  /// Along the camera's own axes: right, up, forward in -1..1, for `seconds`; `fast` times the usual speed,
+  /// which crosses the scene in four seconds.
   void fly(const dvec3& way, double seconds, double fast = 1);
   /// The place comes to the middle of the picture, seen from the same side and distance.
   void look_at(const dvec3& place);

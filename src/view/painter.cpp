@@ -73,13 +73,16 @@ struct Painter::Easel {
   std::vector<std::string> file_names;
 
   Look& look_of(const std::string& technique, const NamesAndValues& parameters) {
-    const auto found = std::find_if(looks.begin(), looks.end(), [&](const auto& each) { return each->name == technique; });
+    const auto found =
+        std::find_if(looks.begin(), looks.end(), [&](const auto& each) { return each->name == technique; });
     if (found == looks.end())
       looks.insert(looks.begin(), std::make_unique<Look>(technique));
     else
       std::rotate(looks.begin(), found, found + 1);
     // Of very large clouds the tables of several techniques would not fit beside each other.
-    if (const std::size_t most = session->prepared_points() > most_points_of_looks ? 1 : 3; looks.size() > most) looks.resize(most);
+    if (const std::size_t most = session->prepared_points() > most_points_of_looks ? 1 : 3;
+        looks.size() > most)
+      looks.resize(most);
     Look& look = *looks.front();
     look.reset();
     for (const auto& [name, value] : parameters) look.set(name, value);
@@ -213,7 +216,8 @@ Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
     session.set_background(job.background);
     easel.background = job.background;
   }
-  // What is measured once for all pictures is not called off with this one: a hand that moves on would never see its end.
+  // What is measured once for all pictures is not called off with this one: a hand that moves on would never
+  // see its end.
   Watch for_all(*this, Watch::Kind::scene);
   session.complete(look, for_all);
   watch.check();
@@ -257,15 +261,16 @@ PickAnswer Painter::do_pick(Easel& easel, const PickJob& job) {
   return found;
 }
 
-/// While nothing is asked for: measures what other techniques will want, so that the first switch to one does not wait for
-/// it. False when there is nothing to do.
+/// While nothing is asked for: measures what other techniques will want, so that the first switch to one does
+/// not wait for it. False when there is nothing to do.
 bool Painter::prepare_ahead(Easel& easel) {
   if (easel.session->prepared_points() > most_points_of_looks) return false;
   Watch watch(*this, Watch::Kind::idle);
   bool did = false;
   try {
     const Attributes of_most = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty;
-    did = easel.session->complete(of_most, watch) || easel.session->complete(of_most | Attribute::cluster, watch);
+    did = easel.session->complete(of_most, watch) ||
+          easel.session->complete(of_most | Attribute::cluster, watch);
   } catch (const Cancelled&) {
     did = true;  // another time
   } catch (const std::exception&) {

@@ -1,5 +1,5 @@
-// A thread that paints: a GL context without a window, a session on it, and finished pictures out of it. Whoever asks never
-// waits; what is newer calls off what is older.
+// A thread that paints: a GL context without a window, a session on it, and finished pictures out of it.
+// Whoever asks never waits; what is newer calls off what is older.
 #pragma once
 
 #include <atomic>
@@ -31,9 +31,9 @@ struct SceneJob {
   Pose pose;
   SessionOptions options;
   std::string color_key;
-  std::string technique;      ///< empty: `settle` chooses it
+  std::string technique;  ///< empty: `settle` chooses it
   std::function<NamesAndValues(const std::string&)> parameters_of;
-  Settle settle;              ///< may be empty: then nothing is chosen, and nothing analysed for it
+  Settle settle;  ///< may be empty: then nothing is chosen, and nothing analysed for it
 };
 
 struct PictureJob {
@@ -42,7 +42,7 @@ struct PictureJob {
   NamesAndValues parameters;
   Camera camera;
   ColorSettings color;
-  std::string color_key;      ///< colours are made anew when it differs from the last one's
+  std::string color_key;  ///< colours are made anew when it differs from the last one's
   std::optional<vec3> background;
   bool timings = false;
 };
@@ -65,21 +65,21 @@ struct Picture {
   Image<Rgba8> image;
   Camera camera;
   std::string technique;
-  NamesAndValues resolved;    ///< what automatic parameters became
+  NamesAndValues resolved;  ///< what automatic parameters became
   std::vector<std::string> notes;
   std::vector<PassTiming> timings;
-  double took_ms = 0;         ///< from taking the job to the picture in memory
-  double draw_ms = 0;         ///< of it, without what is measured once for all pictures
+  double took_ms = 0;  ///< from taking the job to the picture in memory
+  double draw_ms = 0;  ///< of it, without what is measured once for all pictures
   std::uint64_t points_drawn = 0;
-  Coloring coloring;          ///< without colours
+  Coloring coloring;  ///< without colours
   vec3 background{1};
 };
 
 struct SceneReady {
   std::uint64_t id = 0;
   std::size_t points = 0, left_out = 0;
-  TechniqueChoice choice;     ///< empty technique: none was chosen
-  std::vector<std::string> notes;         ///< on what rules selected
+  TechniqueChoice choice;          ///< empty technique: none was chosen
+  std::vector<std::string> notes;  ///< on what rules selected
   Coloring coloring;
 };
 
@@ -103,13 +103,13 @@ using Answer = std::variant<Picture, SceneReady, PickAnswer, Profile, CalledOff,
 /// What is going on, for a progress bar.
 struct Activity {
   double fraction = 0;
-  std::string text;           ///< empty: nothing
+  std::string text;  ///< empty: nothing
 };
 
 class Painter {
  public:
-  /// `wake` is called from the thread of the painter whenever there is an answer. `others` painters wait for each other
-  /// until all have their contexts: creating one is no work for two threads.
+  /// `wake` is called from the thread of the painter whenever there is an answer. `others` painters wait for
+  /// each other until all have their contexts: creating one is no work for two threads.
   struct Gate {
     explicit Gate(int painters) : missing(painters) {}
     std::mutex mutex;

@@ -24,8 +24,8 @@ std::string fixed(double value, int decimals) {
 
 }  // namespace
 
-std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px, double y_px,
-                                         double reach_px, double depth_share,
+std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px,
+                                         double y_px, double reach_px, double depth_share,
                                          const std::optional<Room>& room) {
   const dmat4 view = camera.view(cloud.origin);
   const Intrinsics k = camera.intrinsics();
@@ -44,14 +44,14 @@ std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& 
     near.push_back({depth, distance2, i});
   }
   if (near.empty()) return std::nullopt;
-  // The surface in front: the nearest depth near the cursor, and those the view's scale allows to be of the same surface.
+  // The surface in front: the nearest depth near the cursor, and those the view's scale allows to be of the
+  // same surface.
   for (const Candidate& each : near) front = std::min(front, each.depth);
   const double behind = depth_share * (parallel ? camera.height_world : front);
   const Candidate* best = nullptr;
   for (const Candidate& each : near)
-    if (each.depth <= front + behind &&
-        (!best || each.distance2 < best->distance2 ||
-         (each.distance2 == best->distance2 && each.depth < best->depth)))
+    if (each.depth <= front + behind && (!best || each.distance2 < best->distance2 ||
+                                         (each.distance2 == best->distance2 && each.depth < best->depth)))
       best = &each;
   return best->index;
 }
@@ -61,7 +61,9 @@ Picked describe(const PointCloud& cloud, std::size_t index, const std::vector<st
   out.index = index;
   out.source = cloud.source_index.empty() ? index : cloud.source_index[index];
   out.world = cloud.world(index);
-  const auto say = [&](const std::string& name, const std::string& value) { out.attributes.emplace_back(name, value); };
+  const auto say = [&](const std::string& name, const std::string& value) {
+    out.attributes.emplace_back(name, value);
+  };
   if (!cloud.colors.empty()) {
     const Rgba8 c = cloud.colors[index];
     say("rgb", std::to_string(c.r) + ", " + std::to_string(c.g) + ", " + std::to_string(c.b));
@@ -100,13 +102,15 @@ std::string coordinate_text(double value, double scene_size) {
 
 std::string unit_of(const std::string& crs) {
   std::string text = crs;
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   // The last unit of a WKT is that of its axes.
   const std::size_t unit = text.rfind("unit[\"");
   if (unit == std::string::npos) return "units";
   const std::string name = text.substr(unit + 6, text.find('"', unit + 6) - unit - 6);
   if (name == "metre" || name == "meter" || name == "m") return "m";
-  if (name.find("foot") != std::string::npos || name.find("feet") != std::string::npos || name == "ft") return "ft";
+  if (name.find("foot") != std::string::npos || name.find("feet") != std::string::npos || name == "ft")
+    return "ft";
   return "units";
 }
 

@@ -13,17 +13,17 @@
 
 namespace sfumato::view {
 
-/// The point whose projection is nearest to (x, y) among those in front: of all points within `reach_px`, those that lie
-/// behind the nearest by more than `depth_share` of its depth are hidden by it. Walls of `room` that are not drawn for this
-/// camera are not picked. Nothing when none is within reach.
-std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px, double y_px,
-                                         double reach_px = 12, double depth_share = 0.02,
+/// The point whose projection is nearest to (x, y) among those in front: of all points within `reach_px`,
+/// those that lie behind the nearest by more than `depth_share` of its depth are hidden by it. Walls of
+/// `room` that are not drawn for this camera are not picked. Nothing when none is within reach.
+std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px,
+                                         double y_px, double reach_px = 12, double depth_share = 0.02,
                                          const std::optional<Room>& room = {});
 
 /// A picked point with all that it holds.
 struct Picked {
-  std::size_t index = 0;    ///< place in its cloud in memory
-  std::uint64_t source = 0; ///< place in the scene's files, from 0
+  std::size_t index = 0;     ///< place in its cloud in memory
+  std::uint64_t source = 0;  ///< place in the scene's files, from 0
   dvec3 world{0};
   std::vector<std::pair<std::string, std::string>> attributes;  ///< name and value as text
 };

@@ -16,7 +16,8 @@ dvec3 flat(const dvec3& v, const dvec3& up) { return v - glm::dot(v, up) * up; }
 
 double horizontal_length(std::span<const dvec3> line, UpAxis up) {
   double length = 0;
-  for (std::size_t k = 1; k < line.size(); ++k) length += glm::length(flat(line[k] - line[k - 1], up_vector(up)));
+  for (std::size_t k = 1; k < line.size(); ++k)
+    length += glm::length(flat(line[k] - line[k - 1], up_vector(up)));
   return length;
 }
 
@@ -45,14 +46,16 @@ void add_to_profile(Profile& profile, const PointCloud& cloud, std::span<const R
       const double t = std::clamp(glm::dot(at - piece.from, piece.way), 0.0, piece.length);
       const dvec3 aside = at - piece.from - t * piece.way;
       // Beyond the ends of the whole line there is no corridor, between two pieces it has a round corner.
-      const bool is_beyond = (t == 0 && &piece == &pieces.front()) || (t == piece.length && &piece == &pieces.back());
+      const bool is_beyond =
+          (t == 0 && &piece == &pieces.front()) || (t == piece.length && &piece == &pieces.back());
       if (is_beyond && std::abs(glm::dot(aside, piece.way)) > 1e-9 * piece.length) continue;
       if (const double distance2 = glm::dot(aside, aside); distance2 < nearest2)
         nearest2 = distance2, along = piece.before + t;
     }
     if (nearest2 > reach2) continue;
     const dvec3 world = cloud.world(i);
-    profile.points.push_back({along, glm::dot(world, up), world, source(i), colors.empty() ? Rgba8{0, 0, 0, 255} : colors[i]});
+    profile.points.push_back(
+        {along, glm::dot(world, up), world, source(i), colors.empty() ? Rgba8{0, 0, 0, 255} : colors[i]});
   }
 }
 

@@ -15,7 +15,7 @@ namespace sfumato::view {
 struct ProfilePoint {
   double along = 0, height = 0;  ///< scene units: from the begin of the line, horizontally; along the up axis
   dvec3 world{0};
-  std::uint64_t source = 0;      ///< place in the scene's files
+  std::uint64_t source = 0;  ///< place in the scene's files
   Rgba8 color;
 };
 
@@ -29,8 +29,8 @@ struct Profile {
 /// Horizontal length of a line of places.
 double horizontal_length(std::span<const dvec3> line, UpAxis up);
 
-/// Adds the points of a cloud that lie at most half of the width beside the line; each belongs to the piece of the line that
-/// is nearest to it. `source` gives the place of a point in the files.
+/// Adds the points of a cloud that lie at most half of the width beside the line; each belongs to the piece
+/// of the line that is nearest to it. `source` gives the place of a point in the files.
 void add_to_profile(Profile& profile, const PointCloud& cloud, std::span<const Rgba8> colors, UpAxis up,
                     const std::function<std::uint64_t(std::size_t)>& source);
 

@@ -6,17 +6,20 @@ namespace sfumato::view {
 namespace {
 
 int rung_of(const Quality& quality) {
-  return int(std::find(Refinement::ladder.begin(), Refinement::ladder.end(), quality) - Refinement::ladder.begin());
+  return int(std::find(Refinement::ladder.begin(), Refinement::ladder.end(), quality) -
+             Refinement::ladder.begin());
 }
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> motion_parameters(const std::string& technique,
-                                                                   const std::map<std::string, std::string>& own) {
+std::vector<std::pair<std::string, std::string>> motion_parameters(
+    const std::string& technique, const std::map<std::string, std::string>& own) {
   if (technique == "layers") {
     // Two layers show that there is something behind; closing the gaps of so coarse a picture takes one step.
-    std::vector<std::pair<std::string, std::string>> less{{"antialias", "false"}, {"smoothing_iterations", "0"},
-                                                          {"background_iterations", "1"}, {"occluded_iterations", "1"}};
+    std::vector<std::pair<std::string, std::string>> less{{"antialias", "false"},
+                                                          {"smoothing_iterations", "0"},
+                                                          {"background_iterations", "1"},
+                                                          {"occluded_iterations", "1"}};
     const auto layers = own.find("layers");
     const bool has_few = layers != own.end() && layers->second == "1";
     if (!has_few && !own.contains("show_layer")) less.emplace_back("layers", "2");
@@ -30,8 +33,10 @@ std::vector<std::pair<std::string, std::string>> motion_parameters(const std::st
 }
 
 void Refinement::changed(double now_ms) {
-  // What was hopeless while something else kept the machine busy is tried again, once, when the next motion begins.
-  if (const auto found = known_.find(key_); found != known_.end() && now_ms - last_change_ms_ > new_motion_ms) {
+  // What was hopeless while something else kept the machine busy is tried again, once, when the next motion
+  // begins.
+  if (const auto found = known_.find(key_);
+      found != known_.end() && now_ms - last_change_ms_ > new_motion_ms) {
     Times& times = found->second;
     if (times.rung > coarsest_own && now_ms - tried_ms_ > try_again_ms) {
       times.rung = coarsest_own, times.ms[coarsest_own] = 0;
@@ -50,7 +55,8 @@ int Refinement::rung() const {
 }
 
 std::optional<Quality> Refinement::next(double now_ms) const {
-  // A picture at rest makes room for what is newer; one in motion is shown first, else a fast hand would see none.
+  // A picture at rest makes room for what is newer; one in motion is shown first, else a fast hand would see
+  // none.
   if (begun_ && (begun_change_ == change_ || begun_in_motion_)) return std::nullopt;
   const bool stale = shown_change_ != change_ && failed_change_ != change_;
   if (stale && (moving(now_ms) || !whole_ready_)) return ladder[std::size_t(rung())];
@@ -79,8 +85,10 @@ void Refinement::done(const Quality& quality, double took_ms) {
   double& ms = times.ms[at];
   ms = ms == 0 ? took_ms : 0.6 * ms + 0.4 * took_ms;
   if (at == 0) {  // at rest, or in motion where it is fast enough
-    if (ms < wanted_ms) times.rung = 0;
-    else if (times.rung == 0 || (times.ms[1] == 0 && 0.4 * ms < wanted_ms)) times.rung = 1;
+    if (ms < wanted_ms)
+      times.rung = 0;
+    else if (times.rung == 0 || (times.ms[1] == 0 && 0.4 * ms < wanted_ms))
+      times.rung = 1;
     return;
   }
   if (int(at) != rung()) return;
@@ -89,8 +97,9 @@ void Refinement::done(const Quality& quality, double took_ms) {
     times.rung = int(at) + 1;
     // Less than by its pixels a picture does not get faster: rungs that cannot be enough are passed over.
     while (at >= 2 && times.rung < 5 &&
-           ms * double(quality.divisor * quality.divisor) > wanted_ms * double(ladder[std::size_t(times.rung)].divisor) *
-                                                                double(ladder[std::size_t(times.rung)].divisor))
+           ms * double(quality.divisor * quality.divisor) >
+               wanted_ms * double(ladder[std::size_t(times.rung)].divisor) *
+                   double(ladder[std::size_t(times.rung)].divisor))
       ++times.rung;
   } else if (ms < 0.4 * wanted_ms && at > 2 && int(at) != coarsest_own + 1) {
     // Up only where it is not known to be too slow: no swinging between two rungs.

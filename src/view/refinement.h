@@ -1,5 +1,6 @@
-// Which picture to draw next so that motion looks live and rest looks right: coarser pixels and a sample of the points
-// while something moves, the whole picture once it rests. It knows times only from what it is told.
+// Which picture to draw next so that motion looks live and rest looks right: coarser pixels and a sample of
+// the points while something moves, the whole picture once it rests. It knows times only from what it is
+// told.
 #pragma once
 
 #include <array>
@@ -20,18 +21,19 @@ struct Quality {
   bool operator==(const Quality&) const = default;
 };
 
-/// Parameters of a technique that are drawn with where every millisecond counts, in place of `own`, which somebody set: the
-/// same look with less care. Empty where it has no such way.
-std::vector<std::pair<std::string, std::string>> motion_parameters(const std::string& technique,
-                                                                   const std::map<std::string, std::string>& own = {});
+/// Parameters of a technique that are drawn with where every millisecond counts, in place of `own`, which
+/// somebody set: the same look with less care. Empty where it has no such way.
+std::vector<std::pair<std::string, std::string>> motion_parameters(
+    const std::string& technique, const std::map<std::string, std::string>& own = {});
 
 class Refinement {
  public:
-  static constexpr double wanted_ms = 60;     ///< of a picture in motion: 15 a second and some room
-  static constexpr double rest_ms = 160;      ///< without a change, until the whole picture begins
-  static constexpr double hopeless_ms = 250;  ///< a picture at the coarsest: then `points` stand in
-  static constexpr double new_motion_ms = 1000;   ///< of rest before it
-  static constexpr double try_again_ms = 5000;    ///< between two trials of a technique that `points` stand in for
+  static constexpr double wanted_ms = 60;        ///< of a picture in motion: 15 a second and some room
+  static constexpr double rest_ms = 160;         ///< without a change, until the whole picture begins
+  static constexpr double hopeless_ms = 250;     ///< a picture at the coarsest: then `points` stand in
+  static constexpr double new_motion_ms = 1000;  ///< of rest before it
+  static constexpr double try_again_ms =
+      5000;  ///< between two trials of a technique that `points` stand in for
   /// From the best to the fastest.
   static constexpr std::array<Quality, 9> ladder{{{true, 1, false, false},
                                                   {true, 2, false, false},
@@ -53,7 +55,8 @@ class Refinement {
   void set_whole_ready(bool ready) { whole_ready_ = ready; }
 
   bool moving(double now_ms) const { return now_ms - last_change_ms_ < rest_ms; }
-  /// What to draw now: nothing when all is drawn, or while waiting for the rest. Call `begun` with it when it is asked for.
+  /// What to draw now: nothing when all is drawn, or while waiting for the rest. Call `begun` with it when it
+  /// is asked for.
   std::optional<Quality> next(double now_ms) const;
   void begun(const Quality& quality, double now_ms);
   /// It took so long.
@@ -71,7 +74,7 @@ class Refinement {
   struct Times {
     std::array<double, ladder.size()> ms{};  ///< 0: not known
     std::array<bool, ladder.size()> is_warm{};
-    int rung = 3;                ///< in motion
+    int rung = 3;  ///< in motion
   };
   static constexpr int coarsest_own = 6;
   int rung() const;

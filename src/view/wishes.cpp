@@ -9,7 +9,9 @@
 namespace sfumato::view {
 namespace {
 
-std::string joined(const dvec3& v) { return number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z); }
+std::string joined(const dvec3& v) {
+  return number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z);
+}
 
 std::string text_of(const std::vector<std::string>& words) {
   std::string text;
@@ -39,7 +41,8 @@ std::string_view trimmed(std::string_view text) {
 std::string rows_text(const dmat4& matrix) {
   std::string text;
   for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) text += (text.empty() ? "" : ",") + number_text(matrix[column][row]);
+    for (int column = 0; column < 4; ++column)
+      text += (text.empty() ? "" : ",") + number_text(matrix[column][row]);
   return text;
 }
 
@@ -63,7 +66,8 @@ std::string DrawRow::rule() const {
 }
 
 bool is_kept_as_written(const std::string& option) {
-  return option == "filter" || option == "columns" || option == "max-points" || option == "up" || option == "crop-relative";
+  return option == "filter" || option == "columns" || option == "max-points" || option == "up" ||
+         option == "crop-relative";
 }
 
 std::string classes_text(const std::vector<int>& classes) {
@@ -171,7 +175,8 @@ NamesAndValues Wishes::options() const {
   const Selection& wanted = scene.selection;
   if (wanted.crop) say("crop", joined(wanted.crop->min) + "," + joined(wanted.crop->max));
   if (!wanted.show_classes.empty()) say("show-classes", classes_text(wanted.show_classes));
-  if (const std::string hidden = classes_text(wanted.hide_classes); hidden != "7,18" && wanted.show_classes.empty())
+  if (const std::string hidden = classes_text(wanted.hide_classes);
+      hidden != "7,18" && wanted.show_classes.empty())
     say("hide-classes", hidden);
   if (color_by != "auto" && point_color.empty()) say("color-by", color_by);
   if (!colormap.empty() && point_color.empty()) say("colormap", colormap);
@@ -187,7 +192,9 @@ NamesAndValues Wishes::options() const {
 std::vector<std::string> Wishes::words(int width, int height) const {
   std::vector<std::string> words = files;
   // A value may begin with a minus: the equals sign keeps it with its option.
-  const auto say = [&](const std::string& name, const std::string& value) { words.push_back("--" + name + "=" + value); };
+  const auto say = [&](const std::string& name, const std::string& value) {
+    words.push_back("--" + name + "=" + value);
+  };
   words.insert(words.end(), {"-t", technique.empty() ? "auto" : technique});
   for (const auto& [name, value] : parameters_of(technique)) say(with_dashes(name), value);
   for (const auto& [name, value] : analysis) say(with_dashes(name), value);

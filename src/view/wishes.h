@@ -1,5 +1,5 @@
-// All that decides what a window shows, as a value: what is read, how it is drawn, from where. It can be said as a command
-// that writes the same picture, and two of them are the same when their commands are.
+// All that decides what a window shows, as a value: what is read, how it is drawn, from where. It can be said
+// as a command that writes the same picture, and two of them are the same when their commands are.
 #pragma once
 
 #include <map>
@@ -32,20 +32,24 @@ struct Wishes {
   std::vector<std::string> files;
   std::vector<std::optional<dmat4>> transforms;  ///< of the first files: world from file
   scene::SceneOptions scene;
-  /// Options of the command line that say what `scene` says in ways that no panel changes (--filter, --columns, --up,
+  /// Options of the command line that say what `scene` says in ways that no panel changes (--filter,
+  /// --columns, --up,
   /// --max-points, --crop-relative): kept as they were written.
   NamesAndValues input;
   Values analysis;
-  std::string technique;             ///< empty: what suits the scan
-  std::map<std::string, Values> own; ///< by technique
-  Values shared;                     ///< those that every technique has
-  std::string color_by = "auto", colormap, color_range, exposure, point_color, background_color;  ///< as options
+  std::string technique;              ///< empty: what suits the scan
+  std::map<std::string, Values> own;  ///< by technique
+  Values shared;                      ///< those that every technique has
+  std::string color_by = "auto", colormap, color_range, exposure, point_color,
+              background_color;  ///< as options
   bool legend = false;
   bool whole = false;  ///< rooms with the walls before them
-  std::vector<DrawRow> draw;  ///< the first that selects a point draws it; the others are drawn by `technique`
+  std::vector<DrawRow>
+      draw;  ///< the first that selects a point draws it; the others are drawn by `technique`
   ViewCamera camera;
 
-  /// A parameter of `technique`, of all techniques, or of the analysis. Throws Error(usage) as Look::set does.
+  /// A parameter of `technique`, of all techniques, or of the analysis. Throws Error(usage) as Look::set
+  /// does.
   void set(const std::string& parameter, const std::string& value);
   /// Back to what it is by default.
   void reset(const std::string& parameter);

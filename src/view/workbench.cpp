@@ -90,7 +90,9 @@ Memory Workbench::memory() const {
   memory.points = whole_->point_bytes();
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
-    const auto kilobytes = [&] { return 1024 * std::strtoull(line.c_str() + line.find(':') + 1, nullptr, 10); };
+    const auto kilobytes = [&] {
+      return 1024 * std::strtoull(line.c_str() + line.find(':') + 1, nullptr, 10);
+    };
     if (line.starts_with("VmRSS:")) memory.process = kilobytes();
     if (line.starts_with("VmHWM:")) memory.process_peak = kilobytes();
   }
@@ -118,7 +120,8 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
       wishes.scene.selection.crop.reset();
     }
     for (const std::string& file : expanded)
-      if (std::find(wishes.files.begin(), wishes.files.end(), file) == wishes.files.end()) wishes.files.push_back(file);
+      if (std::find(wishes.files.begin(), wishes.files.end(), file) == wishes.files.end())
+        wishes.files.push_back(file);
   });
 }
 
@@ -132,7 +135,9 @@ void Workbench::set_size(int width, int height) {
 
 std::optional<dvec3> Workbench::point_at(const Camera& seen, double x_px, double y_px) const {
   if (scene_ && scene_->near)
-    if (const auto index = nearest_point(*scene_->near, seen, x_px, y_px, 24, 0.02, scene_->pose.subject.room)) return scene_->near->world(*index);
+    if (const auto index =
+            nearest_point(*scene_->near, seen, x_px, y_px, 24, 0.02, scene_->pose.subject.room))
+      return scene_->near->world(*index);
   return std::nullopt;
 }
 
@@ -144,7 +149,8 @@ dvec3 Workbench::place_at(double x_px, double y_px) const {
   const Camera seen = camera();
   if (const auto point = point_at(seen, x_px, y_px)) return *point;
   const Ray ray = ray_through(seen, x_px, y_px);
-  return ray.origin + ray.direction * (wishes_.camera.distance() / std::max(0.05, glm::dot(ray.direction, seen.direction())));
+  return ray.origin + ray.direction * (wishes_.camera.distance() /
+                                       std::max(0.05, glm::dot(ray.direction, seen.direction())));
 }
 
 void Workbench::cut_profile(double width) {
@@ -173,7 +179,8 @@ void Workbench::shoot(int width, int height) {
 }
 
 std::size_t Workbench::frame() const {
-  const auto found = wishes_.files.empty() ? frames_.end() : std::find(frames_.begin(), frames_.end(), wishes_.files.front());
+  const auto found = wishes_.files.empty() ? frames_.end()
+                                           : std::find(frames_.begin(), frames_.end(), wishes_.files.front());
   return found == frames_.end() ? 0 : std::size_t(found - frames_.begin());
 }
 
@@ -185,7 +192,8 @@ void Workbench::show_frame(std::size_t i) {
 }
 
 void Workbench::play(bool on) {
-  if (on && path.keys().size() < 2) return say("a path needs two keys at least: K adds the present view", true);
+  if (on && path.keys().size() < 2)
+    return say("a path needs two keys at least: K adds the present view", true);
   play_began_ms_ = on ? std::optional(now_ms_) : std::nullopt;
 }
 
@@ -212,7 +220,9 @@ void Workbench::send_scene(Loaded& loaded) {
     job.options = wishes_.session_options();
     job.color_key = wishes_.color_key();
     job.technique = wishes_.technique;
-    job.parameters_of = [wishes = wishes_](const std::string& technique) { return wishes.parameters_of(technique); };
+    job.parameters_of = [wishes = wishes_](const std::string& technique) {
+      return wishes.parameters_of(technique);
+    };
     return job;
   };
   sample_ready_ = whole_ready_ = sample_failed_ = false;
@@ -250,8 +260,9 @@ void Workbench::take_loaded(Loaded loaded) {
   if (frame_on_load_ && width_ > 0 && loaded.is_first) {
     ViewCamera first;
     try {
-      first = ViewCamera::from(start_.first_camera && !had_whole_ ? start_.first_camera(loaded.pose, width_, height_)
-                                                                  : first_view(loaded.pose, width_, height_));
+      first = ViewCamera::from(start_.first_camera && !had_whole_
+                                   ? start_.first_camera(loaded.pose, width_, height_)
+                                   : first_view(loaded.pose, width_, height_));
     } catch (const Error& error) {
       if (!loaded.is_sample) say(error.what(), true);
       first = ViewCamera::from(first_view(loaded.pose, width_, height_));
@@ -272,8 +283,10 @@ void Workbench::take_loaded(Loaded loaded) {
   }
   had_whole_ = had_whole_ || !loaded.is_sample;
   if (on_message)
-    on_message({loaded.is_sample ? "a sample of " + std::to_string(loaded.points_shown) + " points, while the files are read"
-                                 : std::to_string(loaded.points_shown) + " points are read", false});
+    on_message({loaded.is_sample ? "a sample of " + std::to_string(loaded.points_shown) +
+                                       " points, while the files are read"
+                                 : std::to_string(loaded.points_shown) + " points are read",
+                false});
   send_scene(loaded);
   scene_ = std::move(loaded);
   touched();
@@ -311,7 +324,8 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     const bool in_motion = !(in_flight_quality_ == Refinement::ladder[0]);
     if (in_motion || refinement_.moving(now_ms_)) {
       const double since = now_ms_ - last_motion_ms_;
-      if (last_motion_ms_ >= 0 && since < 1000) motion_ms_ = motion_ms_ == 0 ? since : 0.8 * motion_ms_ + 0.2 * since;
+      if (last_motion_ms_ >= 0 && since < 1000)
+        motion_ms_ = motion_ms_ == 0 ? since : 0.8 * motion_ms_ + 0.2 * since;
       last_motion_ms_ = now_ms_;
     }
     if (!shown_) first_picture_ms_ = now_ms_ - began_ms_;
@@ -326,11 +340,13 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     if (on_message) {
       const double size = navigator_.scene_size();
       const dvec3 at = picked_.back().world;
-      std::string text = "picked point " + std::to_string(picked_.back().source) + ": " + coordinate_text(at.x, size) + " " +
-                         coordinate_text(at.y, size) + " " + coordinate_text(at.z, size);
+      std::string text = "picked point " + std::to_string(picked_.back().source) + ": " +
+                         coordinate_text(at.x, size) + " " + coordinate_text(at.y, size) + " " +
+                         coordinate_text(at.z, size);
       if (picked_.size() == 2) {
         const Measure m = measure(picked_[0].world, at, navigator_.up_axis());
-        text += ", distance " + coordinate_text(m.distance, size) + ", height " + coordinate_text(m.height, size);
+        text +=
+            ", distance " + coordinate_text(m.distance, size) + ", height " + coordinate_text(m.height, size);
       }
       on_message({text, false});
     }
@@ -383,11 +399,13 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
     if (quality.divisor > 1) set("smooth_outlines", "false");  // magnified, nobody sees it
     if (quality.fast && known) {
       const auto own = wishes_.own.find(job.technique);
-      for (const auto& [name, value] : motion_parameters(job.technique, own == wishes_.own.end() ? Wishes::Values{} : own->second))
+      for (const auto& [name, value] :
+           motion_parameters(job.technique, own == wishes_.own.end() ? Wishes::Values{} : own->second))
         set(name, value);
     }
-    const bool soft = std::any_of(job.parameters.begin(), job.parameters.end(),
-                                  [](const auto& each) { return each.first == "shadows" && each.second == "soft"; });
+    const bool soft = std::any_of(job.parameters.begin(), job.parameters.end(), [](const auto& each) {
+      return each.first == "shadows" && each.second == "soft";
+    });
     if (soft && !quality.whole_cloud) {
       std::erase_if(job.parameters, [](const auto& each) { return each.first == "light_samples"; });
       job.parameters.emplace_back("light_samples", "2");
@@ -396,7 +414,8 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
   if (!known) {  // what only some techniques can show is of no use to `points`
     std::erase_if(job.parameters, [](const auto& each) { return each.first == "shading"; });
   }
-  job.camera = wishes_.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));
+  job.camera =
+      wishes_.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));
   job.color = wishes_.color();
   job.color_key = wishes_.color_key();
   job.background = wishes_.background();
@@ -441,10 +460,13 @@ void Workbench::watch_shaders() {
   std::vector<std::pair<std::string, std::int64_t>> times;
   for (const char* room : {"src", "shaders"}) {
     std::error_code error;
-    for (std::filesystem::recursive_directory_iterator at(std::filesystem::path(start_.shader_folder) / room, error), end;
+    for (std::filesystem::recursive_directory_iterator
+             at(std::filesystem::path(start_.shader_folder) / room, error),
+         end;
          !error && at != end; at.increment(error)) {
       const std::string extension = at->path().extension().string();
-      if (extension != ".glsl" && extension != ".comp" && extension != ".vert" && extension != ".frag") continue;
+      if (extension != ".glsl" && extension != ".comp" && extension != ".vert" && extension != ".frag")
+        continue;
       std::error_code gone;  // an editor is writing it
       const auto time = at->last_write_time(gone);
       if (!gone) times.emplace_back(at->path().string(), std::int64_t(time.time_since_epoch().count()));
@@ -503,7 +525,8 @@ void Workbench::tick(double now_ms) {
     wanted_key_ = key;
     key_changed_ms_ = now_ms;
   }
-  if (wanted_key_ != loaded_key_ && now_ms - key_changed_ms_ >= reload_rest_ms && !wishes_.files.empty()) load(false);
+  if (wanted_key_ != loaded_key_ && now_ms - key_changed_ms_ >= reload_rest_ms && !wishes_.files.empty())
+    load(false);
   ask();
 
   activity_ = loader_->activity();

@@ -1,6 +1,6 @@
-// Everything between the hand and the picture: wishes, camera, history, the reading of files, and two painters, one of the
-// whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws itself and shows what is here; it
-// never waits. All of it is used on one thread.
+// Everything between the hand and the picture: wishes, camera, history, the reading of files, and two
+// painters, one of the whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws
+// itself and shows what is here; it never waits. All of it is used on one thread.
 #pragma once
 
 #include <algorithm>
@@ -27,10 +27,12 @@ struct Start {
   /// The camera of the first picture, as the command finds it; nothing: Session's first view.
   std::function<Camera(const Pose&, int width, int height)> first_camera;
   std::uint64_t memory = scene::default_memory;
-  bool watch = false;         ///< read files again when they change
-  std::string shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
-  std::vector<std::string> frames; ///< of a sequence: files that are shown one at a time; the first is among the wishes
-  std::function<void()> wake; ///< from any thread: there is something to `tick` for
+  bool watch = false;  ///< read files again when they change
+  std::string
+      shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
+  std::vector<std::string>
+      frames;  ///< of a sequence: files that are shown one at a time; the first is among the wishes
+  std::function<void()> wake;  ///< from any thread: there is something to `tick` for
 };
 
 /// Bytes.
@@ -62,8 +64,8 @@ class Workbench {
   std::optional<double> wait_ms(double now_ms) const;
 
   const Wishes& wishes() const { return wishes_; }
-  /// Every change of the wishes goes through here: `what` names its kind for undo. Shows a message instead where `edit`
-  /// throws.
+  /// Every change of the wishes goes through here: `what` names its kind for undo. Shows a message instead
+  /// where `edit` throws.
   void change(const std::string& what, const std::function<void(Wishes&)>& edit);
   /// The same for the camera.
   void move(const std::string& what, const std::function<void(Navigator&)>& edit);
@@ -79,7 +81,8 @@ class Workbench {
   Camera camera() const { return wishes_.camera.to_camera(width_, height_); }
   const Navigator& navigator() const { return navigator_; }
 
-  /// The point of the scene under the cursor; where there is none, the place there at the depth of the target.
+  /// The point of the scene under the cursor; where there is none, the place there at the depth of the
+  /// target.
   dvec3 place_at(double x_px, double y_px) const;
   /// What a turn that begins there turns about: the point under the cursor, else the target.
   dvec3 pivot_at(double x_px, double y_px) const;
@@ -90,7 +93,7 @@ class Workbench {
   void clear_picked() { picked_.clear(); }
   /// Along the line of picked points, of whatever stands in a corridor that wide; it comes to `profile`.
   void cut_profile(double width);
-  const std::shared_ptr<const Profile>& profile() const { return profile_; }   ///< null: none
+  const std::shared_ptr<const Profile>& profile() const { return profile_; }  ///< null: none
   void close_profile() { profile_.reset(); }
 
   /// The newest picture; null before the first.
@@ -98,10 +101,12 @@ class Workbench {
   Quality shown_quality() const { return shown_quality_; }
   bool settled() const { return refinement_.settled() && !loading_; }
   bool moving() const { return refinement_.moving(now_ms_); }
-  double motion_ms() const { return motion_ms_; }   ///< between two pictures in motion, smoothed; 0: none yet
+  double motion_ms() const { return motion_ms_; }  ///< between two pictures in motion, smoothed; 0: none yet
   double first_picture_ms() const { return first_picture_ms_; }
   const Activity& activity() const { return activity_; }
-  const Loaded* scene() const { return scene_ ? &*scene_ : nullptr; }  ///< without its clouds, which the painters have
+  const Loaded* scene() const {
+    return scene_ ? &*scene_ : nullptr;
+  }  ///< without its clouds, which the painters have
   /// Only a sample of the files is there: they are being read, or could not be.
   bool has_sample_only() const { return scene_ && scene_->is_sample; }
   bool loading() const { return loading_; }
@@ -155,7 +160,9 @@ class Workbench {
   bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
   void watch_shaders();
-  double frame_due_ms() const { return std::max(frame_since_ms_ + 1000 / frames_per_second, *frame_stood_ms_ + 60); }
+  double frame_due_ms() const {
+    return std::max(frame_since_ms_ + 1000 / frames_per_second, *frame_stood_ms_ + 60);
+  }
 
   Start start_;
   Wishes wishes_;
@@ -163,13 +170,16 @@ class Workbench {
   History<Wishes> history_;
   Refinement refinement_;
   int width_ = 0, height_ = 0;
-  double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0, watched_ms_ = 0, shaders_watched_ms_ = 0;
-  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0, pick_id_ = 0;
+  double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0,
+         watched_ms_ = 0, shaders_watched_ms_ = 0;
+  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0,
+                pick_id_ = 0;
   Quality in_flight_quality_, shown_quality_;
   double asked_ms_ = 0;
   std::string loaded_key_, look_key_, wanted_key_;
   double key_changed_ms_ = -1e9;
-  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false, scene_failed_ = false;
+  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false,
+       scene_failed_ = false;
   bool frame_on_load_ = true, timings_ = false, had_whole_ = false;
   std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
   std::optional<Loaded> scene_;

@@ -54,7 +54,8 @@ TEST_F(Build, SaysWhatIsWrongInOneLine) {
   EXPECT_THAT(refused({"cube.ply", "-o", "a.copc.laz", "--memory", "1M"}), HasSubstr("--memory"));
   EXPECT_THAT(refused({"cube.ply", "-o", "a.copc.laz", "--box", "0,0,0,1,1,-1"}), HasSubstr("empty along z"));
   write("far.xyz", "x y z\n1 2 3\n2 3 4\n1e9 2 3\n");
-  EXPECT_THAT(refused({"far.xyz", "-o", "a.copc.laz"}), HasSubstr("far.xyz: stray points reach 1e+09 along x"));
+  EXPECT_THAT(refused({"far.xyz", "-o", "a.copc.laz"}),
+              HasSubstr("far.xyz: stray points reach 1e+09 along x"));
   ASSERT_EQ(run({"build", "cube.ply", "-o", "a.copc.laz"}).code, 0);
   EXPECT_THAT(refused({"a.copc.laz", "-o", "a.copc.laz"}), HasSubstr("would replace the input"));
   EXPECT_EQ(files().size(), 3u);
@@ -147,8 +148,8 @@ TEST_F(Levels, ThePictureIsThatOfAllPoints) {
   }
 }
 
-// A plane through many nodes of several levels, near and far in one picture: neither a gap nor a change of light shows
-// where they meet.
+// A plane through many nodes of several levels, near and far in one picture: neither a gap nor a change of
+// light shows where they meet.
 TEST_F(Levels, NodesMeetWithoutSeams) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> place(0, 100);
@@ -167,8 +168,9 @@ TEST_F(Levels, NodesMeetWithoutSeams) {
     SCOPED_TRACE(technique);
     const auto looks = [&](const std::string& memory) {
       const Outcome outcome =
-          run({"plane.copc.laz", "-t", technique, "--camera", "camera.json", "--resolution", "320x240", "--memory", memory,
-               "-o", "plane.png", "--no-background", "--edl", "false", "--smooth-outlines", "false", "--json"});
+          run({"plane.copc.laz", "-t", technique, "--camera", "camera.json", "--resolution", "320x240",
+               "--memory", memory, "-o", "plane.png", "--no-background", "--edl", "false",
+               "--smooth-outlines", "false", "--json"});
       EXPECT_EQ(outcome.code, 0) << outcome.err;
       EXPECT_EQ(nlohmann::json::parse(outcome.out).contains("levels"), memory != "4G");
       const auto picture = read_png("plane.png");
@@ -180,13 +182,14 @@ TEST_F(Levels, NodesMeetWithoutSeams) {
             ++found.holes;
             continue;
           }
-          found.darkest = std::min(found.darkest, int(c.g)), found.lightest = std::max(found.lightest, int(c.g));
+          found.darkest = std::min(found.darkest, int(c.g)),
+          found.lightest = std::max(found.lightest, int(c.g));
         }
       return found;
     };
     const Looks whole = looks("4G"), leveled = looks("39M");
-    // Discs of twice the spacing leave exp(-pi) = 4 % of the places between random points open, where they are wider than
-    // pixels; a missing node would open thousands.
+    // Discs of twice the spacing leave exp(-pi) = 4 % of the places between random points open, where they
+    // are wider than pixels; a missing node would open thousands.
     EXPECT_LE(leveled.holes, whole.holes + 9600 / 100);
     // The stored normals have steps of 1e-4, and 8 bits round.
     EXPECT_NEAR(leveled.darkest, whole.darkest, 2);
@@ -213,8 +216,10 @@ TEST_F(Levels, LeavesDamagedNodesOutAndSaysSo) {
 }
 
 TEST_F(Levels, StandardInputIsReadWhole) {
-  const std::string command = std::string("cat '") + path("scan.copc.laz").string() + "' | '" SFUMATO_BINARY
-                              "' - -t points --max-points 100k --resolution 64x48 --quiet -o '" + path("piped.png").string() + "'";
+  const std::string command = std::string("cat '") + path("scan.copc.laz").string() +
+                              "' | '" SFUMATO_BINARY
+                              "' - -t points --max-points 100k --resolution 64x48 --quiet -o '" +
+                              path("piped.png").string() + "'";
   EXPECT_EQ(std::system(command.c_str()), 0);
   EXPECT_TRUE(exists("piped.png"));
 }

@@ -36,9 +36,7 @@ void CommandTest::SetUp() {
   unsetenv("WAYLAND_DISPLAY");
 }
 
-void CommandTest::TearDown() {
-  std::filesystem::remove_all(folder_);
-}
+void CommandTest::TearDown() { std::filesystem::remove_all(folder_); }
 
 Outcome CommandTest::run(const std::vector<std::string>& words, int interrupt_after_ms) {
   return run(
@@ -51,7 +49,8 @@ Outcome CommandTest::run(const std::vector<std::string>& words, int interrupt_af
       -1);
 }
 
-Outcome CommandTest::run_interrupted(const std::vector<std::string>& words, const std::function<bool(double)>& is_time, int input) {
+Outcome CommandTest::run_interrupted(const std::vector<std::string>& words,
+                                     const std::function<bool(double)>& is_time, int input) {
   return run(
       words,
       [&](int child, Outcome& outcome) {
@@ -60,7 +59,8 @@ Outcome CommandTest::run_interrupted(const std::vector<std::string>& words, cons
         while (clock_getcpuclockid(child, &clock) == 0 && clock_gettime(clock, &used) == 0) {
           outcome.seconds_late = double(used.tv_sec) + 1e-9 * double(used.tv_nsec);
           siginfo_t state{};
-          const bool has_ended = waitid(P_PID, id_t(child), &state, WEXITED | WNOHANG | WNOWAIT) == 0 && state.si_pid == child;
+          const bool has_ended =
+              waitid(P_PID, id_t(child), &state, WEXITED | WNOHANG | WNOWAIT) == 0 && state.si_pid == child;
           if (has_ended || is_time(outcome.seconds_late)) break;
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -69,7 +69,8 @@ Outcome CommandTest::run_interrupted(const std::vector<std::string>& words, cons
       input);
 }
 
-Outcome CommandTest::run(const std::vector<std::string>& words, const std::function<void(int, Outcome&)>& meanwhile, int input) {
+Outcome CommandTest::run(const std::vector<std::string>& words,
+                         const std::function<void(int, Outcome&)>& meanwhile, int input) {
   // Outside the folder, so that `files` lists only what the command wrote.
   const std::string out = folder_.string() + ".out", err = folder_.string() + ".err";
   std::vector<std::string> all = {SFUMATO_BINARY};
@@ -94,7 +95,8 @@ Outcome CommandTest::run(const std::vector<std::string>& words, const std::funct
   wait4(child, &status, 0, &used);
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   outcome.out = read_all(out), outcome.err = read_all(err);
-  outcome.seconds = double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+  outcome.seconds = double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                    1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
   outcome.seconds_late = outcome.seconds - outcome.seconds_late;
   std::filesystem::remove(out);
   std::filesystem::remove(err);
@@ -114,9 +116,7 @@ std::string CommandTest::write(const std::string& name, const std::string& text)
   return name;
 }
 
-std::string CommandTest::text(const std::string& name) const {
-  return read_all(path(name));
-}
+std::string CommandTest::text(const std::string& name) const { return read_all(path(name)); }
 
 std::vector<std::string> CommandTest::files() const {
   std::vector<std::string> names;
@@ -145,9 +145,7 @@ std::string CommandTest::write_cube(const std::string& name, int per_edge) {
   return write(name, file.str());
 }
 
-Image<Rgba8> CommandTest::read_png(const std::string& name) const {
-  return testing::read_png(path(name));
-}
+Image<Rgba8> CommandTest::read_png(const std::string& name) const { return testing::read_png(path(name)); }
 
 std::map<std::string, std::string> CommandTest::png_texts(const std::string& name) const {
   const std::string bytes = text(name);

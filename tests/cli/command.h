@@ -35,9 +35,10 @@ class CommandTest : public ::testing::Test {
 
   /// Runs `sfumato words...` inside `folder`. `interrupt_after_ms` sends Ctrl-C once.
   Outcome run(const std::vector<std::string>& words, int interrupt_after_ms = 0);
-  /// Sends Ctrl-C when `is_time`, which is asked again and again, says so of the seconds of the processor that the command has
-  /// taken. `input`: what it has as standard input.
-  Outcome run_interrupted(const std::vector<std::string>& words, const std::function<bool(double seconds)>& is_time, int input = -1);
+  /// Sends Ctrl-C when `is_time`, which is asked again and again, says so of the seconds of the processor
+  /// that the command has taken. `input`: what it has as standard input.
+  Outcome run_interrupted(const std::vector<std::string>& words,
+                          const std::function<bool(double seconds)>& is_time, int input = -1);
   /// Runs it, expects exit code 0 and parses what it printed.
   nlohmann::json run_json(const std::vector<std::string>& words);
 
@@ -61,7 +62,8 @@ class CommandTest : public ::testing::Test {
   Array read_npy(const std::string& name) const;
 
  private:
-  Outcome run(const std::vector<std::string>& words, const std::function<void(int child, Outcome&)>& meanwhile, int input);
+  Outcome run(const std::vector<std::string>& words,
+              const std::function<void(int child, Outcome&)>& meanwhile, int input);
   std::filesystem::path folder_;
 };
 

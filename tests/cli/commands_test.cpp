@@ -15,7 +15,8 @@ TEST_F(CommandTest, VersionAndHelp) {
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.code, 0);
   EXPECT_THAT(version.out, ::testing::ContainsRegex("^sfumato [0-9]+\\.[0-9]+\\.[0-9]+\n"));
-  for (const char* word : {"commit ", "OpenGL ", "libraries ", "libpng", "OpenEXR"}) EXPECT_THAT(version.out, HasSubstr(word));
+  for (const char* word : {"commit ", "OpenGL ", "libraries ", "libpng", "OpenEXR"})
+    EXPECT_THAT(version.out, HasSubstr(word));
   EXPECT_THAT(run({"-V"}).out, ::testing::MatchesRegex("sfumato [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   const Outcome help = run({"-t", "points", "--help"});
   EXPECT_EQ(help.code, 0);
@@ -27,7 +28,8 @@ TEST_F(CommandTest, VersionAndHelp) {
 
 TEST_F(CommandTest, WithoutADisplayAWindowNamesTheWayOut) {
   write_cube("cube.ply", 4);
-  for (const std::vector<std::string>& words : {std::vector<std::string>{"cube.ply"}, {"-t", "points", "--", "cube.ply"}}) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"cube.ply"}, {"-t", "points", "--", "cube.ply"}}) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 4) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("-o OUT.png"));
@@ -46,7 +48,8 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
            {{"cube.ply", "-t", "points,surface"}, "a window shows one technique"},
            {{"cube.ply", "--path", "orbit"}, "goes with pictures, not with the window"},
            {{"cube.ply", "-o", "a.png", "--watch"}, "--watch belongs to the window"},
-           {{"cube.ply", "-t", "points", "-o", "a.png", "--camera-view-angle", "0"}, "0 degrees is outside [0.001, 179]"},
+           {{"cube.ply", "-t", "points", "-o", "a.png", "--camera-view-angle", "0"},
+            "0 degrees is outside [0.001, 179]"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--pont-size", "3"}, "did you mean --point-size?"},
            {{"cube.ply", "-t", "points", "-o", "a.png", "--point-size", "-3"},
             "'-3' is not in range [0.01, 1000000]; the nearest is 0.01"},

@@ -6,7 +6,8 @@ using ::testing::HasSubstr;
 
 namespace {
 
-constexpr int chunk = 50'000, points = 120'000;  // three chunks, of which the second begins with a point of its own
+constexpr int chunk = 50'000,
+              points = 120'000;  // three chunks, of which the second begins with a point of its own
 
 class IsolationTest : public CommandTest {
  protected:
@@ -69,7 +70,8 @@ TEST_F(IsolationTest, NoWayToDieIsAWayOut) {
   };
   for (const Case& c : {Case{668, "took too long"}, Case{671, "exit code 0"}
 #ifndef __SANITIZE_ADDRESS__  // which confine nothing
-                        , Case{669, "want more memory"}, Case{670, "SIGSYS"}
+                        ,
+                        Case{669, "want more memory"}, Case{670, "SIGSYS"}
 #endif
        }) {
     write_scan("scan.laz", c.deadly);

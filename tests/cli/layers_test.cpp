@@ -22,7 +22,8 @@ class LayersCommand : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    write("above.json", R"({"position": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "projection": "orthographic",
+    write("above.json",
+          R"({"position": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "projection": "orthographic",
                             "height_world": 1, "width": 16, "height": 16})");
   }
 
@@ -36,14 +37,16 @@ class LayersCommand : public CommandTest {
             "property uchar classification\nend_header\n";
     for (const Sheet& s : sheets)
       for (int i = 0; i < side * side; ++i)
-        file << extent * ((i % side + 0.5) / side * 2 - 1) << ' ' << extent * ((i / side + 0.5) / side * 2 - 1) << ' '
-             << s.height << " 0 0 1 " << s.red << ' ' << s.green << ' ' << s.blue << ' ' << s.code << '\n';
+        file << extent * ((i % side + 0.5) / side * 2 - 1) << ' '
+             << extent * ((i / side + 0.5) / side * 2 - 1) << ' ' << s.height << " 0 0 1 " << s.red << ' '
+             << s.green << ' ' << s.blue << ' ' << s.code << '\n';
     write(name, file.str());
   }
 
   /// Linear premultiplied colour in the middle of the picture that these words make.
   std::vector<float> middle(Words words) {
-    for (const char* word : {"-t", "layers", "-o", "c.npy", "--camera", "above.json", "--no-background", "--shading", "albedo"})
+    for (const char* word :
+         {"-t", "layers", "-o", "c.npy", "--camera", "above.json", "--no-background", "--shading", "albedo"})
       words.push_back(word);
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -52,8 +55,10 @@ class LayersCommand : public CommandTest {
     const auto at = values.begin() + 4 * (8 * 16 + 8);
     return {at, at + 4};
   }
-  static void expect_color(const std::vector<float>& actual, const std::vector<double>& expected, const std::string& what) {
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(actual[k], expected[k], 1e-5) << what << ", channel " << k;
+  static void expect_color(const std::vector<float>& actual, const std::vector<double>& expected,
+                           const std::string& what) {
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(actual[k], expected[k], 1e-5) << what << ", channel " << k;
   }
 };
 
@@ -63,14 +68,19 @@ TEST_F(LayersCommand, OpacitiesFollowTheOrderOfTheFiles) {
   write_sheets("middle.ply", {{-0.4, 0, 255, 0, 0}});
   write_sheets("bottom.ply", {{-0.8, 0, 0, 255, 0}});
   const std::vector<double> expected{0.3, 0.7 * 0.5, 0.7 * 0.5, 1};
-  expect_color(middle({"top.ply", "middle.ply", "bottom.ply", "--opacity", "0.3,0.5,1"}), expected, "top to bottom");
-  expect_color(middle({"bottom.ply", "top.ply", "middle.ply", "--opacity", "1,0.3,0.5"}), expected, "bottom first");
+  expect_color(middle({"top.ply", "middle.ply", "bottom.ply", "--opacity", "0.3,0.5,1"}), expected,
+               "top to bottom");
+  expect_color(middle({"bottom.ply", "top.ply", "middle.ply", "--opacity", "1,0.3,0.5"}), expected,
+               "bottom first");
   expect_color(middle({"middle.ply", "bottom.ply", "top.ply", "--opacity", "1,0.3,0.5"}), {0.5, 0.5, 0, 1},
                "the list does not follow the heights");
-  expect_color(middle({"top.ply", "middle.ply", "bottom.ply", "--opacity", "0.3"}), {0.3, 0.21, 0.147, 1 - 0.343}, "one number");
-  expect_color(middle({"top.ply", "middle.ply", "bottom.ply"}), {0.5, 0.25, 0.25, 1}, "none: the last one is opaque");
+  expect_color(middle({"top.ply", "middle.ply", "bottom.ply", "--opacity", "0.3"}),
+               {0.3, 0.21, 0.147, 1 - 0.343}, "one number");
+  expect_color(middle({"top.ply", "middle.ply", "bottom.ply"}), {0.5, 0.25, 0.25, 1},
+               "none: the last one is opaque");
 
-  const Outcome wrong = run({"top.ply", "middle.ply", "bottom.ply", "-t", "layers", "-o", "a.png", "--opacity", "0.3,0.5"});
+  const Outcome wrong =
+      run({"top.ply", "middle.ply", "bottom.ply", "-t", "layers", "-o", "a.png", "--opacity", "0.3,0.5"});
   EXPECT_EQ(wrong.code, 1);
   EXPECT_THAT(wrong.err, HasSubstr("opacity lists 2 values, but scalar file has 3"));
   EXPECT_FALSE(exists("a.png"));
@@ -79,14 +89,17 @@ TEST_F(LayersCommand, OpacitiesFollowTheOrderOfTheFiles) {
 TEST_F(LayersCommand, OpacitiesOfClasses) {
   write_sheets("classes.ply", {{0, 255, 0, 0, 6}, {-0.4, 0, 255, 0, 2}, {-0.8, 0, 0, 255, 9}});
   // Ascending: 2 (green), 6 (red), 9 (blue).
-  expect_color(middle({"classes.ply", "--opacity", "0.6,0.2,1"}), {0.2, 0.8 * 0.6, 0.8 * 0.4, 1}, "found by itself");
+  expect_color(middle({"classes.ply", "--opacity", "0.6,0.2,1"}), {0.2, 0.8 * 0.6, 0.8 * 0.4, 1},
+               "found by itself");
   expect_color(middle({"classes.ply", "--opacity", "0.6,0.2,1", "--opacity-by", "classification"}),
                {0.2, 0.8 * 0.6, 0.8 * 0.4, 1}, "named");
   // Two files of the same classes: files come first unless classes are asked for.
   write_sheets("more.ply", {{-1.2, 255, 255, 255, 9}});
-  expect_color(middle({"classes.ply", "more.ply", "--opacity", "0.5,1"}), {0.5 + 0.125, 0.25 + 0.125, 0.125 + 0.125, 1}, "by file");
-  expect_color(middle({"classes.ply", "more.ply", "--opacity", "0.6,0.2,1", "--opacity-by", "classification"}),
-               {0.2, 0.8 * 0.6, 0.8 * 0.4, 1}, "by class");
+  expect_color(middle({"classes.ply", "more.ply", "--opacity", "0.5,1"}),
+               {0.5 + 0.125, 0.25 + 0.125, 0.125 + 0.125, 1}, "by file");
+  expect_color(
+      middle({"classes.ply", "more.ply", "--opacity", "0.6,0.2,1", "--opacity-by", "classification"}),
+      {0.2, 0.8 * 0.6, 0.8 * 0.4, 1}, "by class");
 }
 
 TEST_F(LayersCommand, ShownLayerHasColourDepthAndNormals) {
@@ -99,13 +112,16 @@ TEST_F(LayersCommand, ShownLayerHasColourDepthAndNormals) {
     ASSERT_EQ(normal.shape, (std::vector<int>{16, 16, 3}));
     const std::size_t at = 8 * 16 + 8;
     expect_color(color, {double(n == 1), double(n == 2), 0, double(n < 3)}, "layer " + std::to_string(n));
-    if (n < 3) EXPECT_NEAR(depth.values[at], n == 1 ? 5 : 5.4, 0.026) << "a disc is as deep as its radius, 1/40";
-    else EXPECT_TRUE(std::isinf(depth.values[at]));
+    if (n < 3)
+      EXPECT_NEAR(depth.values[at], n == 1 ? 5 : 5.4, 0.026) << "a disc is as deep as its radius, 1/40";
+    else
+      EXPECT_TRUE(std::isinf(depth.values[at]));
     EXPECT_NEAR(normal.values[3 * at + 2], n < 3, 1e-4) << "up, in 16-bit octahedral coordinates";
   }
 }
 
-// A figure on a white page: the page is darker where the light does not reach it, by as much as the caster is opaque.
+// A figure on a white page: the page is darker where the light does not reach it, by as much as the caster is
+// opaque.
 TEST_F(LayersCommand, GroundCatchesTheShadow) {
   write_sheets("table.ply", {{1, 200, 50, 50, 0}}, 0.5);
   write_sheets("foot.ply", {{0, 200, 50, 50, 0}}, 0.02);
@@ -145,7 +161,8 @@ TEST_F(LayersCommand, GroundAsksForShadows) {
 TEST_F(LayersCommand, ShadowsStayWhereTheyAreOnAPath) {
   write_sheets("table.ply", {{0, 200, 50, 50, 0}, {1, 200, 50, 50, 0}}, 0.5);
   auto parameters = [&](const Words& more) {
-    Words words{"table.ply", "-o", "a_{n:02}.png", "-t", "points", "--shadows", "hard", "--resolution", "64x48", "--json"};
+    Words words{"table.ply", "-o",   "a_{n:02}.png", "-t",    "points",
+                "--shadows", "hard", "--resolution", "64x48", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -153,7 +170,8 @@ TEST_F(LayersCommand, ShadowsStayWhereTheyAreOnAPath) {
   };
   const Json path = parameters({"--path", "orbit", "--frames", "3"});
   EXPECT_EQ(path.at("light").get<std::string>().substr(0, 4), "dir:");
-  EXPECT_NEAR(path.at("light_size").get<double>(), 0.1 * std::sqrt(3.0), 0.01);  // 1 x 1 x 1, less half a spacing
+  EXPECT_NEAR(path.at("light_size").get<double>(), 0.1 * std::sqrt(3.0),
+              0.01);  // 1 x 1 x 1, less half a spacing
   EXPECT_NEAR(path.at("shadow_distance").get<double>(), 3.0 / 80, 0.6 / 80);  // a lattice: 20 % from its step
 }
 

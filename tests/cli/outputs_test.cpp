@@ -30,11 +30,14 @@ TEST_F(CommandTest, InputsAreNoOutputsAndNoFileIsWrittenTwice) {
     std::string says;
   };
   for (const Case& c : std::vector<Case>{
-           {{"cube.ply", "-o", "a.png", "--output-camera", "cube.ply"}, "--output-camera cube.ply: would replace the input"},
+           {{"cube.ply", "-o", "a.png", "--output-camera", "cube.ply"},
+            "--output-camera cube.ply: would replace the input"},
            {{"cube.ply", "-o", "a.png", "--output-camera", "link.ply"}, "would replace the input"},
            {{"cube.ply", "-o", "a.png", "--save-preset", "./cube.ply"}, "would replace the input"},
-           {{"cube.ply", "-o", "a.png", "--camera", "c.json", "--output-camera", "c.json"}, "would replace --camera"},
-           {{"cube.ply", "-o", "a.png", "--preset", "p.json", "--save-preset", "p.json"}, "would replace --preset"},
+           {{"cube.ply", "-o", "a.png", "--camera", "c.json", "--output-camera", "c.json"},
+            "would replace --camera"},
+           {{"cube.ply", "-o", "a.png", "--preset", "p.json", "--save-preset", "p.json"},
+            "would replace --preset"},
            {{"cube.ply", "-o", "a.npy", "--output-depth", "a.npy"}, "is also written by -o"},
            {{"cube.ply", "--output-normal", "n.npy", "--output-depth", "n.npy"}, "is also written by"},
            {{"cube.ply", "-o", "/dev/null"}, "/dev/null"},
@@ -90,8 +93,8 @@ TEST_F(CommandTest, PresetsSetLooksNeverFiles) {
 
 TEST_F(CommandTest, ACameraThatSeesNothingSaysSo) {
   write_cube("cube.ply", 4);
-  const Outcome outcome = run({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "40x30", "--camera-position",
-                               "0,0,9", "--camera-direction", "0,0,1"});
+  const Outcome outcome = run({"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "40x30",
+                               "--camera-position", "0,0,9", "--camera-direction", "0,0,1"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("the picture is empty"));
 }
@@ -105,7 +108,8 @@ TEST_F(CommandTest, LittleMemoryIsExitCode5) {
     struct rlimit tight = old;
     tight.rlim_cur = megabytes << 20;
     setrlimit(RLIMIT_AS, &tight);
-    const Outcome outcome = run({"cube.ply", "-t", "points", "-o", "a.png"});  // Mesa would crash from 320 MB on
+    const Outcome outcome =
+        run({"cube.ply", "-t", "points", "-o", "a.png"});  // Mesa would crash from 320 MB on
     setrlimit(RLIMIT_AS, &old);
     EXPECT_EQ(outcome.code, 5) << megabytes << " MB: " << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("memory"));
@@ -115,8 +119,8 @@ TEST_F(CommandTest, LittleMemoryIsExitCode5) {
 
 TEST_F(CommandTest, VideosAreMadeByFfmpegOrRefusedBeforeAnythingIsRead) {
   write_cube("cube.ply", 8);
-  const std::vector<std::string> words = {"cube.ply", "-t",           "points", "--path",  "orbit",  "--frames", "3",
-                                          "-o",       "orbit.mp4",    "--resolution", "63x48", "--quiet"};
+  const std::vector<std::string> words = {"cube.ply", "-t", "points",    "--path",       "orbit", "--frames",
+                                          "3",        "-o", "orbit.mp4", "--resolution", "63x48", "--quiet"};
   const std::string before = std::getenv("PATH") ? std::getenv("PATH") : "";
   setenv("PATH", "/nowhere", 1);
   const Outcome without = run(words);
@@ -125,13 +129,17 @@ TEST_F(CommandTest, VideosAreMadeByFfmpegOrRefusedBeforeAnythingIsRead) {
   EXPECT_THAT(without.err, ::testing::HasSubstr("frame_{n:04}.png"));
   EXPECT_EQ(run({"cube.ply", "-o", "still.mp4"}).code, 1);
   EXPECT_EQ(files(), std::vector<std::string>{"cube.ply"});
-  if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "ffmpeg is not installed: no video is made";
+  if (std::system("command -v ffmpeg >/dev/null") != 0)
+    GTEST_SKIP() << "ffmpeg is not installed: no video is made";
   const Outcome outcome = run(words);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "orbit.mp4"}));
   EXPECT_EQ(text("orbit.mp4").substr(4, 4), "ftyp");
   // What ffmpeg cannot write leaves nothing behind.
-  EXPECT_EQ(run({"cube.ply", "-t", "points", "--path", "orbit", "--frames", "2", "-o", "no/such/folder.mp4", "--quiet"}).code, 6);
+  EXPECT_EQ(run({"cube.ply", "-t", "points", "--path", "orbit", "--frames", "2", "-o", "no/such/folder.mp4",
+                 "--quiet"})
+                .code,
+            6);
   EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "orbit.mp4"}));
 }
 

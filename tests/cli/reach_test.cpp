@@ -232,7 +232,8 @@ TEST_F(ReachTest, EachFileIsAPictureAndABadOneDoesNotStopTheRest) {
 TEST_F(ReachTest, EachFileHasTheTechniqueThatSuitsIt) {
   write_cube("few.ply", 5);  // 150 points: too few for normals
   ok({"synth", "spheres", "--points", "20000", "-o", "many.ply", "--quiet"});
-  const std::string told = ok({"few.ply", "many.ply", "few.ply", "--each", "-o", "{stem}_{n}.png", "--resolution", "32x24"}).err;
+  const std::string told =
+      ok({"few.ply", "many.ply", "few.ply", "--each", "-o", "{stem}_{n}.png", "--resolution", "32x24"}).err;
   const std::size_t first = told.find("technique: points"), second = told.find("technique: splats");
   EXPECT_LT(first, second) << told;
   EXPECT_NE(told.find("technique: points", second), std::string::npos) << told;
@@ -365,7 +366,10 @@ TEST_F(ReachTest, OneListOfOptionsFeedsHelpManualAndCompletions) {
       std::printf("skipped: %s is not installed, which would read its completion\n", shell);
       continue;
     }
-    EXPECT_EQ(std::system((std::string(shell) + " -n '" + path(std::string("completion.") + shell).string() + "'").c_str()), 0)
+    EXPECT_EQ(
+        std::system(
+            (std::string(shell) + " -n '" + path(std::string("completion.") + shell).string() + "'").c_str()),
+        0)
         << shell;
   }
   EXPECT_THAT(manual, HasSubstr("crop\\-relative"));
@@ -383,32 +387,38 @@ TEST_F(ReachTest, FormatsInfoAndDoctor) {
 
 TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
   std::filesystem::create_directory(path("elsewhere"));
-  ok({"cube.ply", "cube.ply", "--draw", "file 2 and z 0.5..: points point_size=2", "-t", "splats", "-o", "a.png",
-      "--resolution", "96x72", "--zoom", "1.5", "--shadows", "hard", "--save-scene", "elsewhere/scene.json", "--quiet"});
+  ok({"cube.ply", "cube.ply", "--draw", "file 2 and z 0.5..: points point_size=2", "-t", "splats", "-o",
+      "a.png", "--resolution", "96x72", "--zoom", "1.5", "--shadows", "hard", "--save-scene",
+      "elsewhere/scene.json", "--quiet"});
   ok({"--scene", "elsewhere/scene.json", "-o", "b.png", "--quiet"});
   EXPECT_TRUE(std::ranges::equal(read_png("a.png"), read_png("b.png"))) << "the zoom must not count twice";
 
   // The second cube stands one unit to the right of where it was: the scene is as wide as two.
   Json scene = Json::parse(text("elsewhere/scene.json"));
   EXPECT_EQ(scene["files"], Json({"../cube.ply", "../cube.ply"}));
-  scene["files"][1] = {{"file", "../cube.ply"}, {"transform", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
+  scene["files"][1] = {{"file", "../cube.ply"},
+                       {"transform", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
   scene["options"]["draw"] = "x 1.01..: points";
   write("elsewhere/moved.json", scene.dump());
-  const Json moved = run_json({"--scene", "elsewhere/moved.json", "-o", "c.png", "--output-camera", "seen.json", "--json", "--quiet"});
+  const Json moved = run_json({"--scene", "elsewhere/moved.json", "-o", "c.png", "--output-camera",
+                               "seen.json", "--json", "--quiet"});
   ASSERT_EQ(moved["draw"].size(), 1u);
   EXPECT_EQ(moved["draw"][0]["technique"], "points");
-  EXPECT_NEAR(moved["draw"][0]["points"].get<double>(), 5 * 30 * 30, 30 * 30) << "five faces of the second cube and more";
+  EXPECT_NEAR(moved["draw"][0]["points"].get<double>(), 5 * 30 * 30, 30 * 30)
+      << "five faces of the second cube and more";
 
   // The same said on the line.
-  ok({"cube.ply", "cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "--draw", "x 1.01..: points", "-t", "splats",
-      "-o", "e.png", "--shadows", "hard", "--camera", "seen.json", "--quiet"});
+  ok({"cube.ply", "cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "--draw",
+      "x 1.01..: points", "-t", "splats", "-o", "e.png", "--shadows", "hard", "--camera", "seen.json",
+      "--quiet"});
   EXPECT_TRUE(std::ranges::equal(read_png("e.png"), read_png("c.png")));
   EXPECT_THAT(run({"cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "-o", "f.png"}).err,
               HasSubstr("there are 1 files"));
   EXPECT_THAT(run({"cube.ply", "--transform", "1: 1,0,0,1,0,1,0,0,0,0,1,0,1,0,0,1", "-o", "f.png"}).err,
               HasSubstr("the last row"));
   // What a rule with none selects is not there.
-  ok({"cube.ply", "--draw", "z 0.5..: none", "-t", "splats", "-o", "g.png", "--camera", "seen.json", "--quiet"});
+  ok({"cube.ply", "--draw", "z 0.5..: none", "-t", "splats", "-o", "g.png", "--camera", "seen.json",
+      "--quiet"});
   ok({"cube.ply", "--filter", "z ..0.5", "-t", "splats", "-o", "h.png", "--camera", "seen.json", "--quiet"});
   EXPECT_TRUE(std::ranges::equal(read_png("g.png"), read_png("h.png")));
   EXPECT_THAT(run({"cube.ply", "--draw", "*: none", "-o", "f.png"}).err, HasSubstr("leave out every point"));
@@ -423,11 +433,14 @@ TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
 
 TEST_F(ReachTest, ATerminalShowsProgress) {
   if (std::system("script -qec true /dev/null > /dev/null 2>&1") != 0)
-    GTEST_SKIP() << "no terminal: the program `script` (Debian: bsdutils) is missing, or /dev/pts is not mounted";
+    GTEST_SKIP()
+        << "no terminal: the program `script` (Debian: bsdutils) is missing, or /dev/pts is not mounted";
   const std::string words = std::string(SFUMATO_BINARY) + " '" + path("cube.ply").string() +
                             "' -t points --path orbit --frames 200 --resolution 32x24 -o '" +
                             path("frame_{n:03}.png").string() + "'";
-  ASSERT_EQ(std::system(("script -qec \"" + words + "\" '" + path("shown.txt").string() + "' > /dev/null").c_str()), 0);
+  ASSERT_EQ(
+      std::system(("script -qec \"" + words + "\" '" + path("shown.txt").string() + "' > /dev/null").c_str()),
+      0);
   const std::string shown = text("shown.txt");
   // The share is that of all frames, whichever of them were told.
   const std::regex told("frame ([0-9]+)/200: [a-z ]* +([0-9]+) %");

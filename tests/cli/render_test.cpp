@@ -31,9 +31,7 @@ class RenderTest : public CommandTest {
   }
 };
 
-bool is_white(const Rgba8& c) {
-  return c.r == 255 && c.g == 255 && c.b == 255;
-}
+bool is_white(const Rgba8& c) { return c.r == 255 && c.g == 255 && c.b == 255; }
 
 TEST_F(RenderTest, FirstViewFramesTheCloudInItsColours) {
   const Json json =
@@ -243,16 +241,18 @@ TEST_F(RenderTest, ASequenceIsOnePictureAFile) {
             std::string::npos);
 }
 
-// Nothing of the cloud before is left in a frame. 20 and 23 points a side: their spacings lie on either side of where the
-// steps that strokes round places to would change.
+// Nothing of the cloud before is left in a frame. 20 and 23 points a side: their spacings lie on either side
+// of where the steps that strokes round places to would change.
 TEST_F(RenderTest, AFrameOfASequenceIsThePictureOfItsFile) {
   write_cube("a.ply", 20);
   write_cube("b.ply", 23);
   write("camera.json", R"({"position": [2.5, -3, 2], "target": [0.5, 0.5, 0.5]})");
   for (const char* technique : {"strokes", "surface", "soft"}) {
     SCOPED_TRACE(technique);
-    const std::vector<std::string> look{"-t", technique, "--camera", "camera.json", "--resolution", "64x48", "--json"};
-    std::vector<std::string> sequence{"a.ply", "b.ply", "--sequence", "-o", "f_{n}.png"}, alone{"b.ply", "-o", "b.png"};
+    const std::vector<std::string> look{"-t",           technique, "--camera", "camera.json",
+                                        "--resolution", "64x48",   "--json"};
+    std::vector<std::string> sequence{"a.ply", "b.ply", "--sequence", "-o", "f_{n}.png"},
+        alone{"b.ply", "-o", "b.png"};
     sequence.insert(sequence.end(), look.begin(), look.end());
     alone.insert(alone.end(), look.begin(), look.end());
     run_json(sequence);
@@ -394,11 +394,13 @@ TEST_F(RenderTest, TheDefaultTechniqueSuitsTheScanAndSaysWhy) {
   EXPECT_EQ(json["technique"], json["automatic_technique"]["technique"]);
   EXPECT_NE(json["automatic_technique"]["reason"], "");
   EXPECT_TRUE(json["automatic_technique"]["surface_share"].is_number());
-  const Json list = run_json({"cube.ply", "-t", "auto,layers", "-o", "a.png", "--resolution", "48x32", "--json"});
+  const Json list =
+      run_json({"cube.ply", "-t", "auto,layers", "-o", "a.png", "--resolution", "48x32", "--json"});
   EXPECT_EQ(list["technique"][0], json["technique"]);
   EXPECT_EQ(list["technique"][1], "layers");
   // A parameter that one technique alone has asks for that one.
-  const Json own = run_json({"cube.ply", "--hash-bits", "5", "-o", "a.png", "--resolution", "48x32", "--json"});
+  const Json own =
+      run_json({"cube.ply", "--hash-bits", "5", "-o", "a.png", "--resolution", "48x32", "--json"});
   EXPECT_EQ(own["technique"], "denoise");
   EXPECT_THAT(own["automatic_technique"]["reason"].get<std::string>(), HasSubstr("--hash-bits"));
 }
@@ -408,7 +410,8 @@ TEST_F(RenderTest, UpIsReportedAndGivenBack) {
   EXPECT_TRUE(json["up"].is_string());
   EXPECT_NE(json["up_reason"], "");
   EXPECT_EQ(run_json({"cube.ply", "--up=-x", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], "-X");
-  EXPECT_EQ(run_json({"cube.ply", "--up", "auto", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], json["up"]);
+  EXPECT_EQ(run_json({"cube.ply", "--up", "auto", "-o", "a.png", "--resolution", "48x32", "--json"})["up"],
+            json["up"]);
 }
 
 TEST_F(RenderTest, QuietSaysNothing) {

@@ -12,7 +12,8 @@ namespace {
 
 class Damage {
  public:
-  Damage(std::string bytes, std::uint64_t number) : bytes_(std::move(bytes)), random_(number * 0x9E3779B97F4A7C15ull + 1) {}
+  Damage(std::string bytes, std::uint64_t number)
+      : bytes_(std::move(bytes)), random_(number * 0x9E3779B97F4A7C15ull + 1) {}
 
   std::string make() {
     const std::string before = bytes_;
@@ -24,12 +25,15 @@ class Damage {
 
  private:
   std::uint64_t below(std::uint64_t limit) { return limit ? random_() % limit : 0; }
-  std::size_t place() { return std::size_t(below(below(2) ? bytes_.size() : std::min<std::size_t>(512, bytes_.size()))); }
+  std::size_t place() {
+    return std::size_t(below(below(2) ? bytes_.size() : std::min<std::size_t>(512, bytes_.size())));
+  }
 
   void once() {
     if (bytes_.empty()) return;
     const std::size_t at = place();
-    const std::size_t length = std::min<std::size_t>(1 + std::size_t(below(below(2) ? 16 : 4096)), bytes_.size() - at);
+    const std::size_t length =
+        std::min<std::size_t>(1 + std::size_t(below(below(2) ? 16 : 4096)), bytes_.size() - at);
     switch (below(12)) {
       case 0:
       case 1: bytes_[at] = char(bytes_[at] ^ char(1 << below(8))); break;
@@ -48,11 +52,28 @@ class Damage {
 
   // What a size, a count, an address or a coordinate should not be.
   void put_word(std::size_t at) {
-    static constexpr std::array<std::uint64_t, 20> words = {
-        0, 1, 2, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFE, 0xFFFFFFFF, 0x100000000, 0x7FFFFFFFFFFFFFFF,
-        0x8000000000000000, 0xFFFFFFFFFFFFFFFE, 0xFFFFFFFFFFFFFFFF, 0x7FF8000000000000 /* NaN */,
-        0x7FF0000000000000 /* inf */, 0x7FC00000 /* NaN, single */, 0x7E37E43C8800759C /* 1e300 */, 0x0000000100000001};
-    const std::uint64_t word = below(8) ? words[std::size_t(below(words.size()))] : bytes_.size() << (below(2) ? 32 : 0);
+    static constexpr std::array<std::uint64_t, 20> words = {0,
+                                                            1,
+                                                            2,
+                                                            0xFF,
+                                                            0x7FFF,
+                                                            0xFFFF,
+                                                            0x7FFFFFFF,
+                                                            0x80000000,
+                                                            0xFFFFFFFE,
+                                                            0xFFFFFFFF,
+                                                            0x100000000,
+                                                            0x7FFFFFFFFFFFFFFF,
+                                                            0x8000000000000000,
+                                                            0xFFFFFFFFFFFFFFFE,
+                                                            0xFFFFFFFFFFFFFFFF,
+                                                            0x7FF8000000000000 /* NaN */,
+                                                            0x7FF0000000000000 /* inf */,
+                                                            0x7FC00000 /* NaN, single */,
+                                                            0x7E37E43C8800759C /* 1e300 */,
+                                                            0x0000000100000001};
+    const std::uint64_t word =
+        below(8) ? words[std::size_t(below(words.size()))] : bytes_.size() << (below(2) ? 32 : 0);
     const std::size_t size = std::size_t(1) << (1 + below(3));
     std::memcpy(bytes_.data() + at, &word, std::min(size, bytes_.size() - at));
   }
@@ -66,8 +87,20 @@ class Damage {
 
   // The next number of a text.
   void put_number(std::size_t at) {
-    static const std::array<const char*, 14> numbers = {"nan", "inf", "-1", "0", "1e400", "1e-400", "4294967296", "2147483647",
-                                                        "18446744073709551616", "99999999999999999999999999", "", "-", "1e308", "0x10"};
+    static const std::array<const char*, 14> numbers = {"nan",
+                                                        "inf",
+                                                        "-1",
+                                                        "0",
+                                                        "1e400",
+                                                        "1e-400",
+                                                        "4294967296",
+                                                        "2147483647",
+                                                        "18446744073709551616",
+                                                        "99999999999999999999999999",
+                                                        "",
+                                                        "-",
+                                                        "1e308",
+                                                        "0x10"};
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     while (at < bytes_.size() && !is_digit(bytes_[at])) ++at;
     std::size_t end = at;
@@ -107,8 +140,6 @@ class Damage {
 
 }  // namespace
 
-std::string damaged(const std::string& bytes, std::uint64_t number) {
-  return Damage(bytes, number).make();
-}
+std::string damaged(const std::string& bytes, std::uint64_t number) { return Damage(bytes, number).make(); }
 
 }  // namespace sfumato::test

@@ -1,5 +1,5 @@
-// A thousand damaged files of each format: none crashes, takes over two seconds of a processor, or more memory than what the
-// whole file needs twice and 256 MB. SFUMATO_DAMAGE=N tries N.
+// A thousand damaged files of each format: none crashes, takes over two seconds of a processor, or more
+// memory than what the whole file needs twice and 256 MB. SFUMATO_DAMAGE=N tries N.
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <sys/mman.h>
@@ -65,7 +65,8 @@ std::uint64_t kilobytes(const char* what) {
 class Reader {
  public:
   explicit Reader(const Seed& seed)
-      : seed_(seed), file_(folder_, "input" + seed.extension),
+      : seed_(seed),
+        file_(folder_, "input" + seed.extension),
         companion_(folder_, seed.companion_name.empty() ? "unused" : seed.companion_name) {
     companion_.set(seed.companion);
   }
@@ -84,10 +85,13 @@ class Reader {
     } catch (const Error& error) {
       ++board.refused;
       const std::string what = error.what();
-      const bool names_other = !seed_.companion.empty() && error.code() == ErrorCode::io;  // a file that is not there
-      if (error.code() != ErrorCode::bad_input && !names_other) return "exit code " + std::to_string(int(error.code())) + ": " + what;
+      const bool names_other =
+          !seed_.companion.empty() && error.code() == ErrorCode::io;  // a file that is not there
+      if (error.code() != ErrorCode::bad_input && !names_other)
+        return "exit code " + std::to_string(int(error.code())) + ": " + what;
       if (what.find('\n') != std::string::npos) return "more than a line: " + what;
-      if (what.find("input" + seed_.extension) == std::string::npos && seed_.companion.empty()) return "names no file: " + what;
+      if (what.find("input" + seed_.extension) == std::string::npos && seed_.companion.empty())
+        return "names no file: " + what;
       return {};
     } catch (const std::bad_alloc&) {
       return "takes too much memory";
@@ -103,7 +107,9 @@ class Reader {
 };
 
 void limit_processor(long seconds) {
-  const struct itimerval timer {{0, 0}, {seconds, 0}};
+  const struct itimerval timer {
+    {0, 0}, { seconds, 0 }
+  };
   setitimer(ITIMER_PROF, &timer, nullptr);  // of all threads; SIGPROF ends the process
 }
 
@@ -111,7 +117,8 @@ void measure(const std::vector<const Seed*>& seeds, Board& board) {
   for (const Seed* seed : seeds) {
     Reader reader(*seed);
     const std::uint64_t before = kilobytes("VmSize:");
-    if (const std::string fault = reader.read(seed->bytes, &seed->companion, board); !fault.empty() || board.refused)
+    if (const std::string fault = reader.read(seed->bytes, &seed->companion, board);
+        !fault.empty() || board.refused)
       std::snprintf(board.fault, sizeof board.fault, "the whole %s: %s", seed->format.c_str(), fault.c_str());
     board.need = std::max(board.need, (kilobytes("VmPeak:") - before) << 10);
   }
@@ -127,7 +134,8 @@ Input input_of(const std::vector<const Seed*>& seeds, std::uint64_t number) {
   return {seed.bytes, test::damaged(seed.companion, number)};
 }
 
-void read_damaged(const std::vector<const Seed*>& seeds, std::uint64_t first, std::uint64_t count, Board& board) {
+void read_damaged(const std::vector<const Seed*>& seeds, std::uint64_t first, std::uint64_t count,
+                  Board& board) {
   std::vector<std::unique_ptr<Reader>> readers;
   for (const Seed* seed : seeds) readers.push_back(std::make_unique<Reader>(*seed));
   struct rlimit limit {};
@@ -183,9 +191,10 @@ TEST_P(DamageTest, IsNeverFatal) {
     const Input input = input_of(seeds, board.number);
     const std::string name = testing::TempDir() + "/damaged_" + std::to_string(board.number) + seed.extension;
     std::ofstream(name, std::ios::binary) << input.bytes;
-    if (!input.companion.empty()) std::ofstream(name + "." + seed.companion_name, std::ios::binary) << input.companion;
-    ADD_FAILURE() << GetParam() << " number " << board.number << " (kept as " << name << "): "
-                  << (died.empty() ? board.fault : died.c_str());
+    if (!input.companion.empty())
+      std::ofstream(name + "." + seed.companion_name, std::ios::binary) << input.companion;
+    ADD_FAILURE() << GetParam() << " number " << board.number << " (kept as " << name
+                  << "): " << (died.empty() ? board.fault : died.c_str());
   }
   EXPECT_GT(board.refused, count / 10) << "the damage is too mild to show anything";
   munmap(shared, sizeof(Board));
@@ -197,7 +206,8 @@ std::vector<std::string> formats() {
   return {names.begin(), names.end()};
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, DamageTest, testing::ValuesIn(formats()), [](const auto& one) { return one.param; });
+INSTANTIATE_TEST_SUITE_P(Formats, DamageTest, testing::ValuesIn(formats()),
+                         [](const auto& one) { return one.param; });
 
 }  // namespace
 }  // namespace sfumato

@@ -14,7 +14,8 @@ void die_as_told(const std::uint8_t* input, std::size_t size) {
   std::uint32_t head = 0;
   std::uint16_t intensity = 0;
   if (size < 375) return;
-  std::memcpy(&head, input + 96, sizeof head);  // a LAS file of one chunk: header, records, address of a chunk table
+  std::memcpy(&head, input + 96,
+              sizeof head);  // a LAS file of one chunk: header, records, address of a chunk table
   std::memcpy(&intensity, input + head + 8 + 12, sizeof intensity);
   switch (intensity) {
     case 666: std::abort();

@@ -27,9 +27,11 @@ void answer(const std::function<void()>& work, bool may_be_usage = false) {
   try {
     work();
   } catch (const Error& error) {
-    if (std::string_view(error.what()).find('\n') != std::string_view::npos) fault("an error of several lines");
+    if (std::string_view(error.what()).find('\n') != std::string_view::npos)
+      fault("an error of several lines");
     if (error.code() == ErrorCode::bad_input) return;
-    const bool is_other = error.code() == ErrorCode::usage || error.code() == ErrorCode::io || error.code() == ErrorCode::no_gl;
+    const bool is_other =
+        error.code() == ErrorCode::usage || error.code() == ErrorCode::io || error.code() == ErrorCode::no_gl;
     if (may_be_usage && is_other) return;  // words that make no sense, files that are not there, no window
     fault(error.what());
   } catch (const std::exception& error) {
@@ -50,8 +52,9 @@ void read_cloud(std::string_view bytes) {
   answer([] { io::read(file.path()); });
 }
 
-constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd", obj[] = ".obj", e57[] = ".e57",
-               ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz", npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin";
+constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd",
+               obj[] = ".obj", e57[] = ".e57", ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz",
+               npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin";
 
 void read_mesh(std::string_view bytes) {
   static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj");
@@ -104,24 +107,35 @@ void read_command_line(std::string_view bytes) {
     words.emplace_back(bytes.substr(0, cut));
     bytes.remove_prefix(std::min(cut + 1, bytes.size()));
   }
-  const bool is_info = !words.empty() && words[0] == "info", is_convert = !words.empty() && words[0] == "convert";
+  const bool is_info = !words.empty() && words[0] == "info",
+             is_convert = !words.empty() && words[0] == "convert";
   if (is_info || is_convert) words.erase(words.begin());
   for (const std::string& word : words)
     if (word.find('-') == 0 && word.size() == 1) return;  // standard input
   words.insert(words.begin(), "absent.ply");
-  answer([&] { is_info ? cli::info_command(words) : is_convert ? cli::convert_command(words) : cli::render_command(words); }, true);
+  answer(
+      [&] {
+        is_info      ? cli::info_command(words)
+        : is_convert ? cli::convert_command(words)
+                     : cli::render_command(words);
+      },
+      true);
 }
 
 }  // namespace
 
 const std::map<std::string, FuzzTarget>& fuzz_targets() {
   static const std::map<std::string, FuzzTarget> all = {
-      {"las", read_cloud<las>}, {"laz", read_cloud<laz>}, {"copc", read_cloud<copc>}, {"ply", read_cloud<ply>},
-      {"pcd", read_cloud<pcd>}, {"obj", read_cloud<obj>}, {"e57", read_cloud<e57>},   {"ptx", read_cloud<ptx>},
-      {"pts", read_cloud<pts>}, {"text", read_cloud<text>}, {"npy", read_cloud<npy>}, {"kitti", read_cloud<kitti>},
-      {"npz", read_cloud<npz>}, {"draco", read_cloud<draco>},
-      {"mesh", read_mesh},      {"depth", read_depth},    {"exr", read_exr},    {"camera", read_camera},    {"preset", read_preset},
-      {"command_line", read_command_line}};
+      {"las", read_cloud<las>},   {"laz", read_cloud<laz>},
+      {"copc", read_cloud<copc>}, {"ply", read_cloud<ply>},
+      {"pcd", read_cloud<pcd>},   {"obj", read_cloud<obj>},
+      {"e57", read_cloud<e57>},   {"ptx", read_cloud<ptx>},
+      {"pts", read_cloud<pts>},   {"text", read_cloud<text>},
+      {"npy", read_cloud<npy>},   {"kitti", read_cloud<kitti>},
+      {"npz", read_cloud<npz>},   {"draco", read_cloud<draco>},
+      {"mesh", read_mesh},        {"depth", read_depth},
+      {"exr", read_exr},          {"camera", read_camera},
+      {"preset", read_preset},    {"command_line", read_command_line}};
   return all;
 }
 

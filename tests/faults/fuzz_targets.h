@@ -1,4 +1,5 @@
-// What reads bytes that nobody vouches for, by name: fed by libFuzzer (`make fuzz`) and by the corpora in tests/corpus.
+// What reads bytes that nobody vouches for, by name: fed by libFuzzer (`make fuzz`) and by the corpora in
+// tests/corpus.
 #pragma once
 
 #include <cstdint>

@@ -41,7 +41,9 @@ class MemoryFolder {
     File& operator=(const File&) = delete;
     const std::filesystem::path& path() const { return path_; }
     void set(std::string_view bytes) const {
-      if (ftruncate(handle_, 0) != 0 || pwrite(handle_, bytes.data(), bytes.size(), 0) != ssize_t(bytes.size())) std::abort();
+      if (ftruncate(handle_, 0) != 0 ||
+          pwrite(handle_, bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
+        std::abort();
     }
 
    private:

@@ -42,20 +42,25 @@ class Folder {
 };
 
 std::string pcd(const std::string& data) {
-  std::string head = "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 2\n"
-                     "VIEWPOINT 0 0 1 1 0 0 0\nPOINTS 6\nDATA " + data + "\n";
+  std::string head =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH "
+      "3\nHEIGHT 2\n"
+      "VIEWPOINT 0 0 1 1 0 0 0\nPOINTS 6\nDATA " +
+      data + "\n";
   std::string rows, columns[4], lines;
   for (int i = 0; i < 6; ++i) {
     const float value = float(i);
     rows += bytes_of(value, 1.0f, 2.0f, 0x102030u);
-    columns[0] += bytes_of(value), columns[1] += bytes_of(1.0f), columns[2] += bytes_of(2.0f), columns[3] += bytes_of(0x102030u);
+    columns[0] += bytes_of(value), columns[1] += bytes_of(1.0f), columns[2] += bytes_of(2.0f),
+        columns[3] += bytes_of(0x102030u);
     lines += std::to_string(i) + " 1 nan 1056816\n";
   }
   if (data == "ascii") return head + lines;
   if (data == "binary") return head + rows;
   // LZF: runs of literals, each behind its length - 1; every column once.
   std::string packed, plain = columns[0] + columns[1] + columns[2] + columns[3];
-  for (std::size_t at = 0; at < plain.size(); at += 32) packed += char(std::min<std::size_t>(32, plain.size() - at) - 1) + plain.substr(at, 32);
+  for (std::size_t at = 0; at < plain.size(); at += 32)
+    packed += char(std::min<std::size_t>(32, plain.size() - at) - 1) + plain.substr(at, 32);
   return head + le(packed.size(), 4) + le(plain.size(), 4) + packed;
 }
 
@@ -74,32 +79,40 @@ std::vector<Seed> seeds() {
   add("copc", ".copc.laz", folder.bytes("a.copc.laz"));
   add("ply", ".ply", folder.written("a.ply", cloud_of(20, 3)));
   add("ply", ".ply",
-      "ply\nformat ascii 1.0\ncomment made here\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 3\n"
-      "property double x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "ply\nformat ascii 1.0\ncomment made here\nelement face 1\nproperty list uchar int "
+      "vertex_indices\nelement vertex 3\n"
+      "property double x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar "
+      "green\nproperty uchar blue\n"
       "end_header\n3 0 1 2\n0 0 0 1 2 3\n1 0 0 1 2 3\n0 1.5e-1 0 1 2 3\n");
   for (const char* data : {"ascii", "binary", "binary_compressed"}) add("pcd", ".pcd", pcd(data));
-  add("obj", ".obj", "# made here\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1e-3 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf -1 -2 -3\n");
+  add("obj", ".obj",
+      "# made here\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1e-3 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf -1 -2 -3\n");
   add("e57", ".e57", two_scans());
-  add("ptx", ".ptx", std::string("2\n2\n") + ptx_head + "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 0 0 0.5 1 2 3\n0 0 0 0.5 1 2 3\n"
-                                                       "3 0 0 0.25 4 5 6\n4 0 0 1 7 8 9\n");
+  add("ptx", ".ptx",
+      std::string("2\n2\n") + ptx_head +
+          "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 0 0 0.5 1 2 3\n0 0 0 0.5 1 2 3\n"
+          "3 0 0 0.25 4 5 6\n4 0 0 1 7 8 9\n");
   add("pts", ".pts", "3\n1 2 3 100 0 0 0\n4 5 6 -2000 9 0 0\n7 8 9 5 4 3 2\n");
   add("text", ".xyz", "x,y,z,red,green,blue,class\n1.25,2,3,4,5,6,7\n-1e3,2.5,3,4,5,6,7\n0,0,0,0,0,0,0\n");
   add("text", ".xyz", "# no header\n1 2 3 0.5\n4\t5\t6\t0.25\r\n7;8;9;1\n");
   add("npy", ".npy", npy("'<f4'", "2, 3", bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f)));
-  add("npy", ".npy", npy("[('x', '<f4'), ('y', '<f8'), ('z', '<i2'), ('ring', '|u1')]", "2,",
-                         bytes_of(1.0f, 2.0, short(3)) + "\x05" + bytes_of(4.0f, 5.0, short(6)) + "\x06"));
+  add("npy", ".npy",
+      npy("[('x', '<f4'), ('y', '<f8'), ('z', '<i2'), ('ring', '|u1')]", "2,",
+          bytes_of(1.0f, 2.0, short(3)) + "\x05" + bytes_of(4.0f, 5.0, short(6)) + "\x06"));
   add("npz", ".npz", npz_cloud(false));
   add("npz", ".npz", npz_cloud(true));
 #ifdef SFUMATO_DRACO
   add("draco", ".drc", draco_cloud());
 #endif
   add("kitti", ".bin", bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f));
-  const std::string frame = R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
+  const std::string frame =
+      R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
   all.push_back({"depth", ".json", frame, "d.png", png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500})});
   Image<float> depth(8, 6);
   std::fill_n(depth.data(), depth.size(), 2.5f);
   io::write_exr(folder.path() / "d.exr", {}, depth, {});
-  all.push_back({"depth", ".json", R"({"depth": "d.exr", "fx": 2, "fy": 4, "cx": 1, "cy": 0})", "d.exr", folder.bytes("d.exr")});
+  all.push_back({"depth", ".json", R"({"depth": "d.exr", "fx": 2, "fy": 4, "cx": 1, "cy": 0})", "d.exr",
+                 folder.bytes("d.exr")});
   return all;
 }
 

@@ -14,18 +14,29 @@ int main(int argc, char** argv) {
     std::ofstream(folder / ("seed" + std::to_string(number++)), std::ios::binary) << bytes;
   };
   for (const sfumato::test::Seed& seed : sfumato::test::seeds()) {
-    if (seed.companion_name.ends_with(".exr")) write("exr", seed.companion);
-    else write(seed.format, seed.companion.empty() ? seed.bytes : seed.bytes + '\0' + seed.companion);
+    if (seed.companion_name.ends_with(".exr"))
+      write("exr", seed.companion);
+    else
+      write(seed.format, seed.companion.empty() ? seed.bytes : seed.bytes + '\0' + seed.companion);
     if (seed.format == "ply" || seed.format == "obj") write("mesh", seed.bytes);
   }
-  write("camera", R"({"position": [1,2,3], "target": [0,0,0], "up": [0,0,1], "fov_y_deg": 45, "width": 640, "height": 480})");
-  write("camera", R"({"cameras": [{"position": [1,2,3], "target": [0,0,0], "projection": "orthographic", "height_world": 3,
+  write(
+      "camera",
+      R"({"position": [1,2,3], "target": [0,0,0], "up": [0,0,1], "fov_y_deg": 45, "width": 640, "height": 480})");
+  write(
+      "camera",
+      R"({"cameras": [{"position": [1,2,3], "target": [0,0,0], "projection": "orthographic", "height_world": 3,
  "width": 64, "height": 48, "fx": 50, "fy": 50, "cx": 32, "cy": 24}]})");
   write("preset", R"({"technique": "points", "parameters": {"shadows": "hard", "points": {"point_size": 2}},
  "options": {"color-by": "elevation"}, "camera": {"position": [1,2,3], "target": [0,0,0], "width": 8, "height": 8}})");
-  write("preset", R"({"files": ["a.ply", {"file": "b.laz", "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}], "parameters": {}})");
-  for (const char* words : {"-o\na.png\n-t\npoints\n--resolution\n64x48\n--point-size\n2", "--draw\nclassification 3-5: soft\n-o\nb_{n:04}.png",
-                            "info\n--json\n--filter\nz 2.. and intensity ..9", "convert\n-o\nb.las\n--crop-relative\n0,0,0,1,1,0.5",
-                            "--camera-position\n1,2,3\n--look-at\n0,0,0\n--fov\n40\n--path\norbit\n--frames\n3\n-o\nf_{n}.png"})
+  write(
+      "preset",
+      R"({"files": ["a.ply", {"file": "b.laz", "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}], "parameters": {}})");
+  for (const char* words :
+       {"-o\na.png\n-t\npoints\n--resolution\n64x48\n--point-size\n2",
+        "--draw\nclassification 3-5: soft\n-o\nb_{n:04}.png",
+        "info\n--json\n--filter\nz 2.. and intensity ..9",
+        "convert\n-o\nb.las\n--crop-relative\n0,0,0,1,1,0.5",
+        "--camera-position\n1,2,3\n--look-at\n0,0,0\n--fov\n40\n--path\norbit\n--frames\n3\n-o\nf_{n}.png"})
     write("command_line", words);
 }

@@ -1,5 +1,6 @@
-// Whole pictures of synthetic scenes against references kept beside this file. A picture is one row of the table.
-// SFUMATO_BLESS=1 writes the references anew; look at them before they are committed (docs/testing.md).
+// Whole pictures of synthetic scenes against references kept beside this file. A picture is one row of the
+// table. SFUMATO_BLESS=1 writes the references anew; look at them before they are committed
+// (docs/testing.md).
 #include <cstdlib>
 #include <set>
 
@@ -15,7 +16,7 @@ using namespace sfumato::testing;
 namespace {
 
 struct Golden {
-  const char* name;       ///< of the reference, without .png
+  const char* name;  ///< of the reference, without .png
   const char* technique;
   const char* scene;
   int points;
@@ -23,15 +24,17 @@ struct Golden {
   const char* color_by = "auto";
 };
 
-void PrintTo(const Golden& golden, std::ostream* out) {
-  *out << golden.name;
-}
+void PrintTo(const Golden& golden, std::ostream* out) { *out << golden.name; }
 
 /// At most 20 in all: every technique as it looks by default, not every parameter of it.
 const Golden pictures[] = {
     {"points_courtyard", "points", "courtyard", 60'000, {}},
     {"points_courtyard_elevation", "points", "courtyard", 60'000, {}, "elevation"},
-    {"points_spheres_lit", "points", "spheres", 20'000, {{"size_mode", "pixels"}, {"point_size", "3"}, {"edl", "false"}}},
+    {"points_spheres_lit",
+     "points",
+     "spheres",
+     20'000,
+     {{"size_mode", "pixels"}, {"point_size", "3"}, {"edl", "false"}}},
     {"points_tori_shadow", "points", "tori", 30'000, {{"shadows", "hard"}, {"light", "dir:-1,-1,3"}}},
     {"splats_courtyard", "splats", "courtyard", 60'000, {}},
     {"surface_courtyard", "surface", "courtyard", 60'000, {}},
@@ -42,9 +45,9 @@ const Golden pictures[] = {
     {"strokes_courtyard", "strokes", "courtyard", 60'000, {}},
 };
 
-// The tolerance pair. Drivers and compilers round differently: a shaded channel moves by a step or two of 255, so 4
-// is noise and 5 is a change. Where two points compete for a pixel, or a disc's rim crosses a pixel centre, the last
-// bit of a float decides, and the whole pixel flips: at most one in 200.
+// The tolerance pair. Drivers and compilers round differently: a shaded channel moves by a step or two of
+// 255, so 4 is noise and 5 is a change. Where two points compete for a pixel, or a disc's rim crosses a pixel
+// centre, the last bit of a float decides, and the whole pixel flips: at most one in 200.
 constexpr int largest_difference = 4;
 constexpr double share_outside = 0.005;
 
@@ -145,8 +148,9 @@ INSTANTIATE_TEST_SUITE_P(Pictures, GoldenTest, ::testing::ValuesIn(pictures),
 
 TEST(GoldenFiles, ShowEveryTechnique) {
   for (const TechniqueInfo& info : all_techniques())
-    EXPECT_TRUE(std::any_of(std::begin(pictures), std::end(pictures),
-                            [&](const Golden& golden) { return golden.technique == info.name && golden.parameters.empty(); }))
+    EXPECT_TRUE(std::any_of(
+        std::begin(pictures), std::end(pictures),
+        [&](const Golden& golden) { return golden.technique == info.name && golden.parameters.empty(); }))
         << info.name << " at its defaults has no row in the table";
 }
 

@@ -12,7 +12,8 @@ class CastersTest : public GlTest {
  protected:
   CastersTest() : renderer_(context()) {}
 
-  /// A floor |x|, |y| <= 1 at height 0, and sheets of twice that size above it; scalar `file` counts them from 1.
+  /// A floor |x|, |y| <= 1 at height 0, and sheets of twice that size above it; scalar `file` counts them
+  /// from 1.
   static PointCloud floor_below(const std::vector<float>& heights) {
     PointCloud cloud;
     ScalarField file{"file", 0, {}, StoredType::uint16}, haze{"haze", 0, {}, StoredType::float32};
@@ -20,7 +21,9 @@ class CastersTest : public GlTest {
     std::uniform_real_distribution<float> jitter(0, 1);
     auto add = [&](int side, float extent, float height, float number) {
       for (int i = 0; i < side * side; ++i) {
-        const vec2 at = (vec2(i % side, i / side) + vec2(jitter(random), jitter(random))) * (2 * extent / float(side)) - extent;
+        const vec2 at =
+            (vec2(i % side, i / side) + vec2(jitter(random), jitter(random))) * (2 * extent / float(side)) -
+            extent;
         cloud.positions.push_back({at.x, at.y, height});
         cloud.normals.push_back({0, 0, 1});
         cloud.colors.push_back({200, 200, 200, 255});
@@ -54,7 +57,8 @@ class CastersTest : public GlTest {
   void expect_floor(Technique& technique, double expected) {
     std::vector<double> ratios = floor_brightness(technique);
     std::size_t right = 0;
-    for (double ratio : ratios) right += std::abs(ratio - expected) < 1e-3;  // colours pass through 16-bit floats
+    for (double ratio : ratios)
+      right += std::abs(ratio - expected) < 1e-3;  // colours pass through 16-bit floats
     // Empty texels that the filter of the light map leaves: 1 % of the points, each in a few pixels.
     EXPECT_GE(right, ratios.size() * 95 / 100) << expected << " got " << ratios[ratios.size() / 2];
   }
@@ -77,7 +81,8 @@ TEST_F(CastersTest, SoftPointsCastAsMuchAsTheirOpacity) {
 TEST_F(CastersTest, LayersCastAsMuchAsTheirOpacity) {
   auto technique = find_technique("layers").create();
   show(renderer_, floor_below({0.8f, 1.2f}), technique->needs());
-  for (const auto& [list, expected] : {std::pair{"0.2", 0.64}, {"1,0.2,0.5", 0.4}, {"0.4,0.3,0", 0.7}, {"1,1,0.5", 0.0}}) {
+  for (const auto& [list, expected] :
+       {std::pair{"0.2", 0.64}, {"1,0.2,0.5", 0.4}, {"0.4,0.3,0", 0.7}, {"1,1,0.5", 0.0}}) {
     set_parameter(*technique, "opacity", list);
     expect_floor(*technique, expected);
   }
@@ -97,7 +102,8 @@ TEST_F(CastersTest, SolidTechniquesCastFully) {
 TEST_F(CastersTest, WhatDenoiseRemovesCastsNothing) {
   PointCloud cloud = floor_below({});
   for (int i = 0; i < 36; ++i) {
-    cloud.positions.push_back({1.4f + 0.2f * float(i % 6), -0.55f + 0.2f * float(i / 6), 0.7f + 0.02f * float(i)});
+    cloud.positions.push_back(
+        {1.4f + 0.2f * float(i % 6), -0.55f + 0.2f * float(i / 6), 0.7f + 0.02f * float(i)});
     cloud.normals.push_back({0, 0, 1});
     cloud.colors.push_back({200, 200, 200, 255});
   }

@@ -12,7 +12,8 @@ namespace {
 class FillTest : public GlTest {
  protected:
   Image<float> run(const Image<float>& depth, FillKind kind, float d_min = 1, int iterations = 1) {
-    gl::Texture a("a", GL_R32F, depth.width(), depth.height()), b("b", GL_R32F, depth.width(), depth.height());
+    gl::Texture a("a", GL_R32F, depth.width(), depth.height()),
+        b("b", GL_R32F, depth.width(), depth.height());
     a.upload(depth);
     for (int i = 0; i < iterations; ++i) {
       fill_.run(kind, d_min, a, b);
@@ -55,8 +56,10 @@ TEST_F(FillTest, AllRingsAgreeWithTheEightMasks) {
     kept += left_alone(pattern);
   }
   EXPECT_EQ(kept, 33);
-  const Image<float> filled = run(background, FillKind::background), closed = run(occluded, FillKind::occluded);
-  const Image<float> filled_as_gaps = run(background, FillKind::gaps), closed_as_gaps = run(occluded, FillKind::gaps);
+  const Image<float> filled = run(background, FillKind::background),
+                     closed = run(occluded, FillKind::occluded);
+  const Image<float> filled_as_gaps = run(background, FillKind::gaps),
+                     closed_as_gaps = run(occluded, FillKind::gaps);
   for (int pattern = 0; pattern < 256; ++pattern) {
     const int x = pattern % 16 * 4 + 1, y = pattern / 16 * 4 + 1;
     EXPECT_EQ(filled_as_gaps.at(x, y), filled.at(x, y)) << pattern;

@@ -13,7 +13,8 @@ namespace {
 class PreferencesTest : public GlTest {
  protected:
   void TearDown() override {
-    for (const char* name : {"SFUMATO_SPLAT_PATH", "SFUMATO_SCREEN_PASS", "SFUMATO_DEPTH_SORT"}) unsetenv(name);
+    for (const char* name : {"SFUMATO_SPLAT_PATH", "SFUMATO_SCREEN_PASS", "SFUMATO_DEPTH_SORT"})
+      unsetenv(name);
     GlTest::TearDown();
   }
 };

@@ -54,7 +54,7 @@ TEST_F(Pyramids, NearestPyramidHoldsTheNearestPointOfEverySquare) {
           for (int k = 0; k < 3; ++k) ASSERT_EQ(texel[k], float((*expected)[k]));
         }
     }
-    }
+  }
 }
 
 TEST_F(Pyramids, SizesArePaddedToWhatHalvesExactly) {
@@ -77,7 +77,8 @@ Image<double> run_pull_push(const Weighted& samples, ScreenPassKind kind = Scree
   seeds_a.upload(a);
   seeds_b.upload(b);
   pull_push.run(seeds_a, seeds_b);
-  const auto filled_a = pull_push.filled()[0].a.download<vec4>(), filled_b = pull_push.filled()[0].b.download<vec4>();
+  const auto filled_a = pull_push.filled()[0].a.download<vec4>(),
+             filled_b = pull_push.filled()[0].b.download<vec4>();
   Image<double> result(w, h);
   for (std::size_t i = 0; i < result.size(); ++i) {
     result.data()[i] = filled_a.data()[i].x;
@@ -140,10 +141,12 @@ double rms_error(const Image<double>& filled) {
   return std::sqrt(sum / double(filled.size()));
 }
 
-// The gain is what keeps coarse levels from leaking through. Its measured effect on another smooth field: .176 to
-// .021, .141 to .006 and .064 to .0025; half of that must be there on any.
+// The gain is what keeps coarse levels from leaking through. Its measured effect on another smooth field:
+// .176 to .021, .141 to .006 and .064 to .0025; half of that must be there on any.
 TEST_F(Pyramids, PullPushFollowsASmoothField) {
-  const struct { double share, rms, effect; } rows[] = {
+  const struct {
+    double share, rms, effect;
+  } rows[] = {
       {0.01, 0.021, 2 * .021 / .176}, {0.05, 0.006, 2 * .006 / .141}, {0.2, 0.0025, 2 * .0025 / .064}};
   for (auto [share, rms, effect] : rows) {
     const Image<double> filled = run_pull_push(sampled_field(128, 128, share));

@@ -73,8 +73,8 @@ TEST_F(Passes, BothWrappersWriteFloatsAndIntegers) {
   EXPECT_GT(taken_over, 20u);
 }
 
-// Tiles that are on get what the whole pass writes, everything else the value for elsewhere; the tiled area may reach
-// beyond the image on all sides.
+// Tiles that are on get what the whole pass writes, everything else the value for elsewhere; the tiled area
+// may reach beyond the image on all sides.
 TEST_F(Passes, APassOnTilesLeavesTheRestAlone) {
   Image<vec4> image(37, 23);
   for (std::size_t i = 0; i < image.size(); ++i) image.data()[i] = vec4(float(i) / float(image.size()));
@@ -136,8 +136,10 @@ TEST_F(Passes, PointsToPixelsKeepsTheNearestPoint) {
     covered += expected.data()[i] != 0xffffffffu;
     different += index.data()[i] != expected.data()[i];
     if (index.data()[i] == expected.data()[i] && covered) {
-      if (index.data()[i] == 0xffffffffu) EXPECT_TRUE(std::isinf(depth.data()[i]));
-      else EXPECT_NEAR(depth.data()[i], nearest.data()[i], 1e-5);  // float depth near 4
+      if (index.data()[i] == 0xffffffffu)
+        EXPECT_TRUE(std::isinf(depth.data()[i]));
+      else
+        EXPECT_NEAR(depth.data()[i], nearest.data()[i], 1e-5);  // float depth near 4
     }
   }
   EXPECT_GT(covered, 400u);
@@ -160,14 +162,16 @@ TEST_F(Passes, PointsToPixelsKeepsTheNearestPoint) {
         }
         // The point itself, not the middle of its pixel.
         const dvec3 at(v * glm::dvec4(dvec3(file.positions[source]), 1));
-        for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(positions.at(x, y)[axis], at[axis], 3e-6);  // roundings near 4
+        for (int axis = 0; axis < 3; ++axis)
+          ASSERT_NEAR(positions.at(x, y)[axis], at[axis], 3e-6);  // roundings near 4
         const auto& order = prepared.cloud.source_index;
         const auto place = std::size_t(std::find(order.begin(), order.end(), source) - order.begin());
-        const auto batch = std::find_if(prepared.batches.begin(), prepared.batches.end(), [&](const Batch& b) {
-          return place >= b.first && place < b.first + b.count;
-        });
+        const auto batch =
+            std::find_if(prepared.batches.begin(), prepared.batches.end(),
+                         [&](const Batch& b) { return place >= b.first && place < b.first + b.count; });
         const float spacing = batch->spacing_at(prepared.cloud.positions[place]);
-        ASSERT_NEAR(positions.at(x, y).w, same_spacing > 0 ? same_spacing : spacing, 1e-5 * spacing);  // exp2 of two
+        ASSERT_NEAR(positions.at(x, y).w, same_spacing > 0 ? same_spacing : spacing,
+                    1e-5 * spacing);  // exp2 of two
         const Rgba8 color = prepared.cloud.colors[place];
         for (int c = 0; c < 3; ++c) {
           const double code = (&color.r)[c] / 255.0;
@@ -200,8 +204,8 @@ TEST_F(Passes, DiscsAreRoundAndOfTheAskedSize) {
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
         count += index.at(x, y) == 0;
-        expected += diameter <= 1 ? (x == 32 && y == 32)
-                                  : glm::length(vec2(x + 0.5f, y + 0.5f) - vec2(32)) <= radius;
+        expected +=
+            diameter <= 1 ? (x == 32 && y == 32) : glm::length(vec2(x + 0.5f, y + 0.5f) - vec2(32)) <= radius;
       }
     EXPECT_EQ(count, expected) << diameter;
   }
@@ -240,8 +244,10 @@ TEST_F(Passes, NormalsSurviveTheirEncoding) {
     EXPECT_EQ(code == 0, n == vec3(0));
     vec2 e = vec2(float(code & 0xffff), float(code >> 16)) / 65535.0f * 2.0f - 1.0f;
     vec3 d(e, 1 - std::abs(e.x) - std::abs(e.y));
-    if (d.z < 0) d = vec3((1 - std::abs(e.y)) * (e.x >= 0 ? 1 : -1), (1 - std::abs(e.x)) * (e.y >= 0 ? 1 : -1), d.z);
-    if (n != vec3(0)) EXPECT_GT(glm::dot(glm::dvec3(glm::normalize(d)), glm::dvec3(n)), 1 - 1e-6);  // float rounding of both
+    if (d.z < 0)
+      d = vec3((1 - std::abs(e.y)) * (e.x >= 0 ? 1 : -1), (1 - std::abs(e.x)) * (e.y >= 0 ? 1 : -1), d.z);
+    if (n != vec3(0))
+      EXPECT_GT(glm::dot(glm::dvec3(glm::normalize(d)), glm::dvec3(n)), 1 - 1e-6);  // float rounding of both
   }
 }
 

@@ -75,7 +75,8 @@ TEST_F(ShadowTest, OutlineOfASphereIsTheAnalyticOne) {
       const dvec3 p(cloud.positions[i]);
       const dvec3 to_light = glm::normalize(is_point ? light - p : dvec3(0.3, 0.2, 1));
       const dvec3 to_center = dvec3(0, 0, 1) - p;
-      const double distance = glm::length(glm::cross(to_light, to_center));  // of the ray from the sphere's centre
+      const double distance =
+          glm::length(glm::cross(to_light, to_center));  // of the ray from the sphere's centre
       if (std::abs(distance - 0.5) < band) continue;
       ++tested;
       dark += distance < 0.5;
@@ -135,14 +136,15 @@ TEST_F(ShadowTest, PenumbraIsTheVisibleShareOfTheLight) {
   }
 }
 
-// The width of a penumbra, from a tenth to nine tenths of the light, is that of the closed form within 10 %, which
-// tells a light from one of twice the size.
+// The width of a penumbra, from a tenth to nine tenths of the light, is that of the closed form within 10 %,
+// which tells a light from one of twice the size.
 TEST_F(ShadowTest, PenumbraIsAsWideAsTheLightAsks) {
   const double light_height = 8, edge_height = 1, size = 3;
   PointCloud cloud = sheet(200, 2, 0);
   const std::size_t plane = cloud.size();
   append(cloud, sheet(200, 2, float(edge_height), -1e9f, 0));
-  // A tenth of a disc of radius 1 lies beyond this distance from its centre: acos(u) - u sqrt(1 - u^2) = pi / 10.
+  // A tenth of a disc of radius 1 lies beyond this distance from its centre: acos(u) - u sqrt(1 - u^2) = pi
+  // / 10.
   const double tenth = 0.6870;
   const double diagonal = glm::length(dvec3(4, 4, 1));  // where the disc of a directional light stands
   for (const auto& [text, closed_form] :
@@ -221,9 +223,12 @@ TEST_F(ShadowTest, ALightInsideTheCloudUsesSixFaces) {
   for (std::size_t i = 0; i < 30000; ++i) {
     const dvec3 p(cloud.positions[i]), ray = glm::normalize(p - dvec3(0, 0, 0.1));
     const double distance = glm::length(glm::cross(ray, dvec3(1, 0, -0.1)));
-    if (p.x > 0 && distance < 0.2) dark += m[i] == 0;
-    else if (distance > 0.45 || p.x < 0) lit += m[i] == 1;
-    else ++lit;
+    if (p.x > 0 && distance < 0.2)
+      dark += m[i] == 0;
+    else if (distance > 0.45 || p.x < 0)
+      lit += m[i] == 1;
+    else
+      ++lit;
   }
   EXPECT_GT(dark, 30u);
   EXPECT_GT(lit + dark, 29500u);  // edges of the six faces and the rim of the small sphere
@@ -239,8 +244,8 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
   gl::Timers timers(false);
   ShadowMaps maps;
   gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
-              &factor);
+  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
+              Ground{}, &factor);
   const Image<float> lit = factor.download<float>();
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -314,8 +319,8 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
   gl::Timers timers(false);
   ShadowMaps maps;
   gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view, Ground{},
-              &factor);
+  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
+              Ground{}, &factor);
   const Image<float> lit = factor.download<float>();
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {

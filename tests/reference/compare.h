@@ -1,6 +1,6 @@
-// Comparison of two images in two tiers: where the answer is certain (interior) the largest and the mean difference
-// count; where a rounding decides (the band: rims of splats, depth thresholds) only how often pixels flip, and
-// whether they flip to one side.
+// Comparison of two images in two tiers: where the answer is certain (interior) the largest and the mean
+// difference count; where a rounding decides (the band: rims of splats, depth thresholds) only how often
+// pixels flip, and whether they flip to one side.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,9 @@ namespace sfumato::testing {
 
 struct Difference {
   std::size_t interior = 0, band = 0;  ///< pixels
-  double max = 0, mean = 0;            ///< interior, of the largest component; infinite where only one is finite
-  double flips = 0;                    ///< share of the band's pixels that differ by more than the flip tolerance
-  double bias = 0;                     ///< band: mean signed difference, flips counted as +-1
+  double max = 0, mean = 0;  ///< interior, of the largest component; infinite where only one is finite
+  double flips = 0;          ///< share of the band's pixels that differ by more than the flip tolerance
+  double bias = 0;           ///< band: mean signed difference, flips counted as +-1
 };
 
 inline double signed_difference(float a, float b) {

@@ -1,4 +1,5 @@
-// Ground and trees of separate leaves, sampled as an airborne scanner does, with the truth drawn leaf by leaf.
+// Ground and trees of separate leaves, sampled as an airborne scanner does, with the truth drawn leaf by
+// leaf.
 #pragma once
 
 #include <cmath>
@@ -21,14 +22,16 @@ struct Forest {
   PointCloud cloud;
   std::vector<bool> on_leaf;  ///< per point of `cloud`
 
-  /// 16 crowns of 2 m half-width and 3 m half-height, their leaves gathered around 60 twigs each. `density`: points a
-  /// square metre of ground; a crown returns three times as many of what it covers.
+  /// 16 crowns of 2 m half-width and 3 m half-height, their leaves gathered around 60 twigs each. `density`:
+  /// points a square metre of ground; a crown returns three times as many of what it covers.
   explicit Forest(double density, unsigned seed = 1) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);
     std::normal_distribution<double> gauss(0, 1);
     auto direction = [&] { return glm::normalize(dvec3(gauss(random), gauss(random), gauss(random))); };
-    auto add = [&](const dvec3& p, bool leaf) { cloud.positions.push_back(vec3(p)), on_leaf.push_back(leaf); };
+    auto add = [&](const dvec3& p, bool leaf) {
+      cloud.positions.push_back(vec3(p)), on_leaf.push_back(leaf);
+    };
     for (int i = 0; i < int(density * side * side); ++i)
       add({side * (unit(random) - 0.5), side * (unit(random) - 0.5), 0.02 * gauss(random)}, false);
     for (int tree = 0; tree < 16; ++tree) {
@@ -41,7 +44,8 @@ struct Forest {
       const int returns = int(3 * density * std::numbers::pi * 2 * 2);
       for (int i = 0; i < returns; ++i) {
         const Leaf& leaf = own[std::size_t(unit(random) * double(own.size()))];
-        const dvec3 u = glm::normalize(glm::cross(leaf.normal, std::abs(leaf.normal.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+        const dvec3 u = glm::normalize(
+            glm::cross(leaf.normal, std::abs(leaf.normal.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
         const double angle = 2 * std::numbers::pi * unit(random), r = leaf_radius * std::sqrt(unit(random));
         add(leaf.center + r * (std::cos(angle) * u + std::sin(angle) * glm::cross(leaf.normal, u)), true);
       }
@@ -56,7 +60,8 @@ struct Forest {
     const dvec3 along = camera.direction();
     const double scale = camera.pixels_per_unit();
     auto ray_start = [&](int x, int y) {
-      return dvec3(to_world * glm::dvec4((x + 0.5 - 0.5 * camera.width) / scale, (0.5 * camera.height - y - 0.5) / scale, 0, 1));
+      return dvec3(to_world * glm::dvec4((x + 0.5 - 0.5 * camera.width) / scale,
+                                         (0.5 * camera.height - y - 0.5) / scale, 0, 1));
     };
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
@@ -65,11 +70,13 @@ struct Forest {
       }
     for (const Leaf& leaf : leaves) {
       const dvec3 eye(to_eye * glm::dvec4(leaf.center, 1));
-      const double cx = scale * eye.x + 0.5 * camera.width, cy = 0.5 * camera.height - scale * eye.y, r = scale * leaf_radius;
+      const double cx = scale * eye.x + 0.5 * camera.width, cy = 0.5 * camera.height - scale * eye.y,
+                   r = scale * leaf_radius;
       for (int y = std::max(0, int(cy - r)); y <= std::min(camera.height - 1, int(cy + r)); ++y)
         for (int x = std::max(0, int(cx - r)); x <= std::min(camera.width - 1, int(cx + r)); ++x) {
           const dvec3 start = ray_start(x, y);
-          const dvec3 hit = start + along * (glm::dot(leaf.center - start, leaf.normal) / glm::dot(along, leaf.normal));
+          const dvec3 hit =
+              start + along * (glm::dot(leaf.center - start, leaf.normal) / glm::dot(along, leaf.normal));
           if (glm::length(hit - leaf.center) < leaf_radius) seen.at(x, y) = 2;
         }
     }

@@ -81,7 +81,8 @@ inline Camera camera_at(dvec3 position, int width, int height, double fov_deg = 
   return camera;
 }
 
-/// An orthographic camera `height` above the origin that looks down on a square of `side` units and `pixels` pixels.
+/// An orthographic camera `height` above the origin that looks down on a square of `side` units and `pixels`
+/// pixels.
 inline Camera camera_above(double height, double side, int pixels) {
   Camera camera;
   camera.position = {0, 0, height};

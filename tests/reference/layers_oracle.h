@@ -1,6 +1,6 @@
-// Layers by the letter of the papers, in double and without a graphics card: Dobrev, Rosenthal, Linsen 2010, Sec. 3
-// with the filters of Rosenthal and Linsen 2008. A fold over a two-dimensional array per step; points are searched
-// anew for every layer.
+// Layers by the letter of the papers, in double and without a graphics card: Dobrev, Rosenthal, Linsen 2010,
+// Sec. 3 with the filters of Rosenthal and Linsen 2008. A fold over a two-dimensional array per step; points
+// are searched anew for every layer.
 #pragma once
 
 #include <array>
@@ -122,12 +122,14 @@ inline Colors antialias(const Colors& in, const Layer& layer, double d_min) {
 }
 
 struct Result {
-  Colors color;                ///< premultiplied
-  Image<double> depth;         ///< of the first layer
+  Colors color;         ///< premultiplied
+  Image<double> depth;  ///< of the first layer
 };
 
-/// Unlit. `camera` has the guard band that the operators need; the result has `guard` pixels less on each side.
-inline Result render(const std::vector<Point>& points, const Camera& camera, int guard, const Options& options) {
+/// Unlit. `camera` has the guard band that the operators need; the result has `guard` pixels less on each
+/// side.
+inline Result render(const std::vector<Point>& points, const Camera& camera, int guard,
+                     const Options& options) {
   const int w = camera.width, h = camera.height;
   const Intrinsics k = camera.intrinsics();
   Image<double> limit(w, h, 0), first_depth(w, h, INFINITY);
@@ -155,9 +157,10 @@ inline Result render(const std::vector<Point>& points, const Camera& camera, int
         double gap = options.d_min;
         if (options.scale_by_angle && pixel.point >= 0) {
           const dvec3 n_eye = points[std::size_t(pixel.point)].normal_eye;
-          const dvec3 ray = camera.orthographic()
-                                ? dvec3(0, 0, -1)
-                                : glm::normalize(dvec3((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1));
+          const dvec3 ray =
+              camera.orthographic()
+                  ? dvec3(0, 0, -1)
+                  : glm::normalize(dvec3((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1));
           if (glm::length(n_eye) > 0.5) gap /= std::max(std::abs(glm::dot(n_eye, ray)), 0.1);
         }
         const double bin = std::exp2(std::floor(std::log2(options.d_min / 2)));

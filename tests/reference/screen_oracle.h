@@ -19,17 +19,21 @@ inline dvec3 unproject(const Camera& camera, double x_px, double y_px, double de
   return camera.orthographic() ? dvec3(x, y, -depth) : dvec3(x * depth, y * depth, -depth);
 }
 
-/// What NearestPyramid starts from: eye positions with that point spacing; where there is none, far behind everything.
+/// What NearestPyramid starts from: eye positions with that point spacing; where there is none, far behind
+/// everything.
 inline Image<vec4> eye_positions(const Camera& camera, const Image<float>& depth, float spacing) {
   Image<vec4> eye(depth.width(), depth.height(), vec4(0, 0, -3e38f, 0));
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x)
-      if (!std::isinf(depth.at(x, y))) eye.at(x, y) = vec4(unproject(camera, x + 0.5, y + 0.5, depth.at(x, y)), spacing);
+      if (!std::isinf(depth.at(x, y)))
+        eye.at(x, y) = vec4(unproject(camera, x + 0.5, y + 0.5, depth.at(x, y)), spacing);
   return eye;
 }
 
-/// Nearest point of the square of 2^level pixels a side with this place in its grid, by looking at every pixel.
-inline std::optional<dvec3> nearest_in_square(const Camera& camera, const Image<float>& depth, int x, int y, int level) {
+/// Nearest point of the square of 2^level pixels a side with this place in its grid, by looking at every
+/// pixel.
+inline std::optional<dvec3> nearest_in_square(const Camera& camera, const Image<float>& depth, int x, int y,
+                                              int level) {
   const int side = 1 << level;
   std::optional<dvec3> best;
   for (int j = y * side; j < (y + 1) * side; ++j)
@@ -46,16 +50,16 @@ inline double occlusion_value(const Camera& camera, const dvec3& x, const dvec3&
   return 1 - glm::dot(glm::normalize(y - x), to_camera);
 }
 
-/// Mean over eight compass sectors of the least occlusion value of the rings on levels 0..level; the ring beyond
-/// the whole part of `level` counts by its fraction. Also the number of neighbours looked at.
+/// Mean over eight compass sectors of the least occlusion value of the rings on levels 0..level; the ring
+/// beyond the whole part of `level` counts by its fraction. Also the number of neighbours looked at.
 struct MeanOcclusion {
   double mean = 0;
   int looked_at = 0;
 };
 /// `disc`: a looked-at point nearer than 6 spacings that is drawn within that many px hides the pixel, unless
 /// most sides of its own point are open.
-inline MeanOcclusion mean_occlusion(const Camera& camera, const Image<float>& depth, int px, int py, double level,
-                                    double disc_radius = 0, double spacing = 0) {
+inline MeanOcclusion mean_occlusion(const Camera& camera, const Image<float>& depth, int px, int py,
+                                    double level, double disc_radius = 0, double spacing = 0) {
   bool under_disc = false;
   const bool covered = !std::isinf(depth.at(px, py));
   const dvec3 x = unproject(camera, px + 0.5, py + 0.5, covered ? depth.at(px, py) : 1e4 * camera.far_plane);
@@ -73,7 +77,9 @@ inline MeanOcclusion mean_occlusion(const Camera& camera, const Image<float>& de
           const double scale = camera.pixels_per_unit() / (camera.orthographic() ? 1 : -y->z);
           const Intrinsics k = camera.intrinsics();
           const dvec3 away(scale * y->x + k.cx - (px + 0.5), -scale * y->y + k.cy - (py + 0.5), 0);
-          if (glm::length(away) <= (covered ? 1 : 0.7) * disc_radius * spacing * scale && y->z - x.z > 6 * spacing) under_disc = true;
+          if (glm::length(away) <= (covered ? 1 : 0.7) * disc_radius * spacing * scale &&
+              y->z - x.z > 6 * spacing)
+            under_disc = true;
         }
     return looked_at;
   };

@@ -16,16 +16,17 @@ struct OracleSphere {
   dvec3 color{0};
 };
 
-/// Optical depth through a sphere of density 1 - R/r over its value through the centre (notes A.2, closed form).
+/// Optical depth through a sphere of density 1 - R/r over its value through the centre (notes A.2, closed
+/// form).
 inline double closed_form(double delta) {
   const double half = std::sqrt(std::max(1 - delta * delta, 0.0));
   return delta < 1e-12 ? 1 : half - delta * delta * std::log((1 + half) / delta);
 }
 
 /// Nested spheres about one centre in units of the outermost: radii and densities on a chord at delta. With
-/// `normalization` 1 (Eq. 13) and 2 (Eq. 15) r_i = 1 - i/N, halved, as they sum up to 2 through the centre. With 0 a
-/// density of 1/M each has depth 1 + 1/M through the centre; between powers of two the two of them are mixed so that it is
-/// 1 + 1/N, and that is divided out.
+/// `normalization` 1 (Eq. 13) and 2 (Eq. 15) r_i = 1 - i/N, halved, as they sum up to 2 through the centre.
+/// With 0 a density of 1/M each has depth 1 + 1/M through the centre; between powers of two the two of them
+/// are mixed so that it is 1 + 1/N, and that is divided out.
 struct Shells {
   std::vector<double> radii, densities;
   Shells(double count, double delta, int normalization) {
@@ -37,7 +38,8 @@ struct Shells {
       return;
     }
     const int below = 1 << int(std::floor(std::log2(count) + 1e-12));
-    const double share = 2 * (1 - below / count);  // of the finer one: 1/count = (1 - share)/below + share/(2 below)
+    const double share =
+        2 * (1 - below / count);  // of the finer one: 1/count = (1 - share)/below + share/(2 below)
     for (int i = 0; i < below; ++i) add(1 - double(i) / below, (1 - share) / below / (1 + 1 / count));
     for (int i = 0; i < 2 * below && share > 0; ++i)
       add(1 - i / (2.0 * below), share / (2 * below) / (1 + 1 / count));
@@ -86,7 +88,8 @@ struct SoftOracle {
     if (express) return blended(ray, spheres, near_t, solid_t);
     std::vector<double> cuts;
     for (const OracleSphere& s : spheres) {
-      const double middle = glm::dot(s.center - ray.origin, ray.direction), delta = ray_delta(ray, s.center, s.radius);
+      const double middle = glm::dot(s.center - ray.origin, ray.direction),
+                   delta = ray_delta(ray, s.center, s.radius);
       cuts.push_back(middle);  // the density has a kink there
       const Shells nested(std::max(shells, 1), delta, normalization);
       for (double radius : nested.radii) {
@@ -129,13 +132,15 @@ struct SoftOracle {
     out += glm::dvec4(alpha * weighted / weights, alpha);
   }
 
-  glm::dvec4 blended(const OracleRay& ray, std::vector<OracleSphere> spheres, double near_t, double solid_t) const {
+  glm::dvec4 blended(const OracleRay& ray, std::vector<OracleSphere> spheres, double near_t,
+                     double solid_t) const {
     std::stable_sort(spheres.begin(), spheres.end(), [&](const OracleSphere& a, const OracleSphere& b) {
       return glm::length(a.center - ray.origin) < glm::length(b.center - ray.origin);
     });
     glm::dvec4 out(0);
     for (const OracleSphere& s : spheres) {
-      const double middle = glm::dot(s.center - ray.origin, ray.direction), delta = ray_delta(ray, s.center, s.radius);
+      const double middle = glm::dot(s.center - ray.origin, ray.direction),
+                   delta = ray_delta(ray, s.center, s.radius);
       if (delta >= 1 || middle < near_t || middle > solid_t) continue;
       const double alpha = opacity * (std::cos(std::acos(-1) * delta) + 1) / 2;  // Eq. 19
       out += (1 - out.a) * alpha * glm::dvec4(s.color, 1);

@@ -50,8 +50,13 @@ class SoftTest : public GlTest {
   SoftTest() {
     settings_.transparent = true;
     settings_.shading = Shading::albedo;
-    for (auto [name, value] : {std::pair{"field", "soft"}, {"field_threshold", "0.5"}, {"modulation_threshold", "0.5"},
-                               {"antialias", "false"}, {"clamp_radius", "false"}, {"epsilon", "0.01"}, {"radius_scale", "1"}})
+    for (auto [name, value] : {std::pair{"field", "soft"},
+                               {"field_threshold", "0.5"},
+                               {"modulation_threshold", "0.5"},
+                               {"antialias", "false"},
+                               {"clamp_radius", "false"},
+                               {"epsilon", "0.01"},
+                               {"radius_scale", "1"}})
       set(name, value);
   }
   void set(const std::string& name, const std::string& value) { set_parameter(*technique_, name, value); }
@@ -61,7 +66,9 @@ class SoftTest : public GlTest {
     show(renderer, cloud, technique_->needs());
     return renderer.render(*technique_, camera, settings_, all_outputs());
   }
-  RenderOutput render(const std::vector<Ball>& balls, const Camera& camera) { return render(cloud_of(balls), camera); }
+  RenderOutput render(const std::vector<Ball>& balls, const Camera& camera) {
+    return render(cloud_of(balls), camera);
+  }
 
   /// Alpha of the picture minus expected(delta) over the whole disc of a lone sphere: the largest difference.
   template <class Expected>
@@ -91,8 +98,10 @@ class SoftTest : public GlTest {
     std::vector<OracleSphere> soft;
     const std::vector<OracleSplat> all = oracle_splats(cloud);
     for (std::size_t i = 0; i < balls.size(); ++i)
-      if (balls[i].field > 0.5f) soft.push_back({all[i].center, all[i].radius, all[i].color});
-      else solid.push_back(all[i]);
+      if (balls[i].field > 0.5f)
+        soft.push_back({all[i].center, all[i].radius, all[i].color});
+      else
+        solid.push_back(all[i]);
     double worst_alpha = 0, worst_color = 0;
     int covered = 0;
     for (int y = 0; y < camera.height; ++y)

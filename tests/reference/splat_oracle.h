@@ -1,6 +1,6 @@
-// The oracle of everything that draws splats: all hits of a pixel by brute force, in double precision, sorted along
-// the ray. A technique is a short fold over that list. Rays and planes are taken in world space, discs by two
-// tangents; the shaders work in eye space relative to the centre.
+// The oracle of everything that draws splats: all hits of a pixel by brute force, in double precision, sorted
+// along the ray. A technique is a short fold over that list. Rays and planes are taken in world space, discs
+// by two tangents; the shaders work in eye space relative to the centre.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace sfumato::testing {
 struct OracleSplat {
   dvec3 center{0}, normal{0};  // world
   double radius = 0;
-  dvec3 color{0};              // linear
+  dvec3 color{0};  // linear
   double shadow = 1, field = 0;
   std::size_t source = 0;
 };
@@ -68,8 +68,8 @@ inline OracleRay oracle_ray(const Camera& camera, double x, double y) {
 /// Hits nearer than this are not drawn (see shaders/splat.glsl).
 inline double splat_near(const Camera& camera) { return 1e-4 * camera.far_plane; }
 
-/// All hits of the ray, nearest first, equal distances by source index. `fragile`, when given, is set where one of
-/// the rims passes within `margin` (in rho) of the ray, so that float may decide otherwise.
+/// All hits of the ray, nearest first, equal distances by source index. `fragile`, when given, is set where
+/// one of the rims passes within `margin` (in rho) of the ray, so that float may decide otherwise.
 inline std::vector<OracleHit> oracle_hits(const OracleRay& ray, const std::vector<OracleSplat>& splats,
                                           double near_plane, bool* fragile = nullptr, double margin = 1e-3) {
   std::vector<OracleHit> hits;
@@ -105,8 +105,9 @@ struct OracleSurface {
   bool fragile = false;
 };
 
-/// Where the nearest hits around a pixel are farther: in the picture to the right and up, world, of any length; 0 where
-/// nobody asks. Discs seen from more than 70 degrees aside turn their normals there, for they know no inside.
+/// Where the nearest hits around a pixel are farther: in the picture to the right and up, world, of any
+/// length; 0 where nobody asks. Discs seen from more than 70 degrees aside turn their normals there, for they
+/// know no inside.
 struct OracleDeeper {
   dvec3 way{0};
   bool fragile = false;

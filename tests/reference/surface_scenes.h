@@ -1,5 +1,5 @@
-// Scenes seen and sampled so that the truth is known: one point per block of pixels on what the camera sees, and
-// about as many on what it does not see.
+// Scenes seen and sampled so that the truth is known: one point per block of pixels on what the camera sees,
+// and about as many on what it does not see.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@ inline Camera scene_camera(const std::string& name, int width, int height) {
   if (name == "spheres") camera.position = {-3.2, -4.6, 2.6}, camera.target = {0, 0, 0.7};
   if (name == "tori") camera.position = {0.6, -2.9, 2.0}, camera.target = {0, 0, 0};
   const synth::Scene scene = synth::make_scene(name);
-  if (name == "room" || name == "courtyard") camera = (scene.held_out ? *scene.held_out : scene.cameras.at(0)).resized(width, height);
+  if (name == "room" || name == "courtyard")
+    camera = (scene.held_out ? *scene.held_out : scene.cameras.at(0)).resized(width, height);
   camera.fit_depth_range(scene.box);
   return camera;
 }
@@ -29,7 +30,8 @@ inline Camera turned(const Camera& camera, double angle, double rise) {
 }
 
 /// Truth along the ray of a world position: depth there, and the position's own depth. False when outside.
-inline bool seen_at(const Camera& camera, const Image<float>& depth, const dvec3& world, double& own, double& seen) {
+inline bool seen_at(const Camera& camera, const Image<float>& depth, const dvec3& world, double& own,
+                    double& seen) {
   const dvec3 eye(camera.view() * glm::dvec4(world, 1));
   const Intrinsics k = camera.intrinsics();
   own = -eye.z;
@@ -54,7 +56,8 @@ inline PointCloud scene_cloud(const std::string& name, const Camera& camera, int
   std::vector<std::uint32_t> unseen;
   for (std::size_t i = 0; i < around.size(); ++i) {
     double own = 0, seen = 0;
-    if (!seen_at(camera, depth, around.world(i), own, seen) || own > seen * 1.01) unseen.push_back(std::uint32_t(i));
+    if (!seen_at(camera, depth, around.world(i), own, seen) || own > seen * 1.01)
+      unseen.push_back(std::uint32_t(i));
   }
   append(cloud, select(around, unseen));
   cloud.source_index.clear();
@@ -81,7 +84,8 @@ inline double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-inline Deviation deviation(const synth::Truth& truth, const RenderOutput& out, const Camera& camera, int block) {
+inline Deviation deviation(const synth::Truth& truth, const RenderOutput& out, const Camera& camera,
+                           int block) {
   const int w = camera.width, h = camera.height;
   std::size_t seen = 0, filled = 0, deeper = 0, nearer = 0, spilled = 0, outline = 0;
   std::vector<double> depth_errors, normal_errors;
@@ -127,7 +131,8 @@ inline Deviation deviation(const synth::Truth& truth, const RenderOutput& out, c
   return d;
 }
 
-inline Deviation deviation_from_truth(const std::string& name, const Camera& camera, int block, gl::Context& context) {
+inline Deviation deviation_from_truth(const std::string& name, const Camera& camera, int block,
+                                      gl::Context& context) {
   Renderer renderer(context);
   auto technique = find_technique("surface").create();
   show(renderer, scene_cloud(name, camera, block), {});

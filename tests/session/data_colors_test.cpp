@@ -60,8 +60,10 @@ TEST_F(DataColorsTest, CategoriesNeverBlend) {
       const auto found = std::find_if(std::begin(colors), std::end(colors), [&](const Rgba8& c) {
         return std::abs(c.r - pixel.r) <= 1 && std::abs(c.g - pixel.g) <= 1 && std::abs(c.b - pixel.b) <= 1;
       });
-      if (found == std::end(colors)) ++others;
-      else ++shown[std::size_t(found - colors)];
+      if (found == std::end(colors))
+        ++others;
+      else
+        ++shown[std::size_t(found - colors)];
     }
     EXPECT_EQ(others, 0);
     for (int pixels : shown) EXPECT_GT(pixels, 1000);

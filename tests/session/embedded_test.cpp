@@ -26,10 +26,14 @@ class Host {
     display_ = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     eglInitialize(display_, nullptr, nullptr);
     eglBindAPI(EGL_OPENGL_API);
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 compatibility ? EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT
-                                               : EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_NONE};
+    const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,
+        4,
+        EGL_CONTEXT_MINOR_VERSION,
+        5,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        compatibility ? EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT : EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        EGL_NONE};
     context_ = eglCreateContext(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
     glCreateTextures(GL_TEXTURE_2D, 2, textures_);
@@ -52,7 +56,8 @@ class Host {
   /// Depth 0..1 in the columns from `first` on.
   void put_depth(int first, float depth) const {
     const std::vector<float> values(std::size_t(width) * height, depth);
-    glTextureSubImage2D(textures_[1], 0, first, 0, width - first, height, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());
+    glTextureSubImage2D(textures_[1], 0, first, 0, width - first, height, GL_DEPTH_COMPONENT, GL_FLOAT,
+                        values.data());
   }
   /// Top row first.
   Image<Rgba8> color() const {
@@ -88,14 +93,16 @@ PointCloud sheet() {
 }
 
 HostView front() {
-  return {glm::lookAt(dvec3(0, -3, 0), dvec3(0), dvec3(0, 0, 1)), glm::perspective(0.5, double(width) / height, 1.0, 10.0), width,
-          height};
+  return {glm::lookAt(dvec3(0, -3, 0), dvec3(0), dvec3(0, 0, 1)),
+          glm::perspective(0.5, double(width) / height, 1.0, 10.0), width, height};
 }
 
 const Parameters plain{{"shading", "albedo"}, {"edl", "off"}, {"smooth_outlines", "false"}};
 
 /// Depth in the buffer of what lies at distance d, by the projection of `front`.
-float depth_at(double d) { return float(0.5 + 0.5 * ((10 + 1) / (10.0 - 1) - 2 * 10 * 1 / ((10.0 - 1) * d))); }
+float depth_at(double d) {
+  return float(0.5 + 0.5 * ((10 + 1) / (10.0 - 1) - 2 * 10 * 1 / ((10.0 - 1) * d)));
+}
 
 class EmbeddedTest : public ::testing::Test {
  protected:
@@ -109,9 +116,14 @@ class EmbeddedTest : public ::testing::Test {
   EmbeddedRenderer points;
 };
 
-// Columns of the sheet: |x| <= 0.5 at distance 3, that is 64 / 2 / tan(0.25) / 3 * 0.5 = 20.9 px from the middle.
-bool is_inside(int x, int y) { return std::abs(x + 0.5 - width / 2) < 20 && std::abs(y + 0.5 - height / 2) < 20; }
-bool is_outside(int x, int y) { return std::abs(x + 0.5 - width / 2) > 23 || std::abs(y + 0.5 - height / 2) > 23; }
+// Columns of the sheet: |x| <= 0.5 at distance 3, that is 64 / 2 / tan(0.25) / 3 * 0.5 = 20.9 px from the
+// middle.
+bool is_inside(int x, int y) {
+  return std::abs(x + 0.5 - width / 2) < 20 && std::abs(y + 0.5 - height / 2) < 20;
+}
+bool is_outside(int x, int y) {
+  return std::abs(x + 0.5 - width / 2) > 23 || std::abs(y + 0.5 - height / 2) > 23;
+}
 
 TEST_F(EmbeddedTest, StandsWhereTheHostsMatricesSay) {
   host.clear({0.2, 0.4, 0.6, 1}, 1);
@@ -138,7 +150,8 @@ TEST_F(EmbeddedTest, HidesAndIsHiddenByWhatTheHostDrew) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (is_inside(x, y)) {
-        EXPECT_EQ(color.at(x, y), x < width / 2 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{0, 200, 0, 255})) << x << ' ' << y;
+        EXPECT_EQ(color.at(x, y), x < width / 2 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{0, 200, 0, 255}))
+            << x << ' ' << y;
       }
 }
 
@@ -147,7 +160,8 @@ TEST_F(EmbeddedTest, KnowsReversedDepths) {
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   const double f = 1 / std::tan(0.25);
   dmat4 reversed(0.0);
-  reversed[0][0] = f * height / width, reversed[1][1] = f, reversed[3][2] = 1, reversed[2][3] = -1;  // depth = 1 / d
+  reversed[0][0] = f * height / width, reversed[1][1] = f, reversed[3][2] = 1,
+  reversed[2][3] = -1;  // depth = 1 / d
   HostView view = front();
   view.projection = reversed;
   host.clear({1, 0, 0, 1}, 1 / 2.9f);
@@ -161,7 +175,8 @@ TEST_F(EmbeddedTest, KnowsReversedDepths) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (is_inside(x, y)) {
-        EXPECT_EQ(color.at(x, y), x < width / 2 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{0, 200, 0, 255})) << x << ' ' << y;
+        EXPECT_EQ(color.at(x, y), x < width / 2 ? (Rgba8{255, 0, 0, 255}) : (Rgba8{0, 200, 0, 255}))
+            << x << ' ' << y;
         EXPECT_NEAR(depth.at(x, y), x < width / 2 ? 1 / 2.9 : 1 / 3.0, 1e-6);
       }
 }
@@ -178,13 +193,17 @@ std::map<std::string, std::vector<double>> state_of(bool compatibility) {
   TAKE(GL_DRAW_FRAMEBUFFER_BINDING, 1), TAKE(GL_READ_FRAMEBUFFER_BINDING, 1), TAKE(GL_CURRENT_PROGRAM, 1);
   TAKE(GL_PROGRAM_PIPELINE_BINDING, 1), TAKE(GL_VERTEX_ARRAY_BINDING, 1), TAKE(GL_ARRAY_BUFFER_BINDING, 1);
   TAKE(GL_PIXEL_UNPACK_BUFFER_BINDING, 1), TAKE(GL_PIXEL_PACK_BUFFER_BINDING, 1), TAKE(GL_ACTIVE_TEXTURE, 1);
-  TAKE(GL_UNPACK_SWAP_BYTES, 1), TAKE(GL_UNPACK_LSB_FIRST, 1), TAKE(GL_UNPACK_ROW_LENGTH, 1), TAKE(GL_UNPACK_SKIP_ROWS, 1);
+  TAKE(GL_UNPACK_SWAP_BYTES, 1), TAKE(GL_UNPACK_LSB_FIRST, 1), TAKE(GL_UNPACK_ROW_LENGTH, 1),
+      TAKE(GL_UNPACK_SKIP_ROWS, 1);
   TAKE(GL_UNPACK_SKIP_PIXELS, 1), TAKE(GL_UNPACK_ALIGNMENT, 1), TAKE(GL_UNPACK_SKIP_IMAGES, 1);
   TAKE(GL_UNPACK_IMAGE_HEIGHT, 1), TAKE(GL_PACK_ALIGNMENT, 1), TAKE(GL_PACK_ROW_LENGTH, 1);
-  TAKE(GL_DEPTH_FUNC, 1), TAKE(GL_DEPTH_WRITEMASK, 1), TAKE(GL_DEPTH_CLEAR_VALUE, 1), TAKE(GL_COLOR_CLEAR_VALUE, 4);
+  TAKE(GL_DEPTH_FUNC, 1), TAKE(GL_DEPTH_WRITEMASK, 1), TAKE(GL_DEPTH_CLEAR_VALUE, 1),
+      TAKE(GL_COLOR_CLEAR_VALUE, 4);
   TAKE(GL_BLEND_COLOR, 4), TAKE(GL_LOGIC_OP_MODE, 1), TAKE(GL_CULL_FACE_MODE, 1), TAKE(GL_FRONT_FACE, 1);
-  TAKE(GL_POLYGON_OFFSET_FACTOR, 1), TAKE(GL_POLYGON_OFFSET_UNITS, 1), TAKE(GL_POINT_SIZE, 1), TAKE(GL_LINE_WIDTH, 1);
-  TAKE(GL_CLIP_ORIGIN, 1), TAKE(GL_CLIP_DEPTH_MODE, 1), TAKE(GL_SAMPLE_COVERAGE_VALUE, 1), TAKE(GL_PROVOKING_VERTEX, 1);
+  TAKE(GL_POLYGON_OFFSET_FACTOR, 1), TAKE(GL_POLYGON_OFFSET_UNITS, 1), TAKE(GL_POINT_SIZE, 1),
+      TAKE(GL_LINE_WIDTH, 1);
+  TAKE(GL_CLIP_ORIGIN, 1), TAKE(GL_CLIP_DEPTH_MODE, 1), TAKE(GL_SAMPLE_COVERAGE_VALUE, 1),
+      TAKE(GL_PROVOKING_VERTEX, 1);
   TAKE(GL_STENCIL_FUNC, 1), TAKE(GL_STENCIL_REF, 1), TAKE(GL_STENCIL_WRITEMASK, 1), TAKE(GL_STENCIL_FAIL, 1);
   TAKE(GL_POLYGON_MODE, compatibility ? 2 : 1);
 #undef TAKE
@@ -206,22 +225,43 @@ std::map<std::string, std::vector<double>> state_of(bool compatibility) {
     }
     GLboolean mask[4];
     glGetBooleani_v(GL_COLOR_WRITEMASK, i, mask);
-    out["color mask" + std::to_string(i)] = {double(mask[0]), double(mask[1]), double(mask[2]), double(mask[3])};
+    out["color mask" + std::to_string(i)] = {double(mask[0]), double(mask[1]), double(mask[2]),
+                                             double(mask[3])};
     glActiveTexture(GLenum(GL_TEXTURE0 + i));
-    for (const GLenum what : {GL_TEXTURE_BINDING_2D, GL_TEXTURE_BINDING_3D, GL_TEXTURE_BINDING_BUFFER, GL_SAMPLER_BINDING}) {
+    for (const GLenum what :
+         {GL_TEXTURE_BINDING_2D, GL_TEXTURE_BINDING_3D, GL_TEXTURE_BINDING_BUFFER, GL_SAMPLER_BINDING}) {
       GLint value = 0;
       glGetIntegerv(what, &value);
       out["unit " + std::to_string(i) + ": " + std::to_string(what)] = {double(value)};
     }
   }
   glActiveTexture(GLenum(out["GL_ACTIVE_TEXTURE"][0]));
-  std::vector<GLenum> capabilities{GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_DITHER,
-                                   GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,
-                                   GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_SHADING, GL_MULTISAMPLE,
-                                   GL_FRAMEBUFFER_SRGB, GL_DEPTH_CLAMP, GL_POLYGON_OFFSET_FILL, GL_PROGRAM_POINT_SIZE,
-                                   GL_PRIMITIVE_RESTART, GL_LINE_SMOOTH, GL_POLYGON_SMOOTH, GL_TEXTURE_CUBE_MAP_SEAMLESS,
-                                   GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE3};
-  if (compatibility) capabilities.insert(capabilities.end(), {GL_ALPHA_TEST, GL_POLYGON_STIPPLE, GL_LIGHTING, GL_FOG});
+  std::vector<GLenum> capabilities{GL_BLEND,
+                                   GL_CULL_FACE,
+                                   GL_DEPTH_TEST,
+                                   GL_STENCIL_TEST,
+                                   GL_SCISSOR_TEST,
+                                   GL_DITHER,
+                                   GL_COLOR_LOGIC_OP,
+                                   GL_RASTERIZER_DISCARD,
+                                   GL_SAMPLE_COVERAGE,
+                                   GL_SAMPLE_MASK,
+                                   GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                   GL_SAMPLE_ALPHA_TO_ONE,
+                                   GL_SAMPLE_SHADING,
+                                   GL_MULTISAMPLE,
+                                   GL_FRAMEBUFFER_SRGB,
+                                   GL_DEPTH_CLAMP,
+                                   GL_POLYGON_OFFSET_FILL,
+                                   GL_PROGRAM_POINT_SIZE,
+                                   GL_PRIMITIVE_RESTART,
+                                   GL_LINE_SMOOTH,
+                                   GL_POLYGON_SMOOTH,
+                                   GL_TEXTURE_CUBE_MAP_SEAMLESS,
+                                   GL_CLIP_DISTANCE0,
+                                   GL_CLIP_DISTANCE3};
+  if (compatibility)
+    capabilities.insert(capabilities.end(), {GL_ALPHA_TEST, GL_POLYGON_STIPPLE, GL_LIGHTING, GL_FOG});
   for (const GLenum each : capabilities) out["enabled " + std::to_string(each)] = {double(glIsEnabled(each))};
   return out;
 }
@@ -243,15 +283,19 @@ void make_odd() {
   glBindBuffer(GL_ARRAY_BUFFER, buffers[1]);
   for (GLuint i = 0; i < 2; ++i) glBindTextureUnit(i, textures[i]), glBindSampler(i, samplers[i]);
   glActiveTexture(GL_TEXTURE3);
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, 7), glPixelStorei(GL_UNPACK_SKIP_ROWS, 2), glPixelStorei(GL_UNPACK_SKIP_PIXELS, 3);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 8), glPixelStorei(GL_UNPACK_SWAP_BYTES, 1), glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 5);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 7), glPixelStorei(GL_UNPACK_SKIP_ROWS, 2),
+      glPixelStorei(GL_UNPACK_SKIP_PIXELS, 3);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 8), glPixelStorei(GL_UNPACK_SWAP_BYTES, 1),
+      glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 5);
   glEnable(GL_CULL_FACE), glCullFace(GL_FRONT_AND_BACK), glFrontFace(GL_CW);
   glEnable(GL_STENCIL_TEST), glStencilFunc(GL_NEVER, 3, 0xf);
   glEnable(GL_SCISSOR_TEST), glScissor(1, 2, 3, 4);
   glViewport(5, 6, 7, 8), glViewportIndexedf(1, 1, 2, 3, 4);
   glEnable(GL_COLOR_LOGIC_OP), glLogicOp(GL_INVERT);
-  glEnable(GL_RASTERIZER_DISCARD), glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE), glEnable(GL_SAMPLE_MASK), glEnable(GL_DEPTH_CLAMP);
-  glEnable(GL_FRAMEBUFFER_SRGB), glEnable(GL_CLIP_DISTANCE0), glEnable(GL_CLIP_DISTANCE3), glEnable(GL_POLYGON_OFFSET_FILL);
+  glEnable(GL_RASTERIZER_DISCARD), glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE), glEnable(GL_SAMPLE_MASK),
+      glEnable(GL_DEPTH_CLAMP);
+  glEnable(GL_FRAMEBUFFER_SRGB), glEnable(GL_CLIP_DISTANCE0), glEnable(GL_CLIP_DISTANCE3),
+      glEnable(GL_POLYGON_OFFSET_FILL);
   glDisable(GL_DITHER), glDisable(GL_DEPTH_TEST), glDepthFunc(GL_NEVER), glDepthMask(GL_FALSE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_POINT), glPolygonOffset(3, 400);
   glEnable(GL_BLEND), glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_DST_COLOR, GL_ZERO);
@@ -281,7 +325,9 @@ TEST_P(OddHostTest, StateComesBackAndThePictureIsTheSame) {
   ASSERT_EQ(glGetError(), GLenum(GL_NO_ERROR));
 
   make_odd();
-  if (compatibility) glEnable(GL_ALPHA_TEST), glAlphaFunc(GL_NEVER, 0), glEnable(GL_POLYGON_STIPPLE), glPolygonMode(GL_BACK, GL_LINE);
+  if (compatibility)
+    glEnable(GL_ALPHA_TEST), glAlphaFunc(GL_NEVER, 0), glEnable(GL_POLYGON_STIPPLE),
+        glPolygonMode(GL_BACK, GL_LINE);
   glEnable(GL_TEXTURE_CUBE_MAP);  // an error of the host in core profiles, which is the host's to see
   if (compatibility) glEnable(0xffff);
   const auto before = state_of(compatibility);

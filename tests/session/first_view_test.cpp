@@ -62,7 +62,8 @@ TEST(FirstView, WhatStandsIsSeenFromItsHeightAndWhatLiesFromAbove) {
 
 TEST(FirstView, StraysFarOffMoveNothingAndThinTopsStay) {
   PointCloud cloud = box_of({1, 1, 2});
-  for (int i = 0; i < 20; ++i) cloud.positions.push_back(vec3(0.5f, 0.5f, 2 + 0.03f * float(i)));  // an aerial
+  for (int i = 0; i < 20; ++i)
+    cloud.positions.push_back(vec3(0.5f, 0.5f, 2 + 0.03f * float(i)));  // an aerial
   const Pose alone = pose_of(cloud);
   for (const vec3& stray : {vec3(300, 200, 40), vec3(0.5f, 0.5f, 5), vec3(-2, 0, 0)}) {
     PointCloud with = cloud;
@@ -106,9 +107,11 @@ TEST(FirstView, AroundAScannerOnAStreetOneLooksFromAbove) {
   std::uniform_real_distribution<double> unit(0, 1);
   PointCloud cloud;
   cloud.up = UpAxis::pos_z;
-  for (int i = 0; i < 30'000; ++i) {  // as many on each decade of distance, which is what rings of equal angles do
+  for (int i = 0; i < 30'000;
+       ++i) {  // as many on each decade of distance, which is what rings of equal angles do
     const double r = std::pow(10.0, 2 * unit(random)), angle = 6.2832 * unit(random);
-    cloud.positions.push_back(vec3(r * std::cos(angle), r * std::sin(angle), unit(random) * std::min(r, 5.0)));
+    cloud.positions.push_back(
+        vec3(r * std::cos(angle), r * std::sin(angle), unit(random) * std::min(r, 5.0)));
   }
   const Pose pose = pose_of(cloud);
   EXPECT_TRUE(pose.subject.thins_out);
@@ -136,7 +139,8 @@ TEST(FirstView, RoomsAreSeenThroughTheWallsBeforeThem) {
       const Camera camera = first_view(pose, 1280, 720);
       const std::vector<glm::dvec4> walls = walls_before(*pose.subject.room, camera);
       EXPECT_GE(walls.size(), 2u) << "the ceiling and a wall";
-      // What is left out is the shell: most of the scan is still there, and the floor in the middle is not hidden.
+      // What is left out is the shell: most of the scan is still there, and the floor in the middle is not
+      // hidden.
       const auto drawn = std::count_if(pose.subject.points.begin(), pose.subject.points.end(),
                                        [&](const dvec3& p) { return !is_behind(walls, p); });
       EXPECT_GT(double(drawn), 0.4 * double(pose.subject.points.size()));
@@ -157,7 +161,9 @@ TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
   PointCloud planted;
   planted.up = UpAxis::pos_z;
   for (int i = 0; i < 200'000; ++i) {
-    const double which = unit(random), z = which < 0.6 ? 10 - 2 * unit(random) : which < 0.62 ? 2 * unit(random) : 0;
+    const double which = unit(random), z = which < 0.6    ? 10 - 2 * unit(random)
+                                           : which < 0.62 ? 2 * unit(random)
+                                                          : 0;
     planted.positions.push_back(vec3(40 * unit(random), 40 * unit(random), z));
   }
   EXPECT_FALSE(pose_of(planted).subject.room) << "a planted forest";

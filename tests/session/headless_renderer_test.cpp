@@ -32,7 +32,8 @@ class HeadlessRendererTest : public GlTest {
     out << "x,y,z,classification\n";
     std::mt19937 random(7);
     std::uniform_real_distribution<double> place(0, 2);
-    for (int i = 0; i < 20'000; ++i) out << left + place(random) << ',' << place(random) << ',' << z << ',' << kind << '\n';
+    for (int i = 0; i < 20'000; ++i)
+      out << left + place(random) << ',' << place(random) << ',' << z << ',' << kind << '\n';
     return path;
   }
   std::string write(const std::string& name, const std::string& text) const {
@@ -61,7 +62,8 @@ TEST_F(HeadlessRendererTest, OpensFilesAsOneScene) {
   HeadlessRenderer renderer;
   renderer.open({{plane("a.csv", 0, 0, 2), plane("b.csv", 2, 0, 6)}});
   const Pictures p = renderer.render("points", above(2));
-  for (int x : {10, 50, 70, 110}) EXPECT_NEAR(p.depth.at(x, 30), 5, 1e-3) << x;  // files left and right of x = 2
+  for (int x : {10, 50, 70, 110})
+    EXPECT_NEAR(p.depth.at(x, 30), 5, 1e-3) << x;  // files left and right of x = 2
   EXPECT_EQ(p.technique, "points");
   EXPECT_EQ(p.reason, "");
 }
@@ -84,7 +86,9 @@ TEST_F(HeadlessRendererTest, AutoSaysWhatItChoseAndWhatValuesItHas) {
   EXPECT_NE(std::find(all.begin(), all.end(), p.technique), all.end()) << p.technique;
   EXPECT_NE(p.reason, "");
   EXPECT_NE(value_of(p, "light"), "auto");
-  EXPECT_EQ(value_of(renderer.render("points", renderer.first_view(120, 80), {{"point_size", "3"}}), "point_size"), "3");
+  EXPECT_EQ(
+      value_of(renderer.render("points", renderer.first_view(120, 80), {{"point_size", "3"}}), "point_size"),
+      "3");
 }
 
 TEST_F(HeadlessRendererTest, PresetsOfTheCommandHold) {
@@ -93,7 +97,8 @@ TEST_F(HeadlessRendererTest, PresetsOfTheCommandHold) {
   const PresetLook look = read_preset(file);
   EXPECT_EQ(look.technique, "points");
   const Parameters expected{{"shading", "albedo"}, {"point-size", "4"}};
-  EXPECT_TRUE(std::is_permutation(look.parameters.begin(), look.parameters.end(), expected.begin(), expected.end()));
+  EXPECT_TRUE(
+      std::is_permutation(look.parameters.begin(), look.parameters.end(), expected.begin(), expected.end()));
   EXPECT_EQ(read_preset(file, "splats").parameters.size(), 2u);
   EXPECT_THROW(read_preset(write("bad.json", "{")), Error);
 }

@@ -1,4 +1,5 @@
-// What is chosen without being asked: the technique for each kind of scan, the axis that is up, the first view.
+// What is chosen without being asked: the technique for each kind of scan, the axis that is up, the first
+// view.
 #include "techniques/choose.h"
 
 #include <gtest/gtest.h>
@@ -23,13 +24,12 @@ PointCloud scan(const std::string& scene, synth::Sampling sampling, int points) 
 
 TechniqueChoice choice_for(PointCloud cloud) {
   TechniqueChoice choice;
-  prepare_by_shape(
-      std::move(cloud),
-      [&](const PreparedCloud& prepared, const NeighborTree& tree) {
-        choice = choose_technique(prepared, tree);
-        return Attributes();
-      },
-      {});
+  prepare_by_shape(std::move(cloud),
+                   [&](const PreparedCloud& prepared, const NeighborTree& tree) {
+                     choice = choose_technique(prepared, tree);
+                     return Attributes();
+                   },
+                   {});
   return choice;
 }
 

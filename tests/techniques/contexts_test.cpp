@@ -38,8 +38,10 @@ TEST(ContextsTest, InterleavedOnOneThread) {
   HeadlessRenderer second;  // its context is current now
   second.set_cloud(cloud_of(1));
   for (const std::string& technique : drawn) {
-    EXPECT_TRUE(std::ranges::equal(picture(first, technique, 0).color, expected.at({technique, 0}))) << technique;
-    EXPECT_TRUE(std::ranges::equal(picture(second, technique, 1).color, expected.at({technique, 1}))) << technique;
+    EXPECT_TRUE(std::ranges::equal(picture(first, technique, 0).color, expected.at({technique, 0})))
+        << technique;
+    EXPECT_TRUE(std::ranges::equal(picture(second, technique, 1).color, expected.at({technique, 1})))
+        << technique;
   }
 }
 
@@ -69,7 +71,9 @@ TEST(ContextsTest, ARendererThatGoesTakesNothingWithIt) {
     picture(goes, "strokes", 1);
   }
   EXPECT_TRUE(std::ranges::equal(picture(stays, "splats", 0).color, before));
-  EXPECT_TRUE(std::any_of(before.begin(), before.end(), [](const Rgba8& c) { return !(c == Rgba8{255, 255, 255, 255}); }));
+  EXPECT_TRUE(std::any_of(before.begin(), before.end(), [](const Rgba8& c) {
+    return !(c == Rgba8{255, 255, 255, 255});
+  }));
 }
 
 TEST(ContextsTest, ARendererOfAnotherThreadIsRefused) {

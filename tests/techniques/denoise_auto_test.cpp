@@ -11,7 +11,8 @@ using namespace sfumato::testing;
 namespace {
 
 /// A square of `count` points at random in the plane y = depth, facing the camera at -Y: a Poisson process.
-void add_random_plane(PointCloud& cloud, float depth, Rgba8 color, std::size_t count, float half, unsigned seed) {
+void add_random_plane(PointCloud& cloud, float depth, Rgba8 color, std::size_t count, float half,
+                      unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> across(-half, half);
   for (std::size_t i = 0; i < count; ++i) {
@@ -44,10 +45,10 @@ PointCloud random_sphere_and_wall(std::size_t count, std::size_t outliers, unsig
 
 /// What one ray sees: weights of bins, of which one is shown.
 struct Ray {
-  std::map<long, double> bins;     ///< in units of what a surface needs
+  std::map<long, double> bins;  ///< in units of what a surface needs
   double origin = 0, cosine = 1;
   long chosen = -1;
-  bool sure = false;               ///< chosen by its evidence or by agreement, not for want of another
+  bool sure = false;  ///< chosen by its evidence or by agreement, not for want of another
 };
 
 constexpr double share = 0.2, peak_share = 0.3;
@@ -69,8 +70,8 @@ void choose(Ray& ray) {
     if (w > most) most = w, ray.chosen = b;
 }
 
-/// A weak bin in front counts where a third of the opposite pairs of pixels around see their surface pass through it,
-/// and more of them than agree with what was chosen.
+/// A weak bin in front counts where a third of the opposite pairs of pixels around see their surface pass
+/// through it, and more of them than agree with what was chosen.
 std::vector<long> agree(const std::vector<Ray>& rays, const Camera& camera, double bin_size, double radius) {
   std::vector<long> chosen;
   for (int y = 0; y < camera.height; ++y)
@@ -91,12 +92,14 @@ std::vector<long> agree(const std::vector<Ray>& rays, const Camera& camera, doub
           ++seen;
           const Ray &one = at(x + dx, y + dy), &two = at(x - dx, y - dy);
           if (!one.sure || !two.sure) continue;
-          const double a = one.origin + bin_size * double(one.chosen + 1), b = two.origin + bin_size * double(two.chosen + 1);
+          const double a = one.origin + bin_size * double(one.chosen + 1),
+                       b = two.origin + bin_size * double(two.chosen + 1);
           places.push_back((2 / (1 / a + 1 / b) - ray.origin) / bin_size - 1);
         }
       }
       auto votes = [&](long b) {
-        return std::count_if(places.begin(), places.end(), [&](double place) { return std::abs(place - double(b)) <= 1; });
+        return std::count_if(places.begin(), places.end(),
+                             [&](double place) { return std::abs(place - double(b)) <= 1; });
       };
       for (const auto& [b, weight] : ray.bins)
         if (b + peak_bins < ray.chosen && votes(b) > votes(ray.chosen) && 3 * votes(b) > seen) {
@@ -164,8 +167,11 @@ class DenoiseAuto : public GlTest {
 };
 
 TEST_F(DenoiseAuto, IsTheOraclesEvidenceThresholdAndChoice) {
-  for (auto [name, value] : {std::pair{"antialias", "false"}, {"clamp_radius", "false"}, {"radius_scale", "1"},
-                             {"prefilter", "false"}, {"bin_size", "0.1"}})
+  for (auto [name, value] : {std::pair{"antialias", "false"},
+                             {"clamp_radius", "false"},
+                             {"radius_scale", "1"},
+                             {"prefilter", "false"},
+                             {"bin_size", "0.1"}})
     set(name, value);
   for (std::size_t outliers : {0, 150}) {
     SCOPED_TRACE(outliers);
@@ -182,8 +188,9 @@ TEST_F(DenoiseAuto, IsTheOraclesEvidenceThresholdAndChoice) {
       covered += !std::isinf(b);
       different += !(a == b || std::abs(a - b) < 2e-3f);
     }
-    // Another bin is shown where a sum lies within a rounding (2^-16 a hit) of the threshold, a hit on the border of a
-    // bin, or a rim (of about 10 a pixel) within 1e-4 of a ray; and then the pixels beside may vote otherwise.
+    // Another bin is shown where a sum lies within a rounding (2^-16 a hit) of the threshold, a hit on the
+    // border of a bin, or a rim (of about 10 a pixel) within 1e-4 of a ray; and then the pixels beside may
+    // vote otherwise.
     EXPECT_LE(different, expected.size() / 200);
     EXPECT_GT(covered, expected.size() / 2);
   }

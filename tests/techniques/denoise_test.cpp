@@ -15,7 +15,8 @@ using namespace sfumato::testing;
 
 namespace {
 
-/// A square of jittered points in the plane y = depth, facing the camera at -Y; `cover` splats over every place.
+/// A square of jittered points in the plane y = depth, facing the camera at -Y; `cover` splats over every
+/// place.
 PointCloud plane_cloud(float depth, Rgba8 color, std::size_t side = 40, double cover = 10, float sigma = 0,
                        unsigned seed = 1) {
   std::mt19937 random(seed);
@@ -104,12 +105,16 @@ class Denoise : public GlTest {
   Denoise() {
     settings_.transparent = true;
     settings_.shading = Shading::albedo;
-    for (auto [name, value] : {std::pair{"antialias", "false"}, {"clamp_radius", "false"}, {"bin_size", "0.1"},
+    for (auto [name, value] : {std::pair{"antialias", "false"},
+                               {"clamp_radius", "false"},
+                               {"bin_size", "0.1"},
                                {"weight_threshold", "0.5"}})
       set(name, value);
   }
   void set(const std::string& name, const std::string& value) { set_parameter(*technique_, name, value); }
-  RenderOutput render(const PointCloud& cloud, const Camera& camera) { return render(*technique_, cloud, camera); }
+  RenderOutput render(const PointCloud& cloud, const Camera& camera) {
+    return render(*technique_, cloud, camera);
+  }
   RenderOutput render(Technique& technique, const PointCloud& cloud, const Camera& camera) {
     Renderer renderer(context());
     show(renderer, cloud, technique.needs());
@@ -132,7 +137,8 @@ class Denoise : public GlTest {
     const std::vector<OracleSplat> splats = oracle_splats(cloud);
     const OracleImages oracle = oracle_images(
         camera, [&](const OracleRay& ray) { return oracle_denoise(ray, splats, splat_near(camera), o); });
-    // As for surface splats: normals of 2 x 16 bit shift the hits of tilted discs; fixed point adds 2^-16 a hit.
+    // As for surface splats: normals of 2 x 16 bit shift the hits of tilted discs; fixed point adds 2^-16 a
+    // hit.
     const Difference color = compare(out.color_linear, oracle.color, oracle.band, 2e-3);
     EXPECT_LT(color.max, 4e-3);
     EXPECT_LT(color.mean, 5e-5);
@@ -181,7 +187,8 @@ TEST_F(Denoise, ThresholdZeroEqualsSplats) {
   set_parameter(*splats, "clamp_radius", "false");
   set("weight_threshold", "1e-9");  // through the table, where every hit is more than this
   for (const PointCloud& cloud : {noisy_sphere(4000, 1e-6f, 0, 3), noisy_sphere(4000, 0.03f, 400, 3)}) {
-    const RenderOutput a = render(cloud, front_camera(96, 64)), b = render(*splats, cloud, front_camera(96, 64));
+    const RenderOutput a = render(cloud, front_camera(96, 64)),
+                       b = render(*splats, cloud, front_camera(96, 64));
     std::size_t different = 0;
     for (std::size_t i = 0; i < a.rgba8.size(); ++i) {
       const Rgba8 p = a.rgba8.data()[i], q = b.rgba8.data()[i];
@@ -189,8 +196,8 @@ TEST_F(Denoise, ThresholdZeroEqualsSplats) {
       const int most = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
       different += most > 1;
     }
-    // A hit whose distance rounds onto the border between the bins is kept by one of the two: float has 2^-22 of
-    // the distance, a bin is 0.1, so that far less than one pixel in a thousand holds such a hit.
+    // A hit whose distance rounds onto the border between the bins is kept by one of the two: float has 2^-22
+    // of the distance, a bin is 0.1, so that far less than one pixel in a thousand holds such a hit.
     EXPECT_LE(different, a.rgba8.size() / 1000);
     for (const char* threshold : {"0", "auto"}) {  // and at 0, whichever slider says it, to the bit
       set("weight_threshold", threshold);
@@ -329,12 +336,14 @@ class Table : public GlTest {
     surface_.draw_nearest(gpu, view, {}, batches);
     gl::Texture albedo, depth("depth", GL_R32F, camera.width, camera.height),
         normal("normal", GL_RGBA32F, camera.width, camera.height);
-    table_.draw(gpu, view, {}, batches, surface_.nearest_t(), options_, false, {albedo, depth, normal}, timers);
+    table_.draw(gpu, view, {}, batches, surface_.nearest_t(), options_, false, {albedo, depth, normal},
+                timers);
     return table_.choice().download<vec4>();
   }
   /// Weights of a pixel by bin.
   std::map<std::uint32_t, double> bins(int x, int y, int width) {
-    const std::size_t slots = std::size_t(table_.slots()), base = (std::size_t(y) * std::size_t(width) + std::size_t(x)) * slots;
+    const std::size_t slots = std::size_t(table_.slots()),
+                      base = (std::size_t(y) * std::size_t(width) + std::size_t(x)) * slots;
     std::vector<std::uint32_t> weights(slots), keys(slots);
     table_.weights().buffer().download(weights.data(), 4 * slots, 4 * base);
     table_.keys().buffer().download(keys.data(), 4 * slots, 4 * base);
@@ -377,7 +386,8 @@ TEST_F(Table, GrowsUntilTheOrderDoesNotMatter) {
     for (int x = 0; x < 64; ++x) ASSERT_EQ(before.at(x, y), after.at(x, y)) << x << "," << y;
 }
 
-// What lies beyond the dense bins goes to the last one only, though bins overlap: the one before it ends where it ends.
+// What lies beyond the dense bins goes to the last one only, though bins overlap: the one before it ends
+// where it ends.
 TEST_F(Table, TheLastDenseBinAloneTakesTheRest) {
   options_.layout = denoise::Layout::dense;
   options_.dense_bins = 4;
@@ -455,8 +465,9 @@ TEST_F(Denoise, SeparatePlanesNeverMix) {
         int front = 0;
         for (int y = 4; y < 60; ++y)
           for (int x = 4; x < 60; ++x) front += out.color_linear.at(x, y).r > 0;
-        // Jittered points weigh 8/7 on average, in one place of twenty less than half of it, and mostly less than 1.5.
-        // `auto` takes what is weak within three bins of something heavier for its noise, as these planes may be.
+        // Jittered points weigh 8/7 on average, in one place of twenty less than half of it, and mostly less
+        // than 1.5. `auto` takes what is weak within three bins of something heavier for its noise, as these
+        // planes may be.
         const std::map<std::string, double> least{{"0", 1}, {"0.5", 0.9}, {"1.5", 0}, {"auto", 0.97}};
         EXPECT_GE(front, least.at(threshold) * 56 * 56) << bins << " " << overlapping << " " << threshold;
       }
@@ -505,7 +516,8 @@ TEST(DenoiseHash, HasTheKnownSequences) {
   }
   // The product wraps at 2^32 as in 64-bit arithmetic.
   for (std::uint32_t b : {2u, 123456789u, 0xfffffffeu})
-    EXPECT_EQ(denoise::fibonacci_slot(b, 5), std::uint32_t(((std::uint64_t(b) * 2654435769u) & 0xffffffffu) >> 27));
+    EXPECT_EQ(denoise::fibonacci_slot(b, 5),
+              std::uint32_t(((std::uint64_t(b) * 2654435769u) & 0xffffffffu) >> 27));
 }
 
 // Depth error over the pixels of a noisy plane with 5 % outliers in front of it; holes are counted apart.
@@ -588,7 +600,8 @@ TEST_F(Denoise, DefaultsRemoveOutliersAndKeepTheSurface) {
   EXPECT_LT(stray, 0.002 * around);
 }
 
-/// Two walls facing the camera, the right one with a sixteenth of the density of the left, and outliers all around.
+/// Two walls facing the camera, the right one with a sixteenth of the density of the left, and outliers all
+/// around.
 PointCloud walls_of_two_densities() {
   PointCloud cloud = plane_cloud(0, {0, 200, 0, 255}, 80, 10);
   const PointCloud sparse = plane_cloud(0.5f, {0, 0, 200, 255}, 20, 10, 0, 2);
@@ -597,7 +610,8 @@ PointCloud walls_of_two_densities() {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-1, 1);
   for (int i = 0; i < 400; ++i)
-    add_disc(cloud, {1.5f + 2.5f * uniform(random), 2 * uniform(random), uniform(random)}, 0.1f, {200, 0, 0, 255});
+    add_disc(cloud, {1.5f + 2.5f * uniform(random), 2 * uniform(random), uniform(random)}, 0.1f,
+             {200, 0, 0, 255});
   cloud.radii.clear();
   return cloud;
 }
@@ -631,14 +645,16 @@ TEST(DenoiseSupport, WorthIsTheAreaThatIsNotDrawn) {
   const std::vector<float> worth = denoise::splat_worth(prepared, support, 0.1f, 2);
   // Whole; cut to half; shrunk to half; to a tenth, half supported; not supported; shrunk to nothing.
   const std::vector<float> expected{1, 4, 4, 50, 0.05f, 100};
-  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(worth[i], expected[i], 1e-4f * expected[i]) << i;
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(worth[i], expected[i], 1e-4f * expected[i]) << i;
   prepared.shrunk.clear();  // the file's own radii
   EXPECT_FLOAT_EQ(denoise::splat_worth(prepared, support, 0.1f, 2)[3], 0.5f);
 }
 
 TEST_F(Denoise, DefaultsKeepSparseSurfaces) {
   technique_ = find_technique("denoise").create();
-  set_parameter(*technique_, "clamp_radius", "false");  // the discs of the sparse wall are four times the median
+  set_parameter(*technique_, "clamp_radius",
+                "false");  // the discs of the sparse wall are four times the median
   Camera camera = straight_camera(60);
   camera.position = {3, -6, 0};
   camera.target = {3, 0, 0};

@@ -33,7 +33,8 @@ class EveryTechnique : public GlTest, public ::testing::WithParamInterface<std::
     for (float z : out.depth) ASSERT_FALSE(std::isnan(z));
     for (const vec3& n : out.normal) {
       const float length = glm::length(n);
-      ASSERT_TRUE(length == 0 || std::abs(length - 1) < 1e-3) << length;  // RG16 octahedral: 3e-5; blending: 1e-3
+      ASSERT_TRUE(length == 0 || std::abs(length - 1) < 1e-3)
+          << length;  // RG16 octahedral: 3e-5; blending: 1e-3
     }
   }
 };
@@ -58,7 +59,8 @@ TEST_P(EveryTechnique, LeavesOutTheWallBeforeARoom) {
   PointCloud cloud;
   for (int i = 0; i < 40'000; ++i) {
     const bool wall = i % 2;
-    cloud.positions.push_back({float(i / 2 % 141) / 70 - 1, wall ? -1.0f : 1.0f, float(i / 2 / 141) / 70 - 1});
+    cloud.positions.push_back(
+        {float(i / 2 % 141) / 70 - 1, wall ? -1.0f : 1.0f, float(i / 2 / 141) / 70 - 1});
     cloud.normals.push_back({0, wall ? 1.0f : -1.0f, 0});
     cloud.colors.push_back(wall ? Rgba8{220, 20, 20, 255} : Rgba8{20, 220, 20, 255});
   }
@@ -66,7 +68,8 @@ TEST_P(EveryTechnique, LeavesOutTheWallBeforeARoom) {
   auto technique = make();
   show(renderer, cloud, technique->needs());
   const auto center = [&](double distance) {
-    const RenderOutput out = renderer.render(*technique, camera_at({0, -distance, 0}, 64, 64), settings(), all_outputs());
+    const RenderOutput out =
+        renderer.render(*technique, camera_at({0, -distance, 0}, 64, 64), settings(), all_outputs());
     return out.color_linear.at(32, 32);
   };
   EXPECT_GT(center(4).r, center(4).g);
@@ -90,7 +93,8 @@ TEST_P(EveryTechnique, DrawsASphereAtEverySize) {
       ASSERT_EQ(out.rgba8.width(), w);
       ASSERT_EQ(out.depth.height(), h);
       expect_finite(out);
-      // The sphere's disc covers at least a seventh of the image; half of that must be there whatever the style.
+      // The sphere's disc covers at least a seventh of the image; half of that must be there whatever the
+      // style.
       if (w > 1) EXPECT_GT(covered(out), std::size_t(w * h) / 14) << w << "x" << h;
     }
 }
@@ -109,12 +113,13 @@ TEST_P(EveryTechnique, SameInputGivesTheSameImage) {
   }
 }
 
-// Loading sorts, so a shuffled file proves nothing: the prepared cloud itself is shuffled, as one batch and as
-// many small GPU chunks.
+// Loading sorts, so a shuffled file proves nothing: the prepared cloud itself is shuffled, as one batch and
+// as many small GPU chunks.
 TEST_P(EveryTechnique, OrderOfPointsDoesNotMatter) {
   auto technique = make();
   PointCloud cloud = sphere_cloud(20000);
-  for (std::size_t i = 0; i < 500; ++i) cloud.positions[i] = cloud.positions[i + 500];  // coincident, other colours
+  for (std::size_t i = 0; i < 500; ++i)
+    cloud.positions[i] = cloud.positions[i + 500];  // coincident, other colours
   PreparedCloud prepared = analysis::prepare(std::move(cloud), technique->needs(), {});
   const Bounds box = bounds(prepared.cloud);
   auto batches = [&](std::uint32_t count) {
@@ -159,7 +164,8 @@ TEST_P(EveryTechnique, FurnaceKeepsTheOneColour) {
   const vec3 expected(float(linear(200)), float(linear(100)), float(linear(50)));
   for (const vec4& c : out.color_linear)
     if (c.a > 1e-3f)
-      for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k] / c.a, expected[k], 2e-3);  // half an 8-bit step at this level
+      for (int k = 0; k < 3; ++k)
+        ASSERT_NEAR(c[k] / c.a, expected[k], 2e-3);  // half an 8-bit step at this level
 }
 
 TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
@@ -186,7 +192,8 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
       SCOPED_TRACE(param.name + " = " + value);
       param.set(value);
       const PreparedCloud& prepared = renderer.prepared();
-      if (!technique->needs().without(prepared.available).empty()) show(renderer, sphere_cloud(3000), technique->needs());
+      if (!technique->needs().without(prepared.available).empty())
+        show(renderer, sphere_cloud(3000), technique->needs());
       if (technique->shows(s.shading))
         expect_finite(renderer.render(*technique, front_camera(40, 30), s, all_outputs()));
       else
@@ -197,7 +204,8 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
   }
 }
 
-/// A noisy sphere over a floor, with normals that point outwards, with strays and a colour that changes: something for every parameter.
+/// A noisy sphere over a floor, with normals that point outwards, with strays and a colour that changes:
+/// something for every parameter.
 PointCloud rich_scene() {
   PointCloud cloud;
   std::mt19937 random(4);
@@ -243,10 +251,11 @@ const std::map<std::string, std::vector<std::pair<std::string, std::string>>> co
     {"strokes.shininess", {{"lighting", "on"}, {"gloss", "1"}}},
 };
 
-// A slider that moves nothing is a bug. Each parameter has a value that another picture shows, if need be together with some
-// other choice (shadows for the size of the light).
+// A slider that moves nothing is a bug. Each parameter has a value that another picture shows, if need be
+// together with some other choice (shadows for the size of the light).
 TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
-  if (gl::preferences().screen_passes == gl::ScreenPassKind::compute) GTEST_SKIP() << "parameters are the same by any way: once is enough";
+  if (gl::preferences().screen_passes == gl::ScreenPassKind::compute)
+    GTEST_SKIP() << "parameters are the same by any way: once is enough";
   Renderer renderer(context());
   auto technique = make();
   show(renderer, rich_scene(), technique->needs());
@@ -269,7 +278,9 @@ TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
     if (param.kind == ParamKind::boolean) values = {"true", "false"};
     if (param.kind == ParamKind::real || param.kind == ParamKind::integer) {
       for (const auto& end : {param.min, param.max})
-        if (end) values.push_back(param.kind == ParamKind::integer ? std::to_string(long(*end)) : std::to_string(*end));
+        if (end)
+          values.push_back(param.kind == ParamKind::integer ? std::to_string(long(*end))
+                                                            : std::to_string(*end));
       values.insert(values.end(), {"1", "2", "5", "0.1", "0.5", "0.02", "40"});
     }
     if (param.kind == ParamKind::real_list) values = {"0.1,0.5,1", "0.02,0.4,0.9", "1,2,3", "2", "5"};
@@ -288,7 +299,8 @@ TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
   };
   std::vector<Param*> silent;
   for (Param& param : params.all())
-    if (!shows_nothing.contains(GetParam() + "." + param.name) && !shows_nothing.contains(param.name)) silent.push_back(&param);
+    if (!shows_nothing.contains(GetParam() + "." + param.name) && !shows_nothing.contains(param.name))
+      silent.push_back(&param);
   for (const auto& [name, others] : company_of)
     if (name.starts_with(GetParam() + "."))
       for (const auto& [other, value] : others) params.find(other)->set(value);
@@ -298,7 +310,8 @@ TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
     for (const std::string& value : values_of(other))
       if (value != other.default_text && company.size() < 400) company.emplace_back(&other, value);
   std::stable_partition(company.begin() + 1, company.end(), [](const auto& each) {
-    return !each.first->choices.empty() || each.first->kind == ParamKind::boolean || each.first->kind == ParamKind::text;
+    return !each.first->choices.empty() || each.first->kind == ParamKind::boolean ||
+           each.first->kind == ParamKind::text;
   });
   for (const auto& [other, choice] : company) {
     if (silent.empty()) break;
@@ -328,8 +341,8 @@ TEST_P(EveryTechnique, DepthIsThatOfTheSphere) {
   auto technique = make();
   show(renderer, sphere_cloud(60000), technique->needs());
   const RenderOutput out = renderer.render(*technique, front_camera(64, 64), settings(), all_outputs());
-  // Through the middle of the image the ray meets the unit sphere at distance ~3; splats and pyramids smooth over
-  // a few spacings (0.015 each).
+  // Through the middle of the image the ray meets the unit sphere at distance ~3; splats and pyramids smooth
+  // over a few spacings (0.015 each).
   EXPECT_NEAR(out.depth.at(32, 32), std::sqrt(16.09) - 1, 0.06);
   EXPECT_TRUE(std::isinf(out.depth.at(1, 1)));
 }
@@ -369,8 +382,10 @@ TEST_P(EveryTechnique, ShadowsDarken) {
     const double under = brightness(out, {0, 0, 0}), beside = brightness(out, {1.4, 0, 0});
     EXPECT_GT(beside, 0.05);
     // k_a = 0.3 of k_a + k_d = 1 is left in full shadow; styles and smoothing may lift it to a half.
-    if (shadows == Shadows::off) EXPECT_GT(under, 0.7 * beside);
-    else EXPECT_LT(under, 0.5 * beside);
+    if (shadows == Shadows::off)
+      EXPECT_GT(under, 0.7 * beside);
+    else
+      EXPECT_LT(under, 0.5 * beside);
   }
 }
 

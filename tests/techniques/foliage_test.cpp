@@ -9,7 +9,8 @@ namespace {
 
 class Foliage : public GlTest {};
 
-/// From the side and above, 20 pixels a metre: leaves are 6 px wide, and the smallest points, of 2 px, do not fill crowns.
+/// From the side and above, 20 pixels a metre: leaves are 6 px wide, and the smallest points, of 2 px, do not
+/// fill crowns.
 Camera forest_camera() {
   Camera camera;
   camera.position = {30, -60, 40};
@@ -27,7 +28,8 @@ struct Cover {
 
 Cover cover_of(const std::string& name, const Forest& forest, const Image<int>& truth, float clutter_radius) {
   PointCloud cloud = forest.cloud;
-  for (bool leaf : forest.on_leaf) cloud.colors.push_back(leaf ? Rgba8{0, 255, 0, 255} : Rgba8{255, 0, 0, 255});
+  for (bool leaf : forest.on_leaf)
+    cloud.colors.push_back(leaf ? Rgba8{0, 255, 0, 255} : Rgba8{255, 0, 0, 255});
   const auto technique = find_technique(name).create();
   analysis::PrepareOptions options;
   options.clutter_radius = clutter_radius;
@@ -56,7 +58,8 @@ TEST_F(Foliage, CrownsAreNotFatAndTheGroundIsClosed) {
   for (double density : {8.0, 30.0}) {
     const Forest forest(density);
     const Image<int> truth = forest.truth(forest_camera());
-    const Cover before = cover_of("splats", forest, truth, 1), now = cover_of("splats", forest, truth, analysis::PrepareOptions().clutter_radius);
+    const Cover before = cover_of("splats", forest, truth, 1),
+                now = cover_of("splats", forest, truth, analysis::PrepareOptions().clutter_radius);
     EXPECT_LE(now.crowns, 1.3) << density;  // what a viewer takes for the tree's own shape
     EXPECT_GE(now.crowns, 0.6) << density;  // and not for its skeleton
     EXPECT_GT(before.crowns, 2.0) << "the scene would not show fat crowns";

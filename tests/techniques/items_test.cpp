@@ -1,4 +1,5 @@
-// Scenes of several clouds and techniques in one picture, against pictures of single items put together by the test.
+// Scenes of several clouds and techniques in one picture, against pictures of single items put together by
+// the test.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -63,7 +64,8 @@ TEST_F(ItemsTest, OpaqueItemsAreTheirPicturesPutTogetherByDepth) {
                                  {sphere_cloud(30000, 0.6f, {0, -0.4f, 0.4f}), "surface", {}}};
   const Camera camera = front_camera(160, 120);
   const RenderOutput all = picture(items, camera);
-  // Near and far follow the cloud, and what is resolved between them; points of a third each shift by rounding alone.
+  // Near and far follow the cloud, and what is resolved between them; points of a third each shift by
+  // rounding alone.
   std::vector<RenderOutput> single;
   for (const Given& item : items) single.push_back(picture({item}, camera));
   std::array<int, 3> shown{};
@@ -88,9 +90,10 @@ TEST_F(ItemsTest, OpaqueItemsAreTheirPicturesPutTogetherByDepth) {
 }
 
 TEST_F(ItemsTest, TheOrderOfOpaqueItemsDoesNotMatter) {
-  std::vector<Given> items{{sphere_cloud(20000, 0.8f, {-0.5f, 0, 0}), "splats", {}},
-                           {sphere_cloud(20000, 0.8f, {0.5f, 0.2f, 0}), "points", {}},
-                           {sphere_cloud(5000, 0.3f, {0, -1.2f, 0}), "soft", {{"field", "distance"}, {"field_threshold", "-1"}}}};
+  std::vector<Given> items{
+      {sphere_cloud(20000, 0.8f, {-0.5f, 0, 0}), "splats", {}},
+      {sphere_cloud(20000, 0.8f, {0.5f, 0.2f, 0}), "points", {}},
+      {sphere_cloud(5000, 0.3f, {0, -1.2f, 0}), "soft", {{"field", "distance"}, {"field_threshold", "-1"}}}};
   const Camera camera = front_camera(120, 90);
   const RenderOutput before = picture(items, camera);
   std::swap(items[0], items[2]);
@@ -99,7 +102,9 @@ TEST_F(ItemsTest, TheOrderOfOpaqueItemsDoesNotMatter) {
 }
 
 /// One sheet above another, seen from above: what the middle shows.
-vec4 middle(const RenderOutput& out) { return out.color_linear.at(out.color_linear.width() / 2, out.color_linear.height() / 2); }
+vec4 middle(const RenderOutput& out) {
+  return out.color_linear.at(out.color_linear.width() / 2, out.color_linear.height() / 2);
+}
 
 TEST_F(ItemsTest, LayersBlendOverWhatIsOpaqueBehindThem) {
   const Rgba8 red{255, 0, 0, 255}, blue{0, 0, 255, 255};
@@ -136,8 +141,9 @@ TEST_F(ItemsTest, HazeIsSeenBeforeAndHiddenBehindOpaqueItems) {
   point.colors = {red};
   point.normals = {{0, 0, 1}};
   point.radii = {0.2f};
-  std::map<std::string, std::string> soft{{"field", "distance"}, {"field_threshold", "-1"}, {"modulation_threshold", "-1"},
-                                          {"opacity", "0.3"},    {"radius_scale", "1"},     {"clamp_radius", "false"}};
+  std::map<std::string, std::string> soft{{"field", "distance"},          {"field_threshold", "-1"},
+                                          {"modulation_threshold", "-1"}, {"opacity", "0.3"},
+                                          {"radius_scale", "1"},          {"clamp_radius", "false"}};
   for (const char* model : {"express", "base"}) {
     soft["model"] = model;
     const vec4 before = middle(picture({opaque, {point, "soft", soft}}, camera, albedo()));
@@ -161,7 +167,8 @@ TEST_F(ItemsTest, ShadowsFallFromItemToItem) {
   const PointCloud floor = sheet(0, 1, {255, 255, 255, 255});
   PointCloud roof;  // hides a quarter of the floor, and is itself cut away by looking from below it
   for (const vec3& p : sheet(5, 0.9f, {}).positions)
-    if (p.x > 0 && p.y > 0) roof.positions.push_back(p), roof.normals.push_back({0, 0, 1}), roof.colors.push_back({0, 0, 0, 255});
+    if (p.x > 0 && p.y > 0)
+      roof.positions.push_back(p), roof.normals.push_back({0, 0, 1}), roof.colors.push_back({0, 0, 0, 255});
   Camera below_roof = camera;
   below_roof.position = {0, 0, 4};
   const RenderOutput out = picture({{floor, "points", {}}, {roof, "splats", {}}}, below_roof, settings);
@@ -170,7 +177,8 @@ TEST_F(ItemsTest, ShadowsFallFromItemToItem) {
   EXPECT_NEAR(dark, 0.2, 0.01) << "ambient light alone";
   EXPECT_NEAR(lit, 1.0, 0.01);
   // A roof of layers lets half of it through.
-  const RenderOutput half = picture({{floor, "points", {}}, {roof, "layers", {{"opacity", "0.5"}}}}, below_roof, settings);
+  const RenderOutput half =
+      picture({{floor, "points", {}}, {roof, "layers", {{"opacity", "0.5"}}}}, below_roof, settings);
   EXPECT_NEAR(half.color_linear.at(48, 16).r, 0.2 + 0.5 * 0.8, 0.02);
   EXPECT_NEAR(half.color_linear.at(16, 48).r, 1.0, 0.01);
 }
@@ -202,14 +210,16 @@ TEST_F(ItemsTest, CloudsOfOneSceneHaveOneOrigin) {
 TEST(DrawRuleTest, TheFirstRuleThatSelectsAPointDrawsIt) {
   PointCloud cloud;
   for (int i = 0; i < 4; ++i) cloud.positions.push_back({float(i), 0, 0});
-  const std::vector<DrawRule> rules{DrawRule::parse("x 2..: splats"), DrawRule::parse("x 1..2: points point_size=3")};
+  const std::vector<DrawRule> rules{DrawRule::parse("x 2..: splats"),
+                                    DrawRule::parse("x 1..2: points point_size=3")};
   EXPECT_EQ(first_matches(rules, cloud), (std::vector<std::uint32_t>{2, 1, 0, 0}));
   EXPECT_EQ(rules[1].look(Look("splats"))->parameters.find("point_size")->get(), "3");
   Look base("splats");
   base.set("ambient", "0.7");
   base.set("radius_scale", "3");
   EXPECT_EQ(rules[0].look(base)->parameters.find("ambient")->get(), "0.7") << "one light for all";
-  EXPECT_EQ(rules[0].look(base)->parameters.find("radius_scale")->get(), Look("splats").parameters.find("radius_scale")->get());
+  EXPECT_EQ(rules[0].look(base)->parameters.find("radius_scale")->get(),
+            Look("splats").parameters.find("radius_scale")->get());
 }
 
 TEST_F(ItemsTest, RulesWithNoneLeavePointsOutAndOthersKeepTheirPlaceInTheFile) {
@@ -228,12 +238,14 @@ TEST_F(ItemsTest, RulesWithNoneLeavePointsOutAndOthersKeepTheirPlaceInTheFile) {
       EXPECT_GT(session.cloud(k).world(i).z, 0);
       EXPECT_EQ(session.cloud(k).world(i), all.world(session.source(k, i)));
     }
-  EXPECT_EQ(drawn, std::size_t(std::count_if(all.positions.begin(), all.positions.end(), [](const vec3& p) { return p.z > 0; })));
+  EXPECT_EQ(drawn, std::size_t(std::count_if(all.positions.begin(), all.positions.end(),
+                                             [](const vec3& p) { return p.z > 0; })));
 }
 
 TEST(DrawRuleTest, MistakesAreNamed) {
-  for (const char* text : {"x 1..2", "x 1..2:", "x 1..2: plats", "x 1..2: points size=3", "x 1..2: points point_size",
-                           "x: points", "x 1..2: points point_size=-4", "x 1..2: none size=1"})
+  for (const char* text :
+       {"x 1..2", "x 1..2:", "x 1..2: plats", "x 1..2: points size=3", "x 1..2: points point_size",
+        "x: points", "x 1..2: points point_size=-4", "x 1..2: none size=1"})
     EXPECT_THROW(DrawRule::parse(text), Error) << text;
 }
 

@@ -1,5 +1,5 @@
-// How many layers every pixel of three nested tori shows, against the crossings of its ray: points scattered at
-// random, defaults, with and without normals.
+// How many layers every pixel of three nested tori shows, against the crossings of its ray: points scattered
+// at random, defaults, with and without normals.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -16,7 +16,9 @@ namespace {
 class LayersCountTest : public GlTest {
  protected:
   struct Share {
-    double away = 0, all = 0;  ///< of the pixels with the right count: 2 px and more from a change of it, and everywhere
+    double away = 0,
+           all =
+               0;  ///< of the pixels with the right count: 2 px and more from a change of it, and everywhere
   };
 
   static Share counted(int points, bool with_normals) {
@@ -31,7 +33,9 @@ class LayersCountTest : public GlTest {
     show(renderer, std::move(cloud), {});
     // Twelve layers of opacity 0.2: a count of k leaves 0.8^k of the page.
     const auto technique = find_technique("layers").create();
-    for (const auto& [name, value] : {std::pair("layers", "13"), {"opacity", "0.2"}, {"antialias", "false"},
+    for (const auto& [name, value] : {std::pair("layers", "13"),
+                                      {"opacity", "0.2"},
+                                      {"antialias", "false"},
                                       {"smoothing_iterations", "0"}})
       set_parameter(*technique, name, value);
     RenderSettings settings;
@@ -63,14 +67,16 @@ class LayersCountTest : public GlTest {
     EXPECT_GT(away, 20000);
     const Share share{double(away_right) / away, double(all_right) / all};
     if (std::getenv("SFUMATO_PRINT"))
-      std::printf("%d %s: away %.4f all %.4f\n", points, with_normals ? "normals" : "no normals", share.away, share.all);
+      std::printf("%d %s: away %.4f all %.4f\n", points, with_normals ? "normals" : "no normals", share.away,
+                  share.all);
     return share;
   }
 };
 
-// Measured: away from silhouettes 0.983 and 0.968 (sparse, with and without normals), 0.997 and 0.992 (dense);
-// everywhere 0.818, 0.811, 0.896, 0.881. With d_min of 3 spacings or 3 px they were 0.932, 0.814, 0.988, 0.953 and
-// 0.806, 0.607, 0.897, 0.765: a third to a half of all pixels of this view lie within 2 px of a silhouette.
+// Measured: away from silhouettes 0.983 and 0.968 (sparse, with and without normals), 0.997 and 0.992
+// (dense); everywhere 0.818, 0.811, 0.896, 0.881. With d_min of 3 spacings or 3 px they were 0.932, 0.814,
+// 0.988, 0.953 and 0.806, 0.607, 0.897, 0.765: a third to a half of all pixels of this view lie within 2 px
+// of a silhouette.
 TEST_F(LayersCountTest, OfNestedTori) {
   for (bool with_normals : {true, false}) {
     const Share sparse = counted(300'000, with_normals), dense = counted(3'000'000, with_normals);
@@ -104,7 +110,8 @@ TEST_F(LayersCountTest, NormalsFollowTheSpacing) {
     }
   std::sort(errors.begin(), errors.end());
   if (std::getenv("SFUMATO_PRINT"))
-    std::printf("normals: median %.2f, 95 %% %.2f degrees\n", errors[errors.size() / 2], errors[errors.size() * 95 / 100]);
+    std::printf("normals: median %.2f, 95 %% %.2f degrees\n", errors[errors.size() / 2],
+                errors[errors.size() * 95 / 100]);
   // 3.6 and 8.4 were measured; 25 and 66 with a window of 5 x 5 pixels.
   EXPECT_LT(errors[errors.size() / 2], 5);
   EXPECT_LT(errors[errors.size() * 95 / 100], 12);

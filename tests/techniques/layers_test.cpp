@@ -69,9 +69,7 @@ class LayersTest : public GlTest {
 };
 
 /// Of a note "6 layers, 2 visits of the points (cascade)".
-int visits(const std::string& note) {
-  return std::stoi(note.substr(note.find(", ") + 2));
-}
+int visits(const std::string& note) { return std::stoi(note.substr(note.find(", ") + 2)); }
 
 /// Distances along the view axis at which the ray through a pixel's centre meets the tori.
 std::vector<double> roots(const synth::Scene& scene, const Camera& camera, int x, int y) {
@@ -84,8 +82,9 @@ std::vector<double> roots(const synth::Scene& scene, const Camera& camera, int x
   return depths;
 }
 
-// Whole pictures against the papers' text in double. Float and double put points that lie on the border of two
-// pixels, and depths that lie on a threshold, on different sides; the filters carry that to the neighbours.
+// Whole pictures against the papers' text in double. Float and double put points that lie on the border of
+// two pixels, and depths that lie on a threshold, on different sides; the filters carry that to the
+// neighbours.
 TEST_F(LayersTest, PictureIsThatOfTheOracle) {
   PointCloud cloud = tori(15000);
   Camera camera = front_camera(72, 54, 3.4);
@@ -96,8 +95,10 @@ TEST_F(LayersTest, PictureIsThatOfTheOracle) {
   const dmat4 view = camera.view(cloud.origin);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Rgba8 c = cloud.colors[i];
-    points.push_back({dvec3(view * glm::dvec4(cloud.positions[i], 1)), {linear(c.r), linear(c.g), linear(c.b)},
-                      opacities[std::size_t(layer.values[i])], dvec3(view * glm::dvec4(cloud.normals[i], 0))});
+    points.push_back({dvec3(view * glm::dvec4(cloud.positions[i], 1)),
+                      {linear(c.r), linear(c.g), linear(c.b)},
+                      opacities[std::size_t(layer.values[i])],
+                      dvec3(view * glm::dvec4(cloud.normals[i], 0))});
   }
   show(renderer_, cloud, {});
   for (int variant = 0; variant < 3; ++variant) {
@@ -112,20 +113,24 @@ TEST_F(LayersTest, PictureIsThatOfTheOracle) {
     const int guard = 30;
     const layers_oracle::Result expected =
         layers_oracle::render(points, camera.with_guard_band(guard), guard, o);
-    const RenderOutput actual = render(
-        camera, {{"layers", std::to_string(o.layers)}, {"opacity", "0.3,0.5,0.9"}, {"min_layer_distance", "0.1"},
-                 {"background_iterations", std::to_string(o.background_iterations)},
-                 {"occluded_iterations", std::to_string(o.occluded_iterations)},
-                 {"smoothing_iterations", std::to_string(o.smoothing_iterations)},
-                 {"scale_by_angle", o.scale_by_angle ? "true" : "false"},
-                 {"antialias", o.antialias ? "true" : "false"}, {"point_size", "0.01"}});
+    const RenderOutput actual =
+        render(camera, {{"layers", std::to_string(o.layers)},
+                        {"opacity", "0.3,0.5,0.9"},
+                        {"min_layer_distance", "0.1"},
+                        {"background_iterations", std::to_string(o.background_iterations)},
+                        {"occluded_iterations", std::to_string(o.occluded_iterations)},
+                        {"smoothing_iterations", std::to_string(o.smoothing_iterations)},
+                        {"scale_by_angle", o.scale_by_angle ? "true" : "false"},
+                        {"antialias", o.antialias ? "true" : "false"},
+                        {"point_size", "0.01"}});
     int differ = 0, depths_differ = 0, covered = 0;
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
         covered += expected.color.at(x, y).a > 0;
         differ += glm::length(glm::dvec4(actual.color_linear.at(x, y)) - expected.color.at(x, y)) > 1e-4;
         const double d = expected.depth.at(x, y);
-        depths_differ += std::isinf(d) ? !std::isinf(actual.depth.at(x, y)) : std::abs(actual.depth.at(x, y) - d) > 1e-4;
+        depths_differ +=
+            std::isinf(d) ? !std::isinf(actual.depth.at(x, y)) : std::abs(actual.depth.at(x, y) - d) > 1e-4;
       }
     EXPECT_GT(covered, 1000);
     EXPECT_LE(differ, covered / 100) << "variant " << variant;
@@ -158,13 +163,14 @@ TEST_F(LayersTest, NestedToriHaveSixLayersInOrder) {
       if (!is_clear) continue;
       ++rays;
       bool is_right = true;
-      for (std::size_t k = 0; k < 6; ++k) is_right = is_right && std::abs(depths[k].at(x, y) - truth[k]) < d_min;
+      for (std::size_t k = 0; k < 6; ++k)
+        is_right = is_right && std::abs(depths[k].at(x, y) - truth[k]) < d_min;
       right += is_right;
       empty_after += std::isinf(depths[6].at(x, y));
     }
   EXPECT_GT(rays, 150);
-  // Points are scattered at random: exp(-pi) = 4 % of the places of a layer are in no disc, and few of those gaps are
-  // too wide for the filters.
+  // Points are scattered at random: exp(-pi) = 4 % of the places of a layer are in no disc, and few of those
+  // gaps are too wide for the filters.
   EXPECT_GT(right, rays * 0.97);
   EXPECT_GT(empty_after, rays * 0.97);
 }
@@ -186,7 +192,8 @@ TEST_F(LayersTest, InTheirPlaneTheToriHaveTwelveLayers) {
       ASSERT_EQ(truth.size(), 12u);
       ++rays;
       bool is_right = std::isinf(depths[12].at(x, y));
-      for (std::size_t k = 0; k < 12; ++k) is_right = is_right && std::abs(depths[k].at(x, y) - truth[k]) < d_min;
+      for (std::size_t k = 0; k < 12; ++k)
+        is_right = is_right && std::abs(depths[k].at(x, y) - truth[k]) < d_min;
       right += is_right;
     }
   EXPECT_GT(right, rays * 0.88);  // 0.99 a layer
@@ -212,7 +219,8 @@ TEST_F(LayersTest, EqualLayersBlendAsTheFormulaSays) {
 // Without an opacity the last surface is opaque: what it hides is the page, not another surface.
 TEST_F(LayersTest, TheLastSurfaceIsOpaqueUnlessOpacityIsGiven) {
   PointCloud cloud;
-  for (int k = 0; k < 3; ++k) append(cloud, sheet(12000, 1, -0.3f * float(k), Rgba8(std::uint8_t(250 - 70 * k), 90, 90, 255)));
+  for (int k = 0; k < 3; ++k)
+    append(cloud, sheet(12000, 1, -0.3f * float(k), Rgba8(std::uint8_t(250 - 70 * k), 90, 90, 255)));
   show(renderer_, cloud, {});
   const double c[3] = {linear(250), linear(180), linear(110)};
   const std::vector<std::pair<Values, double>> cases{
@@ -233,7 +241,8 @@ TEST_F(LayersTest, TheLastSurfaceIsOpaqueUnlessOpacityIsGiven) {
   EXPECT_NEAR(render(above(), {{"opaque_last", "false"}}).color_linear.at(24, 24).a, 0.875, 1e-5);
 }
 
-// The outline of a surface behind another one lets no page shine through, and the outline of the picture is smooth.
+// The outline of a surface behind another one lets no page shine through, and the outline of the picture is
+// smooth.
 TEST_F(LayersTest, OnlyTheOutlineOfThePictureIsBlendedWithThePage) {
   PointCloud cloud = sheet(60000, 0.5f, 0, {200, 200, 200, 255});
   append(cloud, sheet(60000, 0.25f, -0.3f, {20, 20, 20, 255}));
@@ -261,7 +270,8 @@ TEST_F(LayersTest, NothingShowsThroughAnOpaqueLayer) {
   for (const vec3& p : cloud.positions) depth_order.values.push_back(std::round(-p.z / 0.3f));
   cloud.set_scalar(depth_order);
   show(renderer_, cloud, {});
-  const RenderOutput opaque = render(above(), {{"layers", "8"}, {"opacity", "0.1,0.1,0.1,0.1,1,1"}, {"antialias", "false"}});
+  const RenderOutput opaque =
+      render(above(), {{"layers", "8"}, {"opacity", "0.1,0.1,0.1,0.1,1,1"}, {"antialias", "false"}});
   const RenderOutput clear = render(above(), {{"layers", "8"}, {"opacity", "0.1,0.1,0.1,0.1,0.1,1"}});
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 48; ++x) {
@@ -269,7 +279,8 @@ TEST_F(LayersTest, NothingShowsThroughAnOpaqueLayer) {
       ASSERT_GT(clear.color_linear.at(x, y).g, linear(100) + 0.3);  // 0.9^5 = 0.59 of the green one
     }
   render(above(), {{"layers", "8"}, {"opacity", "0.1,0.1,0.1,0.1,1,1"}, {"antialias", "false"}});
-  EXPECT_EQ(technique_->notes().at(0).substr(0, 8), "5 layers");  // ended behind the fifth, not after the eighth
+  EXPECT_EQ(technique_->notes().at(0).substr(0, 8),
+            "5 layers");  // ended behind the fifth, not after the eighth
 }
 
 TEST_F(LayersTest, CascadeGivesThePicturesOfPasses) {
@@ -279,7 +290,8 @@ TEST_F(LayersTest, CascadeGivesThePicturesOfPasses) {
       for (const char* angle : {"false", "true"}) {
         Camera camera = front_camera(72, 54, 3.4);
         camera.position.z = 2;
-        Values values{{"layers", "7"}, {"opacity", "0.3,0.5,0.6"}, {"point_size", size}, {"scale_by_angle", angle}};
+        Values values{
+            {"layers", "7"}, {"opacity", "0.3,0.5,0.6"}, {"point_size", size}, {"scale_by_angle", angle}};
         values["peeling"] = "passes";
         const RenderOutput passes = render(camera, values, Shading::lit);
         const std::string passes_note = technique_->notes().at(0);
@@ -342,7 +354,8 @@ TEST_F(LayersTest, ListsHoldTheNearestDepths) {
   to_pixels.draw_lists(gpu, view, {SizeMode::pixels, 1}, bin, depths, indices, timers);
 
   // The same by peeling: from the next bin on.
-  const Image<std::uint32_t> found = depths.download<std::uint32_t>(), sources = indices.download<std::uint32_t>();
+  const Image<std::uint32_t> found = depths.download<std::uint32_t>(),
+                             sources = indices.download<std::uint32_t>();
   gl::Texture limit("limit", GL_R32F, 32, 24);
   Image<float> behind(32, 24, 0.0f);
   int full = 0;
@@ -357,7 +370,8 @@ TEST_F(LayersTest, ListsHoldTheNearestDepths) {
         ASSERT_EQ(found.at(x, y + 24 * k), bits.at(x, y)) << x << " " << y << " entry " << k;
         ASSERT_EQ(sources.at(x, y + 24 * k), index.at(x, y));
         const bool is_empty = bits.at(x, y) == 0xffffffffu;
-        behind.at(x, y) = is_empty ? INFINITY : (std::floor(std::bit_cast<float>(bits.at(x, y)) / bin) + 1) * bin;
+        behind.at(x, y) =
+            is_empty ? INFINITY : (std::floor(std::bit_cast<float>(bits.at(x, y)) / bin) + 1) * bin;
         full += !is_empty && k == length - 1;
       }
   }
@@ -369,15 +383,15 @@ TEST_F(LayersTest, BorderDoesNotShow) {
   show(renderer_, tori(20000), {});
   Camera camera = front_camera(48, 48, 2.2);
   camera.position.z = 1.2;
-  const Values values{{"layers", "4"}, {"opacity", "0.5"}, {"background_iterations", "2"},
-                      {"occluded_iterations", "2"}};
+  const Values values{
+      {"layers", "4"}, {"opacity", "0.5"}, {"background_iterations", "2"}, {"occluded_iterations", "2"}};
   const RenderOutput small = render(camera, values), large = render(camera.with_guard_band(40), values);
   int differ = 0;
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 48; ++x)
       differ += glm::length(small.color_linear.at(x, y) - large.color_linear.at(x + 40, y + 40)) > 1e-4f;
-  // The other principal point rounds some points into the next pixel; without a guard band 94 border pixels differ
-  // in every layer.
+  // The other principal point rounds some points into the next pixel; without a guard band 94 border pixels
+  // differ in every layer.
   EXPECT_LE(differ, 48 * 48 / 200);
 }
 
@@ -419,12 +433,13 @@ TEST_F(LayersTest, NormalsComeFromTheImageWhereTheCloudHasNone) {
         const dvec3 eye((x + 0.5 - k.cx) / k.fx * s, -(y + 0.5 - k.cy) / k.fy * s, -d);
         const dvec3 normal = glm::normalize(dvec3(world * glm::dvec4(eye, 1)));
         if (glm::dot(normal, glm::normalize(camera.position)) < 0.5) continue;  // not the rim
-        errors.push_back(glm::degrees(std::acos(std::min(glm::dot(normal, dvec3(out.normal.at(x, y))), 1.0))));
+        errors.push_back(
+            glm::degrees(std::acos(std::min(glm::dot(normal, dvec3(out.normal.at(x, y))), 1.0))));
       }
     ASSERT_GT(errors.size(), 1000u);
     std::nth_element(errors.begin(), errors.begin() + std::ptrdiff_t(errors.size() / 2), errors.end());
-    // Discs of two spacings (0.04) give a pixel the depth of a point up to 0.02 away: some 3 degrees over 5 pixels
-    // of 0.025.
+    // Discs of two spacings (0.04) give a pixel the depth of a point up to 0.02 away: some 3 degrees over 5
+    // pixels of 0.025.
     EXPECT_LT(errors[errors.size() / 2], 6);
   }
 }
@@ -434,20 +449,24 @@ TEST_F(LayersTest, OneLayerIsShownAlone) {
   append(cloud, sheet(12000, 1, -0.5f, {0, 250, 0, 255}));
   show(renderer_, cloud, {});
   for (int n : {1, 2, 3}) {
-    const RenderOutput out = render(above(), {{"show_layer", std::to_string(n)}, {"opacity", "0.2"}, {"layers", "1"}});
+    const RenderOutput out =
+        render(above(), {{"show_layer", std::to_string(n)}, {"opacity", "0.2"}, {"layers", "1"}});
     const vec4 c = out.color_linear.at(24, 24);
     EXPECT_NEAR(c.a, n < 3 ? 1 : 0, 1e-6);
     EXPECT_NEAR(c.r, n == 1 ? linear(250) : 0, 1e-5);
     EXPECT_NEAR(c.g, n == 2 ? linear(250) : 0, 1e-5);
-    if (n < 3) EXPECT_NEAR(out.depth.at(24, 24), n == 1 ? 4 : 4.5, 0.02);  // a disc is as deep as its radius
-    else EXPECT_TRUE(std::isinf(out.depth.at(24, 24)));
+    if (n < 3)
+      EXPECT_NEAR(out.depth.at(24, 24), n == 1 ? 4 : 4.5, 0.02);  // a disc is as deep as its radius
+    else
+      EXPECT_TRUE(std::isinf(out.depth.at(24, 24)));
   }
 }
 
 TEST(OpacityTest, ListFollowsTheScalarsValues) {
   const float nan = std::nanf("");
   const ScalarField classes{"classification", 0, {6, 2, 2, nan, 64}, StoredType::uint8};
-  EXPECT_EQ(layers::opacities(classes, {0.1f, 0.5f, 1.0f}), (std::vector<float>{0.5f, 0.1f, 0.1f, 1.0f, 1.0f}));
+  EXPECT_EQ(layers::opacities(classes, {0.1f, 0.5f, 1.0f}),
+            (std::vector<float>{0.5f, 0.1f, 0.1f, 1.0f, 1.0f}));
   EXPECT_THROW(layers::opacities(classes, {0.1f, 0.5f}), Error);
   EXPECT_THROW(layers::opacities(classes, {0.1f, 0.5f, 0.2f, 0.3f}), Error);
 }

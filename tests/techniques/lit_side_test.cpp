@@ -22,8 +22,8 @@ class LitSideTest : public GlTest {
 
   /// Pixels that are darker with shadows than without by more than 2 % of their light: a sixteenth of a light
   /// sample, or rounding twice to 8 bits.
-  /// `truth`: depths of a perfect picture, if known; where another surface shows through a gap between points it
-  /// may well be in the shadow.
+  /// `truth`: depths of a perfect picture, if known; where another surface shows through a gap between points
+  /// it may well be in the shadow.
   static Darkened compare(const RenderOutput& with, const RenderOutput& without, const Image<float>& truth,
                           float same) {
     Darkened result;
@@ -43,14 +43,14 @@ class LitSideTest : public GlTest {
                                 glm::radians(30.0), glm::radians(45.0), projection);
     const dvec3 to = projection == Projection::orthographic ? -camera.direction() : camera.position;
     char text[160];
-    std::snprintf(text, sizeof text, "%s%.17g,%.17g,%.17g", projection == Projection::orthographic ? "dir:" : "",
-                  to.x, to.y, to.z);
+    std::snprintf(text, sizeof text, "%s%.17g,%.17g,%.17g",
+                  projection == Projection::orthographic ? "dir:" : "", to.x, to.y, to.z);
     return {camera, text};
   }
 
   /// The techniques that close a surface, parallel and point light, on `cloud`.
-  /// `most_of_discs`: for the default filling of `surface`, whose discs blend the shadow factors of points from a little
-  /// behind the surface.
+  /// `most_of_discs`: for the default filling of `surface`, whose discs blend the shadow factors of points
+  /// from a little behind the surface.
   static void expect_lit(const std::string& name, PointCloud cloud, double most, double most_of_discs,
                          const synth::Scene* scene = nullptr) {
     const PreparedCloud whole =
@@ -76,12 +76,12 @@ class LitSideTest : public GlTest {
                     scene ? synth::truth(*scene, camera).depth : Image<float>(), 3 * whole.median_spacing);
         EXPECT_GT(found.covered, 640 * 480 / 20) << name << " " << technique_name;
         EXPECT_LE(found.share(), std::string(filling) == "discs" ? most_of_discs : most)
-            << name << " " << technique_name << " " << filling << " light " << light << ": "
-                                       << found.darkened << " of " << found.covered;
+            << name << " " << technique_name << " " << filling << " light " << light << ": " << found.darkened
+            << " of " << found.covered;
         RecordProperty(std::string(technique_name) + light[0], std::to_string(100 * found.share()));
         if (std::getenv("SFUMATO_PRINT"))
-          std::printf("%-22s %-8s %s %6.3f %%\n", name.c_str(), technique_name, light[0] == 'd' ? "dir  " : "point",
-                      100 * found.share());
+          std::printf("%-22s %-8s %s %6.3f %%\n", name.c_str(), technique_name,
+                      light[0] == 'd' ? "dir  " : "point", 100 * found.share());
       }
     }
   }
@@ -109,16 +109,17 @@ class LitSideOfScanTest : public LitSideTest, public ::testing::WithParamInterfa
 
 TEST_P(LitSideOfScanTest, IsLit) {
   SFUMATO_NEEDS_REAL_SCAN(GetParam());
-  // The depth steps of the range camera of office1, seen from beside, are larger than d_min: a noisy scan misses 0.2 %.
-  // So do `layers` of Guanyin (0.22 %) and the paper's filling of the armadillo (0.27 %) by a little, and the discs of `surface`: 0.6 to 0.9 % of the objects, 8 % of office1.
+  // The depth steps of the range camera of office1, seen from beside, are larger than d_min: a noisy scan
+  // misses 0.2 %. So do `layers` of Guanyin (0.22 %) and the paper's filling of the armadillo (0.27 %) by a
+  // little, and the discs of `surface`: 0.6 to 0.9 % of the objects, 8 % of office1.
   const std::string scan = GetParam();
   const bool noisy = scan == "office1.pcd";
-  expect_lit(scan, io::read(test::data_folder() / scan).cloud, noisy ? 0.012 : 0.003,
-             noisy ? 0.09 : 0.01);
+  expect_lit(scan, io::read(test::data_folder() / scan).cloud, noisy ? 0.012 : 0.003, noisy ? 0.09 : 0.01);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, LitSideOfScanTest,
-                         ::testing::Values("dragon_vrip_res2.ply", "armadillo.obj", "Guanyin.ply", "office1.pcd"),
+                         ::testing::Values("dragon_vrip_res2.ply", "armadillo.obj", "Guanyin.ply",
+                                           "office1.pcd"),
                          [](const auto& scan) {
                            const std::string file = scan.param;
                            return file.substr(0, file.find('.'));

@@ -1,4 +1,5 @@
-// Outlines without stairs: pictures that average several places of every pixel (`samples`), and `smooth_outlines`.
+// Outlines without stairs: pictures that average several places of every pixel (`samples`), and
+// `smooth_outlines`.
 #include <array>
 #include <numeric>
 
@@ -24,7 +25,8 @@ class Outlines : public GlTest {
   }
 };
 
-/// A dense white square grid that ends at a slanted line through the origin, seen from above, one unit a pixel.
+/// A dense white square grid that ends at a slanted line through the origin, seen from above, one unit a
+/// pixel.
 PointCloud half_plane(double slope) {
   PointCloud cloud;
   for (double y = -20; y < 20; y += 0.25)
@@ -37,7 +39,8 @@ PointCloud half_plane(double slope) {
 }
 
 TEST_F(Outlines, SamplesAverageThePicturesThroughTheRotatedGrid) {
-  // (1/8, 5/8), (3/8, 1/8), (5/8, 7/8), (7/8, 3/8): the principal point moves by as much from the middle of the pixel.
+  // (1/8, 5/8), (3/8, 1/8), (5/8, 7/8), (7/8, 3/8): the principal point moves by as much from the middle of
+  // the pixel.
   const std::array<vec2, 4> places{vec2(-0.375f, 0.125f), vec2(-0.125f, -0.375f), vec2(0.125f, 0.375f),
                                    vec2(0.375f, -0.125f)};
   const Camera camera = front_camera(64, 48);
@@ -58,7 +61,8 @@ TEST_F(Outlines, SamplesAverageThePicturesThroughTheRotatedGrid) {
   }
 }
 
-/// How far the ends of rows are from a straight line, whose offset is free since a point covers at least a pixel: rms, px.
+/// How far the ends of rows are from a straight line, whose offset is free since a point covers at least a
+/// pixel: rms, px.
 double unevenness(const Image<vec4>& image, double slope) {
   std::vector<double> off;
   for (int y = 8; y < 32; ++y) {
@@ -73,22 +77,24 @@ double unevenness(const Image<vec4>& image, double slope) {
 }
 
 TEST_F(Outlines, FollowTheirLine) {
-  // One sample rounds the end of a row to whole pixels, an error uniform in +-1/2 (rms 0.29); 16 samples to sixteenths
-  // of one, and the grid of points, four a pixel, adds 1/4 / sqrt(12) = 0.07. From one sample the line is drawn between
-  // the middles of its steps, which the grid of points moves by as much.
+  // One sample rounds the end of a row to whole pixels, an error uniform in +-1/2 (rms 0.29); 16 samples to
+  // sixteenths of one, and the grid of points, four a pixel, adds 1/4 / sqrt(12) = 0.07. From one sample the
+  // line is drawn between the middles of its steps, which the grid of points moves by as much.
   const Camera camera = camera_above(10, 40, 40);
   for (const double slope : {0.1, 0.37, 0.9}) {
     EXPECT_GT(unevenness(picture("points", half_plane(slope), camera, 1).color_linear, slope), 0.2) << slope;
     EXPECT_LT(unevenness(picture("points", half_plane(slope), camera, 16).color_linear, slope), 0.1) << slope;
-    // Near a diagonal every step is one pixel long, and where one is two its neighbours do not know: the line is straight
-    // but for a bend there, up to half a pixel off, as without smoothing.
-    const double smoothed = unevenness(picture("points", half_plane(slope), camera, 1, true).color_linear, slope);
+    // Near a diagonal every step is one pixel long, and where one is two its neighbours do not know: the line
+    // is straight but for a bend there, up to half a pixel off, as without smoothing.
+    const double smoothed =
+        unevenness(picture("points", half_plane(slope), camera, 1, true).color_linear, slope);
     EXPECT_LT(smoothed, slope < 0.5 ? 0.15 : 0.29) << slope;
   }
 }
 
 TEST_F(Outlines, StepsInDepthAreSmoothed) {
-  // A white half plane above a black floor: nothing is uncovered, and the edge is as smooth as against the background.
+  // A white half plane above a black floor: nothing is uncovered, and the edge is as smooth as against the
+  // background.
   PointCloud cloud = half_plane(0.37);
   for (vec3& p : cloud.positions) p.z = 8;
   for (double y = -22; y < 22; y += 0.25)
@@ -114,9 +120,11 @@ TEST_F(Outlines, WhatIsPaintedOnASurfaceStaysSharp) {
   // Steep enough to look like a step to one who does not know slopes: 3 units a pixel.
   for (vec3& p : cloud.positions) p.z = -3 * p.x;
   const Camera camera = camera_above(100, 40, 40);
-  const RenderOutput plain = picture("points", cloud, camera, 1), smooth = picture("points", cloud, camera, 1, true);
+  const RenderOutput plain = picture("points", cloud, camera, 1),
+                     smooth = picture("points", cloud, camera, 1, true);
   for (int y = 2; y < 38; ++y)
-    for (int x = 2; x < 18; ++x) ASSERT_EQ(plain.color_linear.at(x, y), smooth.color_linear.at(x, y)) << x << " " << y;
+    for (int x = 2; x < 18; ++x)
+      ASSERT_EQ(plain.color_linear.at(x, y), smooth.color_linear.at(x, y)) << x << " " << y;
 }
 
 TEST_F(Outlines, SamplesLeaveDepthsAndNormalsAtPixelCentres) {

@@ -1,5 +1,5 @@
-// Light, material and finish that all techniques share, against the formulas of the documentation computed here in double
-// precision from the depths and normals of the same picture.
+// Light, material and finish that all techniques share, against the formulas of the documentation computed
+// here in double precision from the depths and normals of the same picture.
 #include <algorithm>
 #include <cmath>
 
@@ -70,8 +70,9 @@ TEST_P(SharedLight, IsThatOfPhong) {
   const dvec3 lamp(2, -3, 4), sun = glm::normalize(dvec3(-1, -2, 2));
   double brightest = 0;
   const bool is_surface = GetParam().technique == std::string("surface");
-  if (is_surface) set_parameter(*technique, "ambient_occlusion", "0");  // which darkens the paint before it is lit
-  const double tolerance = is_surface ? 4e-3 : 2e-3;  // it keeps the colours of its discs as halves
+  if (is_surface)
+    set_parameter(*technique, "ambient_occlusion", "0");  // which darkens the paint before it is lit
+  const double tolerance = is_surface ? 4e-3 : 2e-3;      // it keeps the colours of its discs as halves
   for (const char* light : {"headlight", "2,-3,4", "dir:-1,-2,2"}) {
     settings.light_text = light;
     const RenderOutput out = render();
@@ -82,7 +83,9 @@ TEST_P(SharedLight, IsThatOfPhong) {
         const dvec3 n(out.normal.at(x, y));
         if (c.a < 0.999f || std::isinf(out.depth.at(x, y)) || glm::length(n) < 0.5) continue;
         const dvec3 p = world_position(camera, x, y, out.depth.at(x, y)), v = to_eye(p);
-        const dvec3 l = std::string(light) == "headlight" ? v : light[0] == 'd' ? sun : glm::normalize(lamp - p);
+        const dvec3 l = std::string(light) == "headlight" ? v
+                        : light[0] == 'd'                 ? sun
+                                                          : glm::normalize(lamp - p);
         ASSERT_GE(glm::dot(n, v), -1e-4) << "the picture's normal faces away";
         if (glm::dot(n, v) < 1e-3) continue;  // seen edge-on, either side of it may be lit
         const double diffuse = std::max(0.0, glm::dot(n, l));
@@ -90,7 +93,8 @@ TEST_P(SharedLight, IsThatOfPhong) {
         const double shine = diffuse > 0 ? 0.4 * std::pow(std::max(0.0, glm::dot(reflected, v)), 7) : 0;
         brightest = std::max(brightest, shine);
         for (int k = 0; k < 3; ++k)
-          ASSERT_NEAR(c[k], albedo[k] * (0.2 + 0.6 * diffuse) + shine, tolerance) << light << " at " << x << ' ' << y;
+          ASSERT_NEAR(c[k], albedo[k] * (0.2 + 0.6 * diffuse) + shine, tolerance)
+              << light << " at " << x << ' ' << y;
         ++seen;
       }
     EXPECT_GT(seen, 1500) << light;
@@ -118,7 +122,9 @@ TEST_P(SharedLight, DepthIsShownFromLightToDark) {
   const RenderOutput out = render();
   // Two numbers say the line: it must go through all the others.
   double nearest = INFINITY, farthest = 0, light = 0, dark = 1;
-  const auto srgb = [](double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; };
+  const auto srgb = [](double c) {
+    return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+  };
   const auto each = [&](const auto& f) {
     for (std::size_t i = 0; i < out.depth.size(); ++i)
       if (const vec4 c = out.color_linear.data()[i]; c.a > 0.999f && !std::isinf(out.depth.data()[i]))
@@ -136,8 +142,8 @@ TEST_P(SharedLight, DepthIsShownFromLightToDark) {
   });
 }
 
-// Each pixel times exp(-300 * 2.2 * strength * mean over eight neighbours of max(0, log2 depth - log2 theirs)), Boucheny 2009
-// with the constant of Potree.
+// Each pixel times exp(-300 * 2.2 * strength * mean over eight neighbours of max(0, log2 depth - log2
+// theirs)), Boucheny 2009 with the constant of Potree.
 TEST_P(SharedLight, EyeDomeLightingIsThatOfBoucheny) {
   settings.shading = Shading::lit;
   const RenderOutput plain = render();
@@ -146,7 +152,9 @@ TEST_P(SharedLight, EyeDomeLightingIsThatOfBoucheny) {
   const RenderOutput out = render();
   // An orthographic camera has no distance: that of a camera of 45 degrees that sees as much takes its place.
   const double reference = 4 / (2 * std::tan(glm::radians(22.5)));
-  const auto logarithm = [&](double depth) { return camera.orthographic() ? depth / reference / std::log(2.0) : std::log2(depth); };
+  const auto logarithm = [&](double depth) {
+    return camera.orthographic() ? depth / reference / std::log(2.0) : std::log2(depth);
+  };
   int darkened = 0;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
@@ -164,16 +172,19 @@ TEST_P(SharedLight, EyeDomeLightingIsThatOfBoucheny) {
       darkened += shade < 0.8;
       // Logarithms of floats: 1e-6 times 300.
       for (int k = 0; k < 3; ++k)
-        ASSERT_NEAR(out.color_linear.at(x, y)[k], plain.color_linear.at(x, y)[k] * shade, 2e-3) << x << ' ' << y;
+        ASSERT_NEAR(out.color_linear.at(x, y)[k], plain.color_linear.at(x, y)[k] * shade, 2e-3)
+            << x << ' ' << y;
     }
   EXPECT_GT(darkened, 50);
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, SharedLight,
                          ::testing::Values(Case{"points", false}, Case{"points", true}, Case{"splats", false},
-                                           Case{"splats", true}, Case{"surface", false}, Case{"surface", true}),
+                                           Case{"splats", true}, Case{"surface", false},
+                                           Case{"surface", true}),
                          [](const auto& each) {
-                           return std::string(each.param.technique) + (each.param.orthographic ? "_orthographic" : "");
+                           return std::string(each.param.technique) +
+                                  (each.param.orthographic ? "_orthographic" : "");
                          });
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The parts of soft transparency: fragment lists, thresholds, modulation, the baseline, orders, light, fields.
+// The parts of soft transparency: fragment lists, thresholds, modulation, the baseline, orders, light,
+// fields.
 #include <random>
 
 #include "core/error.h"
@@ -29,10 +30,14 @@ struct InteriorScene {
   gl::Texture solid_t, result;
 
   InteriorScene(const std::vector<Ball>& balls, const Camera& asked, float solid)
-      : prepared(analysis::prepare(cloud_of(balls), {}, {})), gpu(prepared, colors_of(prepared.cloud)), camera(asked),
+      : prepared(analysis::prepare(cloud_of(balls), {}, {})),
+        gpu(prepared, colors_of(prepared.cloud)),
+        camera(asked),
         target(asked.width, asked.height),
-        frame{gpu, camera, settings, light, target, true, timers, no_progress()}, view(camera, prepared.cloud.origin),
-        solid_t("solid", GL_R32F, asked.width, asked.height), result("result", GL_RGBA32F, asked.width, asked.height) {
+        frame{gpu, camera, settings, light, target, true, timers, no_progress()},
+        view(camera, prepared.cloud.origin),
+        solid_t("solid", GL_R32F, asked.width, asked.height),
+        result("result", GL_RGBA32F, asked.width, asked.height) {
     settings.shading = Shading::albedo;
     gpu.set_field(prepared.cloud.scalar("soft")->values);
     points.choose(gpu, prepared.cloud.scalar("soft")->values, 0.5f);
@@ -54,8 +59,10 @@ TEST_F(SoftParts, FragmentsAreCountedAndStoredAlike) {
     soft::Interior interior;
     soft::InteriorSettings settings;
     settings.concentric = concentric;
-    interior.draw(scene.points, scene.view, scene.solid_t, scene.target.color, scene.result, settings, false, scene.timers);
-    const Image<float> counted = interior.list().counts().download<float>();  // the storing pass adds once more
+    interior.draw(scene.points, scene.view, scene.solid_t, scene.target.color, scene.result, settings, false,
+                  scene.timers);
+    const Image<float> counted =
+        interior.list().counts().download<float>();  // the storing pass adds once more
     const Image<std::uint32_t> stored = interior.list().stored().download<std::uint32_t>();
     std::uint64_t total = 0, expected = 0;
     for (std::size_t i = 0; i < stored.size(); ++i) {
@@ -69,14 +76,16 @@ TEST_F(SoftParts, FragmentsAreCountedAndStoredAlike) {
       for (int x = 0; x < camera.width; ++x)
         for (const Ball& ball : balls) {
           const OracleRay ray = oracle_ray(camera, x + 0.5, y + 0.5);
-          const double delta = ray_delta(ray, ball.center, ball.radius), middle = glm::dot(dvec3(ball.center) - ray.origin, ray.direction);
+          const double delta = ray_delta(ray, ball.center, ball.radius),
+                       middle = glm::dot(dvec3(ball.center) - ray.origin, ray.direction);
           const double depth = glm::dot(dvec3(ball.center) - ray.origin, camera.direction());
           const double size_px = ball.radius * camera.pixels_per_unit() / std::max(depth, splat_near(camera));
           int shells = 1;  // the next power of two: what is not whole fades in
           while (concentric && shells < std::min(size_px / 4, 32.0)) shells *= 2;
           for (int i = 0; i < shells && 1 - double(i) / shells > delta; ++i) {
             const double half = ball.radius * std::sqrt(std::pow(1 - double(i) / shells, 2) - delta * delta);
-            if (std::max(middle - half, splat_near(camera) / ray.cosine) < std::min(middle + half, 1.5)) expected += 2;
+            if (std::max(middle - half, splat_near(camera) / ray.cosine) < std::min(middle + half, 1.5))
+              expected += 2;
           }
         }
     // Rims and clamped chords that rounding decides: one in ten thousand.
@@ -91,7 +100,9 @@ TEST_F(SoftParts, LongListsAndManyOpenSpheres) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> uniform(-1, 1);
   for (int i = 0; i < 300; ++i)
-    balls.push_back({{0.2f * uniform(random), 8 * uniform(random), 0.2f * uniform(random)}, 0.4f, {std::uint8_t(i % 256), 128, 60, 255}});
+    balls.push_back({{0.2f * uniform(random), 8 * uniform(random), 0.2f * uniform(random)},
+                     0.4f,
+                     {std::uint8_t(i % 256), 128, 60, 255}});
   SoftOracle oracle;
   oracle.opacity = 0.02;
   set_opacity(0.02);
@@ -115,7 +126,8 @@ TEST_F(SoftParts, LongListsAndManyOpenSpheres) {
   }));
 }
 
-// Spheres beyond the 64th in front of a wall, cut by it: what lies behind the wall hides nothing in front of it.
+// Spheres beyond the 64th in front of a wall, cut by it: what lies behind the wall hides nothing in front of
+// it.
 TEST_F(SoftParts, SpheresThatOverflowEndAtTheSolidSurface) {
   const Camera camera = camera_at({0, -20, 0}, 24, 24, 4);
   std::vector<Ball> balls;
@@ -137,14 +149,16 @@ TEST_F(SoftParts, SpheresThatOverflowEndAtTheSolidSurface) {
       SoftOracle oracle;
       oracle.opacity = 0.02;
       std::vector<OracleSphere> spheres;
-      for (std::size_t i = 0; i + 1 < balls.size(); ++i) spheres.push_back({balls[i].center, balls[i].radius, dvec3(0)});
+      for (std::size_t i = 0; i + 1 < balls.size(); ++i)
+        spheres.push_back({balls[i].center, balls[i].radius, dvec3(0)});
       const double wall = -ray.origin.y / ray.direction.y;  // the disc is the plane y = 0
       const double expected = 1 - oracle.through(ray, spheres, 0, wall).a;
       cut += expected - (1 - oracle.through(ray, spheres, 0, HUGE_VAL).a);
       // The haze takes the place of the wall's colour, white: what is left of it is the transmittance.
       const vec4 color = out.color_linear.at(x, y);
-      const dvec3 haze = dvec3(std::pow((200 / 255.0 + 0.055) / 1.055, 2.4), std::pow((100 / 255.0 + 0.055) / 1.055, 2.4),
-                               std::pow((50 / 255.0 + 0.055) / 1.055, 2.4));
+      const dvec3 haze =
+          dvec3(std::pow((200 / 255.0 + 0.055) / 1.055, 2.4), std::pow((100 / 255.0 + 0.055) / 1.055, 2.4),
+                std::pow((50 / 255.0 + 0.055) / 1.055, 2.4));
       for (int k = 0; k < 3; ++k)
         worst = std::max(worst, std::abs(color[k] - (expected + (1 - expected) * haze[k])));
     }
@@ -195,7 +209,8 @@ TEST_F(SoftParts, ThresholdAndOpacityAtTheirEnds) {
   }
 }
 
-// A.7 test 8: between the thresholds the shape goes from a cone to the model's own, without a step at either end.
+// A.7 test 8: between the thresholds the shape goes from a cone to the model's own, without a step at either
+// end.
 TEST_F(SoftParts, ModulationIsContinuous) {
   const Camera camera = camera_at({0, -3, 0}, 48, 48);
   set("field_threshold", "0.5");
@@ -207,14 +222,16 @@ TEST_F(SoftParts, ModulationIsContinuous) {
     for (int x = 0; x < 48; ++x) alpha.push_back(out.color_linear.at(x, 24).a);
     return alpha;
   };
-  for (auto [model, at_threshold] : {std::pair{"express", 0.4}, {"base", 0.4}, {"concentric", 0.4}, {"express", 0.9}, {"base", 0.9}}) {
+  for (auto [model, at_threshold] :
+       {std::pair{"express", 0.4}, {"base", 0.4}, {"concentric", 0.4}, {"express", 0.9}, {"base", 0.9}}) {
     SCOPED_TRACE(model);
     set("model", model);
     set("modulation_opacity", std::to_string(at_threshold));
     set("modulation_threshold", "0.5");
     const std::vector<double> own = row(0.9f);
     set("modulation_threshold", "0.8");
-    const std::vector<double> below = row(0.7999f), above = row(0.8001f), lowest = row(0.50001f), middle = row(0.65f);
+    const std::vector<double> below = row(0.7999f), above = row(0.8001f), lowest = row(0.50001f),
+                              middle = row(0.65f);
     for (int x = 0; x < 48; ++x) {
       const double delta = ray_delta(oracle_ray(camera, x + 0.5, 24.5), dvec3(0), 0.7);
       const double cone = delta < 1 ? at_threshold * (1 - delta) : 0;
@@ -241,7 +258,8 @@ TEST_F(SoftParts, ModulationFadesWithOpacity) {
 /// Discs on a grid in the plane y = `at`.
 void add_sheet(std::vector<Ball>& balls, float at, Rgba8 color, float field) {
   for (int i = -8; i <= 8; ++i)
-    for (int j = -8; j <= 8; ++j) balls.push_back({{0.1f * float(i), at, 0.1f * float(j)}, 0.12f, color, field});
+    for (int j = -8; j <= 8; ++j)
+      balls.push_back({{0.1f * float(i), at, 0.1f * float(j)}, 0.12f, color, field});
 }
 
 // A.6: of two parallel soft sheets the first is transparent, the second opaque.
@@ -273,8 +291,8 @@ TEST_F(SoftParts, SortingOnTheGpuGivesTheSamePicture) {
     ASSERT_EQ(cpu.color_linear.data()[i], gpu.color_linear.data()[i]);
 }
 
-// The rasteriser and the processor blend the same spheres in the same order; float sums of some 30 layers and two
-// ways to compute a cosine differ by less than 1e-5.
+// The rasteriser and the processor blend the same spheres in the same order; float sums of some 30 layers and
+// two ways to compute a cosine differ by less than 1e-5.
 TEST_F(SoftParts, BlendingOnTheCpuAndOnTheGpuGivesTheSamePicture) {
   std::vector<Ball> balls = ball_soup(3000, 34, 0.08f);
   for (std::size_t i = 0; i < balls.size(); ++i) balls[i].field = 0.4f + 0.6f * float(i % 7) / 6;
@@ -307,8 +325,10 @@ TEST_F(SoftParts, BlendingOnTheCpuAndOnTheGpuGivesTheSamePicture) {
           apart += glm::distance(a, b) > 1e-5f;
         }
         EXPECT_GT(covered, 0.3 * double(cpu.color_linear.size()));
-        // A middle that lies on the solid surface, or on its far side, within a rounding: a pixel in a thousand.
-        EXPECT_LE(apart, cpu.color_linear.size() / 1000) << modulation << " " << antialias << " " << orthographic;
+        // A middle that lies on the solid surface, or on its far side, within a rounding: a pixel in a
+        // thousand.
+        EXPECT_LE(apart, cpu.color_linear.size() / 1000)
+            << modulation << " " << antialias << " " << orthographic;
       }
 }
 
@@ -322,7 +342,10 @@ TEST_F(SoftParts, KeptOrderFollowsThresholdAndRadius) {
   const Camera camera = camera_at({0, -2.5, 0}, 40, 40, 40);
   Renderer renderer(context());
   show(renderer, cloud_of(balls), technique_->needs());
-  for (auto [name, value] : {std::pair{"radius_scale", "1"}, {"radius_scale", "3"}, {"field_threshold", "0.2"}, {"opacity", "0.5"}}) {
+  for (auto [name, value] : {std::pair{"radius_scale", "1"},
+                             {"radius_scale", "3"},
+                             {"field_threshold", "0.2"},
+                             {"opacity", "0.5"}}) {
     set(name, value);
     const RenderOutput kept = renderer.render(*technique_, camera, settings_, all_outputs());
     auto fresh = find_technique("soft").create();
@@ -358,10 +381,12 @@ TEST(SoftAxisShares, FadeOverEightSteps) {
     vec3 last(0);
     for (int degree = 0; degree <= 360; ++degree) {
       const double a = glm::radians(double(degree)), e = glm::radians(elevation);
-      const vec3 shares = soft::axis_shares({std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)});
+      const vec3 shares =
+          soft::axis_shares({std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)});
       EXPECT_NEAR(shares.x + shares.y + shares.z, 1, 1e-6);
       if (degree > 0)
-        for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(shares[axis] - last[axis]), 0.125 + 1e-6) << degree;
+        for (int axis = 0; axis < 3; ++axis)
+          EXPECT_LE(std::abs(shares[axis] - last[axis]), 0.125 + 1e-6) << degree;
       last = shares;
     }
   }
@@ -389,7 +414,8 @@ soft::Field evaluated(const PreparedCloud& cloud, soft::FieldSettings& settings)
 
 PreparedCloud line_cloud() {
   PreparedCloud prepared;
-  ScalarField classes{"classification", 0, {}}, confidence{"confidence", 0, {}}, height{"height", 1000, {}}, constant{"constant", 0, {}};
+  ScalarField classes{"classification", 0, {}}, confidence{"confidence", 0, {}}, height{"height", 1000, {}},
+      constant{"constant", 0, {}};
   for (int i = 0; i <= 10; ++i) {
     prepared.cloud.positions.push_back({float(i), 0, 0});
     classes.values.push_back(float(i % 4 + 3));
@@ -398,8 +424,7 @@ PreparedCloud line_cloud() {
     constant.values.push_back(7);
   }
   confidence.values[0] = std::nanf("");
-  for (const ScalarField& field : {classes, confidence, height, constant})
-    prepared.cloud.set_scalar(field);
+  for (const ScalarField& field : {classes, confidence, height, constant}) prepared.cloud.set_scalar(field);
   return prepared;
 }
 
@@ -455,7 +480,7 @@ TEST(SoftField, ClassesAndDistances) {
     settings.size = size;
     return evaluated(cloud, settings).values[std::size_t(i)];
   };
-  EXPECT_FLOAT_EQ(at(soft::DistanceTo::axis, "3,4,9", "auto", "auto", 0), 0.5f);     // up: hypot(3, 4)
+  EXPECT_FLOAT_EQ(at(soft::DistanceTo::axis, "3,4,9", "auto", "auto", 0), 0.5f);  // up: hypot(3, 4)
   EXPECT_FLOAT_EQ(at(soft::DistanceTo::axis, "0,4,0", "1,0,0", "auto", 9), 0.4f);
   EXPECT_FLOAT_EQ(at(soft::DistanceTo::plane, "2,5,5", "2,0,0", "auto", 8), 0.6f);
   EXPECT_FLOAT_EQ(at(soft::DistanceTo::point, "3,4,0", "auto", "auto", 0), 0.5f);
@@ -465,8 +490,8 @@ TEST(SoftField, ClassesAndDistances) {
   EXPECT_THROW(at(soft::DistanceTo::axis, "auto", "0,0,0", "auto", 0), Error);
 }
 
-// Where more is uncertain the least certain 15 % are soft, whatever the units of the cloud: noise as thick as the
-// neighbourhoods that normals are measured in.
+// Where more is uncertain the least certain 15 % are soft, whatever the units of the cloud: noise as thick as
+// the neighbourhoods that normals are measured in.
 TEST_F(SoftParts, UncertaintyMakesItsShareSoft) {
   set("field", "uncertainty");
   set("field_threshold", "auto");

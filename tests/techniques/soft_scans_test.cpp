@@ -1,4 +1,5 @@
-// Soft transparency on scans as they come: random samples without normals, forests over known ground, real statues.
+// Soft transparency on scans as they come: random samples without normals, forests over known ground, real
+// statues.
 #include <algorithm>
 #include <cstring>
 
@@ -32,7 +33,9 @@ class SoftScans : public GlTest {
     std::vector<Rgba8> colors = colors_of(prepared.cloud);
     renderer_.set_cloud(std::move(prepared), std::move(colors));
   }
-  RenderOutput render(const Camera& camera) { return renderer_.render(*technique_, camera, settings_, all_outputs()); }
+  RenderOutput render(const Camera& camera) {
+    return renderer_.render(*technique_, camera, settings_, all_outputs());
+  }
 
   std::unique_ptr<Technique> technique_ = find_technique("soft").create();
   RenderSettings settings_;
@@ -83,8 +86,8 @@ TEST_F(SoftScans, TerrainBelowTreesIsSeenByClass) {
   }
 }
 
-// However deep the haze: nine in ten of its pixels let a quarter through at defaults. Shown against nothing, so that alpha
-// is what the haze hides.
+// However deep the haze: nine in ten of its pixels let a quarter through at defaults. Shown against nothing,
+// so that alpha is what the haze hides.
 TEST_F(SoftScans, ChosenHazeCanBeSeenThrough) {
   PointCloud leaves = forest_scan(60'000);
   Bounds box = bounds(leaves);
@@ -113,7 +116,8 @@ TEST_F(SoftScans, ChosenHazeCanBeSeenThrough) {
   }
   set("model", "express");
   set("opacity", "0.15");
-  EXPECT_LT(least_transmittance(cameras[0].resized(160, 120)), 0.1) << "the forest is not deep enough to prove anything";
+  EXPECT_LT(least_transmittance(cameras[0].resized(160, 120)), 0.1)
+      << "the forest is not deep enough to prove anything";
 }
 
 // Opacity follows the camera without steps: a tenth of a degree changes it by less than 2 %.
@@ -187,7 +191,8 @@ TEST_F(SoftScans, UncertainPointsOfAForestAreLeaves) {
   EXPECT_GT(together, soft * 9 / 10);
 }
 
-/// Pixels at least four away from what `splats` leaves open, and those of them that `soft` lets light through.
+/// Pixels at least four away from what `splats` leaves open, and those of them that `soft` lets light
+/// through.
 std::pair<int, int> interior_holes(const Image<vec4>& splats, const Image<vec4>& soft) {
   int interior = 0, holes = 0;
   const int reach = 4;
@@ -210,7 +215,8 @@ TEST_P(SoftStatues, HaveNoHoles) {
   const PointCloud scan = io::read(sfumato::test::data_folder() / GetParam()).cloud;
   show_cloud(scan);
   for (double azimuth : {-45.0, 60.0, 170.0}) {
-    const Camera camera = frame(robust_bounds(scan), scan.up, 400, 300, glm::radians(azimuth), glm::radians(20.0));
+    const Camera camera =
+        frame(robust_bounds(scan), scan.up, 400, 300, glm::radians(azimuth), glm::radians(20.0));
     const auto [interior, holes] =
         interior_holes(draw("splats", scan, camera).color_linear, render(camera).color_linear);
     EXPECT_GT(interior, 5000);
@@ -218,10 +224,12 @@ TEST_P(SoftStatues, HaveNoHoles) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(, SoftStatues, ::testing::Values("Guanyin.ply", "dragon_vrip_res2.ply"),
-                         [](const auto& one) { return std::string(one.param, std::strcspn(one.param, ".")); });
+                         [](const auto& one) {
+                           return std::string(one.param, std::strcspn(one.param, "."));
+                         });
 
-// A plane whose right half has a sixteenth of the points: no holes in it. A few points over the plane, however many: discs
-// no larger than what belongs to points as far apart.
+// A plane whose right half has a sixteenth of the points: no holes in it. A few points over the plane,
+// however many: discs no larger than what belongs to points as far apart.
 TEST_F(SoftScans, SparsePartsAreClosedAndStraysStaySmall) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform(-1, 1);
@@ -235,28 +243,32 @@ TEST_F(SoftScans, SparsePartsAreClosedAndStraysStaySmall) {
   for (int strays = 1; strays <= 25; strays += 4)
     for (int k = 0; k < strays; ++k) {  // a group of that many in a cube of one spacing, over the dense half
       const vec3 within(uniform(random), uniform(random), uniform(random));
-      cloud.positions.push_back(vec3(strays % 8 < 4 ? -0.75f : -0.25f, -0.95f + 0.07f * float(strays), 0.25f) +
-                                0.5f * spacing * within);
+      cloud.positions.push_back(
+          vec3(strays % 8 < 4 ? -0.75f : -0.25f, -0.95f + 0.07f * float(strays), 0.25f) +
+          0.5f * spacing * within);
     }
   show_cloud(cloud);
   // From above: the plane closed away from its rim.
   const RenderOutput out = render(camera_above(2, 1.8, 180));
   int open = 0;
-  // But for one spacing of the sparse half, 4 px, on the seam: its points are cut to the size of what is around them.
+  // But for one spacing of the sparse half, 4 px, on the seam: its points are cut to the size of what is
+  // around them.
   for (int y = 0; y < 180; ++y)
     for (int x = 0; x < 180; ++x) open += (x < 90 || x >= 95) && out.color_linear.at(x, y).a < 0.5f;
-  // Poisson: a place of the sparse half is out of reach of discs of 1.69 spacings with probability exp(-9) = 1.2e-4; four
-  // times that.
+  // Poisson: a place of the sparse half is out of reach of discs of 1.69 spacings with probability exp(-9)
+  // = 1.2e-4; four times that.
   EXPECT_LE(open, int(4 * std::exp(-9.0) * double(out.color_linear.size())));
   // Radii of what floats: at most four times that of the six nearest of its group, or of the plane below.
   const PreparedCloud prepared = analysis::prepare(cloud, Attribute::radius, {});
   std::vector<float> radii = prepared.cloud.radii;
-  soft::limit_isolated(prepared.cloud.positions, soft::Nearby(prepared.cloud.positions, no_progress()), radii);
+  soft::limit_isolated(prepared.cloud.positions, soft::Nearby(prepared.cloud.positions, no_progress()),
+                       radii);
   std::size_t floating = 0;
   for (std::size_t i = 0; i < radii.size(); ++i) {
     if (prepared.cloud.positions[i].z < 0.2f) continue;
     ++floating;
-    EXPECT_LT(radii[i], 6 * spacing);  // 4 x 2 sqrt(3)/sqrt(6) of a cube's diagonal; of the way to the plane: 9
+    EXPECT_LT(radii[i],
+              6 * spacing);  // 4 x 2 sqrt(3)/sqrt(6) of a cube's diagonal; of the way to the plane: 9
   }
   EXPECT_EQ(floating, cloud.positions.size() - plane);
 }

@@ -18,8 +18,8 @@ std::vector<std::pair<Ball, Camera>> lone_spheres() {
           {Ball{{0.2f, 0, 0.1f}, 0.7f}, orthographic}};
 }
 
-// A.7 test 1, and the other models' lone spheres. 1e-4: what float leaves of t - t_m at these distances, 1e-6 of the
-// radius, goes through a square root at the rim.
+// A.7 test 1, and the other models' lone spheres. 1e-4: what float leaves of t - t_m at these distances, 1e-6
+// of the radius, goes through a square root at the rim.
 TEST_F(Soft, LoneSphereIsTheClosedForm) {
   for (const auto& [ball, camera] : lone_spheres())
     for (double opacity : {0.15, 0.6, 1.0}) {
@@ -27,15 +27,23 @@ TEST_F(Soft, LoneSphereIsTheClosedForm) {
       set_opacity(opacity);
       const double lambda = lambda_of(opacity);
       set("model", "base");
-      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * closed_form(d)); }), 1e-4);
+      EXPECT_LT(
+          lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * closed_form(d)); }),
+          1e-4);
       set("density", "uniform");
-      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * std::sqrt(1 - d * d)); }), 1e-4);
+      EXPECT_LT(lone_sphere_error(ball, camera,
+                                  [&](double d) { return 1 - std::exp(-lambda * std::sqrt(1 - d * d)); }),
+                1e-4);
       set("density", "radial");
       set("model", "express");
-      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return opacity * (std::cos(std::acos(-1) * d) + 1) / 2; }), 1e-4);
+      EXPECT_LT(lone_sphere_error(ball, camera,
+                                  [&](double d) { return opacity * (std::cos(std::acos(-1) * d) + 1) / 2; }),
+                1e-4);
       set("model", "concentric");
       set("concentric_count", "7");
-      EXPECT_LT(lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * shell_sum(7, d)); }), 1e-4);
+      EXPECT_LT(
+          lone_sphere_error(ball, camera, [&](double d) { return 1 - std::exp(-lambda * shell_sum(7, d)); }),
+          1e-4);
       set("concentric_count", "auto");
     }
 }
@@ -92,7 +100,8 @@ TEST_F(Soft, LensMixesColours) {
       const double a = ray_delta(ray, balls[0].center, 0.5), b = ray_delta(ray, balls[1].center, 0.6);
       if (a >= 1 || b >= 1) continue;
       ++lens;
-      const glm::dvec4 expected = oracle.through(ray, {{balls[0].center, 0.5, {1, 0, 0}}, {balls[1].center, 0.6, {0, 0, 1}}}, 0, HUGE_VAL);
+      const glm::dvec4 expected = oracle.through(
+          ray, {{balls[0].center, 0.5, {1, 0, 0}}, {balls[1].center, 0.6, {0, 0, 1}}}, 0, HUGE_VAL);
       for (int k = 0; k < 3; ++k) ASSERT_NEAR(out.color_linear.at(x, y)[k], expected[k], 1.0 / 255);
     }
   EXPECT_GT(lens, 500);
@@ -134,8 +143,9 @@ TEST_F(Soft, ExpressBlendsFarToNear) {
   expect_like_oracle(balls, camera_at({0.3, -3, 0.4}, 48, 40), oracle);
 }
 
-// A.7 test 4. `exact`: 0 <= tau_N - T <= 2 sqrt(1-delta^2)/N (the bound of the Riemann sum), falling along N; in every
-// normalisation the same depth through the centre for each N; Eqs. 13 and 15: the limits of notes A.2, halved.
+// A.7 test 4. `exact`: 0 <= tau_N - T <= 2 sqrt(1-delta^2)/N (the bound of the Riemann sum), falling along N;
+// in every normalisation the same depth through the centre for each N; Eqs. 13 and 15: the limits of notes
+// A.2, halved.
 TEST_F(Soft, NestedSpheresTendToTheirLimits) {
   set("model", "concentric");
   set_opacity(0.5);
@@ -153,7 +163,9 @@ TEST_F(Soft, NestedSpheresTendToTheirLimits) {
         if (delta < 0.97) visit(x, y, delta);
       }
   };
-  auto tau = [](const Image<vec4>& image, int x, int y) { return -std::log(1 - double(image.at(x, y).a)) / lambda_of(0.5); };
+  auto tau = [](const Image<vec4>& image, int x, int y) {
+    return -std::log(1 - double(image.at(x, y).a)) / lambda_of(0.5);
+  };
   std::vector<Image<vec4>> exact;
   for (int count : {1, 3, 25, 400}) {
     exact.push_back(depth("exact", count));
@@ -179,8 +191,8 @@ TEST_F(Soft, NestedSpheresTendToTheirLimits) {
   }
 }
 
-// The depth of nested spheres falls with their number, at every distance from the centre; the next power of two of them
-// and the one before bound what is between.
+// The depth of nested spheres falls with their number, at every distance from the centre; the next power of
+// two of them and the one before bound what is between.
 TEST_F(Soft, NestedSpheresThinOutMonotonously) {
   set("model", "concentric");
   set_opacity(0.5);
@@ -196,9 +208,11 @@ TEST_F(Soft, NestedSpheresThinOutMonotonously) {
         const double delta = ray_delta(oracle_ray(camera, x + 0.5, y + 0.5), ball.center, ball.radius);
         if (delta > 0.97) continue;
         ++compared;
-        auto tau = [&](const RenderOutput& o) { return -std::log(1 - double(o.color_linear.at(x, y).a)) / lambda_of(0.5); };
-        // 0.0014: where the ray touches the innermost sphere, doubling their number adds that much at most (the
-        // difference of the two sums over all delta and powers of two).
+        auto tau = [&](const RenderOutput& o) {
+          return -std::log(1 - double(o.color_linear.at(x, y).a)) / lambda_of(0.5);
+        };
+        // 0.0014: where the ray touches the innermost sphere, doubling their number adds that much at most
+        // (the difference of the two sums over all delta and powers of two).
         ASSERT_LE(tau(out), tau(*last) + 0.0014) << count << " at " << delta;
         if (count == 2 && delta > 0.05) ASSERT_LT(tau(out), tau(*last));
       }
@@ -207,15 +221,16 @@ TEST_F(Soft, NestedSpheresThinOutMonotonously) {
   }
 }
 
-// Zooming in by one part in five hundred changes the depth by as little, whatever the number of nested spheres.
+// Zooming in by one part in five hundred changes the depth by as little, whatever the number of nested
+// spheres.
 TEST_F(Soft, NestedSpheresFadeWhileZooming) {
   set("model", "concentric");
   set_opacity(0.5);
   set("concentric_spacing_px", "2");
   const Ball ball{{0, 0, 0}, 0.5f};
   std::vector<double> depths;
-  // Chords at half the radius, through 2.0 to 9 nested spheres. The pixel that is nearest to them is not exactly there:
-  // divided by the depth of the Base model at its distance, which changes by 1 % a pixel.
+  // Chords at half the radius, through 2.0 to 9 nested spheres. The pixel that is nearest to them is not
+  // exactly there: divided by the depth of the Base model at its distance, which changes by 1 % a pixel.
   for (double distance = 60; distance > 14; distance *= 0.998) {
     const Camera camera = camera_at({0, -distance, 0}, 33, 33, 6);
     const RenderOutput out = render({ball}, camera);
@@ -225,7 +240,8 @@ TEST_F(Soft, NestedSpheresFadeWhileZooming) {
       if (delta > 0.95 || std::abs(delta - 0.5) > nearest) continue;
       nearest = std::abs(delta - 0.5);
       const double size_px = ball.radius * camera.pixels_per_unit() / distance;
-      depth = -std::log(1 - double(out.color_linear.at(x, 16).a)) / lambda_of(0.5) / shell_sum(size_px / 2, delta);
+      depth = -std::log(1 - double(out.color_linear.at(x, 16).a)) / lambda_of(0.5) /
+              shell_sum(size_px / 2, delta);
     }
     ASSERT_LT(nearest, 1);
     depths.push_back(depth);
@@ -240,7 +256,12 @@ TEST_F(Soft, NestedSpheresFadeWhileZooming) {
 
 // A.7 test 5: largest opacity differences of the cosine from the exact integral, by opacity.
 TEST_F(Soft, ExpressStaysNearBase) {
-  for (auto [opacity, most] : {std::pair{0.05, 0.0037}, {0.1, 0.0080}, {0.2, 0.0185}, {0.3, 0.0321}, {0.5, 0.073}, {0.7, 0.145},
+  for (auto [opacity, most] : {std::pair{0.05, 0.0037},
+                               {0.1, 0.0080},
+                               {0.2, 0.0185},
+                               {0.3, 0.0321},
+                               {0.5, 0.073},
+                               {0.7, 0.145},
                                {0.9, 0.297}}) {
     set_opacity(opacity);
     const Camera camera = camera_at({0, -3, 0}, 64, 64);
@@ -251,7 +272,8 @@ TEST_F(Soft, ExpressStaysNearBase) {
     const RenderOutput base = render(balls, camera);
     double worst = 0;
     for (std::size_t i = 0; i < base.color_linear.size(); ++i)
-      worst = std::max(worst, double(std::abs(express.color_linear.data()[i].a - base.color_linear.data()[i].a)));
+      worst =
+          std::max(worst, double(std::abs(express.color_linear.data()[i].a - base.color_linear.data()[i].a)));
     EXPECT_LE(worst, most + 1.0 / 255) << opacity;
     EXPECT_GE(worst, 0.9 * most - 1.0 / 255) << opacity << ": the table would prove nothing";
   }

@@ -73,7 +73,8 @@ class Splats : public GlTest {
     return camera;
   }
   template <class Weight>
-  static OracleImages expected(const PointCloud& cloud, const Camera& asked, Weight weight, double eps = epsilon) {
+  static OracleImages expected(const PointCloud& cloud, const Camera& asked, Weight weight,
+                               double eps = epsilon) {
     const Camera camera = fitted(asked, cloud);
     const std::vector<OracleSplat> splats = oracle_splats(cloud);
     const int w = camera.width, h = camera.height;
@@ -82,7 +83,8 @@ class Splats : public GlTest {
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         bool is_fragile = false;
-        const auto hits = oracle_hits(oracle_ray(camera, x + 0.5, y + 0.5), splats, splat_near(camera), &is_fragile);
+        const auto hits =
+            oracle_hits(oracle_ray(camera, x + 0.5, y + 0.5), splats, splat_near(camera), &is_fragile);
         nearest.at(x, y) = hits.empty() ? std::numeric_limits<double>::infinity() : hits.front().t;
         fragile.at(x, y) = is_fragile;
       }
@@ -103,8 +105,8 @@ class Splats : public GlTest {
     });
   }
   void expect_like_oracle(const RenderOutput& out, const OracleImages& oracle) {
-    // Normals are stored in 2 x 16 bit (3e-5 rad); on a disc seen at 10:1 that shifts the hit by 3e-4 radii, and
-    // weights and colours with it. Float itself adds 1e-6.
+    // Normals are stored in 2 x 16 bit (3e-5 rad); on a disc seen at 10:1 that shifts the hit by 3e-4 radii,
+    // and weights and colours with it. Float itself adds 1e-6.
     const Difference color = compare(out.color_linear, oracle.color, oracle.band, 2e-3);
     EXPECT_LT(color.max, 4e-3);
     EXPECT_LT(color.mean, 2e-5);
@@ -146,7 +148,9 @@ TEST_F(Splats, TiltedDiscInTheCornerOfAWideView) {
     const PointCloud cloud = disc({1.2f, 0, 0.85f}, {0.6f, 1, 0.5f}, 0.4f);
     const RenderOutput out = render(cloud, camera);
     const OracleImages oracle = expected(cloud, camera, wendland);
-    EXPECT_GT(std::count_if(oracle.depth.begin(), oracle.depth.end(), [](float z) { return std::isfinite(z); }), 100);
+    EXPECT_GT(
+        std::count_if(oracle.depth.begin(), oracle.depth.end(), [](float z) { return std::isfinite(z); }),
+        100);
     const Difference depth = compare(out.depth, oracle.depth, oracle.band, 1e-4);
     EXPECT_LT(depth.max, 1e-4);  // 16-bit normal on a disc of 0.4
     EXPECT_LT(depth.band, 20u);
@@ -168,7 +172,8 @@ TEST_F(Splats, CoplanarDiscsBlendByTheirWeights) {
       if (rho1 > 0.999 || rho2 > 0.999) continue;
       ++both;
       const double w1 = wendland(rho1), w2 = wendland(rho2);
-      ASSERT_NEAR(out.color_linear.at(x, y).r, w1 / (w1 + w2), 1e-3);  // 16-bit normals; 1e-3 is a quarter of a step
+      ASSERT_NEAR(out.color_linear.at(x, y).r, w1 / (w1 + w2),
+                  1e-3);  // 16-bit normals; 1e-3 is a quarter of a step
       ASSERT_NEAR(out.color_linear.at(x, y).b, w2 / (w1 + w2), 1e-3);
     }
   EXPECT_GT(both, 50);
@@ -238,14 +243,16 @@ TEST_F(Splats, SphereHasItsDepthAndNormals) {
       const double t = middle - std::sqrt(1 - away2);
       const dvec3 n = ray.origin + t * ray.direction;
       ASSERT_EQ(out.color_linear.at(x, y).a, 1);
-      // A tangent disc leaves the sphere by r^2/2 at its rim, seen at up to 63 degrees; less where it weighs most.
-      ASSERT_NEAR(out.depth.at(x, y), t * ray.cosine, 0.5 * radius * radius / std::sqrt(1 - away2)) << x << "," << y;
+      // A tangent disc leaves the sphere by r^2/2 at its rim, seen at up to 63 degrees; less where it weighs
+      // most.
+      ASSERT_NEAR(out.depth.at(x, y), t * ray.cosine, 0.5 * radius * radius / std::sqrt(1 - away2))
+          << x << "," << y;
       ASSERT_GT(glm::dot(n, dvec3(out.normal.at(x, y))), std::cos(0.5 * radius));  // averaged on both sides
     }
 }
 
-// Normals know no inside, and at an outline discs from beyond the horizon show: turned to the camera each on its own they
-// would cancel those on this side of it, and the light on the rim would be noise.
+// Normals know no inside, and at an outline discs from beyond the horizon show: turned to the camera each on
+// its own they would cancel those on this side of it, and the light on the rim would be noise.
 TEST_F(Splats, RimsOfClosedThingsAreSeenFromTheSide) {
   PointCloud cloud = sphere_cloud(20000);
   std::mt19937 random(3);
@@ -264,7 +271,8 @@ TEST_F(Splats, RimsOfClosedThingsAreSeenFromTheSide) {
       const double middle = -glm::dot(ray.origin, ray.direction);
       const dvec3 closest = ray.origin + middle * ray.direction;
       if (out.color_linear.at(x, y).a == 0 || glm::length(closest) < 0.98) continue;
-      ++rim;  // there the sphere's normal is within 12 degrees of this one, and so it is where discs stick out
+      ++rim;  // there the sphere's normal is within 12 degrees of this one, and so it is where discs stick
+              // out
       wrong += glm::dot(dvec3(out.normal.at(x, y)), glm::normalize(closest)) < std::cos(glm::radians(30.0));
     }
   EXPECT_GT(rim, 700);
@@ -314,8 +322,8 @@ TEST_F(Splats, ComputeAndRasterGiveTheSamePicture) {
           const WithPath with(path);
           results[k++] = render(cloud, camera);
         }
-        // Two programs may round t differently, which flips a pixel where t meets t_min + epsilon or a rim: at most
-        // one in a thousand; elsewhere the sums differ by roundings.
+        // Two programs may round t differently, which flips a pixel where t meets t_min + epsilon or a rim:
+        // at most one in a thousand; elsewhere the sums differ by roundings.
         std::size_t flips = 0;
         for (std::size_t i = 0; i < results[0].depth.size(); ++i) {
           const vec4 a = results[0].color_linear.data()[i], b = results[1].color_linear.data()[i];
@@ -329,7 +337,8 @@ TEST_F(Splats, ADiscLargerThanAnySpriteIsStillDrawn) {
   // The camera stands 0.01 before a wall of radius 50: the box reaches through the plane of the eye.
   const Camera camera = camera_at({0, -0.01, 0}, 64, 48, 90);
   const RenderOutput out = render(disc({0, 0, 0}, {0.3f, 1, 0}, 50), camera);
-  const auto covered = std::count_if(out.depth.begin(), out.depth.end(), [](float z) { return std::isfinite(z); });
+  const auto covered =
+      std::count_if(out.depth.begin(), out.depth.end(), [](float z) { return std::isfinite(z); });
   EXPECT_EQ(covered, 64 * 48);
   EXPECT_TRUE(out.notes.empty()) << "how a driver draws it is nobody's concern";
 }
@@ -375,7 +384,8 @@ TEST_F(Splats, AntialiasingLeavesLargeSplatsAlone) {
   // Inside a disc the filter only raises weights within 1 px of a centre.
   double mean = 0;
   for (std::size_t i = 0; i < off.color_linear.size(); ++i)
-    mean += glm::length(off.color_linear.data()[i] - on.color_linear.data()[i]) / double(off.color_linear.size());
+    mean +=
+        glm::length(off.color_linear.data()[i] - on.color_linear.data()[i]) / double(off.color_linear.size());
   EXPECT_LT(mean, 2e-3);
 }
 
@@ -420,12 +430,14 @@ TEST_F(Splats, ClampedRadiiKeepOutliersSmall) {
   EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.08 * px, 2), 20);
 }
 
-// Along a slow orbit around random colours, the average of many discs changes less than the nearest disc alone.
+// Along a slow orbit around random colours, the average of many discs changes less than the nearest disc
+// alone.
 TEST_F(Splats, WeightedBlendingIsSteadierThanOpaque) {
   PointCloud cloud = sphere_cloud(4000);
   cloud.radii.assign(cloud.size(), 0.12f);
   std::mt19937 random(9);
-  for (Rgba8& c : cloud.colors) c = {std::uint8_t(random()), std::uint8_t(random()), std::uint8_t(random()), 255};
+  for (Rgba8& c : cloud.colors)
+    c = {std::uint8_t(random()), std::uint8_t(random()), std::uint8_t(random()), 255};
   Renderer renderer(context());
   show(renderer, cloud, technique_->needs());
   bench::FrameDifference results[2];
@@ -465,7 +477,8 @@ TEST_F(Splats, ShadowFactorsAreAveragedLikeColours) {
   std::vector<OracleSplat> splats = oracle_splats(cloud);
   for (std::size_t i = 0; i < 2; ++i) splats[i].shadow = factors[i];
   for (int x = 4; x < 44; ++x) {
-    const OracleSurface s = oracle_surface(oracle_ray(camera, x + 0.5, 24.5), splats, splat_near(camera), epsilon, wendland);
+    const OracleSurface s =
+        oracle_surface(oracle_ray(camera, x + 0.5, 24.5), splats, splat_near(camera), epsilon, wendland);
     if (!s.fragile) EXPECT_NEAR(normal.at(x, 24).w, s.shadow, 1e-3) << x;
   }
 }

@@ -1,4 +1,5 @@
-// What strokes keep: the width of thin things, closed surfaces, the colours of the scan; and what a file may call clusters.
+// What strokes keep: the width of thin things, closed surfaces, the colours of the scan; and what a file may
+// call clusters.
 #include <algorithm>
 #include <cmath>
 
@@ -69,7 +70,8 @@ TEST_F(StrokesDetailTest, RandomSurfacesAreClosed) {
   }
 }
 
-// One colour in, the same colour out on the whole, in every style that paints in colour, with relief and variation.
+// One colour in, the same colour out on the whole, in every style that paints in colour, with relief and
+// variation.
 TEST_F(StrokesDetailTest, ColoursStayThoseOfTheScan) {
   for (const char* style : {"oil", "impressionist", "pointillist", "figure_4b"}) {
     PointCloud cloud = sphere_cloud(20000, 0.8f);
@@ -84,8 +86,10 @@ TEST_F(StrokesDetailTest, ColoursStayThoseOfTheScan) {
     const auto linear = [](double v) { return std::pow((v / 255 + 0.055) / 1.055, 2.4); };
     for (int k = 0; k < 3; ++k) {
       const double expected = linear(k == 0 ? 130 : k == 1 ? 70 : 160);
-      // Impressionists saturate by 15 %; else a few thousand strokes of 6 to 20 % variation leave less than a hundredth.
-      EXPECT_NEAR(sum[k] / covered, expected, (style[0] == 'o' || style[0] == 'f' ? 0.04 : 0.2) * expected) << style << k;
+      // Impressionists saturate by 15 %; else a few thousand strokes of 6 to 20 % variation leave less than a
+      // hundredth.
+      EXPECT_NEAR(sum[k] / covered, expected, (style[0] == 'o' || style[0] == 'f' ? 0.04 : 0.2) * expected)
+          << style << k;
     }
   }
 }

@@ -1,4 +1,5 @@
-// The A-buffer of strokes: at once and step by step, in one piece and in bands, on the processor and on the GPU.
+// The A-buffer of strokes: at once and step by step, in one piece and in bands, on the processor and on the
+// GPU.
 
 #include "reference/stroke_scenes.h"
 
@@ -38,7 +39,8 @@ TEST_P(StrokeListsTest, RefiningStepByStepEndsInTheSameBits) {
         done = by_step.step();
         const Image<vec4> now = by_step.picture();
         // Transmittance falls: every step covers as much as the one before, or more.
-        for (std::size_t i = 0; frames > 1 && i < now.size(); ++i) ASSERT_GE(now.data()[i].a, before.data()[i].a - 1e-6f);
+        for (std::size_t i = 0; frames > 1 && i < now.size(); ++i)
+          ASSERT_GE(now.data()[i].a, before.data()[i].a - 1e-6f);
         before = now;
       }
       EXPECT_GT(frames, 3);
@@ -63,7 +65,8 @@ TEST_P(StrokeListsTest, TheFirstFrameOfARefinementIsTheBlurredPicture) {
       apart += glm::distance(a.data()[i], b.data()[i]) > 1e-5f;
     }
     EXPECT_GT(covered, a.size() / 10);
-    // Strokes as near as each other to the last bits of a depth buffer: their pixels, and those the blur mixes with them.
+    // Strokes as near as each other to the last bits of a depth buffer: their pixels, and those the blur
+    // mixes with them.
     EXPECT_LE(apart, a.size() / 500) << order;
   }
 }
@@ -86,7 +89,8 @@ TEST_F(ListsTest, AChangeStartsOver) {
 
 TEST_P(StrokeListsTest, LittleMemoryMeansBandsAndNoLoss) {
   Studio roomy(two_spheres()), narrow(two_spheres());
-  for (Studio* s : {&roomy, &narrow}) s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12"), s->set("detail", "0");
+  for (Studio* s : {&roomy, &narrow})
+    s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12"), s->set("detail", "0");
   narrow.set("fragment_memory", "1");
   ASSERT_TRUE(roomy.step());
   ASSERT_TRUE(narrow.step());
@@ -110,8 +114,8 @@ TEST_P(StrokeListsTest, ListsGrowWithTheView) {
   }
 }
 
-// One pass on the processor against the depth test and the lists of the GPU: coincident points of other colours, strokes
-// through the eye, both projections, paint that covers and paint that does not.
+// One pass on the processor against the depth test and the lists of the GPU: coincident points of other
+// colours, strokes through the eye, both projections, paint that covers and paint that does not.
 TEST_F(ListsTest, ListsOfTheProcessorAreThoseOfTheGpu) {
   PointCloud cloud = two_spheres();
   for (std::size_t i = 0; i < 500; ++i) cloud.positions[i] = cloud.positions[i + 500];
@@ -144,7 +148,8 @@ TEST_F(ListsTest, ListsOfTheProcessorAreThoseOfTheGpu) {
         mean += glm::distance(a.data()[i], b.data()[i]) / double(a.size());
       }
       EXPECT_GT(covered, a.size() / 10);
-      // Fragments within a rounding of what is seen, of what is opaque, or of the border of a quad: a pixel in a hundred.
+      // Fragments within a rounding of what is seen, of what is opaque, or of the border of a quad: a pixel
+      // in a hundred.
       EXPECT_LE(apart, a.size() / 100) << style << " " << view;
       EXPECT_LT(mean, 1e-4) << style << " " << view;
     }

@@ -1,4 +1,5 @@
-// Strokes: frames, brushes, the sorted strokes against a fold in double, and that strokes stay where they are.
+// Strokes: frames, brushes, the sorted strokes against a fold in double, and that strokes stay where they
+// are.
 #include "techniques/strokes/stroke_set.h"
 
 #include <algorithm>
@@ -19,7 +20,8 @@ std::vector<vec3> many_normals() {
   std::mt19937 random(1);
   std::normal_distribution<float> gauss(0, 1);
   std::vector<vec3> normals;
-  for (int i = 0; i < 20000; ++i) normals.push_back(glm::normalize(vec3(gauss(random), gauss(random), gauss(random))));
+  for (int i = 0; i < 20000; ++i)
+    normals.push_back(glm::normalize(vec3(gauss(random), gauss(random), gauss(random))));
   for (int axis = 0; axis < 3; ++axis)
     for (float sign : {-1.0f, 1.0f}) {
       vec3 n(0);
@@ -57,7 +59,8 @@ TEST(Tangent, ThePrintedFormulaFails) {
   for (const vec3& n : many_normals()) {
     if (n.x >= 0) continue;
     const float c = 1 / (n.x - 1);
-    const TangentFrame printed{{n.y, 1 + n.y * n.y * c, -n.y * n.z * c}, {n.z, n.y * n.z * c, 1 + n.z * n.z * c}};
+    const TangentFrame printed{{n.y, 1 + n.y * n.y * c, -n.y * n.z * c},
+                               {n.z, n.y * n.z * c, 1 + n.z * n.z * c}};
     worst = std::max(worst, frame_error(n, printed));
   }
   EXPECT_GT(worst, 0.5);
@@ -66,9 +69,11 @@ TEST(Tangent, ThePrintedFormulaFails) {
 TEST(Tangent, JumpsWhereTheBranchesMeet) {
   for (float angle = 0.1f; angle < 6.2f; angle += 0.3f) {
     const vec3 n(0, std::cos(angle), std::sin(angle)), left = glm::normalize(n - vec3(1e-6f, 0, 0));
-    EXPECT_NEAR(glm::distance(householder_frame(n).along, householder_frame(left).along), 2 * std::abs(n.y), 1e-5);
+    EXPECT_NEAR(glm::distance(householder_frame(n).along, householder_frame(left).along), 2 * std::abs(n.y),
+                1e-5);
     // b is turned in the second branch: -(b + jump) instead of b + jump.
-    EXPECT_NEAR(glm::distance(householder_frame(n).across, -householder_frame(left).across), 2 * std::abs(n.z), 1e-5);
+    EXPECT_NEAR(glm::distance(householder_frame(n).across, -householder_frame(left).across),
+                2 * std::abs(n.z), 1e-5);
   }
 }
 
@@ -95,11 +100,13 @@ double brush_alpha(const Brush& b, std::uint32_t variant, double u, double v) {
   double z = 0, theta = 0;
   for (int column = 0; column < b.columns; ++column) {
     if (column > 0)
-      theta += glm::radians(double(b.noise_deg)) * (2 * double(pcg3d(variant, std::uint32_t(column), 77) >> 8) / 16777216.0 - 1);
+      theta += glm::radians(double(b.noise_deg)) *
+               (2 * double(pcg3d(variant, std::uint32_t(column), 77) >> 8) / 16777216.0 - 1);
     for (int row = 0; row < b.rows; ++row) {
       const double du = u - (0.5 + (column - 0.5 * (b.columns - 1)) * b.center_separation);
       const double dv = v - (0.5 + (row - 0.5 * (b.rows - 1)) * b.center_separation);
-      const double x = std::cos(theta) * du - std::sin(theta) * dv, y = std::sin(theta) * du + std::cos(theta) * dv;
+      const double x = std::cos(theta) * du - std::sin(theta) * dv,
+                   y = std::sin(theta) * du + std::cos(theta) * dv;
       z += b.amplitude * std::exp(-0.5 * std::pow(std::abs(x / b.sigma_x), b.shape_exponent)) *
            std::exp(-0.5 * std::pow(std::abs(y / b.sigma_y), b.shape_exponent));
     }
@@ -130,14 +137,16 @@ TEST_F(StrokesTest, BrushesAreThePapersFormula) {
           for (int x = 0; x < tile; ++x) {
             const float alpha = image.at(int(variant % 8) * tile + x, int(variant / 8) * tile + y).x;
             // 1e-4: pow and exp of llvmpipe are good to some 1e-6, times A = 8 and a steep exponent.
-            ASSERT_NEAR(alpha, brush_alpha(brush, variant, (x + 0.5) / tile, (y + 0.5) / tile), 1e-4) << x << "," << y;
+            ASSERT_NEAR(alpha, brush_alpha(brush, variant, (x + 0.5) / tile, (y + 0.5) / tile), 1e-4)
+                << x << "," << y;
           }
     }
   }
 }
 
 TEST_F(StrokesTest, SwappedSigmasSwapTheAxes) {
-  Brush brush = figure(Style::figure_4c);  // lambda = 2.7: a negative base without abs() would be a NaN on the left
+  Brush brush =
+      figure(Style::figure_4c);  // lambda = 2.7: a negative base without abs() would be a NaN on the left
   brush.noise_deg = 0;
   BrushPicture picture;
   picture.update(brush);
@@ -190,7 +199,8 @@ std::vector<Record> records_of(const StrokeSet& strokes) {
   std::vector<Record> out;
   for (std::size_t k = 0; k < texels.size(); k += 6)
     out.push_back({vector(texels[k]), vector(texels[k + 1]), vector(texels[k + 2]), vector(texels[k + 3]),
-                   vector(texels[k + 4]), std::bit_cast<float>(texels[k].w), texels[k + 1].w, texels[k + 5].x});
+                   vector(texels[k + 4]), std::bit_cast<float>(texels[k].w), texels[k + 1].w,
+                   texels[k + 5].x});
   return out;
 }
 
@@ -205,8 +215,8 @@ struct Set {  // strokes of a view without the technique around them
   }
 };
 
-// The whole way against the paper's sum and an "over" from the back, in double: few strokes, more than 64 px wide, so
-// that the brush's picture is read at its finest level.
+// The whole way against the paper's sum and an "over" from the back, in double: few strokes, more than 64 px
+// wide, so that the brush's picture is read at its finest level.
 TEST_F(StrokesTest, SortedStrokesAreTheFoldOfTheFormula) {
   PointCloud cloud;
   std::mt19937 random(5);
@@ -214,7 +224,8 @@ TEST_F(StrokesTest, SortedStrokesAreTheFoldOfTheFormula) {
   for (int i = 0; i < 9; ++i) {
     cloud.positions.push_back({uniform(random), uniform(random), uniform(random)});
     cloud.normals.push_back(glm::normalize(vec3(0.4f * uniform(random), -1, 0.4f * uniform(random))));
-    cloud.colors.push_back({std::uint8_t(40 + 20 * i), std::uint8_t(230 - 20 * i), std::uint8_t(60 * (i % 4)), 255});
+    cloud.colors.push_back(
+        {std::uint8_t(40 + 20 * i), std::uint8_t(230 - 20 * i), std::uint8_t(60 * (i % 4)), 255});
   }
   for (Style style : {Style::figure_4b, Style::figure_4d}) {
     Studio studio(cloud);
@@ -256,8 +267,9 @@ TEST_F(StrokesTest, SortedStrokesAreTheFoldOfTheFormula) {
         worst = std::max(worst, d);
         mean += d / (112 * 80);
       }
-    // The picture of the brush is linear between samples 1/64 apart: where alpha bends off its plateau one stroke is
-    // off by up to a tenth, and two may bend in one pixel; what is left of the light below 0.005 is dropped.
+    // The picture of the brush is linear between samples 1/64 apart: where alpha bends off its plateau one
+    // stroke is off by up to a tenth, and two may bend in one pixel; what is left of the light below 0.005 is
+    // dropped.
     EXPECT_LT(worst, 0.2);
     EXPECT_LT(mean, 0.004);
   }
@@ -301,14 +313,16 @@ TEST_F(StrokesTest, LightFallsOnColoursThatStandForSomething) {
   PointCloud cloud = two_spheres();
   std::mt19937 random(6);
   cloud.colors.resize(cloud.size());
-  for (Rgba8& c : cloud.colors) c = {std::uint8_t(random() % 90), std::uint8_t(random() % 70), std::uint8_t(random() % 50), 255};
+  for (Rgba8& c : cloud.colors)
+    c = {std::uint8_t(random() % 90), std::uint8_t(random() % 70), std::uint8_t(random() % 50), 255};
   Studio studio(cloud);
   studio.settings.shading = Shading::lit;
   const std::vector<Rgba8> own = studio.prepared.cloud.colors;
   std::vector<Rgba8> raised = own, attribute = own;
   for (Rgba8& c : raised)
     for (std::uint8_t* channel : {&c.r, &c.g, &c.b}) *channel = std::uint8_t(2 * *channel);
-  for (std::size_t i = 0; i < own.size(); ++i) attribute[i] = {std::uint8_t(studio.prepared.cloud.positions[i].z > 0 ? 200 : 90), 80, 120, 255};
+  for (std::size_t i = 0; i < own.size(); ++i)
+    attribute[i] = {std::uint8_t(studio.prepared.cloud.positions[i].z > 0 ? 200 : 90), 80, 120, 255};
   auto painted = [&](const std::vector<Rgba8>& colors, const char* lighting) {
     studio.gpu = std::make_unique<GpuCloud>(studio.prepared, colors);
     studio.set("lighting", lighting);
@@ -322,10 +336,11 @@ TEST_F(StrokesTest, LightFallsOnColoursThatStandForSomething) {
   EXPECT_FALSE(painted(raised, "on") == painted(raised, "off"));
 }
 
-// A scanner's shadow: between a near thing and the wall far behind it nothing was measured. A slit of a few pixels is
-// painted like the wall, a wide one stays open.
+// A scanner's shadow: between a near thing and the wall far behind it nothing was measured. A slit of a few
+// pixels is painted like the wall, a wide one stays open.
 TEST_F(StrokesTest, UnderpaintingClosesSlitsBesideNearThings) {
-  auto scene = [](float wall_from) {  // the near half ends at x = 0, the wall as seen from the camera `wall_from` px beside it
+  auto scene = [](float wall_from) {  // the near half ends at x = 0, the wall as seen from the camera
+                                      // `wall_from` px beside it
     PointCloud cloud;
     auto add = [&](float x, float y, float z, Rgba8 color) {
       cloud.positions.push_back({x, y, z});
@@ -367,7 +382,8 @@ TEST_F(StrokesTest, TheOrderOfTheFileDoesNotShow) {
   cloud.colors.resize(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud.positions[i] = glm::round(cloud.positions[i] * 50.0f) / 50.0f;  // ties among neighbours
-    cloud.colors[i] = {std::uint8_t(60 * int(2 * cloud.positions[i].x + 3) / 2 + int(random() % 10)), std::uint8_t(random() % 8), 90, 255};
+    cloud.colors[i] = {std::uint8_t(60 * int(2 * cloud.positions[i].x + 3) / 2 + int(random() % 10)),
+                       std::uint8_t(random() % 8), 90, 255};
   }
   std::vector<std::uint32_t> order(cloud.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -381,13 +397,15 @@ TEST_F(StrokesTest, TheOrderOfTheFileDoesNotShow) {
     one.step(), two.step();
     const Image<vec4> a = one.picture(), b = two.picture();
     std::size_t painted = 0, unlike = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) painted += a.data()[i].a > 0, unlike += a.data()[i] != b.data()[i];
+    for (std::size_t i = 0; i < a.size(); ++i)
+      painted += a.data()[i].a > 0, unlike += a.data()[i] != b.data()[i];
     EXPECT_GT(painted, 1000u) << style;
     EXPECT_EQ(unlike, 0u) << style;
   }
 }
 
-// A sequence: the second frame holds a sphere that moved, in another order; the wall behind it does not notice.
+// A sequence: the second frame holds a sphere that moved, in another order; the wall behind it does not
+// notice.
 TEST_F(StrokesTest, ASequenceKeepsStrokesThatDidNotMove) {
   auto scene = [](float x, unsigned seed) {
     PointCloud cloud;
@@ -414,8 +432,10 @@ TEST_F(StrokesTest, ASequenceKeepsStrokesThatDidNotMove) {
   for (int y = 0; y < 80; ++y)
     for (int x = 0; x < 112; ++x) {
       const bool equal = glm::length(out[0].color_linear.at(x, y) - out[1].color_linear.at(x, y)) < 1e-3f;
-      if (x > 62 && out[0].depth.at(x, y) > 4.5f) ++still, same += equal;  // right of the sphere's way
-      else moved += !equal;
+      if (x > 62 && out[0].depth.at(x, y) > 4.5f)
+        ++still, same += equal;  // right of the sphere's way
+      else
+        moved += !equal;
     }
   EXPECT_GT(still, 2000u);
   EXPECT_GT(double(same), 0.99 * double(still));

@@ -72,7 +72,8 @@ TEST_F(Surface, MeanOcclusionAndFetchesAreThoseOfThePaper) {
     const Camera camera = wide_camera(128, 64, projection);
     Image<float> depth(128, 64, INFINITY);
     add_layer(depth, 5, [](double x, double) { return x < 70 ? 3 + x / 100 : 9; });
-    add_layer(depth, 9, [](double, double y) { return 4 + y / 50; }, 8);
+    add_layer(
+        depth, 9, [](double, double y) { return 4 + y / 50; }, 8);
     const float spacing = projection == Projection::perspective ? 0.25f : 0.06f;
     Operators on_screen(camera, depth, spacing);
     for (float scale : {1.0f, 3.0f, 6.0f}) {
@@ -111,7 +112,9 @@ TEST_F(Surface, MeanOcclusionAndFetchesAreThoseOfThePaper) {
 TEST_F(Surface, SkippedTilesAreOpenSky) {
   const Camera camera = wide_camera(256, 192);
   Image<float> depth(256, 192, INFINITY);
-  add_layer(depth, 7, [](double x, double y) { return std::hypot(x - 200, y - 40) < 30 ? 3 + x / 100 + y / 77 : INFINITY; });
+  add_layer(depth, 7, [](double x, double y) {
+    return std::hypot(x - 200, y - 40) < 30 ? 3 + x / 100 + y / 77 : INFINITY;
+  });
   depth.at(20, 150) = 3;
   for (float spacing : {0.03f, 0.12f}) {
     Operators on_screen(camera, depth, spacing);
@@ -162,7 +165,8 @@ TEST_F(Surface, WindowIsTheExhaustiveOperator) {
   options.disc_radius = 0;
   const Image<float> mean = on_screen.mean(options);
   for (int y = 0; y < 64; y += 3)
-    for (int x = 0; x < 64; x += 3) ASSERT_NEAR(mean.at(x, y), window_occlusion(camera, depth, x, y, 7), 1e-4);
+    for (int x = 0; x < 64; x += 3)
+      ASSERT_NEAR(mean.at(x, y), window_occlusion(camera, depth, x, y, 7), 1e-4);
 }
 
 TEST_F(Surface, BothWrappersGiveTheSameMean) {
@@ -181,9 +185,12 @@ TEST_F(Surface, BothWrappersGiveTheSameMean) {
 
 TEST_F(Surface, NoPointOfATiltedPlaneIsRemoved) {
   // Rays of the perspective camera meet the plane at up to 22 degrees more than its tilt.
-  for (auto [projection, tilt_deg] :
-       {std::pair{Projection::perspective, 0.0}, {Projection::perspective, 30.0}, {Projection::perspective, 60.0},
-        {Projection::perspective, 75.0}, {Projection::orthographic, 30.0}, {Projection::orthographic, 80.0}}) {
+  for (auto [projection, tilt_deg] : {std::pair{Projection::perspective, 0.0},
+                                      {Projection::perspective, 30.0},
+                                      {Projection::perspective, 60.0},
+                                      {Projection::perspective, 75.0},
+                                      {Projection::orthographic, 30.0},
+                                      {Projection::orthographic, 80.0}}) {
     const Camera camera = wide_camera(128, 128, projection);
     const double k = camera.pixels_per_unit(), slope = std::tan(glm::radians(tilt_deg));
     const bool parallel = projection == Projection::orthographic;
@@ -204,9 +211,11 @@ TEST_F(Surface, ARearSheetIsRemovedWhereItIsFarEnoughBehind) {
   const double spacing = 3 * 4 / camera.pixels_per_unit();
   for (auto [behind, least, most] : {std::tuple{10.0, 0.99, 1.0}, {0.5, 0.0, 0.0}}) {
     Image<float> front(192, 192, INFINITY), both(192, 192, INFINITY);
-    add_layer(front, 3, [](double, double) { return 4.0; }, 3);
+    add_layer(
+        front, 3, [](double, double) { return 4.0; }, 3);
     both = front;
-    add_layer(both, 3, [&](double, double) { return 4 + behind * spacing; }, 9);
+    add_layer(
+        both, 3, [&](double, double) { return 4 + behind * spacing; }, 9);
     Operators on_screen(camera, both, float(spacing));
     const Image<float> mean = on_screen.mean({});
     int rear = 0, removed = 0;
@@ -232,7 +241,8 @@ TEST_F(Surface, GapsInsideAreFilledAndTheOutsideStaysOutside) {
     for (int x = 0; x < 192; ++x) {
       if (!std::isinf(depth.at(x, y))) continue;
       const double r = std::hypot(x + 0.5 - 96, y + 0.5 - 96);
-      if (r < 45) ASSERT_LT(mean.at(x, y), 0.1f) << x << " " << y;  // as far inside as the operator looks: 15 px
+      if (r < 45)
+        ASSERT_LT(mean.at(x, y), 0.1f) << x << " " << y;  // as far inside as the operator looks: 15 px
       if (r > 62) ASSERT_GE(mean.at(x, y), 0.1f) << x << " " << y;
     }
 }
@@ -275,12 +285,14 @@ TEST_F(Surface, LevelNormalsAreThoseOfASphere) {
           const double px = (x + 0.5) * (1 << l), py = (y + 0.5) * (1 << l);
           if (std::hypot(px - 64, py - 64) > 24) continue;  // of 40: away from the rim
           const dvec3 expected = glm::normalize(*sphere_at(px, py) - center);
-          errors.push_back(glm::degrees(std::acos(std::min(1.0, std::abs(glm::dot(expected, dvec3(normals.at(x, y))))))));
+          errors.push_back(
+              glm::degrees(std::acos(std::min(1.0, std::abs(glm::dot(expected, dvec3(normals.at(x, y))))))));
         }
       const double worst = *std::max_element(errors.begin(), errors.end());
       // A texel of level 3 is a fifth of the radius.
       if (!with_noise && l <= 2) EXPECT_LT(worst, 3) << l;
-      if (with_noise) noisy_error[l] = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
+      if (with_noise)
+        noisy_error[l] = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
     }
   }
   EXPECT_LT(noisy_error[1], 0.7 * noisy_error[0]);
@@ -306,7 +318,9 @@ TEST_F(Surface, AWallThatFillsTheViewIsFilled) {
     Camera camera = front_camera(160, 120);
     camera.projection = projection;
     camera.height_world = 3.3;
-    show(renderer, wall_cloud(3 * 4 / camera.pixels_per_unit() * (projection == Projection::perspective ? 1 : 0.25), 4), {});
+    show(renderer,
+         wall_cloud(3 * 4 / camera.pixels_per_unit() * (projection == Projection::perspective ? 1 : 0.25), 4),
+         {});
     RenderSettings settings;
     settings.transparent = true;
     const RenderOutput out = renderer.render(*technique, camera, settings, all_outputs());
@@ -326,7 +340,8 @@ TEST_F(Surface, BothWrappersGiveTheSamePicture) {
     pictures[k++] = renderer.render(*technique, front_camera(96, 64), RenderSettings{}).rgba8;
   }
   int different = 0;
-  for (std::size_t i = 0; i < pictures[0].size(); ++i) different += !(pictures[0].data()[i] == pictures[1].data()[i]);
+  for (std::size_t i = 0; i < pictures[0].size(); ++i)
+    different += !(pictures[0].data()[i] == pictures[1].data()[i]);
   EXPECT_EQ(different, 0);
 }
 
@@ -357,15 +372,19 @@ TEST_F(Surface, ShowsTheOperatorAtWork) {
   int visible = 0, hidden = 0, other = 0;
   for (const vec4& c : out.color_linear) {
     if (c.a == 0) continue;
-    if (c == vec4(0.8f, 0, 0, 1)) ++visible;
-    else if (c == vec4(0, 0.6f, 0, 1)) ++hidden;
-    else ++other;
+    if (c == vec4(0.8f, 0, 0, 1))
+      ++visible;
+    else if (c == vec4(0, 0.6f, 0, 1))
+      ++hidden;
+    else
+      ++other;
   }
   EXPECT_GT(visible, 300);
   EXPECT_GT(hidden, 100);  // the far half of the sphere, seen through the near one
   EXPECT_EQ(other, 0);
   set_parameter(*technique, "hidden_point_removal", "none");
-  for (const vec4& c : renderer.render(*technique, front_camera(96, 96), settings, all_outputs()).color_linear)
+  for (const vec4& c :
+       renderer.render(*technique, front_camera(96, 96), settings, all_outputs()).color_linear)
     ASSERT_FALSE(c == vec4(0, 0.6f, 0, 1));
 
   auto points = find_technique("points").create();
@@ -394,8 +413,8 @@ TEST_P(SurfaceTruth, TheSurfaceIsWhereTheSceneHasIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SurfaceTruth,
-                         ::testing::Values(Bound{"spheres", 3}, Bound{"tori", 3}, Bound{"room", 3}, Bound{"spheres", 2},
-                                           Bound{"tori", 2}, Bound{"room", 2}),
+                         ::testing::Values(Bound{"spheres", 3}, Bound{"tori", 3}, Bound{"room", 3},
+                                           Bound{"spheres", 2}, Bound{"tori", 2}, Bound{"room", 2}),
                          [](const auto& i) { return i.param.scene + std::to_string(i.param.block); });
 
 /// Mean over pixels and channels of the change between two pictures, 8-bit steps.

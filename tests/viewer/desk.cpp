@@ -56,8 +56,8 @@ void DeskTest::SetUp() {
     dup2(quiet, STDOUT_FILENO);
     dup2(quiet, STDERR_FILENO);
     const std::string size = std::to_string(screen_width) + "x" + std::to_string(screen_height) + "x24";
-    execlp("Xvfb", "Xvfb", "-displayfd", std::to_string(pipes[1]).c_str(), "-screen", "0", size.c_str(), "-nolisten", "tcp",
-           "-fbdir", folder_of_screen_.c_str(), nullptr);
+    execlp("Xvfb", "Xvfb", "-displayfd", std::to_string(pipes[1]).c_str(), "-screen", "0", size.c_str(),
+           "-nolisten", "tcp", "-fbdir", folder_of_screen_.c_str(), nullptr);
     _exit(127);
   }
   close(pipes[1]);
@@ -118,7 +118,8 @@ void DeskTest::wait_for(const std::string& wanted, int n, double seconds) {
       window_ = -1;
       throw std::runtime_error("the window is gone, before it said '" + wanted + "'");
     }
-    if (Clock::now() > end) throw std::runtime_error("waited in vain for '" + wanted + "' number " + std::to_string(n));
+    if (Clock::now() > end)
+      throw std::runtime_error("waited in vain for '" + wanted + "' number " + std::to_string(n));
     pause();
   }
 }
@@ -153,7 +154,8 @@ Image<Rgba8> DeskTest::screen() const {
     for (std::size_t k = 0; k < 4; ++k) value = value << 8 | static_cast<unsigned char>(bytes.at(4 * i + k));
     return value;
   };
-  const std::size_t begin = number(0) + 12 * number(19), width = number(4), height = number(5), row = number(12);
+  const std::size_t begin = number(0) + 12 * number(19), width = number(4), height = number(5),
+                    row = number(12);
   Image<Rgba8> image(int(width), int(height), {});
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x) {

@@ -30,7 +30,8 @@ class Source {
     send("XdndEnter", {version << 24, long(atom("text/uri-list")), 0, 0});
     send("XdndPosition", {0, long(x) << 16 | y, CurrentTime, long(atom("XdndActionCopy"))});
     bool accepted = false;
-    if (!wait_for("XdndStatus", uris, [&](const XClientMessageEvent& status) { accepted = status.data.l[1] & 1; }))
+    if (!wait_for("XdndStatus", uris,
+                  [&](const XClientMessageEvent& status) { accepted = status.data.l[1] & 1; }))
       return "no answer to XdndPosition";
     if (!accepted) return "the window does not take them";
     send("XdndDrop", {0, CurrentTime, 0, 0});
@@ -53,7 +54,8 @@ class Source {
       int format = 0;
       unsigned long items = 0, rest = 0;
       unsigned char* data = nullptr;
-      XGetWindowProperty(display_, children[i], atom("XdndAware"), 0, 1, False, AnyPropertyType, &type, &format, &items, &rest, &data);
+      XGetWindowProperty(display_, children[i], atom("XdndAware"), 0, 1, False, AnyPropertyType, &type,
+                         &format, &items, &rest, &data);
       if (data) XFree(data);
       if (type != None) found = children[i];  // the last is on top
     }
@@ -75,7 +77,8 @@ class Source {
   }
 
   /// Gives the files to whoever asks for them meanwhile.
-  bool wait_for(const char* type, const std::string& uris, const std::function<void(const XClientMessageEvent&)>& take) {
+  bool wait_for(const char* type, const std::string& uris,
+                const std::function<void(const XClientMessageEvent&)>& take) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (std::chrono::steady_clock::now() < end) {
       if (!XPending(display_)) {

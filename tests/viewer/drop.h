@@ -1,4 +1,5 @@
-// Drags files from another program and drops them on a window: a source of XDND, version 5, as file managers are.
+// Drags files from another program and drops them on a window: a source of XDND, version 5, as file managers
+// are.
 #pragma once
 
 #include <string>

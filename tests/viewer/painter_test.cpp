@@ -21,7 +21,8 @@ class PainterTest : public ::testing::Test {
   PainterTest() : painter_(std::make_shared<Painter::Gate>(1), [] {}) {
     SceneJob job;
     job.id = 1;
-    for (int i = 0; i < 4000; ++i) job.scene.cloud.positions.push_back({float(i % 63), float(i / 63), float(i % 7)});
+    for (int i = 0; i < 4000; ++i)
+      job.scene.cloud.positions.push_back({float(i % 63), float(i / 63), float(i % 7)});
     job.pose = stand_upright(job.scene, "");
     pose_ = job.pose;
     painter_.show(std::move(job));

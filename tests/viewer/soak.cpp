@@ -1,5 +1,6 @@
-// An hour in the life of a window, or as many minutes as one has: a hand that drags, clicks, types and presses keys at random,
-// but the same for the same seed. Nothing may crash, the driver may not complain, memory may not grow.
+// An hour in the life of a window, or as many minutes as one has: a hand that drags, clicks, types and
+// presses keys at random, but the same for the same seed. Nothing may crash, the driver may not complain,
+// memory may not grow.
 //
 // usage: sfumato_soak --minutes M [--seed S] [--scratch FOLDER]     on a display (xvfb-run)
 #include <fmt/format.h>
@@ -42,7 +43,8 @@ double memory_mb() {
 /// What a hand does next, a step a frame.
 class Hand {
  public:
-  Hand(unsigned seed, Window& window, view::Workbench& bench, Interface& interface, std::vector<std::string> files)
+  Hand(unsigned seed, Window& window, view::Workbench& bench, Interface& interface,
+       std::vector<std::string> files)
       : random_(seed), window_(window), bench_(bench), interface_(interface), files_(std::move(files)) {}
 
   /// In place of the input of this frame.
@@ -50,7 +52,8 @@ class Hand {
     ImGuiIO& io = ImGui::GetIO();
     if (steps_ <= 0) choose();
     --steps_;
-    x_ = std::clamp(x_ + dx_, 1.0f, io.DisplaySize.x - 2), y_ = std::clamp(y_ + dy_, 1.0f, io.DisplaySize.y - 2);
+    x_ = std::clamp(x_ + dx_, 1.0f, io.DisplaySize.x - 2),
+    y_ = std::clamp(y_ + dy_, 1.0f, io.DisplaySize.y - 2);
     io.MousePos = {x_, y_};
     for (int button = 0; button < 3; ++button) io.MouseDown[button] = button == button_ && steps_ > 0;
     io.MouseWheel = std::exchange(wheel_, 0.0f);
@@ -59,12 +62,15 @@ class Hand {
       io.AddInputCharacter(unsigned(typed_.back()));
       typed_.pop_back();
     }
-    for (const int key : {ImGuiKey_Enter, ImGuiKey_Tab, ImGuiKey_Escape}) io.KeysDown[io.KeyMap[key]] = key == key_ && steps_ > 0;
+    for (const int key : {ImGuiKey_Enter, ImGuiKey_Tab, ImGuiKey_Escape})
+      io.KeysDown[io.KeyMap[key]] = key == key_ && steps_ > 0;
   }
   long done() const { return done_; }
   const std::string& last() const { return last_; }
   /// Lets everything go.
-  void rest() { steps_ = 1 << 30, dx_ = dy_ = 0, button_ = -1, key_ = -1, control_ = shift_ = false, typed_.clear(); }
+  void rest() {
+    steps_ = 1 << 30, dx_ = dy_ = 0, button_ = -1, key_ = -1, control_ = shift_ = false, typed_.clear();
+  }
   void go_on() { steps_ = 0; }
 
  private:
@@ -102,8 +108,9 @@ class Hand {
       jump(0.75f, 0.99f);
       wheel_ = share() < 0.5f ? -2.0f : 2.0f;
     } else if (what < 72) {
-      static const char* const words[] = {"3",  "0.5",   "-1",   "z 1..", "class ground", "splats", "1,0,0", "opacity=0.3",
-                                          "dir", "1e30", "nope", "steelblue", "640x480"};
+      static const char* const words[] = {"3",      "0.5",       "-1",          "z 1..", "class ground",
+                                          "splats", "1,0,0",     "opacity=0.3", "dir",   "1e30",
+                                          "nope",   "steelblue", "640x480"};
       const std::string word = words[dice(int(std::size(words)))];
       name("type " + word);
       typed_.assign(word.rbegin(), word.rend());
@@ -118,7 +125,8 @@ class Hand {
       const view::Action action = keys[std::size_t(dice(int(keys.size())))].action;
       name("action " + std::to_string(int(action)));
       const bool writes = action == view::Action::screenshot && ++saved_ > 40;
-      if (action != view::Action::quit && action != view::Action::fullscreen && !writes) interface_.act(action);
+      if (action != view::Action::quit && action != view::Action::fullscreen && !writes)
+        interface_.act(action);
     } else if (what < 94) {
       const std::string file = files_[std::size_t(dice(int(files_.size())))];
       const bool add = dice(2) == 0 && bench_.wishes().files.size() < 2;
@@ -134,7 +142,8 @@ class Hand {
       name("edit items");
       bench_.change("item", [&](view::Wishes& next) {
         if (next.draw.size() > 2) next.draw.clear();
-        static const char* const rules[] = {"class ground: soft opacity=0.4", "z 0..: splats", "x ..0: none", "*: layers", "y 0..: strokes"};
+        static const char* const rules[] = {"class ground: soft opacity=0.4", "z 0..: splats", "x ..0: none",
+                                            "*: layers", "y 0..: strokes"};
         next.draw.push_back(view::DrawRow::from(rules[dice(5)]));
       });
     }
@@ -197,7 +206,8 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
   // Now and then everything is put back and measured: what is held then is held for good.
   std::vector<double> levels;
   std::vector<long> actions;
-  const double end_ms = now_ms() + 60'000 * minutes, step_ms = std::clamp(60'000 * minutes / 12, 5'000.0, 60'000.0);
+  const double end_ms = now_ms() + 60'000 * minutes,
+               step_ms = std::clamp(60'000 * minutes / 12, 5'000.0, 60'000.0);
   double next_ms = 0;
   while (true) {
     if (bench.fatal()) return fail(bench.fatal()->message + " (" + hand.last() + ")");
@@ -221,8 +231,10 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
       }
       levels.push_back(memory_mb());
       actions.push_back(hand.done());
-      std::printf("soak: %.1f min, %ld actions, %.0f MB at rest, %ld messages of mistakes, longest frame %.0f ms (%s)\n",
-                  now_ms() / 60'000, hand.done(), levels.back(), mistakes, longest_ms, during.c_str());
+      std::printf(
+          "soak: %.1f min, %ld actions, %.0f MB at rest, %ld messages of mistakes, longest frame %.0f ms "
+          "(%s)\n",
+          now_ms() / 60'000, hand.done(), levels.back(), mistakes, longest_ms, during.c_str());
       std::fflush(stdout);
       if (now_ms() > end_ms) break;
       hand.go_on();
@@ -230,15 +242,19 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
     }
     frame();
   }
-  // The first quarter fills caches: programs of every technique, undo, pools of the allocator and the driver. On a busy machine
-  // it takes longer: a hand needs so many actions to come by all of them.
+  // The first quarter fills caches: programs of every technique, undo, pools of the allocator and the driver.
+  // On a busy machine it takes longer: a hand needs so many actions to come by all of them.
   constexpr long for_all_caches = 2000;
-  const auto filled = std::size_t(std::lower_bound(actions.begin(), actions.end(), for_all_caches) - actions.begin());
-  const std::size_t quarter = std::min(std::max({std::size_t(1), levels.size() / 4, filled}), levels.size() - 1);
-  const double before = *std::max_element(levels.begin() + 1, levels.begin() + 1 + std::ptrdiff_t(quarter)), after = levels.back();
+  const auto filled =
+      std::size_t(std::lower_bound(actions.begin(), actions.end(), for_all_caches) - actions.begin());
+  const std::size_t quarter =
+      std::min(std::max({std::size_t(1), levels.size() / 4, filled}), levels.size() - 1);
+  const double before = *std::max_element(levels.begin() + 1, levels.begin() + 1 + std::ptrdiff_t(quarter)),
+               after = levels.back();
   if (levels.size() > 4 && after > 1.25 * before + 64)
     return fail(fmt::format("memory at rest grew from {:.0f} to {:.0f} MB", before, after));
-  std::printf("soak: passed: %ld actions, memory at rest %.0f MB after a quarter, %.0f MB at the end\n", hand.done(), before, after);
+  std::printf("soak: passed: %ld actions, memory at rest %.0f MB after a quarter, %.0f MB at the end\n",
+              hand.done(), before, after);
   return 0;
 }
 
@@ -247,7 +263,8 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
 int main(int count, char** words) {
   double minutes = 10;
   unsigned seed = 1;
-  std::filesystem::path scratch = std::filesystem::temp_directory_path() / ("sfumato_soak_" + std::to_string(getpid()));
+  std::filesystem::path scratch =
+      std::filesystem::temp_directory_path() / ("sfumato_soak_" + std::to_string(getpid()));
   for (int i = 1; i + 1 < count; i += 2) {
     const std::string option = words[i];
     if (option == "--minutes") minutes = std::atof(words[i + 1]);
@@ -256,9 +273,10 @@ int main(int count, char** words) {
   }
   std::filesystem::create_directories(scratch);
   std::filesystem::current_path(scratch);
-  for (const char* scene : {"forest --points 60000 -o a.laz", "courtyard --points 150000 -o b.laz", "tori --points 1100000 -o d.laz",
-                            "tori --points 100000 -o c.ply"})
-    if (std::system((std::string(SFUMATO_BINARY " synth ") + scene + " --quiet").c_str()) != 0) return fail("no scene to look at");
+  for (const char* scene : {"forest --points 60000 -o a.laz", "courtyard --points 150000 -o b.laz",
+                            "tori --points 1100000 -o d.laz", "tori --points 100000 -o c.ply"})
+    if (std::system((std::string(SFUMATO_BINARY " synth ") + scene + " --quiet").c_str()) != 0)
+      return fail("no scene to look at");
   int code = 1;
   try {
     code = soak(minutes, seed, {"a.laz", "b.laz", "d.laz", "c.ply"});

@@ -31,10 +31,13 @@ class WindowTest : public DeskTest {
     const Outcome made = run({"synth", "forest", "--points", "30000", "-o", "forest.laz", "--quiet"});
     ASSERT_EQ(made.code, 0) << made.err;
   }
-  /// Another text for the field at a place. Keys are held as long as a finger does: the interface looks at them once a frame.
+  /// Another text for the field at a place. Keys are held as long as a finger does: the interface looks at
+  /// them once a frame.
   void type_over(int x, int y, const std::string& text) {
     hand("mousemove " + std::to_string(x) + " " + std::to_string(y) +
-         " click 1 sleep 0.3 keydown ctrl sleep 0.3 keydown a sleep 0.3 keyup a keyup ctrl sleep 0.3 type --delay 80 '" + text + "'");
+         " click 1 sleep 0.3 keydown ctrl sleep 0.3 keydown a sleep 0.3 keyup a keyup ctrl sleep 0.3 type "
+         "--delay 80 '" +
+         text + "'");
     hand("sleep 0.3 keydown Return sleep 0.3 keyup Return mousemove 475 20");
   }
   void close() {
@@ -63,8 +66,10 @@ TEST_F(WindowTest, DrawsEveryTechniqueAsTheCommandDoes) {
     wait_for(std::string("final picture: ") + technique);
     // Each from a side of its own.
     const int before = count("final picture");
-    hand("mousedown 1 sleep 0.2 mousemove_relative --sync 9 3 sleep 0.1 mousemove_relative --sync 30 4 sleep 0.2 mouseup 1 "
-         "sleep 0.1 mousemove 475 350");
+    hand(
+        "mousedown 1 sleep 0.2 mousemove_relative --sync 9 3 sleep 0.1 mousemove_relative --sync 30 4 sleep "
+        "0.2 mouseup 1 "
+        "sleep 0.1 mousemove 475 350");
     wait_for("final picture", before + 1);
     pictures.push_back(save());
   }
@@ -137,8 +142,10 @@ TEST_F(WindowTest, DragsTheLight) {
   open({"forest.laz", "-t", "surface", "--no-edl"});
   wait_for("final picture");
   const std::string before = save();
-  hand("mousemove 475 350 keydown ctrl keydown shift sleep 0.3 mousedown 1 sleep 0.2 mousemove_relative --sync 40 0 sleep 0.1 "
-       "mousemove_relative --sync 133 0 sleep 0.3");
+  hand(
+      "mousemove 475 350 keydown ctrl keydown shift sleep 0.3 mousedown 1 sleep 0.2 mousemove_relative "
+      "--sync 40 0 sleep 0.1 "
+      "mousemove_relative --sync 133 0 sleep 0.3");
   const Image<Rgba8> shown = screen();
   hand("mouseup 1 sleep 0.1 keyup shift keyup ctrl mousemove 475 20");
   wait_for("final picture", 2);
@@ -147,9 +154,11 @@ TEST_F(WindowTest, DragsTheLight) {
   const std::string command = png_texts(after)["Command"];
   EXPECT_THAT(command, HasSubstr("--light=dir:"));
   EXPECT_FALSE(equal(read_png(before), read_png(after)));
-  // While it is dragged the light is a dot on a ball: at sin 45 degrees of its radius, which is a quarter of the view's height.
+  // While it is dragged the light is a dot on a ball: at sin 45 degrees of its radius, which is a quarter of
+  // the view's height.
   int amber = 0;
-  const int x = view_width / 2 + int(std::sin(3.14159265 * 173 / view_height) * view_height / 4), y = view_height / 2;
+  const int x = view_width / 2 + int(std::sin(3.14159265 * 173 / view_height) * view_height / 4),
+            y = view_height / 2;
   for (int dy = -9; dy <= 9; ++dy)
     for (int dx = -9; dx <= 9; ++dx) amber += shown.at(x + dx, y + dy) == Rgba8{0xff, 0xb0, 0x00, 255};
   EXPECT_GT(amber, 60);
@@ -167,10 +176,12 @@ TEST_F(WindowTest, KeysReachTheControls) {
   wait_for("final picture");
   const auto tap = [&](const std::string& key) { hand("key --delay 0 " + key + " sleep 0.5"); };
   hand("mousemove 475 20 sleep 0.3");
-  for (const char* key : {"Tab", "Down", "Right", "space"}) tap(key);  // to the panels, on the first button, to the second
+  for (const char* key : {"Tab", "Down", "Right", "space"})
+    tap(key);  // to the panels, on the first button, to the second
   wait_for("final picture: splats");
   const int before = count("final picture");
-  for (const char* key : {"End", "space"}) tap(key);  // the last heading opens: timings want a picture of their own
+  for (const char* key : {"End", "space"})
+    tap(key);  // the last heading opens: timings want a picture of their own
   wait_for("final picture", before + 1);
   EXPECT_THAT(said(), Not(HasSubstr("a path needs two keys")));  // what Space does elsewhere
   close();
@@ -204,7 +215,8 @@ TEST_F(WindowTest, CompilesShadersAgainWhenTheyChange) {
   EXPECT_GT(same, 290);
   // What is finished is green now.
   std::string green = good;
-  green.replace(green.find("vec4 finished_color("), 5, "vec4 finished_color(vec4 color) { return vec4(0.0, 1.0, 0.0, 1.0); }\nvec4 real_");
+  green.replace(green.find("vec4 finished_color("), 5,
+                "vec4 finished_color(vec4 color) { return vec4(0.0, 1.0, 0.0, 1.0); }\nvec4 real_");
   const int pictures = count("final picture");
   write(file, green);
   wait_for("final picture", pictures + 1);
@@ -257,8 +269,8 @@ TEST_F(WindowTest, SlidersClassesCopyAndUndo) {
   close();
 }
 
-// Items are rows: what the command line says is there, a row is switched off, another one is edited, and all of it is in
-// the command of the picture.
+// Items are rows: what the command line says is there, a row is switched off, another one is edited, and all
+// of it is in the command of the picture.
 TEST_F(WindowTest, ItemsAreRows) {
   make_forest();
   open({"forest.laz", "-t", "points", "--draw", "class ground: splats", "--draw", "z 6..: soft"});
@@ -299,8 +311,8 @@ TEST_F(WindowTest, PicksAndMeasures) {
   ASSERT_NE(at, std::string::npos) << all;
   double distance = 0, height = 0;
   ASSERT_EQ(std::sscanf(all.c_str() + at, ", distance %lf, height %lf", &distance, &height), 2);
-  // 150 of the pixels of the parallel view. Points are 1/60 apart, and each of two is taken at most half of that beside
-  // its place.
+  // 150 of the pixels of the parallel view. Points are 1/60 apart, and each of two is taken at most half of
+  // that beside its place.
   hand("key ctrl+c");
   wait_for("the camera is copied");
   const double view_height_world = nlohmann::json::parse(clipboard())["height_world"];
@@ -319,18 +331,22 @@ TEST_F(WindowTest, PicksAndMeasures) {
   close();
 }
 
-// The panel opens a second file beside the first, saves the look and the scene, and both bring back what they are of.
+// The panel opens a second file beside the first, saves the look and the scene, and both bring back what they
+// are of.
 TEST_F(WindowTest, OpensASecondFileAndSavesLookAndScene) {
   write_cube("cube.ply", 20);
   write_cube("again.ply", 30);
   open({"cube.ply", "-t", "points", "--color-by", "elevation"});
   wait_for("final picture");
-  // The headings above are closed, so that the last but one, of the scene, is where the test says: Parameters first.
+  // The headings above are closed, so that the last but one, of the scene, is where the test says: Parameters
+  // first.
   hand("mousemove 1010 73 click 1 sleep 0.5 mousemove 1010 273 click 1 sleep 0.7");
   const int before = count("final picture");
   // The field for a name, below a bullet and four notes; Ctrl and the button beside it: beside what is open.
   type_over(1050, 413, "again.ply");
-  hand("sleep 0.3 keydown ctrl sleep 0.2 mousemove 1238 413 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep 0.2 keyup ctrl mousemove 475 20");
+  hand(
+      "sleep 0.3 keydown ctrl sleep 0.2 mousemove 1238 413 sleep 0.2 mousedown 1 sleep 0.2 mouseup 1 sleep "
+      "0.2 keyup ctrl mousemove 475 20");
   wait_for("final picture", before + 1);
   const std::string both = save();
   EXPECT_THAT(png_texts(both)["Command"], HasSubstr("cube.ply again.ply"));

@@ -30,9 +30,13 @@ Bounds parse_box(const std::string& text) {
 Attributes parse_attributes(const std::string& text) {
   Attributes wanted;
   for (const std::string& word : split(text, ',')) {
-    if (word == "normal") wanted = wanted | Attribute::normal;
-    else if (word == "uncertainty") wanted = wanted | Attribute::uncertainty;
-    else throw Error(ErrorCode::usage, "--attributes: '" + word + "' cannot be stored; write normal, uncertainty or both");
+    if (word == "normal")
+      wanted = wanted | Attribute::normal;
+    else if (word == "uncertainty")
+      wanted = wanted | Attribute::uncertainty;
+    else
+      throw Error(ErrorCode::usage,
+                  "--attributes: '" + word + "' cannot be stored; write normal, uncertainty or both");
   }
   return wanted;
 }
@@ -56,9 +60,11 @@ int build_command(const Words& words) {
   line.text("--max-points", max_points, "N",
             "an even subset of so many points, the same one every time (1e6, 250k, 2M)");
   line.text("--box", box, "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates");
-  line.text("--attributes", attributes, "normal,uncertainty",
-            "compute these of all points and store them, so that coarse levels carry the normals of the surface");
-  line.flag("--average-colors", options.average_colors, "points of coarse levels get the mean colour around them");
+  line.text(
+      "--attributes", attributes, "normal,uncertainty",
+      "compute these of all points and store them, so that coarse levels carry the normals of the surface");
+  line.flag("--average-colors", options.average_colors,
+            "points of coarse levels get the mean colour around them");
   common.declare(line);
   line.usage(usage);
   if (!line.parse(words)) return 0;

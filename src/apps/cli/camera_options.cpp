@@ -42,8 +42,10 @@ void CameraOptions::declare(CommandLine& line) {
   line.text("--camera-focal-point", focal_point, "X,Y,Z", "what it looks at");
   line.text("--camera-view-up", view_up, "X,Y,Z", "direction that is up in the picture");
   line.text("--camera-direction", direction, "X,Y,Z", "direction of view");
-  line.text("--camera-azimuth-angle", azimuth_deg, "DEG", "turn about the up axis, 0 from the front (what suits the scan)");
-  line.text("--camera-elevation-angle", elevation_deg, "DEG", "height above the horizon, -90 to 90 (what suits the scan)");
+  line.text("--camera-azimuth-angle", azimuth_deg, "DEG",
+            "turn about the up axis, 0 from the front (what suits the scan)");
+  line.text("--camera-elevation-angle", elevation_deg, "DEG",
+            "height above the horizon, -90 to 90 (what suits the scan)");
   line.text("--camera-view-angle", view_angle_deg, "DEG", "full vertical angle: a smaller one zooms in (45)");
   line.flag("--camera-orthographic", orthographic, "parallel projection");
 }

@@ -19,10 +19,11 @@ struct CameraOptions {
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
 
   void declare(CommandLine& line);
-  /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read. A named
-  /// view becomes its azimuth and elevation.
+  /// Throws Error(usage) for values that are no numbers or contradict each other, before anything is read. A
+  /// named view becomes its azimuth and elevation.
   void check();
-  /// The camera of a preset or --camera FILE, else the view that shows the scan; single options win over both.
+  /// The camera of a preset or --camera FILE, else the view that shows the scan; single options win over
+  /// both.
   Camera resolve(const Pose& pose) const;
 
   /// Whether anything but the picture's size was asked for.

@@ -156,9 +156,7 @@ CommandLine::CommandLine(const std::string& name, const std::string& description
 
 CommandLine::~CommandLine() = default;
 
-void CommandLine::group(const std::string& title) {
-  state_->group = title;
-}
+void CommandLine::group(const std::string& title) { state_->group = title; }
 
 void CommandLine::flag(const std::string& names, bool& value, const std::string& help) {
   state_->add(names, OptionInfo::Kind::flag, "", help).apply = [&value](const std::string& text) {
@@ -216,13 +214,9 @@ void CommandLine::elsewhere(Words names, const std::string& where) {
   state_->other_place = where;
 }
 
-void CommandLine::usage(const std::string& text) {
-  state_->help.usage = text;
-}
+void CommandLine::usage(const std::string& text) { state_->help.usage = text; }
 
-void CommandLine::footer(const std::string& text) {
-  state_->help.footer = text;
-}
+void CommandLine::footer(const std::string& text) { state_->help.footer = text; }
 
 void CommandLine::short_help(std::function<std::string(const CommandHelp&)> make) {
   state_->make_short_help = std::move(make);

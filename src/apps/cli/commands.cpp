@@ -54,7 +54,8 @@ void refuse_unknown_command(const std::string& word) {
                 "there is no command '" + word + "': rendering needs none, sfumato FILE... -o OUT.png");
   if (looking.contains(word))
     throw Error(ErrorCode::usage,
-                "there is no command '" + word + "': a window needs none, sfumato FILE...; sfumato FILE... -o OUT.png writes a picture");
+                "there is no command '" + word +
+                    "': a window needs none, sfumato FILE...; sfumato FILE... -o OUT.png writes a picture");
   std::vector<std::string> names;
   std::string all;
   for (const Command& command : all_commands()) {

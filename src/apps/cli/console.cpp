@@ -46,7 +46,9 @@ void Console::update(double fraction, std::string_view text) {
   last_ = now;
   shown_ = true;
   fraction = std::clamp(fraction, 0.0, 1.0);
-  const auto since = [&](Clock::time_point began) { return std::chrono::duration<double>(now - began).count(); };
+  const auto since = [&](Clock::time_point began) {
+    return std::chrono::duration<double>(now - began).count();
+  };
   // Of many steps the finished ones tell how long the others take, of one step its own part does.
   const std::string left = steps_ > 1 ? remaining_text(double(step_) / double(steps_), since(steps_began_))
                                       : remaining_text(fraction, since(text_began_));
@@ -56,9 +58,7 @@ void Console::update(double fraction, std::string_view text) {
   std::fflush(stderr);
 }
 
-bool Console::cancelled() const {
-  return interrupted.load(std::memory_order_relaxed);
-}
+bool Console::cancelled() const { return interrupted.load(std::memory_order_relaxed); }
 
 void Console::set_step(const std::string& what, std::size_t step, std::size_t steps) {
   const std::lock_guard lock(mutex_);
@@ -92,7 +92,8 @@ std::string remaining_text(double fraction, double seconds) {
   if (left < 100) return std::to_string(left) + " s";
   const long minutes = (left + 30) / 60;
   if (minutes < 100) return std::to_string(minutes) + " min";
-  return std::to_string(minutes / 60) + " h " + (minutes % 60 < 10 ? "0" : "") + std::to_string(minutes % 60) + " min";
+  return std::to_string(minutes / 60) + " h " + (minutes % 60 < 10 ? "0" : "") +
+         std::to_string(minutes % 60) + " min";
 }
 
 void print(const std::string& text) {

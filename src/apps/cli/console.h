@@ -22,8 +22,8 @@ class Console final : public Progress {
 
   void update(double fraction, std::string_view text) override;
   bool cancelled() const override;
-  /// Step `step` of `steps`, counted from 0, called `what` ("frame"): stands before the text of every update and tells
-  /// how long the others will take.
+  /// Step `step` of `steps`, counted from 0, called `what` ("frame"): stands before the text of every update
+  /// and tells how long the others will take.
   void set_step(const std::string& what, std::size_t step, std::size_t steps);
   /// A line on stderr unless quiet.
   void say(const std::string& line);
@@ -45,7 +45,8 @@ class Console final : public Progress {
   Clock::time_point last_{}, text_began_ = Clock::now(), steps_began_ = text_began_;
 };
 
-/// What is left of work of which `fraction` took `seconds`: "12 s", "3 min", "2 h 05 min"; empty while nobody knows.
+/// What is left of work of which `fraction` took `seconds`: "12 s", "3 min", "2 h 05 min"; empty while nobody
+/// knows.
 std::string remaining_text(double fraction, double seconds);
 /// Writes to stdout and makes sure that it arrived; Error(io) otherwise.
 void print(const std::string& text);

@@ -57,7 +57,8 @@ int convert_command(const Words& words) {
   const scene::Scene scene = scene::read_scene(inputs, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
-  if (scene.points_missing > 0) console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
+  if (scene.points_missing > 0)
+    console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())
     console.say("sfumato: " + note);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)

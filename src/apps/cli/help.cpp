@@ -78,14 +78,18 @@ const std::vector<Topic>& topics() {
        "  sfumato 'scans/*.laz' --each -t points -o '{stem}_{technique}.png'\n"
        "- is standard input or output: cat scan.laz | sfumato - -o - > scan.png"},
       {"draw", "several techniques in one picture",
-       "--draw \"SELECTION: TECHNIQUE [name=value ...]\" draws some points otherwise than -t says; it may be given several "
-       "times, and the first that selects a point draws it. A selection is *, ranges of any number of the points, classes "
-       "by name, file N (of several files), box x0,y0,z0,x1,y1,z1, or several of them with and / not; the technique none leaves "
+       "--draw \"SELECTION: TECHNIQUE [name=value ...]\" draws some points otherwise than -t says; it may be "
+       "given several "
+       "times, and the first that selects a point draws it. A selection is *, ranges of any number of the "
+       "points, classes "
+       "by name, file N (of several files), box x0,y0,z0,x1,y1,z1, or several of them with and / not; the "
+       "technique none leaves "
        "points out. What soft and layers "
        "let through is seen behind them; shadows fall from all points on all points.\n"
        "  sfumato city.laz --draw \"classification 3-5: soft opacity=0.2\" -o trees.png\n"
        "  sfumato a.laz b.laz --draw \"file 2 and not class ground: points point_size=2\" -o both.png\n"
-       "--save-scene scene.json keeps files, rules, look and camera; --scene scene.json brings them back. A file in it may "
+       "--save-scene scene.json keeps files, rules, look and camera; --scene scene.json brings them back. A "
+       "file in it may "
        "be {\"file\": name, \"transform\": [16 numbers, row by row]}."},
       {"presets", "keeping a look",
        "--save-preset look.json keeps the technique, every parameter and the options that decide the look; "
@@ -99,7 +103,8 @@ const std::vector<Topic>& topics() {
       {"exit-codes", "what scripts learn",
        "  0    done\n  1    usage: something asked for does not exist or contradicts itself\n"
        "  2    bad input: a file is damaged, empty or not what it claims to be\n"
-       "  3    partial: some files of a batch failed, or parts of a file are damaged\n  4    no usable OpenGL\n  5    out of memory\n"
+       "  3    partial: some files of a batch failed, or parts of a file are damaged\n  4    no usable "
+       "OpenGL\n  5    out of memory\n"
        "  6    reading or writing failed\n  70   a fault of sfumato\n  130  interrupted"},
   };
   return all;

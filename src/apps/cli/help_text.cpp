@@ -56,9 +56,7 @@ std::string wrap_example(const std::string& line, int width, int indent) {
   return out + blanks + previous + "\n";
 }
 
-std::string value_names(const std::string& metavar) {
-  return metavar.substr(0, metavar.find(' '));
-}
+std::string value_names(const std::string& metavar) { return metavar.substr(0, metavar.find(' ')); }
 
 std::string spelling(const OptionInfo& option) {
   std::string text = option.short_name ? std::string{'-', option.short_name} + ", " : "";

@@ -18,9 +18,7 @@ namespace sfumato::cli {
 namespace {
 
 /// Fifteen digits: 848935.2, not 848935.2000000001.
-std::string number(double value) {
-  return fmt::format("{:.15g}", value);
-}
+std::string number(double value) { return fmt::format("{:.15g}", value); }
 
 std::string count(std::uint64_t value) {
   std::string text = std::to_string(value);
@@ -95,10 +93,12 @@ std::string tree_text(const copc::Tree& tree) {
   text.erase(text.rfind("attributes"));
   text += fmt::format("{:<8}{:>10}{:>16}{:>16}\n", "levels", "nodes", "points", "spacing");
   for (const copc::LevelFacts& level : levels_of(tree))
-    text += fmt::format("  {:<6}{:>10}{:>16}{:>16.6g}\n", level.level, level.nodes, level.points, level.spacing);
+    text +=
+        fmt::format("  {:<6}{:>10}{:>16}{:>16.6g}\n", level.level, level.nodes, level.points, level.spacing);
   std::string names;
   for (const std::string& name : tree.attributes) names += (names.empty() ? "" : " ") + name;
-  return text + fmt::format("{:<16}{}\n", "attributes", wrap(names + " (--stats reads their values)", terminal_width(), 16));
+  return text + fmt::format("{:<16}{}\n", "attributes",
+                            wrap(names + " (--stats reads their values)", terminal_width(), 16));
 }
 
 }  // namespace
@@ -112,8 +112,10 @@ int info_command(const Words& words) {
   CommandLine line("sfumato info", "Prints what a point cloud file holds; several files give a table.");
   line.positionals("FILE", files, "point clouds, folders or patterns; - is standard input");
   line.flag("--json", json, "machine-readable");
-  line.flag("--stats", stats, "COPC: read every point for attributes' values and the spacing; others always are");
-  line.flag("--strict", options.read.strict, "refuse a file of which parts are damaged, instead of leaving those out");
+  line.flag("--stats", stats,
+            "COPC: read every point for attributes' values and the spacing; others always are");
+  line.flag("--strict", options.read.strict,
+            "refuse a file of which parts are damaged, instead of leaving those out");
   line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
   common.declare(line);
   if (!line.parse(words)) return 0;
@@ -132,13 +134,16 @@ int info_command(const Words& words) {
       console.set_step("file", i, files.size());
       if (!stats && files[i] != "-" && copc::is_tree(files[i])) {
         const copc::Tree tree = copc::read_tree(files[i]);
-        if (json) list.push_back(nlohmann::ordered_json::parse(tree_json(tree)));
-        else text += several ? table_row(report_of(tree), std::nullopt) : tree_text(tree);
+        if (json)
+          list.push_back(nlohmann::ordered_json::parse(tree_json(tree)));
+        else
+          text += several ? table_row(report_of(tree), std::nullopt) : tree_text(tree);
         return;
       }
       io::ReadResult result = scene::read_file(files[i], options.read, console);
       for (const std::string& note : result.report.notes) console.say("sfumato: " + files[i] + ": " + note);
-      for (const std::string& part : result.report.damage) console.complain("sfumato: " + part + "; it is left out");
+      for (const std::string& part : result.report.damage)
+        console.complain("sfumato: " + part + "; it is left out");
       is_partial |= !result.report.damage.empty();
       if (columns && result.report.format != "text" && result.report.format != "pts")
         console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +

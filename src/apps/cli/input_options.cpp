@@ -45,8 +45,10 @@ void InputOptions::declare(CommandLine& line) {
   line.text("--max-points", max_points_, "N",
             "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...", "text files: names of the columns, instead of the guess");
-  line.flag("--strict", scene.read.strict, "refuse a file of which parts are damaged, instead of leaving those out");
-  line.text("--up", up_, "auto|+Z|-Z|+Y|...", "axis that points up (auto: what the file says, else what its shape tells)");
+  line.flag("--strict", scene.read.strict,
+            "refuse a file of which parts are damaged, instead of leaving those out");
+  line.text("--up", up_, "auto|+Z|-Z|+Y|...",
+            "axis that points up (auto: what the file says, else what its shape tells)");
 }
 
 void InputOptions::check() {

@@ -40,9 +40,12 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     return fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory, "out of memory; rendering takes less with --max-points N, or with levels: sfumato build IN... -o OUT.copc.laz");
+    return fail(ErrorCode::out_of_memory,
+                "out of memory; rendering takes less with --max-points N, or with levels: sfumato build "
+                "IN... -o OUT.copc.laz");
   } catch (const std::length_error&) {
-    return fail(ErrorCode::out_of_memory, "a size is beyond what memory can hold; use fewer points or pixels");
+    return fail(ErrorCode::out_of_memory,
+                "a size is beyond what memory can hold; use fewer points or pixels");
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorCode::io, error.what());
   } catch (const std::system_error& error) {
@@ -50,6 +53,7 @@ int main(int argc, char** argv) {
     return fail(ErrorCode::out_of_memory, error.what());
   } catch (const std::exception& error) {
     return fail(ErrorCode::internal, (std::string(error.what()) +
-                                      " (this is a fault of sfumato; please report it with the command)").c_str());
+                                      " (this is a fault of sfumato; please report it with the command)")
+                                         .c_str());
   }
 }

@@ -28,7 +28,8 @@ namespace sfumato::cli {
 namespace {
 
 /// Says what came of reading, and counts it.
-scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report, Console& console) {
+scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report,
+                          Console& console) {
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   if (const std::string note = unused_columns(scene, options.input.scene); !note.empty())
     console.say("sfumato: " + note);
@@ -36,27 +37,31 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
     console.tell(fmt::format("read {}: {}, {} points", file.file.string(), file.format, file.points));
   report.points_read += scene.points_read;
   report.points_hidden += scene.selected.hidden;
-  report.points_left_out += scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
+  report.points_left_out +=
+      scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
   report.points_rendered = scene.cloud.size();
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
-  if (scene.points_missing > 0) console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
+  if (scene.points_missing > 0)
+    console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   report.points_missing += scene.points_missing;
   report.is_partial |= !scene.damage.empty();
   if ((report.levels = scene.levels)) {
     const scene::LevelsReport& levels = *scene.levels;
-    console.tell(fmt::format("levels: read {} of {} points, {} of {} nodes", levels.points, levels.points_in_files,
-                             levels.nodes, levels.nodes_in_files));
+    console.tell(fmt::format("levels: read {} of {} points, {} of {} nodes", levels.points,
+                             levels.points_in_files, levels.nodes, levels.nodes_in_files));
     if (!levels.is_complete())
-      console.say(fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
-                              "--memory or --max-points are used up",
-                              levels.points_needed - levels.points, levels.points_needed, levels.widest_px));
+      console.say(
+          fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
+                      "--memory or --max-points are used up",
+                      levels.points_needed - levels.points, levels.points_needed, levels.widest_px));
   }
   return scene;
 }
 
 using SceneFiles = std::vector<scene::SceneFile>;
 
-scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report, Console& console) {
+scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report,
+                  Console& console) {
   return tell_reading(scene::read_scene(files, options.input.scene, console), options, report, console);
 }
 
@@ -67,9 +72,9 @@ Pose pose_of(scene::Scene& scene, const std::string& file, const RenderOptions& 
   Pose pose = stand_upright(scene, file, options.input.scene.up, !options.camera.whole);
   const analysis::Upright& upright = pose.upright;
   if (upright.up != custom)
-    console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason, to_string(custom)));
-  if (pose.subject.room)
-    console.say("a room: ceiling and walls before it are left out; --whole draws them");
+    console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason,
+                            to_string(custom)));
+  if (pose.subject.room) console.say("a room: ceiling and walls before it are left out; --whole draws them");
   report.cutaway = pose.subject.room.has_value();
   report.up = to_string(upright.up), report.up_reason = upright.reason;
   return pose;
@@ -78,7 +83,8 @@ Pose pose_of(scene::Scene& scene, const std::string& file, const RenderOptions& 
 /// The parameters and options of a preset as words of a command line.
 Words words_of(const Preset& preset, const Choice& choice) {
   Words words;
-  for (const auto& values : {preset.options, preset.parameters_for(choice.looks(), choice.prepare_parameters)})
+  for (const auto& values :
+       {preset.options, preset.parameters_for(choice.looks(), choice.prepare_parameters)})
     for (const auto& [name, value] : values) words.push_back("--" + name + "=" + value);
   return words;
 }
@@ -97,8 +103,10 @@ void check_names(const RenderOptions& options, const Choice& choice) {
   for (int n = 0; n < options.picture_count(); ++n) {
     for (const auto& [option, pattern] :
          {std::pair("-o", options.output), std::pair("--output-depth", options.output_depth),
-          std::pair("--output-normal", options.output_normal), std::pair("--output-camera", options.output_camera)})
-      if (!pattern.empty() && !(n > 0 && is_video(pattern))) names.output(option, file_name(pattern, options.parts(n)));
+          std::pair("--output-normal", options.output_normal),
+          std::pair("--output-camera", options.output_camera)})
+      if (!pattern.empty() && !(n > 0 && is_video(pattern)))
+        names.output(option, file_name(pattern, options.parts(n)));
     if (!options.output_panels.empty())
       for (const auto& chosen : choice.techniques)
         names.output("--output-panels", file_name(options.output_panels, options.parts(n, chosen->name)));
@@ -116,7 +124,8 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
 /// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
 Camera first_camera(const RenderOptions& options, const Pose& pose, const PointCloud& cloud) {
   Camera camera = options.camera.resolve(pose);
-  if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset) return camera;
+  if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset)
+    return camera;
   const dvec3 direction = camera.direction();
   camera.position = place_inside(cloud);
   camera.target = camera.position + direction;
@@ -132,20 +141,23 @@ struct Sight {
 };
 
 /// Of files with levels, what these cameras need; of others everything.
-scene::Scene read_seen(const SceneFiles& files, const std::vector<Camera>& cameras, const RenderOptions& options,
-                       const Choice& choice, RenderReport& report, Console& console) {
+scene::Scene read_seen(const SceneFiles& files, const std::vector<Camera>& cameras,
+                       const RenderOptions& options, const Choice& choice, RenderReport& report,
+                       Console& console) {
   const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   if (!leveled) return read(files, options, report, console);
   std::vector<copc::View> views;
   for (const Camera& camera : cameras) views.push_back({camera, options.camera.panorama});
-  const bool has_shadows = std::any_of(choice.techniques.begin(), choice.techniques.end(), [](const auto& chosen) {
-    return chosen->settings.shadows != Shadows::off;
-  });
+  const bool has_shadows =
+      std::any_of(choice.techniques.begin(), choice.techniques.end(),
+                  [](const auto& chosen) { return chosen->settings.shadows != Shadows::off; });
   return tell_reading(leveled->read(views, has_shadows, console), options, report, console);
 }
 
-/// The view follows from the points, of files with levels from the coarse ones; what is read of those follows from the view.
-Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report, Console& console) {
+/// The view follows from the points, of files with levels from the coarse ones; what is read of those follows
+/// from the view.
+Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
+          Console& console) {
   const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
   sight.pose = pose_of(sight.scene, files[0].name, options, report, console);
@@ -180,7 +192,8 @@ std::string resolved_text(const Choice& choice) {
   for (const auto& chosen : choice.techniques)
     for (const Param& param : chosen->parameters.all())
       if (param.can_be_auto && param.get() == "auto")
-        text += fmt::format("{}{}: {} is {}", text.empty() ? "" : "\n", chosen->name, with_dashes(param.name), param.resolved());
+        text += fmt::format("{}{}: {} is {}", text.empty() ? "" : "\n", chosen->name, with_dashes(param.name),
+                            param.resolved());
   return text;
 }
 
@@ -196,15 +209,19 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
   if (options.timings) console.say(timings_text(report, choice));
   if (report.blank_pictures > 0) {
     const dvec3 c = box.center();
-    console.say(fmt::format("{} empty: nothing is in view. The points lie around {:.7g},{:.7g},{:.7g}; --look-at shows that "
-                            "place{}",
-                            report.frames == 1 ? "the picture is" : fmt::format("{} of {} pictures are", report.blank_pictures, report.frames),
-                            c.x, c.y, c.z,
-                            options.camera.moves_camera() || options.camera.preset ? ", and no camera options show all of it" : ""));
+    console.say(fmt::format(
+        "{} empty: nothing is in view. The points lie around {:.7g},{:.7g},{:.7g}; --look-at shows that "
+        "place{}",
+        report.frames == 1 ? "the picture is"
+                           : fmt::format("{} of {} pictures are", report.blank_pictures, report.frames),
+        c.x, c.y, c.z,
+        options.camera.moves_camera() || options.camera.preset ? ", and no camera options show all of it"
+                                                               : ""));
   }
   if (report.outputs.empty()) return;
   const std::string& first = report.outputs.front();
-  if (is_video(first)) return console.say(fmt::format("wrote {} ({} frames of 1/25 s)", first, report.frames));
+  if (is_video(first))
+    return console.say(fmt::format("wrote {} ({} frames of 1/25 s)", first, report.frames));
   console.say(report.frames > 1
                   ? fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames)
                   : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered,
@@ -259,8 +276,7 @@ int view_command(RenderOptions& options, Choice& choice, const CommandLine& line
   for (const std::string& rule : options.draw) wishes.draw.push_back(view::DrawRow::from(rule));
   wishes.scene = options.input.scene;
   for (const auto& [name, value] : line.given())
-    if (view::is_kept_as_written(name))
-      wishes.input.emplace_back(name, value);
+    if (view::is_kept_as_written(name)) wishes.input.emplace_back(name, value);
   for (const Param& param : choice.prepare_parameters.all())
     if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
   for (const auto& chosen : choice.techniques) wishes.take(*chosen);
@@ -337,7 +353,8 @@ int render_command(const Words& words) {
   check_names(options, choice);
   if (!options.shader_folder.empty()) {
     if (!std::filesystem::is_directory(std::filesystem::path(options.shader_folder) / "shaders"))
-      throw Error(ErrorCode::usage, "--shader-dir " + options.shader_folder + ": there is no folder shaders/ in it; name a checkout of sfumato");
+      throw Error(ErrorCode::usage, "--shader-dir " + options.shader_folder +
+                                        ": there is no folder shaders/ in it; name a checkout of sfumato");
     ::setenv("SFUMATO_SHADER_DIR", options.shader_folder.c_str(), 1);
   }
 #ifdef SFUMATO_VIEWER
@@ -352,8 +369,8 @@ int render_command(const Words& words) {
   if (options.each) return render_each(options, choice, quote(command), report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  auto [scene, pose, camera, cameras] =
-      see(options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
+  auto [scene, pose, camera, cameras] = see(
+      options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   watch.lap("read");
   const Bounds box = bounds(scene.cloud);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
@@ -366,7 +383,8 @@ int render_command(const Words& words) {
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     if (options.sequence && n > 0) {
-      scene::Scene next = read_seen({options.placed(std::size_t(n))}, {camera}, options, choice, report, console);
+      scene::Scene next =
+          read_seen({options.placed(std::size_t(n))}, {camera}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
@@ -380,7 +398,8 @@ int render_command(const Words& words) {
     if (name.empty()) continue;
     const SceneFiles files = name == options.save_scene ? options.placed() : SceneFiles();
     // A scene is seen from where it was seen.
-    save_preset(name, choice.looks(), choice.prepare_parameters, line.given(), files.empty() ? kept : camera, files);
+    save_preset(name, choice.looks(), choice.prepare_parameters, line.given(), files.empty() ? kept : camera,
+                files);
     report.outputs.push_back(name);
   }
   tell(report, options, choice, box, console);

@@ -16,9 +16,7 @@
 namespace sfumato::cli {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorCode::usage, message);
-}
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::usage, message); }
 
 std::string join(const std::vector<std::string>& words) {
   std::string text;
@@ -31,10 +29,12 @@ std::string join(const std::vector<std::string>& words) {
 void RenderOptions::declare(CommandLine& line) {
   line.positionals("FILE", files, "point clouds; several are one scene");
   line.group("Output");
-  line.text("-t,--technique", technique, "NAME[,NAME...]|all",
-            "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
+  line.text(
+      "-t,--technique", technique, "NAME[,NAME...]|all",
+      "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
   line.texts("--draw", draw, "\"SELECTION: TECHNIQUE [name=value ...]\"",
-             "draw some points otherwise, such as \"classification 3-5: soft opacity=0.2\"; the first that selects a point "
+             "draw some points otherwise, such as \"classification 3-5: soft opacity=0.2\"; the first that "
+             "selects a point "
              "wins (sfumato help draw)");
   line.text("-o,--output", output, "FILE",
             "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is "
@@ -48,27 +48,32 @@ void RenderOptions::declare(CommandLine& line) {
             "float32 HxWx3, world, facing the camera, 0 where none");
   line.text("--output-camera", output_camera, "FILE.json", "the camera of the picture");
   line.text("--quality", quality_text, "1..100", "of .jpg and .webp; a .webp of 100 is exact (90)");
-  line.text("--path", path, "FILE.json|orbit", "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg)");
+  line.text("--path", path, "FILE.json|orbit",
+            "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg)");
   line.text("--frames", frames, "N", "pictures of the path (120)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
   line.flag("--sequence", sequence,
             "files are frames: one picture each from the camera of the first, -o frame_{n:04}.png");
   line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
-  line.text("--scene", scene, "FILE.json", "files, --draw, look and camera saved before; those given here win");
+  line.text("--scene", scene, "FILE.json",
+            "files, --draw, look and camera saved before; those given here win");
   line.text("--save-scene", save_scene, "FILE.json", "save the files as well");
-  line.texts("--transform", transforms, "\"N: 16 NUMBERS\"",
-             "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
+  line.texts(
+      "--transform", transforms, "\"N: 16 NUMBERS\"",
+      "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
   line.flag("--watch", watch, "the window reads files again when they change");
   line.text("--shader-dir", shader_folder, "FOLDER",
-            "a checkout whose shaders are used in place of those built in; the window compiles them again when they change");
+            "a checkout whose shaders are used in place of those built in; the window compiles them again "
+            "when they change");
   line.flag("--timings", timings, "time of every pass");
   line.flag("--json", json, "report on standard output");
   common.declare(line);
   camera.declare(line);
   input.declare(line);
   line.text("--memory", memory_text, "BYTES",
-            "what the points of COPC files may take; beyond it, or --max-points, only what the view shows is read (4G)");
+            "what the points of COPC files may take; beyond it, or --max-points, only what the view shows is "
+            "read (4G)");
   line.group("Colour");
   line.text("--color-by", color.color_by, "NAME",
             "auto, rgb, intensity, classification, elevation, normal, file, any scalar");
@@ -110,10 +115,12 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   const std::string extension = extension_of(output);
   if (is_video(output)) {
     if (path.empty() && !sequence) refuse("-o " + output + ": a video needs --path or --sequence");
-    if (technique_count > 1 || no_background || each) refuse("-o " + output + ": a video is of one technique, one scene and opaque");
+    if (technique_count > 1 || no_background || each)
+      refuse("-o " + output + ": a video is of one technique, one scene and opaque");
     require_ffmpeg(output);
   }
-  if (!output.empty() && !is_video(output) && !is_picture(extension) && extension != ".exr" && extension != ".npy")
+  if (!output.empty() && !is_video(output) && !is_picture(extension) && extension != ".exr" &&
+      extension != ".npy")
     refuse("-o " + output + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
   const bool has_jpeg = extension == ".jpg" || extension == ".jpeg";
   if (no_background && has_jpeg)
@@ -152,20 +159,28 @@ void RenderOptions::check_window(std::size_t technique_count) const {
     return;
   }
 #ifndef SFUMATO_VIEWER
-  throw Error(ErrorCode::no_gl, "this sfumato is built without its window (libglfw3-dev, libimgui-dev): add -o OUT.png to render "
-                                "to a picture");
+  throw Error(
+      ErrorCode::no_gl,
+      "this sfumato is built without its window (libglfw3-dev, libimgui-dev): add -o OUT.png to render "
+      "to a picture");
 #endif
-  if (technique_count > 1) refuse("a window shows one technique at a time: name one, or add -o OUT.png for a sheet of all");
-  for (const auto& [option, given] : {std::pair("--each", each), {"--path", !path.empty()},
-                                      {"--panorama", camera.panorama}, {"--save-scene", !save_scene.empty()},
+  if (technique_count > 1)
+    refuse("a window shows one technique at a time: name one, or add -o OUT.png for a sheet of all");
+  for (const auto& [option, given] : {std::pair("--each", each),
+                                      {"--path", !path.empty()},
+                                      {"--panorama", camera.panorama},
+                                      {"--save-scene", !save_scene.empty()},
                                       {"--no-background", no_background},
-                                      {"--save-preset", !save_preset.empty()}, {"--json", json}, {"--timings", timings}})
+                                      {"--save-preset", !save_preset.empty()},
+                                      {"--json", json},
+                                      {"--timings", timings}})
     if (given) refuse(std::string(option) + " goes with pictures, not with the window: add -o OUT.png");
 }
 
 void RenderOptions::check(std::size_t technique_count) {
   for (const std::string& text : draw) rules.push_back(DrawRule::parse(text));
-  if (!scene.empty() && !preset.empty()) refuse("--scene and --preset contradict each other: a scene is a preset with files");
+  if (!scene.empty() && !preset.empty())
+    refuse("--scene and --preset contradict each other: a scene is a preset with files");
   if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
   std::error_code error;
   if (!has_output() && files.size() == 1 && files[0] != "-" && !std::filesystem::exists(files[0], error) &&
@@ -235,12 +250,14 @@ void RenderOptions::expand_files() {
   for (const std::string& text : transforms) {
     const std::size_t colon = text.find(':');
     const auto wrong = [&](const std::string& why) {
-      refuse("--transform: '" + text + "': " + why + "; write \"N: 16 numbers\", such as \"2: 1,0,0,12.5,0,1,0,3,0,0,1,0,0,0,0,1\"");
+      refuse("--transform: '" + text + "': " + why +
+             "; write \"N: 16 numbers\", such as \"2: 1,0,0,12.5,0,1,0,3,0,0,1,0,0,0,0,1\"");
     };
     if (colon == std::string::npos) wrong("there is no colon after the file's number");
     const long n = parse_whole("--transform", text.substr(0, colon), 1);
     if (std::size_t(n) > files.size()) wrong("there are " + std::to_string(files.size()) + " files");
-    const std::vector<double> numbers = parse_numbers("--transform", text.substr(std::min(text.size(), text.find_first_not_of(' ', colon + 1))), 16);
+    const std::vector<double> numbers = parse_numbers(
+        "--transform", text.substr(std::min(text.size(), text.find_first_not_of(' ', colon + 1))), 16);
     const auto matrix = transform_of_rows(numbers);
     if (!matrix) wrong("the last row of a transform is 0 0 0 1, and it flattens nothing");
     if (scene_files.size() < files.size()) scene_files.resize(files.size());

@@ -34,9 +34,10 @@ struct RenderOptions {
   bool no_background = false, legend = false, timings = false, json = false, watch = false;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
-  std::string path, frames, degrees, preset, save_preset, scene, save_scene, shader_folder, memory_text = "4G";
+  std::string path, frames, degrees, preset, save_preset, scene, save_scene, shader_folder,
+      memory_text = "4G";
   Words transforms;  ///< "N: 16 numbers"
-  Words draw;  ///< "SELECTION: TECHNIQUE [name=value ...]"
+  Words draw;        ///< "SELECTION: TECHNIQUE [name=value ...]"
 
   // Parsed by `check`.
   std::vector<DrawRule> rules;
@@ -69,8 +70,8 @@ struct RenderOptions {
 
 /// Lower-case extension: ".png".
 std::string extension_of(const std::string& file);
-/// "frame_{n:04}.png" for frame 7: "frame_0007.png"; {technique} is the technique, {stem} the input's name without
-/// folder and extension. Throws Error(usage) for a broken pattern.
+/// "frame_{n:04}.png" for frame 7: "frame_0007.png"; {technique} is the technique, {stem} the input's name
+/// without folder and extension. Throws Error(usage) for a broken pattern.
 std::string file_name(const std::string& pattern, const NameParts& parts);
 /// "scans/a.copc.laz": "a".
 std::string stem_of(const std::string& file);

@@ -10,24 +10,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list(const dvec3& v) {
-  return Json::array({v.x, v.y, v.z});
-}
+Json list(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
 
 /// The text of a parameter as the JSON value of its kind.
 Json value_of(const Param& param, const std::string& text) {
   if (text == "auto" && param.can_be_auto) return "auto";
   switch (param.kind) {
-    case ParamKind::boolean:
-      return text == "true";
+    case ParamKind::boolean: return text == "true";
     case ParamKind::integer:
-    case ParamKind::real:
-      return Json::parse(text, nullptr, false);
+    case ParamKind::real: return Json::parse(text, nullptr, false);
     case ParamKind::real_list:
-    case ParamKind::vector3:
-      return Json::parse("[" + text + "]", nullptr, false);
-    default:
-      return text;
+    case ParamKind::vector3: return Json::parse("[" + text + "]", nullptr, false);
+    default: return text;
   }
 }
 
@@ -115,7 +109,10 @@ std::string tree_json(const copc::Tree& tree) {
   json["median_spacing"] = nullptr;
   json["levels"] = Json::array();
   for (const copc::LevelFacts& level : levels_of(tree))
-    json["levels"].push_back({{"level", level.level}, {"nodes", level.nodes}, {"points", level.points}, {"spacing", level.spacing}});
+    json["levels"].push_back({{"level", level.level},
+                              {"nodes", level.nodes},
+                              {"points", level.points},
+                              {"spacing", level.spacing}});
   return json.dump(2) + "\n";
 }
 
@@ -158,9 +155,12 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["points_rendered"] = report.points_rendered;
   if (report.levels) {
     const scene::LevelsReport& levels = *report.levels;
-    json["levels"] = {{"points_in_files", levels.points_in_files}, {"points_needed", levels.points_needed},
-                      {"points_read", levels.points},              {"nodes_in_files", levels.nodes_in_files},
-                      {"nodes_needed", levels.nodes_needed},       {"nodes_read", levels.nodes},
+    json["levels"] = {{"points_in_files", levels.points_in_files},
+                      {"points_needed", levels.points_needed},
+                      {"points_read", levels.points},
+                      {"nodes_in_files", levels.nodes_in_files},
+                      {"nodes_needed", levels.nodes_needed},
+                      {"nodes_read", levels.nodes},
                       {"widest_spacing_px", levels.widest_px}};
   }
   std::uint64_t drawn = 0;

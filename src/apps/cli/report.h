@@ -37,8 +37,8 @@ struct RenderReport {
   std::string color_by;
   double exposure = 1;  ///< of the file's colours
   vec3 background{1};
-  bool cutaway = false;       ///< a room is drawn without the walls before it
-  std::string up, up_reason;  ///< the axis and why it is that one
+  bool cutaway = false;                       ///< a room is drawn without the walls before it
+  std::string up, up_reason;                  ///< the axis and why it is that one
   std::optional<scene::LevelsReport> levels;  ///< of the last scene that was read by its levels
   std::uint64_t points_missing = 0;           ///< of those read, in damaged parts
   bool is_partial = false;                    ///< parts of files were damaged and left out

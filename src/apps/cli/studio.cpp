@@ -68,8 +68,8 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
   for (const std::string& note : session_.notes()) console_.say("sfumato: " + note);
   if (session_.left_out() > 0)
-    console_.say(fmt::format("{} points share their places with {} others and are left out", session_.left_out(),
-                             analysis::most_in_one_place));
+    console_.say(fmt::format("{} points share their places with {} others and are left out",
+                             session_.left_out(), analysis::most_in_one_place));
   const Coloring& coloring = session_.coloring();
   report_.color_by = coloring.source;
   report_.exposure = coloring.exposure;
@@ -116,7 +116,8 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
   if (panels.size() > 1) {
     if (options_.legend) labels::draw_legend(panels.back().image, session_.coloring(), session_.background());
-    if (wants_.color) out.rgba8 = labels::contact_sheet(panels, session_.background(), options_.no_background);
+    if (wants_.color)
+      out.rgba8 = labels::contact_sheet(panels, session_.background(), options_.no_background);
   } else if (options_.legend && wants_.color) {
     labels::draw_legend(out.rgba8, session_.coloring(), session_.background());
   }

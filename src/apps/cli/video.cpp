@@ -17,31 +17,57 @@
 
 namespace sfumato::cli {
 
-bool is_video(const std::string& file) {
-  return file.size() > 4 && file.ends_with(".mp4");
-}
+bool is_video(const std::string& file) { return file.size() > 4 && file.ends_with(".mp4"); }
 
 void require_ffmpeg(const std::string& file) {
   std::istringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
   for (std::string folder; std::getline(folders, folder, ':');)
     if (::access((folder + "/ffmpeg").c_str(), X_OK) == 0) return;
-  throw Error(ErrorCode::usage, "-o " + file +
-                                    ": the program ffmpeg, which makes videos, is not installed; install it, or write the "
-                                    "frames: -o frame_{n:04}.png");
+  throw Error(ErrorCode::usage,
+              "-o " + file +
+                  ": the program ffmpeg, which makes videos, is not installed; install it, or write the "
+                  "frames: -o frame_{n:04}.png");
 }
 
 Video::Video(const std::string& file, int width, int height)
     : file_(file), part_(file + ".part.mp4"), said_(file + ".part.txt") {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::io, file + ": no pipe to ffmpeg: " + std::strerror(errno));
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw Error(ErrorCode::io, file + ": no pipe to ffmpeg: " + std::strerror(errno));
   const std::string size = std::to_string(width) + "x" + std::to_string(height),
                     rate = std::to_string(frames_per_second);
   // Sides of 4:2:0 are even; sRGB pictures are tagged so that players show the colours that were drawn.
-  const char* const words[] = {"ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", size.c_str(),
-                               "-r", rate.c_str(), "-i", "-", "-an", "-vf",
-                               "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709", "-pix_fmt", "yuv420p",
-                               "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-crf", "18",
-                               "-movflags", "+faststart", part_.c_str(), nullptr};
+  const char* const words[] = {"ffmpeg",
+                               "-y",
+                               "-loglevel",
+                               "error",
+                               "-f",
+                               "rawvideo",
+                               "-pix_fmt",
+                               "rgba",
+                               "-s",
+                               size.c_str(),
+                               "-r",
+                               rate.c_str(),
+                               "-i",
+                               "-",
+                               "-an",
+                               "-vf",
+                               "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709",
+                               "-pix_fmt",
+                               "yuv420p",
+                               "-colorspace",
+                               "bt709",
+                               "-color_primaries",
+                               "bt709",
+                               "-color_trc",
+                               "iec61966-2-1",
+                               "-crf",
+                               "18",
+                               "-movflags",
+                               "+faststart",
+                               part_.c_str(),
+                               nullptr};
   program_ = ::fork();
   if (program_ == 0) {
     ::dup2(ends[0], STDIN_FILENO);

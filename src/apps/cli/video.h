@@ -17,7 +17,8 @@ void require_ffmpeg(const std::string& file);
 class Video {
  public:
   static constexpr int frames_per_second = 25;
-  /// Frames of this size; the last row or column is repeated as background where a side is odd. Throws Error(io).
+  /// Frames of this size; the last row or column is repeated as background where a side is odd. Throws
+  /// Error(io).
   Video(const std::string& file, int width, int height);
   /// Without `finish`, what was written is removed.
   ~Video();

@@ -21,13 +21,14 @@ namespace sfumato {
 const char* confine() {
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return "privileges cannot be given up";
 #if defined(SFUMATO_ARCHITECTURE) && !defined(SFUMATO_DECODER_SANITIZED)  // sanitizers do more than compute
-  constexpr std::uint32_t allowed[] = {
-      SYS_recvfrom, SYS_sendto, SYS_futex, SYS_mmap, SYS_munmap, SYS_mremap, SYS_mprotect, SYS_madvise, SYS_brk,
-      SYS_clock_gettime, SYS_getrandom, SYS_exit, SYS_exit_group, SYS_rt_sigreturn, SYS_restart_syscall,
-      // abort()
-      SYS_rt_sigprocmask, SYS_rt_sigaction, SYS_getpid, SYS_gettid, SYS_tgkill,
-      // what is printed on the way down goes to /dev/null
-      SYS_write, SYS_writev};
+  constexpr std::uint32_t allowed[] = {SYS_recvfrom, SYS_sendto, SYS_futex, SYS_mmap, SYS_munmap, SYS_mremap,
+                                       SYS_mprotect, SYS_madvise, SYS_brk, SYS_clock_gettime, SYS_getrandom,
+                                       SYS_exit, SYS_exit_group, SYS_rt_sigreturn, SYS_restart_syscall,
+                                       // abort()
+                                       SYS_rt_sigprocmask, SYS_rt_sigaction, SYS_getpid, SYS_gettid,
+                                       SYS_tgkill,
+                                       // what is printed on the way down goes to /dev/null
+                                       SYS_write, SYS_writev};
   struct sock_filter filter[4 + 2 * std::size(allowed) + 1] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, arch)),
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SFUMATO_ARCHITECTURE, 1, 0),

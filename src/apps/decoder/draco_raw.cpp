@@ -102,7 +102,8 @@ void DracoCloud::pack(std::uint64_t first, std::size_t count, std::uint8_t* reco
   std::size_t offset = 0;
   for (const draco::PointAttribute* one : state_->attributes) {
     for (std::size_t i = 0; i < count; ++i)
-      one->GetMappedValue(draco::PointIndex(std::uint32_t(first + i)), records + i * state_->record_length + offset);
+      one->GetMappedValue(draco::PointIndex(std::uint32_t(first + i)),
+                          records + i * state_->record_length + offset);
     offset += std::size_t(one->byte_stride());
   }
 }

@@ -1,5 +1,6 @@
-// sfumato-decoder: runs LASzip's and Draco's decoders on bytes that nobody vouches for, away from whoever wants the points. It is
-// started by io/decoder_pool.cpp, which also limits its memory and time; it gives up everything else itself.
+// sfumato-decoder: runs LASzip's and Draco's decoders on bytes that nobody vouches for, away from whoever
+// wants the points. It is started by io/decoder_pool.cpp, which also limits its memory and time; it gives up
+// everything else itself.
 #include <fcntl.h>
 #include <malloc.h>
 #include <sys/mman.h>
@@ -28,7 +29,8 @@ void die_as_told(const std::uint8_t* input, std::size_t size);  // of the tests
 
 namespace {
 
-/// Packets of other sizes than the wanted are places given back behind the last block. False: nobody is there any more.
+/// Packets of other sizes than the wanted are places given back behind the last block. False: nobody is there
+/// any more.
 template <class Message>
 bool take(Message& message) {
   char bytes[sizeof(Message) + 1];
@@ -120,7 +122,8 @@ void decode_draco(const DecodeJob& job, std::uint8_t* memory) {
   for (std::uint64_t done = 0; done < cloud.points();) {
     std::uint8_t* records = nullptr;
     if (!blocks.place(records)) _exit(0);
-    const auto count = std::size_t(std::min<std::uint64_t>(job.block_size / cloud.record_length(), cloud.points() - done));
+    const auto count =
+        std::size_t(std::min<std::uint64_t>(job.block_size / cloud.record_length(), cloud.points() - done));
     cloud.pack(done, count, records);
     Blocks::send(count);
     done += count;
@@ -152,9 +155,11 @@ int main() {
 #endif
       if (job.what == Decode::laszip) decode_laszip(job, bytes);
 #ifdef SFUMATO_DRACO
-      else if (job.what == Decode::draco) decode_draco(job, bytes);
+      else if (job.what == Decode::draco)
+        decode_draco(job, bytes);
 #endif
-      else refuse("a job that this decoder does not know");
+      else
+        refuse("a job that this decoder does not know");
     } catch (const std::bad_alloc&) {
       refuse("bytes that want more memory than they may take");
     } catch (const std::exception& error) {

@@ -30,21 +30,23 @@ void Interface::take_shots() {
     const std::string name = free_name("sfumato", ".png");
     // Taken at once, so that two pictures in a row do not get one name.
     if (std::FILE* file = std::fopen(name.c_str(), "wx")) std::fclose(file);
-    writers_.push_back(std::async(std::launch::async, [shot = std::move(shot), name]() mutable -> view::Message {
-      try {
-        cli::Words command = shot.words;
-        command.insert(command.begin(), "sfumato");
-        command.insert(command.end(), {"-o", name});
-        if (shot.legend) labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
-        io::write_png(name, shot.picture.image, false,
-                      {{"Software", std::string("sfumato ") + version()},
-                       {"Command", cli::quote(command)},
-                       {"Camera", io::camera_to_json(shot.picture.camera)}});
-        return {"saved " + name, false};
-      } catch (const std::exception& error) {
-        return {error.what(), true};
-      }
-    }));
+    writers_.push_back(
+        std::async(std::launch::async, [shot = std::move(shot), name]() mutable -> view::Message {
+          try {
+            cli::Words command = shot.words;
+            command.insert(command.begin(), "sfumato");
+            command.insert(command.end(), {"-o", name});
+            if (shot.legend)
+              labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
+            io::write_png(name, shot.picture.image, false,
+                          {{"Software", std::string("sfumato ") + version()},
+                           {"Command", cli::quote(command)},
+                           {"Camera", io::camera_to_json(shot.picture.camera)}});
+            return {"saved " + name, false};
+          } catch (const std::exception& error) {
+            return {error.what(), true};
+          }
+        }));
   }
   std::erase_if(writers_, [&](auto& writer) {
     if (writer.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
@@ -93,8 +95,12 @@ void Interface::act(Action action) {
   };
   switch (action) {
     case Action::reset_view: bench_.move("reset", [](view::Navigator& hand) { hand.reset(); }); break;
-    case Action::frame_view: bench_.move("frame", [&](view::Navigator& hand) { hand.frame(bench_.width(), bench_.height()); }); break;
-    case Action::orthographic: bench_.move("parallel", [](view::Navigator& hand) { hand.toggle_orthographic(); }); break;
+    case Action::frame_view:
+      bench_.move("frame", [&](view::Navigator& hand) { hand.frame(bench_.width(), bench_.height()); });
+      break;
+    case Action::orthographic:
+      bench_.move("parallel", [](view::Navigator& hand) { hand.toggle_orthographic(); });
+      break;
     case Action::front: show(view::NamedView::front); break;
     case Action::back: show(view::NamedView::back); break;
     case Action::right: show(view::NamedView::right); break;
@@ -109,8 +115,8 @@ void Interface::act(Action action) {
       int width = 0, height = 0;
       if (screenshot_size_.empty()) {
         bench_.shoot(bench_.width(), bench_.height());
-      } else if (std::sscanf(screenshot_size_.c_str(), "%dx%d", &width, &height) == 2 && width > 0 && height > 0 &&
-                 width <= 16384 && height <= 16384) {
+      } else if (std::sscanf(screenshot_size_.c_str(), "%dx%d", &width, &height) == 2 && width > 0 &&
+                 height > 0 && width <= 16384 && height <= 16384) {
         bench_.shoot(width, height);
       } else {
         bench_.say("'" + screenshot_size_ + "' is not WIDTHxHEIGHT, such as 3840x2160", true);
@@ -131,7 +137,8 @@ void Interface::act(Action action) {
       break;
     case Action::paste_camera:
       try {
-        const view::ViewCamera camera = view::ViewCamera::from(io::camera_from_json(window_.pasted(), "the clipboard"));
+        const view::ViewCamera camera =
+            view::ViewCamera::from(io::camera_from_json(window_.pasted(), "the clipboard"));
         bench_.move("paste", [&](view::Navigator& hand) { hand.set_camera(camera); });
       } catch (const Error& error) {
         bench_.say(error.what(), true);
@@ -152,7 +159,9 @@ void Interface::act(Action action) {
       parameter("shadows", now == "off" ? "hard" : now == "hard" ? "soft" : "off");
       break;
     }
-    case Action::legend: bench_.change("legend", [](view::Wishes& wishes) { wishes.legend = !wishes.legend; }); break;
+    case Action::legend:
+      bench_.change("legend", [](view::Wishes& wishes) { wishes.legend = !wishes.legend; });
+      break;
     case Action::clear_picks:
       help_ = false;
       bench_.clear_picked();
@@ -176,7 +185,8 @@ void Interface::act(Action action) {
     default: {
       const std::size_t i = std::size_t(action) - std::size_t(Action::technique_1);
       if (i < all_techniques().size())
-        bench_.change("technique", [&](view::Wishes& wishes) { wishes.technique = all_techniques()[i].name; });
+        bench_.change("technique",
+                      [&](view::Wishes& wishes) { wishes.technique = all_techniques()[i].name; });
     }
   }
 }

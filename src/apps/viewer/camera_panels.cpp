@@ -26,7 +26,8 @@ void Interface::clip_panel() {
       std::erase_if(next.input, [](const auto& each) { return each.first == "crop-relative"; });
     });
   };
-  if (ImGui::Checkbox("show only the points in a box", &on)) clip(on ? std::optional(scene->box) : std::nullopt);
+  if (ImGui::Checkbox("show only the points in a box", &on))
+    clip(on ? std::optional(scene->box) : std::nullopt);
   if (!crop) return;
   Bounds box = *crop;
   for (int axis = 0; axis < 3; ++axis) {
@@ -34,7 +35,8 @@ void Interface::clip_panel() {
     const double from = scene->box.min[axis], size = std::max(1e-9, scene->box.max[axis] - from);
     float low = float(box.min[axis] - from), high = float(box.max[axis] - from);
     ImGui::PushID(axis);
-    if (ImGui::DragFloatRange2(std::string(1, "xyz"[axis]).c_str(), &low, &high, float(0.003 * size), 0, float(size), "%.5g", "%.5g")) {
+    if (ImGui::DragFloatRange2(std::string(1, "xyz"[axis]).c_str(), &low, &high, float(0.003 * size), 0,
+                               float(size), "%.5g", "%.5g")) {
       box.min[axis] = low <= 0 ? from : from + double(low);
       box.max[axis] = double(high) >= size ? scene->box.max[axis] : from + double(high);
       clip(box);
@@ -43,12 +45,14 @@ void Interface::clip_panel() {
     ImGui::PopID();
   }
   // The box as a slice: one side moves, with its thickness.
-  if (const auto chosen = choose("slice along", std::string(1, "xyz"[slice_axis_]), {"x", "y", "z"})) slice_axis_ = chosen->front() - 'x';
+  if (const auto chosen = choose("slice along", std::string(1, "xyz"[slice_axis_]), {"x", "y", "z"}))
+    slice_axis_ = chosen->front() - 'x';
   const double from = scene->box.min[slice_axis_], size = std::max(1e-9, scene->box.max[slice_axis_] - from);
   const double thickness = std::min(size, box.max[slice_axis_] - box.min[slice_axis_]);
   float middle = float(0.5 * (box.min[slice_axis_] + box.max[slice_axis_]) - from), thick = float(thickness);
   const bool moved = ImGui::SliderFloat("place", &middle, 0, float(size), "%.5g");
-  if (bool thinned = ImGui::SliderFloat("thickness", &thick, float(1e-3 * size), float(size), "%.4g", ImGuiSliderFlags_Logarithmic);
+  if (bool thinned = ImGui::SliderFloat("thickness", &thick, float(1e-3 * size), float(size), "%.4g",
+                                        ImGuiSliderFlags_Logarithmic);
       moved || thinned) {
     box.min[slice_axis_] = from + double(middle) - 0.5 * double(thick);
     box.max[slice_axis_] = box.min[slice_axis_] + double(thick);
@@ -63,8 +67,9 @@ void Interface::camera_panel() {
   const auto row = [&](const char* name, const dvec3& v) {
     ImGui::TextDisabled("%s", name);
     ImGui::SameLine(76 * window_.scale());
-    ImGui::TextUnformatted(fmt::format("{} {} {}", view::coordinate_text(v.x, size), view::coordinate_text(v.y, size),
-                                       view::coordinate_text(v.z, size)).c_str());
+    ImGui::TextUnformatted(fmt::format("{} {} {}", view::coordinate_text(v.x, size),
+                                       view::coordinate_text(v.y, size), view::coordinate_text(v.z, size))
+                               .c_str());
   };
   row("position", camera.position);
   row("target", camera.target);
@@ -73,9 +78,14 @@ void Interface::camera_panel() {
     bench_.move("angle", [&](view::Navigator& hand) { hand.set_angle(double(angle)); });
   bool parallel = camera.orthographic;
   if (ImGui::Checkbox("parallel", &parallel)) act(view::Action::orthographic);
-  struct { const char* name; view::Action action; } const sides[] = {{"front", view::Action::front}, {"right", view::Action::right},
-                                                                   {"top", view::Action::top}, {"frame", view::Action::frame_view},
-                                                                   {"reset", view::Action::reset_view}};
+  struct {
+    const char* name;
+    view::Action action;
+  } const sides[] = {{"front", view::Action::front},
+                     {"right", view::Action::right},
+                     {"top", view::Action::top},
+                     {"frame", view::Action::frame_view},
+                     {"reset", view::Action::reset_view}};
   for (const auto& side : sides) {
     if (side.action != view::Action::front) ImGui::SameLine();
     if (ImGui::Button(side.name)) act(side.action);
@@ -129,7 +139,9 @@ void Interface::path_panel() {
       cli::Words words = bench_.wishes().words(bench_.width(), bench_.height());
       std::erase_if(words, [](const std::string& word) { return word.starts_with("--camera-"); });
       words.insert(words.begin(), "sfumato");
-      words.insert(words.end(), {"--path", name, "--frames", std::to_string(int(std::lround(25 * path.duration_s())) + 1), "-o", "path.mp4"});
+      words.insert(words.end(),
+                   {"--path", name, "--frames", std::to_string(int(std::lround(25 * path.duration_s())) + 1),
+                    "-o", "path.mp4"});
       window_.copy(cli::quote(words));
       bench_.say("saved " + name + "; the command that makes a video of it is copied");
     } catch (const Error& error) {

@@ -18,12 +18,16 @@ void Interface::color_panel() {
   if (const view::Loaded* scene = bench_.scene())
     for (const std::string& scalar : scene->scalars)
       if (std::find(sources.begin(), sources.end(), scalar) == sources.end()) sources.push_back(scalar);
-  const std::string shown = wishes.color_by == "auto" && picture() ? "auto: " + picture()->coloring.source : wishes.color_by;
+  const std::string shown =
+      wishes.color_by == "auto" && picture() ? "auto: " + picture()->coloring.source : wishes.color_by;
   if (const auto chosen = choose("source", shown, sources))
-    bench_.change("color-by", [&](view::Wishes& next) { next.color_by = *chosen, next.color_range.clear(), next.point_color.clear(); });
+    bench_.change("color-by", [&](view::Wishes& next) {
+      next.color_by = *chosen, next.color_range.clear(), next.point_color.clear();
+    });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
-    if (const auto chosen = choose("map", wishes.colormap.empty() ? coloring.colormap : wishes.colormap, Colormap::names()))
+    if (const auto chosen =
+            choose("map", wishes.colormap.empty() ? coloring.colormap : wishes.colormap, Colormap::names()))
       bench_.change("colormap", [&](view::Wishes& next) { next.colormap = *chosen; });
     // The map itself, as a bar.
     const Colormap map = Colormap::named(coloring.colormap);
@@ -32,8 +36,9 @@ void Interface::color_panel() {
     constexpr int steps = 48;
     for (int i = 0; i < steps; ++i) {
       const Rgba8 c = map.at((i + 0.5) / steps);
-      ImGui::GetWindowDrawList()->AddRectFilled({at.x + width * float(i) / steps, at.y}, {at.x + width * float(i + 1) / steps + 1, at.y + height},
-                                                ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)));
+      ImGui::GetWindowDrawList()->AddRectFilled(
+          {at.x + width * float(i) / steps, at.y}, {at.x + width * float(i + 1) / steps + 1, at.y + height},
+          ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)));
     }
     ImGui::Dummy({width, height});
     histogram(coloring);
@@ -46,7 +51,8 @@ void Interface::color_panel() {
     tooltip("values at the ends of the colour map: drag, or Ctrl+click to type");
     if (!wishes.color_range.empty()) {
       ImGui::SameLine();
-      if (ImGui::SmallButton("×")) bench_.change("color-range", [](view::Wishes& next) { next.color_range.clear(); });
+      if (ImGui::SmallButton("×"))
+        bench_.change("color-range", [](view::Wishes& next) { next.color_range.clear(); });
       tooltip("back to 2-98 % of the points");
     }
   }
@@ -59,7 +65,8 @@ void Interface::color_panel() {
       const ImVec2 at = ImGui::GetCursorScreenPos();
       const float side = 0.75f * ImGui::GetTextLineHeight();
       ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 2}, {at.x + side, at.y + 2 + side},
-                                                paint(each.color.r << 16 | each.color.g << 8 | each.color.b), 2);
+                                                paint(each.color.r << 16 | each.color.g << 8 | each.color.b),
+                                                2);
       ImGui::Dummy({side, side});
       ImGui::SameLine();
       ImGui::TextUnformatted(each.label.c_str());
@@ -69,12 +76,14 @@ void Interface::color_panel() {
     ImGui::EndChild();
   }
   const auto color_edit = [&](const char* label, std::string value, auto assign) {
-    if (edit_text(label, "as it suits", value)) bench_.change(label, [&](view::Wishes& next) { assign(next, value); });
+    if (edit_text(label, "as it suits", value))
+      bench_.change(label, [&](view::Wishes& next) { assign(next, value); });
     tooltip("a name (steelblue), #hex (#4682b4) or R,G,B from 0 to 1; Enter");
   };
   color_edit("background", wishes.background_color,
              [](view::Wishes& next, const std::string& text) { next.background_color = text; });
-  color_edit("one colour", wishes.point_color, [](view::Wishes& next, const std::string& text) { next.point_color = text; });
+  color_edit("one colour", wishes.point_color,
+             [](view::Wishes& next, const std::string& text) { next.point_color = text; });
   bool legend = wishes.legend;
   if (ImGui::Checkbox("legend", &legend)) act(view::Action::legend);
 }
@@ -85,7 +94,8 @@ void Interface::histogram(const Coloring& coloring) {
   const view::Loaded* scene = bench_.scene();
   if (!scene || !scene->near) return;
   constexpr std::size_t steps = 96;
-  if (const std::string key = fmt::format("{} {}", fmt::ptr(scene->near.get()), coloring.source); key != histogram_key_) {
+  if (const std::string key = fmt::format("{} {}", fmt::ptr(scene->near.get()), coloring.source);
+      key != histogram_key_) {
     histogram_key_ = key;
     histogram_ = view::histogram_of(*scene->near, coloring.source, steps);
   }
@@ -103,7 +113,8 @@ void Interface::histogram(const Coloring& coloring) {
     const Rgba8 c = map.at(std::clamp(colors != 0 ? (value - coloring.low) / colors : 0.5, 0.0, 1.0));
     const float tall = std::sqrt(float(histogram_.counts[i])) / most * (height - 2);
     list->AddRectFilled({at.x + width * float(i) / steps, at.y + height - tall},
-                        {at.x + width * float(i + 1) / steps, at.y + height}, paint(c.r << 16 | c.g << 8 | c.b));
+                        {at.x + width * float(i + 1) / steps, at.y + height},
+                        paint(c.r << 16 | c.g << 8 | c.b));
   }
   for (const double end : {coloring.low, coloring.high})
     if (span > 0 && end >= histogram_.low && end <= histogram_.high) {
@@ -112,11 +123,14 @@ void Interface::histogram(const Coloring& coloring) {
     }
   // A drag over it chooses the range.
   ImGui::InvisibleButton("histogram", {width, height});
-  tooltip(fmt::format("{} from {:.5g} to {:.5g}, of a sample of the points; drag over it: the range of the colours", coloring.source,
-                      histogram_.low, histogram_.high));
+  tooltip(fmt::format(
+      "{} from {:.5g} to {:.5g}, of a sample of the points; drag over it: the range of the colours",
+      coloring.source, histogram_.low, histogram_.high));
   if (ImGui::IsItemActivated()) histogram_from_ = ImGui::GetIO().MousePos.x;
   if (ImGui::IsItemActive() && std::abs(ImGui::GetIO().MousePos.x - histogram_from_) > 3) {
-    const auto value_at = [&](float x) { return histogram_.low + double(std::clamp((x - at.x) / width, 0.0f, 1.0f)) * span; };
+    const auto value_at = [&](float x) {
+      return histogram_.low + double(std::clamp((x - at.x) / width, 0.0f, 1.0f)) * span;
+    };
     const double a = value_at(histogram_from_), b = value_at(ImGui::GetIO().MousePos.x);
     if (a != b)
       bench_.change("color-range", [&](view::Wishes& next) {
@@ -130,7 +144,9 @@ void Interface::class_panel() {
   if (!scene || scene->classes.empty() || !heading("Classes", false)) return;
   const Selection& selection = bench_.wishes().scene.selection;
   const auto hidden = [&](int id) {
-    const auto in = [&](const std::vector<int>& all) { return std::find(all.begin(), all.end(), id) != all.end(); };
+    const auto in = [&](const std::vector<int>& all) {
+      return std::find(all.begin(), all.end(), id) != all.end();
+    };
     return selection.show_classes.empty() ? in(selection.hide_classes) : !in(selection.show_classes);
   };
   const auto hide = [&](const std::vector<int>& classes) {
@@ -144,7 +160,8 @@ void Interface::class_panel() {
   std::vector<int> now;
   // Noise that this scan lacks stays hidden by default, so that the command stays short.
   for (int id : selection.hide_classes)
-    if (std::none_of(scene->classes.begin(), scene->classes.end(), [&](const ClassShare& c) { return c.id == id; }))
+    if (std::none_of(scene->classes.begin(), scene->classes.end(),
+                     [&](const ClassShare& c) { return c.id == id; }))
       now.push_back(id);
   for (const ClassShare& each : scene->classes)
     if (hidden(each.id)) now.push_back(each.id);
@@ -155,8 +172,9 @@ void Interface::class_panel() {
     const Rgba8 c = class_color(each.id);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float side = ImGui::GetFrameHeight();
-    ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 0.2f * side}, {at.x + 0.6f * side, at.y + 0.8f * side},
-                                              ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)), 2);
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        {at.x, at.y + 0.2f * side}, {at.x + 0.6f * side, at.y + 0.8f * side},
+        ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)), 2);
     ImGui::Dummy({0.6f * side, side});
     ImGui::SameLine();
     if (ImGui::Checkbox(fmt::format("{} {}", each.id, class_name(each.id)).c_str(), &shown)) {
@@ -185,17 +203,23 @@ void Interface::light_panel() {
   // A light by direction is dragged over the sky: azimuth and height above the horizon.
   const std::string light = this->light();
   const bool by_direction = light.starts_with("dir:");
-  if (const auto chosen = choose("comes from", by_direction ? "a direction" : light == "headlight" ? "the eye" : "a place",
+  if (const auto chosen = choose("comes from",
+                                 by_direction           ? "a direction"
+                                 : light == "headlight" ? "the eye"
+                                                        : "a place",
                                  {"the eye", "a direction", "a place"})) {
     const dvec3 eye = bench_.wishes().camera.position;
     if (*chosen == "the eye") set("light", "headlight");
     if (*chosen == "a direction") {
       const Light key = key_light(bench_.camera(), bench_.navigator().up_axis());
-      dvec3 way = key.kind == Light::Kind::directional ? key.vector : glm::normalize(key.vector - bench_.wishes().camera.target);
+      dvec3 way = key.kind == Light::Kind::directional
+                      ? key.vector
+                      : glm::normalize(key.vector - bench_.wishes().camera.target);
       set("light", fmt::format("dir:{:.3f},{:.3f},{:.3f}", way.x, way.y, way.z));
     }
     if (*chosen == "a place")
-      set("light", view::number_text(eye.x) + "," + view::number_text(eye.y) + "," + view::number_text(eye.z));
+      set("light",
+          view::number_text(eye.x) + "," + view::number_text(eye.y) + "," + view::number_text(eye.z));
   }
   tooltip("--light; Ctrl+Shift+drag over the picture moves it");
   if (by_direction) {
@@ -203,7 +227,8 @@ void Interface::light_panel() {
     if (v.size() == 3) {
       const Compass compass(bench_.navigator().up_axis());
       const dvec3 way = glm::normalize(dvec3(double(v[0]), double(v[1]), double(v[2])));
-      float angles[2] = {float(glm::degrees(compass.azimuth(way))), float(glm::degrees(compass.elevation(way)))};
+      float angles[2] = {float(glm::degrees(compass.azimuth(way))),
+                         float(glm::degrees(compass.elevation(way)))};
       bool moved = ImGui::SliderFloat("azimuth", &angles[0], -180, 180, "%.0f°");
       moved |= ImGui::SliderFloat("height", &angles[1], -89, 89, "%.0f°");
       if (moved) {

@@ -33,7 +33,8 @@ void Interface::draw(double now_ms) {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   const float status = status_points * window_.scale();
   const float panel = panels_ ? std::min(panel_points * window_.scale(), 0.6f * screen.x) : 0;
-  const float width = std::max(32.0f, std::floor(screen.x - panel)), height = std::max(32.0f, std::floor(screen.y - status));
+  const float width = std::max(32.0f, std::floor(screen.x - panel)),
+              height = std::max(32.0f, std::floor(screen.y - status));
   bench_.set_timings(timings_);
   draw_view(now_ms, width, height);
   draw_profile(width, height);
@@ -74,7 +75,8 @@ void Interface::draw_panels(float x, float width, float height) {
 void Interface::walk_here() {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || io.KeyCtrl || ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows)) return;
-  for (const int key : {ImGuiKey_Tab, ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow})
+  for (const int key :
+       {ImGuiKey_Tab, ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow})
     if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false)) ImGui::SetWindowFocus();
 }
 
@@ -97,9 +99,10 @@ void Interface::draw_status(float y, float width, float height) {
     if (bench_.settled())
       text += fmt::format("  final, {:.0f} ms", shown->took_ms);
     else
-      text += fmt::format("  {}{}", quality.whole_cloud ? "" : "a sample", bench_.moving() && bench_.motion_ms() > 0
-                                        ? fmt::format("  {:.0f} pictures a second", 1000 / bench_.motion_ms())
-                                        : "");
+      text += fmt::format("  {}{}", quality.whole_cloud ? "" : "a sample",
+                          bench_.moving() && bench_.motion_ms() > 0
+                              ? fmt::format("  {:.0f} pictures a second", 1000 / bench_.motion_ms())
+                              : "");
   }
   ImGui::TextUnformatted(text.c_str());
   const view::Activity& activity = bench_.activity();
@@ -122,10 +125,12 @@ void Interface::draw_status(float y, float width, float height) {
 void Interface::draw_help() {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * screen.x, 0.5f * screen.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({std::min(0.96f * screen.x, 980 * window_.scale()), std::min(0.94f * screen.y, 620 * window_.scale())});
+  ImGui::SetNextWindowSize(
+      {std::min(0.96f * screen.x, 980 * window_.scale()), std::min(0.94f * screen.y, 620 * window_.scale())});
   ImGui::SetNextWindowFocus();
   ImGui::Begin("Keys and mouse", &help_,
-               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoSavedSettings);
   const float column = 0.5f * ImGui::GetContentRegionAvail().x;
   const auto row = [&](const std::string& left, const std::string& right) {
     const float keys = 155 * window_.scale();

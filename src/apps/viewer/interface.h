@@ -1,4 +1,5 @@
-// What is around the picture and over it: panels, status, help, messages. Draws with Dear ImGui and changes the workbench.
+// What is around the picture and over it: panels, status, help, messages. Draws with Dear ImGui and changes
+// the workbench.
 #pragma once
 
 #include <deque>
@@ -81,7 +82,7 @@ class Interface {
 
   Window& window_;
   view::Workbench& bench_;
-  std::unique_ptr<Look> look_;           ///< of the wishes, for its list of parameters
+  std::unique_ptr<Look> look_;  ///< of the wishes, for its list of parameters
   std::string look_key_;
   std::shared_ptr<const view::Picture> uploaded_;
   bool uploaded_legend_ = false;
@@ -92,8 +93,8 @@ class Interface {
   enum class Drag { none, rotate, pan, light } drag_ = Drag::none;
   dvec3 pivot_{0};
   int slice_axis_ = 2;
-  float corridor_ = 0;        ///< width, scene units; 0: not chosen yet
-  std::string profile_key_;   ///< of the plot in the window's texture
+  float corridor_ = 0;       ///< width, scene units; 0: not chosen yet
+  std::string profile_key_;  ///< of the plot in the window's texture
   view::Histogram histogram_;
   std::string histogram_key_;
   float histogram_from_ = 0;

@@ -43,25 +43,29 @@ void Interface::item_panel() {
     const view::DrawRow row = rows[i];
     ImGui::PushID(int(i));
     bool visible = row.visible;
-    if (ImGui::Checkbox("##visible", &visible)) edit("item shown", [&](auto& all) { all[i].visible = visible; });
+    if (ImGui::Checkbox("##visible", &visible))
+      edit("item shown", [&](auto& all) { all[i].visible = visible; });
     tooltip("draw these points, or leave them out");
     ImGui::SameLine();
     std::string text = row.selection;
     ImGui::SetNextItemWidth(full - check - 3 * (ImGui::GetFrameHeight() + 0.5f * gap));
     if (edit_text("##selection", "which points", text))
       edit("item selection", [&](auto& all) { all[i].selection = text; });
-    tooltip("which points: class ground,building   intensity 10..200   z 3..   file 2   box x0,y0,z0,x1,y1,z1\n"
-            "joined by 'and', before each maybe 'not'. The first row that selects a point draws it. Enter");
+    tooltip(
+        "which points: class ground,building   intensity 10..200   z 3..   file 2   box x0,y0,z0,x1,y1,z1\n"
+        "joined by 'and', before each maybe 'not'. The first row that selects a point draws it. Enter");
     const auto button = [&](const char* label, const char* help) {
       ImGui::SameLine(0, 0.5f * gap);
       const bool pressed = ImGui::Button(label, {ImGui::GetFrameHeight(), 0});
       tooltip(help);
       return pressed;
     };
-    if (button("↑", "before the row above") && i > 0) edit("item order", [&](auto& all) { std::swap(all[i], all[i - 1]); });
+    if (button("↑", "before the row above") && i > 0)
+      edit("item order", [&](auto& all) { std::swap(all[i], all[i - 1]); });
     if (button("↓", "after the row below") && i + 1 < rows.size())
       edit("item order", [&](auto& all) { std::swap(all[i], all[i + 1]); });
-    const bool remove = button("×", "remove the row: its points are drawn by the rows below, or with the rest");
+    const bool remove =
+        button("×", "remove the row: its points are drawn by the rows below, or with the rest");
     ImGui::Dummy({check - gap, 1});
     ImGui::SameLine();
     ImGui::SetNextItemWidth(0.32f * full);

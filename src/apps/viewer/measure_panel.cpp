@@ -16,7 +16,8 @@ namespace {
 Image<Rgba8> picture_of(const view::Profile& profile, const std::string& unit, int width, int height) {
   std::vector<labels::PlotPoint> points;
   points.reserve(profile.points.size());
-  for (const view::ProfilePoint& each : profile.points) points.push_back({each.along, each.height, each.color});
+  for (const view::ProfilePoint& each : profile.points)
+    points.push_back({each.along, each.height, each.color});
   labels::PlotLook look;
   look.title = fmt::format("{} points within {:.4g} {}", profile.points.size(), profile.width, unit);
   look.x_label = fmt::format("distance ({})", unit);
@@ -34,12 +35,15 @@ void Interface::measure_panel() {
   const std::string unit = view::unit_of(scene ? scene->crs : "");
   if (picked.empty()) note("click two points: distance and height; Ctrl+click goes on, as a line");
   double length = 0;
-  for (std::size_t i = 1; i < picked.size(); ++i) length += glm::length(picked[i].world - picked[i - 1].world);
+  for (std::size_t i = 1; i < picked.size(); ++i)
+    length += glm::length(picked[i].world - picked[i - 1].world);
   if (picked.size() > 1)
-    note(fmt::format("{} points, {} {} long, {} {} horizontally", picked.size(), view::coordinate_text(length, size), unit,
-                     view::coordinate_text(line_length(), size), unit));
+    note(fmt::format("{} points, {} {} long, {} {} horizontally", picked.size(),
+                     view::coordinate_text(length, size), unit, view::coordinate_text(line_length(), size),
+                     unit));
   float width = corridor();
-  if (ImGui::SliderFloat("corridor", &width, float(1e-4 * size), float(0.2 * size), "%.4g", ImGuiSliderFlags_Logarithmic))
+  if (ImGui::SliderFloat("corridor", &width, float(1e-4 * size), float(0.2 * size), "%.4g",
+                         ImGuiSliderFlags_Logarithmic))
     corridor_ = width;
   tooltip("width of what stands along the line and comes into its profile: " + unit);
   if (ImGui::Button("profile")) act(view::Action::profile);
@@ -80,10 +84,14 @@ void Interface::draw_profile(float width, float height) {
     }
   };
   if (ImGui::Button("save picture"))
-    save(".png", [&](const std::string& name) { io::write_png(name, picture_of(*profile, unit, 1600, 700), false, {}); });
+    save(".png", [&](const std::string& name) {
+      io::write_png(name, picture_of(*profile, unit, 1600, 700), false, {});
+    });
   ImGui::SameLine();
   if (ImGui::Button("save table"))
-    save(".csv", [&](const std::string& name) { view::write_profile(name, *profile, bench_.navigator().scene_size()); });
+    save(".csv", [&](const std::string& name) {
+      view::write_profile(name, *profile, bench_.navigator().scene_size());
+    });
   tooltip("distance, height, coordinates and number of each point, as CSV");
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale, room = ImGui::GetContentRegionAvail();
   const int w = int(room.x * pixels.x), h = int(room.y * pixels.y);

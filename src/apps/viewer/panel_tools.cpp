@@ -19,7 +19,8 @@ void note(const std::string& text) {
   ImGui::PopTextWrapPos();
 }
 
-std::optional<std::string> choose(const char* label, const std::string& now, const std::vector<std::string>& all) {
+std::optional<std::string> choose(const char* label, const std::string& now,
+                                  const std::vector<std::string>& all) {
   std::optional<std::string> chosen;
   if (ImGui::BeginCombo(label, now.c_str())) {
     for (const std::string& each : all)

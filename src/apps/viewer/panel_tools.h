@@ -15,7 +15,8 @@ void tooltip(const std::string& text);
 /// A grey line that wraps.
 void note(const std::string& text);
 /// A list to choose from; what was chosen, or nothing.
-std::optional<std::string> choose(const char* label, const std::string& now, const std::vector<std::string>& all);
+std::optional<std::string> choose(const char* label, const std::string& now,
+                                  const std::vector<std::string>& all);
 /// 0xRRGGBB.
 ImU32 paint(int rgb, float alpha = 1);
 /// Light letters on a dark ground, or on red: read on any picture.

@@ -18,7 +18,8 @@ namespace {
 
 /// Options that say which points there are.
 bool is_input(const std::string& option) {
-  return option == "crop" || option == "show-classes" || option == "hide-classes" || view::is_kept_as_written(option);
+  return option == "crop" || option == "show-classes" || option == "hide-classes" ||
+         view::is_kept_as_written(option);
 }
 
 }  // namespace
@@ -27,7 +28,8 @@ void Interface::take_preset(const std::string& file) {
   bool is_scene = false;
   bench_.change("preset", [&](view::Wishes& next) {
     const Preset preset = load_preset(file);
-    if (!preset.technique.empty() && preset.technique != "auto") next.technique = find_technique(preset.technique).name;
+    if (!preset.technique.empty() && preset.technique != "auto")
+      next.technique = find_technique(preset.technique).name;
     Look look(next.technique);
     const Look* const looks[] = {&look};
     analysis::PrepareOptions options;
@@ -66,7 +68,8 @@ void Interface::take_preset(const std::string& file) {
     }
     if (!is_scene) return;
     next.files.clear(), next.transforms.clear();
-    for (const scene::SceneFile& each : preset.files) next.files.push_back(each.name), next.transforms.push_back(each.transform);
+    for (const scene::SceneFile& each : preset.files)
+      next.files.push_back(each.name), next.transforms.push_back(each.transform);
     if (preset.camera) next.camera = view::ViewCamera::from(*preset.camera);
   });
 }
@@ -126,15 +129,18 @@ void Interface::scene_panel() {
   if (!scene) return;
   if (const int frames = int(bench_.frames().size()); frames > 1) {
     int frame = int(bench_.frame()) + 1;
-    if (ImGui::Button(bench_.playing_frames() ? "pause" : "play")) bench_.play_frames(!bench_.playing_frames());
+    if (ImGui::Button(bench_.playing_frames() ? "pause" : "play"))
+      bench_.play_frames(!bench_.playing_frames());
     ImGui::SameLine();
     if (ImGui::SliderInt("frame", &frame, 1, frames)) bench_.show_frame(std::size_t(frame - 1));
     float rate = float(bench_.frames_per_second);
-    if (ImGui::SliderFloat("a second", &rate, 0.2f, 30, "%.1f", ImGuiSliderFlags_Logarithmic)) bench_.frames_per_second = double(rate);
+    if (ImGui::SliderFloat("a second", &rate, 0.2f, 30, "%.1f", ImGuiSliderFlags_Logarithmic))
+      bench_.frames_per_second = double(rate);
     tooltip("frames a second, as far as whole pictures keep up");
   }
   file_list();
-  note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read), thousands(scene->points_shown),
+  note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read),
+                   thousands(scene->points_shown),
                    bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
   note(fmt::format("up {} ({})", to_string(scene->pose.upright.up), scene->pose.upright.reason));
   if (!scene->crs.empty()) note(scene->crs.substr(0, 120));
@@ -163,8 +169,10 @@ void Interface::timing_panel() {
   if (!open) return;
   note(bench_.renderer_name());
   if (!picture()) return;
-  if (bench_.first_picture_ms() > 0) note(fmt::format("first picture after {:.0f} ms", bench_.first_picture_ms()));
-  if (bench_.motion_ms() > 0) note(fmt::format("in motion {:.1f} pictures a second", 1000 / bench_.motion_ms()));
+  if (bench_.first_picture_ms() > 0)
+    note(fmt::format("first picture after {:.0f} ms", bench_.first_picture_ms()));
+  if (bench_.motion_ms() > 0)
+    note(fmt::format("in motion {:.1f} pictures a second", 1000 / bench_.motion_ms()));
   const auto row = [&](const std::string& name, double ms) {
     ImGui::TextDisabled("%s", name.c_str());
     ImGui::SameLine(ImGui::GetContentRegionAvail().x - 80 * window_.scale());

@@ -40,7 +40,9 @@ void Interface::control(view::Control control) {
       bool on = value == "true";
       if (ImGui::Checkbox(label.c_str(), &on)) set(control.name, on ? "true" : "false");
       ImGui::SameLine();
-      ImGui::Dummy({std::max(0.0f, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x), 1});
+      ImGui::Dummy(
+          {std::max(0.0f, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x),
+           1});
       break;
     }
     case ParamKind::integer: {
@@ -56,7 +58,8 @@ void Interface::control(view::Control control) {
       if (numbers.empty()) control.high = std::max(control.high, control.low + 1);
       const ImGuiSliderFlags flags = control.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
       if (ImGui::SliderFloat(label.c_str(), &number, float(control.low), float(control.high), "%.4g", flags))
-        set(control.name, view::number_text(float(std::clamp(double(number), control.limit_low, control.limit_high))));
+        set(control.name,
+            view::number_text(float(std::clamp(double(number), control.limit_low, control.limit_high))));
       break;
     }
     case ParamKind::choice:
@@ -64,14 +67,16 @@ void Interface::control(view::Control control) {
       break;
     case ParamKind::vector3:
       if (numbers.size() == 3 && ImGui::DragFloat3(label.c_str(), numbers.data(), 0.01f))
-        set(control.name, view::number_text(numbers[0]) + "," + view::number_text(numbers[1]) + "," + view::number_text(numbers[2]));
+        set(control.name, view::number_text(numbers[0]) + "," + view::number_text(numbers[1]) + "," +
+                              view::number_text(numbers[2]));
       break;
     case ParamKind::text:
     case ParamKind::real_list:
       if (edit_text(label.c_str(), "", text)) set(control.name, text);
       break;
   }
-  tooltip(control.tooltip + (control.can_be_auto || control.kind == ParamKind::boolean ? "" : "\nCtrl+click: type a value"));
+  tooltip(control.tooltip +
+          (control.can_be_auto || control.kind == ParamKind::boolean ? "" : "\nCtrl+click: type a value"));
   ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
   const auto label_column = [&] { ImGui::SameLine(0.41f * ImGui::GetWindowWidth() + 46 * window_.scale()); };
   if (control.can_be_auto) {
@@ -90,7 +95,8 @@ void Interface::control(view::Control control) {
   tooltip(control.tooltip);
   if (control.is_changed) {
     ImGui::SameLine();
-    if (ImGui::SmallButton("×")) bench_.change(control.name, [&](view::Wishes& wishes) { wishes.reset(control.name); });
+    if (ImGui::SmallButton("×"))
+      bench_.change(control.name, [&](view::Wishes& wishes) { wishes.reset(control.name); });
     tooltip("back to " + control.default_value);
   }
   ImGui::PopID();

@@ -14,7 +14,8 @@ namespace sfumato::viewer {
 namespace {
 
 constexpr int flying_keys[] = {'W', 'S', 'A', 'D', 'E', 'Q'};
-constexpr int left_shift = 340, right_shift = 344, left_control = 341, right_control = 345;  // as GLFW numbers them
+constexpr int left_shift = 340, right_shift = 344, left_control = 341,
+              right_control = 345;  // as GLFW numbers them
 
 }  // namespace
 
@@ -43,8 +44,10 @@ void Interface::draw_view(double now_ms, float width, float height) {
   ImGui::SetNextWindowSize({width, height});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::Begin("view", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings);
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav |
+                   ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoBackground |
+                   ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
   bench_.set_size(int(std::lround(width * pixels.x)), int(std::lround(height * pixels.y)));
@@ -65,7 +68,8 @@ void Interface::draw_view(double now_ms, float width, float height) {
     list->AddText({x - 0.5f * size.x, y - 1.6f * size.y}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
     list->AddRectFilled({x - 0.5f * bar, y}, {x + 0.5f * bar, y + 4 * window_.scale()},
                         ImGui::GetColorU32(ImGuiCol_FrameBg), 2);
-    list->AddRectFilled({x - 0.5f * bar, y}, {x + bar * (float(bench_.activity().fraction) - 0.5f), y + 4 * window_.scale()},
+    list->AddRectFilled({x - 0.5f * bar, y},
+                        {x + bar * (float(bench_.activity().fraction) - 0.5f), y + 4 * window_.scale()},
                         ImGui::GetColorU32(ImGuiCol_PlotHistogram), 2);
   }
   ImGui::End();
@@ -78,8 +82,8 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
   if (!bench_.picture()) return;
   bool began = false;  // the way to where the button went down is no drag
   const auto clicked = [&](ImGuiMouseButton button) { return hovered && ImGui::IsMouseClicked(button); };
-  if (drag_ == Drag::none &&
-      (clicked(ImGuiMouseButton_Left) || clicked(ImGuiMouseButton_Right) || clicked(ImGuiMouseButton_Middle))) {
+  if (drag_ == Drag::none && (clicked(ImGuiMouseButton_Left) || clicked(ImGuiMouseButton_Right) ||
+                              clicked(ImGuiMouseButton_Middle))) {
     const bool left = clicked(ImGuiMouseButton_Left);
     drag_ = left && io.KeyShift && io.KeyCtrl ? Drag::light : left && !io.KeyShift ? Drag::rotate : Drag::pan;
     drag_px_ = 0;
@@ -98,7 +102,8 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     // A click trembles by a pixel or two and moves nothing.
     if ((dx != 0 || dy != 0) && drag_px_ > 3 && drag_ == Drag::light) {
       bench_.change("light", [&](view::Wishes& next) {
-        next.set("light", view::drag_light(light(), bench_.camera(), bench_.navigator().up_axis(), has_shadows(), dx, dy, height));
+        next.set("light", view::drag_light(light(), bench_.camera(), bench_.navigator().up_axis(),
+                                           has_shadows(), dx, dy, height));
       });
     } else if ((dx != 0 || dy != 0) && drag_px_ > 3) {
       bench_.move(drag_ == Drag::rotate ? "rotate" : "pan", [&](view::Navigator& hand) {
@@ -126,10 +131,13 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
   last_fly_ms_ = now_ms;
   const bool control = window_.is_down(left_control) || window_.is_down(right_control);
   if (io.WantTextInput || control) return;
-  const auto axis = [&](int plus, int minus) { return double(window_.is_down(plus)) - double(window_.is_down(minus)); };
+  const auto axis = [&](int plus, int minus) {
+    return double(window_.is_down(plus)) - double(window_.is_down(minus));
+  };
   const dvec3 way(axis('D', 'A'), axis('E', 'Q'), axis('W', 'S'));
   const bool fast = window_.is_down(left_shift) || window_.is_down(right_shift);
-  if (way != dvec3(0)) bench_.move("fly", [&](view::Navigator& hand) { hand.fly(way, seconds, fast ? 5 : 1); });
+  if (way != dvec3(0))
+    bench_.move("fly", [&](view::Navigator& hand) { hand.fly(way, seconds, fast ? 5 : 1); });
 }
 
 void Interface::draw_marks(float sx, float sy) {
@@ -154,11 +162,13 @@ void Interface::draw_marks(float sx, float sy) {
     if (seen_a && seen_b) {
       list->AddLine(a, b, rim, 3.5f);
       list->AddLine(a, b, accent, 1.5f);
-      const view::Measure m = view::measure(picked[i - 1].world, picked[i].world, bench_.navigator().up_axis());
+      const view::Measure m =
+          view::measure(picked[i - 1].world, picked[i].world, bench_.navigator().up_axis());
       const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
       const double size = bench_.navigator().scene_size();
-      if (picked.size() <= 12) label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
-            fmt::format("{} {}", view::coordinate_text(m.distance, size), unit));
+      if (picked.size() <= 12)
+        label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
+              fmt::format("{} {}", view::coordinate_text(m.distance, size), unit));
     }
   }
   for (const view::Picked& each : picked)
@@ -171,13 +181,15 @@ void Interface::draw_marks(float sx, float sy) {
   const view::Picked& last = picked.back();
   const double size = bench_.navigator().scene_size();
   std::string text = fmt::format("x {}  y {}  z {}\npoint {}", view::coordinate_text(last.world.x, size),
-                                 view::coordinate_text(last.world.y, size), view::coordinate_text(last.world.z, size), last.source);
+                                 view::coordinate_text(last.world.y, size),
+                                 view::coordinate_text(last.world.z, size), last.source);
   for (const auto& [name, value] : last.attributes) text += "\n" + name + "  " + value;
   if (picked.size() == 2) {
     const view::Measure m = view::measure(picked[0].world, last.world, bench_.navigator().up_axis());
     const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
-    text += fmt::format("\ndistance {} {}\nheight {} {}\nhorizontal {} {}", view::coordinate_text(m.distance, size), unit,
-                        view::coordinate_text(m.height, size), unit, view::coordinate_text(m.horizontal, size), unit);
+    text += fmt::format("\ndistance {} {}\nheight {} {}\nhorizontal {} {}",
+                        view::coordinate_text(m.distance, size), unit, view::coordinate_text(m.height, size),
+                        unit, view::coordinate_text(m.horizontal, size), unit);
   }
   label(list, {12 * window_.scale(), 12 * window_.scale()}, text);
 }
@@ -198,11 +210,14 @@ bool Interface::has_shadows() const {
 void Interface::draw_light_ball(float sx, float sy) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const Camera camera = bench_.camera();
-  const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up)), above = glm::cross(right, camera.direction());
+  const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up)),
+              above = glm::cross(right, camera.direction());
   const dvec3 way = view::towards_light(light(), camera, bench_.navigator().up_axis(), has_shadows());
-  const float ball = 0.25f * float(std::min(bench_.width() / sx, bench_.height() / sy)), r = 6 * window_.scale();
+  const float ball = 0.25f * float(std::min(bench_.width() / sx, bench_.height() / sy)),
+              r = 6 * window_.scale();
   const ImVec2 middle{0.5f * float(bench_.width()) / sx, 0.5f * float(bench_.height()) / sy};
-  const ImVec2 at{middle.x + ball * float(glm::dot(way, right)), middle.y - ball * float(glm::dot(way, above))};
+  const ImVec2 at{middle.x + ball * float(glm::dot(way, right)),
+                  middle.y - ball * float(glm::dot(way, above))};
   const ImU32 amber = paint(0xffb000), rim = paint(0x101010, 0.6f);
   list->AddCircle(middle, ball, rim, 64, 3);
   list->AddCircle(middle, ball, paint(0xffffff, 0.8f), 64, 1);
@@ -222,14 +237,16 @@ void Interface::draw_box(float sx, float sy) {
   const Camera camera = bench_.camera();
   ImDrawList* list = ImGui::GetWindowDrawList();
   const auto corner = [&](int i) {
-    return dvec3(i & 1 ? crop->max.x : crop->min.x, i & 2 ? crop->max.y : crop->min.y, i & 4 ? crop->max.z : crop->min.z);
+    return dvec3(i & 1 ? crop->max.x : crop->min.x, i & 2 ? crop->max.y : crop->min.y,
+                 i & 4 ? crop->max.z : crop->min.z);
   };
   for (int i = 0; i < 8; ++i)
     for (int bit : {1, 2, 4}) {
       if (i & bit) continue;
       const dvec3 a = view::project(camera, corner(i)), b = view::project(camera, corner(i | bit));
       if (!camera.orthographic() && (a.z <= 0 || b.z <= 0)) continue;
-      list->AddLine({float(a.x) / sx, float(a.y) / sy}, {float(b.x) / sx, float(b.y) / sy}, paint(0xffb000, 0.8f), 1);
+      list->AddLine({float(a.x) / sx, float(a.y) / sy}, {float(b.x) / sx, float(b.y) / sy},
+                    paint(0xffb000, 0.8f), 1);
     }
 }
 

@@ -20,7 +20,8 @@ double now_ms() {
 std::string title_of(const std::vector<std::string>& files) {
   if (files.empty()) return "sfumato";
   const std::string first = std::filesystem::path(files.front()).filename().string();
-  return first + (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more" : "") + " - sfumato";
+  return first + (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more" : "") +
+         " - sfumato";
 }
 
 /// --verbose: what happens, in lines.
@@ -42,8 +43,9 @@ class Teller {
       return;
     }
     if (moving_ > 1)
-      say("in motion: " + std::to_string(moving_) + " pictures in " + std::to_string(long(now_ms() - moving_since_ms_)) +
-          " ms, each " + std::to_string(long(moving_ms_ / moving_)) + " ms, the last " + last_);
+      say("in motion: " + std::to_string(moving_) + " pictures in " +
+          std::to_string(long(now_ms() - moving_since_ms_)) + " ms, each " +
+          std::to_string(long(moving_ms_ / moving_)) + " ms, the last " + last_);
     moving_ = 0, moving_ms_ = 0;
     say("final picture: " + what + ", " + std::to_string(long(picture->took_ms)) + " ms");
   }

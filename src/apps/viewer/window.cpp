@@ -23,10 +23,12 @@ extern "C" const unsigned char sfumato_font_begin[], sfumato_font_end[];
 namespace sfumato::viewer {
 namespace {
 
-static_assert(view::key::escape == GLFW_KEY_ESCAPE && view::key::tab == GLFW_KEY_TAB && view::key::f1 == GLFW_KEY_F1 &&
-              view::key::f9 == GLFW_KEY_F9 && view::key::f11 == GLFW_KEY_F11 && view::key::keypad_1 == GLFW_KEY_KP_1 &&
-              view::key::keypad_add == GLFW_KEY_KP_ADD && view::key::keypad_subtract == GLFW_KEY_KP_SUBTRACT &&
-              view::key::equal == GLFW_KEY_EQUAL && view::key::minus == GLFW_KEY_MINUS && 'R' == GLFW_KEY_R);
+static_assert(view::key::escape == GLFW_KEY_ESCAPE && view::key::tab == GLFW_KEY_TAB &&
+              view::key::f1 == GLFW_KEY_F1 && view::key::f9 == GLFW_KEY_F9 &&
+              view::key::f11 == GLFW_KEY_F11 && view::key::keypad_1 == GLFW_KEY_KP_1 &&
+              view::key::keypad_add == GLFW_KEY_KP_ADD &&
+              view::key::keypad_subtract == GLFW_KEY_KP_SUBTRACT && view::key::equal == GLFW_KEY_EQUAL &&
+              view::key::minus == GLFW_KEY_MINUS && 'R' == GLFW_KEY_R);
 
 std::string& last_error() {
   static std::string text;
@@ -44,12 +46,14 @@ struct Window::Callbacks {
   static void key(GLFWwindow* window, int key, int, int action, int mods) {
     Window& self = of(window);
     if (action == GLFW_PRESS) self.pressed_.push_back(key);
-    if (action == GLFW_RELEASE && std::count(self.pressed_.begin(), self.pressed_.end(), key)) self.short_keys_.push_back(key);
+    if (action == GLFW_RELEASE && std::count(self.pressed_.begin(), self.pressed_.end(), key))
+      self.short_keys_.push_back(key);
     // Where the keyboard walks through the panels, these are the panels' own.
     const bool walks = key == GLFW_KEY_SPACE || key == GLFW_KEY_ESCAPE;
     if (walks && ImGui::GetIO().NavVisible) return;
     if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput || !of(window).on_key) return;
-    of(window).on_key(key, (mods & GLFW_MOD_SHIFT ? view::shift : 0) | (mods & GLFW_MOD_CONTROL ? view::control : 0));
+    of(window).on_key(
+        key, (mods & GLFW_MOD_SHIFT ? view::shift : 0) | (mods & GLFW_MOD_CONTROL ? view::control : 0));
   }
   static void drop(GLFWwindow* window, int count, const char** names) {
     const bool add = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS;
@@ -62,9 +66,12 @@ Window::Window(int width, int height, const std::string& title) {
   glfwSetErrorCallback([](int, const char* text) { last_error() = text; });
   // Asked without a display, GLFW 3.4 lets libwayland complain on standard error.
   const char* const displays[] = {"DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"};
-  if (std::none_of(std::begin(displays), std::end(displays), [](const char* name) { return std::getenv(name); }))
-    throw Error(ErrorCode::no_gl, "no display to open a window on (neither DISPLAY nor WAYLAND_DISPLAY is set)" + advice);
-  if (!glfwInit()) throw Error(ErrorCode::no_gl, "no display to open a window on (" + last_error() + ")" + advice);
+  if (std::none_of(std::begin(displays), std::end(displays),
+                   [](const char* name) { return std::getenv(name); }))
+    throw Error(ErrorCode::no_gl,
+                "no display to open a window on (neither DISPLAY nor WAYLAND_DISPLAY is set)" + advice);
+  if (!glfwInit())
+    throw Error(ErrorCode::no_gl, "no display to open a window on (" + last_error() + ")" + advice);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -75,7 +82,8 @@ Window::Window(int width, int height, const std::string& title) {
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window_) {
     glfwTerminate();
-    throw Error(ErrorCode::no_gl, "no window: the display offers no OpenGL 3.3 (" + last_error() + ")" + advice);
+    throw Error(ErrorCode::no_gl,
+                "no window: the display offers no OpenGL 3.3 (" + last_error() + ")" + advice);
   }
   glfwSetWindowUserPointer(window_, this);
   glfwMakeContextCurrent(window_);
@@ -96,7 +104,8 @@ Window::Window(int width, int height, const std::string& title) {
   glGenFramebuffers(1, &picture_);
   const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   for (const char* name : {"llvmpipe", "softpipe", "SWR", "SwiftShader"})
-    is_software_ = is_software_ || (renderer && std::string_view(renderer).find(name) != std::string_view::npos);
+    is_software_ =
+        is_software_ || (renderer && std::string_view(renderer).find(name) != std::string_view::npos);
 }
 
 Window::~Window() {
@@ -148,10 +157,11 @@ void Window::style() {
   config.FontDataOwnedByAtlas = false;
   config.OversampleH = 2, config.OversampleV = 1;
   // Latin, Greek for symbols of papers, super- and subscripts, arrows and signs.
-  static const ImWchar ranges[] = {0x20, 0x17f, 0x2b0, 0x2ff, 0x370, 0x3ff, 0x2010, 0x205e, 0x2070, 0x209f,
-                                   0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0};
+  static const ImWchar ranges[] = {0x20,   0x17f,  0x2b0,  0x2ff,  0x370,  0x3ff,  0x2010, 0x205e, 0x2070,
+                                   0x209f, 0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0};
   io.Fonts->AddFontFromMemoryTTF(const_cast<unsigned char*>(sfumato_font_begin),
-                                 int(sfumato_font_end - sfumato_font_begin), std::round(14.0f * scale_), &config, ranges);
+                                 int(sfumato_font_end - sfumato_font_begin), std::round(14.0f * scale_),
+                                 &config, ranges);
   ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_CreateFontsTexture();
 
@@ -191,11 +201,13 @@ void Window::style() {
   set(ImGuiCol_ScrollbarBg, 0x1f2226, 0xf4f4f2, 0);
   style.WindowRounding = 0, style.FrameRounding = 3, style.GrabRounding = 3, style.PopupRounding = 4;
   style.WindowBorderSize = 0, style.FrameBorderSize = 0, style.ScrollbarSize = 11;
-  style.WindowPadding = {10, 8}, style.FramePadding = {6, 3}, style.ItemSpacing = {7, 5}, style.IndentSpacing = 12;
+  style.WindowPadding = {10, 8}, style.FramePadding = {6, 3}, style.ItemSpacing = {7, 5},
+  style.IndentSpacing = 12;
   style.ScaleAllSizes(scale_);
 }
 
-/// Dear ImGui before 1.87 looks at keys once a frame: one that went down and up in between is held down for it until the next.
+/// Dear ImGui before 1.87 looks at keys once a frame: one that went down and up in between is held down for
+/// it until the next.
 void Window::hold_short_keys() {
 #if IMGUI_VERSION_NUM < 18700
   ImGuiIO& io = ImGui::GetIO();
@@ -248,8 +260,8 @@ void Window::end_frame(double now_ms, bool in_motion) {
   if (texture_width_ > 0) {
     // The texture's first row is the picture's top.
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
-    glBlitFramebuffer(0, 0, texture_width_, texture_height_, 0, height, picture_size_[0], height - picture_size_[1],
-                      GL_COLOR_BUFFER_BIT, is_exact_ ? GL_NEAREST : GL_LINEAR);
+    glBlitFramebuffer(0, 0, texture_width_, texture_height_, 0, height, picture_size_[0],
+                      height - picture_size_[1], GL_COLOR_BUFFER_BIT, is_exact_ ? GL_NEAREST : GL_LINEAR);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
   }
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -263,16 +275,19 @@ void Window::upload(const Image<Rgba8>& image, bool exact) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   if (image.width() != texture_width_ || image.height() != texture_height_) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                 image.data());
     texture_width_ = image.width(), texture_height_ = image.height();
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
     glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
     if (glGetError() == GL_OUT_OF_MEMORY)
-      throw Error(ErrorCode::out_of_memory, "out of graphics memory for the picture in the window; make it smaller, or write "
-                                            "pictures with -o");
+      throw Error(ErrorCode::out_of_memory,
+                  "out of graphics memory for the picture in the window; make it smaller, or write "
+                  "pictures with -o");
   } else {
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE, image.data());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE,
+                    image.data());
   }
   glBindTexture(GL_TEXTURE_2D, 0);
 }
@@ -283,7 +298,8 @@ void Window::upload_plot(const Image<Rgba8>& image) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               image.data());
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 

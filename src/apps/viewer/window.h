@@ -25,8 +25,8 @@ class Window {
   void close();
   /// Waits for input, for `wake` or for so long, then starts a frame of the interface.
   void begin_frame(double wait_s);
-  /// Ends the frame; shows it unless the last one was shown so short ago that software GL would have no time for pictures.
-  /// `in_motion`: without a new picture there is little to see.
+  /// Ends the frame; shows it unless the last one was shown so short ago that software GL would have no time
+  /// for pictures. `in_motion`: without a new picture there is little to see.
   void end_frame(double now_ms, bool in_motion = false);
   /// Milliseconds until a frame that was not shown is due; nothing when all is shown.
   std::optional<double> owed_ms(double now_ms) const;
@@ -47,15 +47,16 @@ class Window {
 
   /// The picture, kept until the next one. `exact`: shown pixel by pixel.
   void upload(const Image<Rgba8>& image, bool exact);
-  /// Where it lies, in pixels of the framebuffer from the top left corner: below all of the interface. Copied, not drawn:
-  /// software GL takes several times as long to blend it.
+  /// Where it lies, in pixels of the framebuffer from the top left corner: below all of the interface.
+  /// Copied, not drawn: software GL takes several times as long to blend it.
   void place_picture(int width, int height) { picture_size_[0] = width, picture_size_[1] = height; }
 
   /// Another picture, for the interface to show.
   void upload_plot(const Image<Rgba8>& image);
   void* plot() const;
 
-  /// Called when the input of a frame is known and nothing has looked at it: a test puts another hand in its place.
+  /// Called when the input of a frame is known and nothing has looked at it: a test puts another hand in its
+  /// place.
   std::function<void()> on_input;
   std::function<void(int key, int modifiers)> on_key;
   std::function<void(const std::vector<std::string>& files, bool add)> on_drop;
@@ -72,8 +73,8 @@ class Window {
   double shown_ms_ = -1e9;
   bool dark_ = true, restyle_ = true, is_full_ = false, has_interface_ = false;
   float scale_ = 1, user_scale_ = 1;
-  std::vector<int> pressed_, short_keys_;   ///< since the last frame: went down; of those, went up again
-  std::vector<int> held_;                   ///< shown to the interface as down in this frame, though they are up
+  std::vector<int> pressed_, short_keys_;  ///< since the last frame: went down; of those, went up again
+  std::vector<int> held_;  ///< shown to the interface as down in this frame, though they are up
   unsigned texture_ = 0, plot_ = 0;
   unsigned picture_ = 0;  ///< framebuffer that has the texture
   bool is_exact_ = false;

@@ -15,9 +15,7 @@ double ground_height(double x, double y) {
   return 2.2 * std::sin(x / 8.5 + 0.6) * std::cos(y / 11.0) + 0.5 * std::sin(x / 3.1 - y / 2.3) + 0.06 * y;
 }
 
-bool in_clearing(double x, double y) {
-  return std::hypot((x - 9) / 7, (y + 8) / 5) < 1;
-}
+bool in_clearing(double x, double y) { return std::hypot((x - 9) / 7, (y + 8) / 5) < 1; }
 
 /// The terrain as triangles, so that rays meet exactly what is sampled.
 void add_ground(Scene& scene) {

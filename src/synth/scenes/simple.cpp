@@ -81,12 +81,8 @@ struct Entry {
   const char* name;
   Scene (*make)();
 };
-constexpr Entry scenes[] = {{"courtyard", make_courtyard},
-                            {"room", make_room},
-                            {"forest", make_forest},
-                            {"tori", make_tori},
-                            {"spheres", make_spheres},
-                            {"plane", make_plane}};
+constexpr Entry scenes[] = {{"courtyard", make_courtyard}, {"room", make_room},       {"forest", make_forest},
+                            {"tori", make_tori},           {"spheres", make_spheres}, {"plane", make_plane}};
 
 }  // namespace
 

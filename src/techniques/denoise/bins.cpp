@@ -21,8 +21,8 @@ void resize(gl::TextureBuffer& buffer, const char* label, GLenum format, std::si
 }
 
 void finish_atomics() {
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
-                  GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                  GL_FRAMEBUFFER_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
 }  // namespace
@@ -73,16 +73,17 @@ void BinTable::set_uniforms(gl::Program& program, const BinOptions& options, con
   program.set("covers", options.covers).set("surface_share", options.surface_share);
 }
 
-gl::Program& BinTable::small_program(std::map<int, gl::Program>& programs, int key, const char* file, gl::Defines list,
-                                     const SplatShape& shape) const {
+gl::Program& BinTable::small_program(std::map<int, gl::Program>& programs, int key, const char* file,
+                                     gl::Defines list, const SplatShape& shape) const {
   gl::Program& program = programs[2 * key + (shape.prefilter_px > 0) + 64 * (shape.part != SplatPart::all)];
   if (!program) program = gl::Program::compute(file, splat_defines(std::move(list), shape));
   set_splat_uniforms(program, shape);
   return program;
 }
 
-void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                           const gl::Texture& nearest_t, const BinOptions& options) {
+void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                           const SplatBatches& batches, const gl::Texture& nearest_t,
+                           const BinOptions& options) {
   SplatRaster& raster = weight_raster_[variant(options)];
   if (!raster) raster = SplatRaster("techniques/denoise/weights.frag", defines(options));
   gl::Framebuffer framebuffer({&sink_});
@@ -119,7 +120,8 @@ void BinTable::agree(const SplatShape& shape, const gl::Texture& nearest_t, cons
 }
 
 void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                              const SplatBatches& batches, const gl::Texture& nearest_t, const BinOptions& options) {
+                              const SplatBatches& batches, const gl::Texture& nearest_t,
+                              const BinOptions& options) {
   const bool shadow = cloud.has_shadow();
   SplatRaster& raster = attribute_raster_[variant(options) + (shadow ? 8 : 0)];
   if (!raster) {
@@ -151,8 +153,9 @@ void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShap
 
 /// After an overflow: the next larger table. False when all splats found room.
 ///
-/// Which bins overflow depends on the order of the points; what a table without overflow says does not. A bin further
-/// away than the memory reaches is the last resort: dense bins need no keys, and the last one takes the rest.
+/// Which bins overflow depends on the order of the points; what a table without overflow says does not. A bin
+/// further away than the memory reaches is the last resort: dense bins need no keys, and the last one takes
+/// the rest.
 bool BinTable::grow(BinOptions& options, const View& view) {
   if (options.layout == Layout::dense || counts().overflow == 0) return false;
   constexpr int most_bits = 8;
@@ -196,7 +199,8 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     choose.run({&nearest_t, &first_bin_}, {&choice_});
     for (int round = 0; round < options.agree_rounds; ++round) agree(shape, nearest_t, options, view);
     if (!farthest_) farthest_ = ScreenPass("techniques/denoise/farthest.glsl", {GL_R32F});
-    gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
+    gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8,
+               (view.height() + 7) / 8);
     farthest_.run({&choice_}, {&farthest_end_});
     view.bind();
   }

@@ -1,12 +1,12 @@
-// The bins of every pixel: a table of weights along the ray, the choice of a bin, and the average of what is in it.
+// The bins of every pixel: a table of weights along the ray, the choice of a bin, and the average of what is
+// in it.
 //
-//   weights     every hit adds its weight to the bin of its distance; the nearest bin above the threshold is tracked
-//   choose      the bin of every pixel, or none
-//   attributes  every hit inside the chosen bin adds colour, normal and distance
-//   resolve     sums to albedo, depth and normal
+//   weights     every hit adds its weight to the bin of its distance; the nearest bin above the threshold is
+//   tracked choose      the bin of every pixel, or none attributes  every hit inside the chosen bin adds
+//   colour, normal and distance resolve     sums to albedo, depth and normal
 //
-// The paper keeps attributes in the table too; a second visit of the chosen bin reads them for few hits only, and the
-// table shrinks to two words a slot.
+// The paper keeps attributes in the table too; a second visit of the chosen bin reads them for few hits only,
+// and the table shrinks to two words a slot.
 #pragma once
 
 #include <cstdint>
@@ -27,37 +27,38 @@ enum class Miss { background, last_bin };
 
 struct BinOptions {
   Layout layout = Layout::hashed;
-  int hash_bits = 4;            ///< hashed: 2^hash_bits slots a pixel to begin with
-  int dense_bins = 64;          ///< dense: bins a pixel; what lies beyond goes to the last one
-  bool overlapping = false;     ///< windows at half steps
+  int hash_bits = 4;         ///< hashed: 2^hash_bits slots a pixel to begin with
+  int dense_bins = 64;       ///< dense: bins a pixel; what lies beyond goes to the last one
+  bool overlapping = false;  ///< windows at half steps
   Anchor anchor = Anchor::nearest;
   Miss miss = Miss::background;
-  bool fast = false;            ///< float atomics (needs limits().float_atomics): last bits vary
-  float bin_size = 1;           ///< scene units along the ray
-  float weight_threshold = 0;   ///< a bin counts when its weight is larger
-  // Automatic threshold (denoise.cpp says why): weights are scaled by how well the splat is supported, and bins
-  // shortly behind the first one may raise the threshold.
-  float covers = 0;             ///< splats over every place of a surface (evidence.glsl); 0: weights as they are
-  float surface_share = 1;      ///< of what those weigh, a weight of 1 in the table
-  float peak_share = 0;         ///< a bin counts when it has this share of the largest weight within `peak_bins`
+  bool fast = false;           ///< float atomics (needs limits().float_atomics): last bits vary
+  float bin_size = 1;          ///< scene units along the ray
+  float weight_threshold = 0;  ///< a bin counts when its weight is larger
+  // Automatic threshold (denoise.cpp says why): weights are scaled by how well the splat is supported, and
+  // bins shortly behind the first one may raise the threshold.
+  float covers = 0;         ///< splats over every place of a surface (evidence.glsl); 0: weights as they are
+  float surface_share = 1;  ///< of what those weigh, a weight of 1 in the table
+  float peak_share = 0;     ///< a bin counts when it has this share of the largest weight within `peak_bins`
   int peak_bins = 0;
-  bool heaviest_bin = false;    ///< where no bin counts the heaviest one does
-  int agree_rounds = 0;         ///< weak bins count where the pixels around agree on them (agree.glsl)
-  float splat_reach = 0;        ///< usual radius of a splat, scene units
+  bool heaviest_bin = false;  ///< where no bin counts the heaviest one does
+  int agree_rounds = 0;       ///< weak bins count where the pixels around agree on them (agree.glsl)
+  float splat_reach = 0;      ///< usual radius of a splat, scene units
 };
 
 /// (Fibonacci hashing, Knuth): the first slot of bin `b` in a table of 2^bits, bits >= 1; as in bins.glsl.
 constexpr std::uint32_t fibonacci_slot(std::uint32_t b, int bits) { return (b * 2654435769u) >> (32 - bits); }
 
 struct BinCounts {
-  std::uint32_t overflow = 0;    ///< hits that found no slot: 0 once the table has grown
-  std::uint32_t saturated = 0;   ///< hits beyond the largest sum of a bin
+  std::uint32_t overflow = 0;   ///< hits that found no slot: 0 once the table has grown
+  std::uint32_t saturated = 0;  ///< hits beyond the largest sum of a bin
 };
 
 class BinTable {
  public:
-  /// Fills the targets. A hash table that is full grows, and what does not fit the memory becomes dense bins: the
-  /// picture never depends on the order of the points. `nearest` must hold the nearest distances of the same view and shape.
+  /// Fills the targets. A hash table that is full grows, and what does not fit the memory becomes dense bins:
+  /// the picture never depends on the order of the points. `nearest` must hold the nearest distances of the
+  /// same view and shape.
   void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
             const gl::Texture& nearest_t, const BinOptions& options, bool show_weight,
             const SplatSurfaceTargets& targets, gl::Timers& timers);
@@ -69,7 +70,8 @@ class BinTable {
   /// Of the last draw, RGBA32F: chosen bin or -1, its weight in the table, threshold in force, ray
   /// distance where the bin ends or -1.
   const gl::Texture& choice() const { return choice_; }
-  /// Of the last draw: `slots()` weights a pixel (2^-16, or float bits when fast), and keys (bin + 1, 0 = empty).
+  /// Of the last draw: `slots()` weights a pixel (2^-16, or float bits when fast), and keys (bin + 1, 0 =
+  /// empty).
   const gl::TextureBuffer& weights() const { return weights_; }
   const gl::TextureBuffer& keys() const { return keys_; }
   int slots() const { return slots_; }
@@ -82,10 +84,11 @@ class BinTable {
   void add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                       const gl::Texture& nearest_t, const BinOptions& options);
   bool grow(BinOptions& options, const View& view);
-  void agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options, const View& view);
+  void agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options,
+             const View& view);
   gl::Defines defines(const BinOptions& options) const;
-  gl::Program& small_program(std::map<int, gl::Program>& programs, int key, const char* file, gl::Defines list,
-                             const SplatShape& shape) const;
+  gl::Program& small_program(std::map<int, gl::Program>& programs, int key, const char* file,
+                             gl::Defines list, const SplatShape& shape) const;
 
   int slots_ = 0, stride_ = 0;
   int asked_bits_ = 0, grown_bits_ = 0;  ///< of the hash table, what was asked for and what frames needed

@@ -1,13 +1,14 @@
-// Noise and outliers disappear while you look: of the surfaces along a ray the nearest one with enough evidence is
-// shown. Nothing is removed from the data; a slider brings everything back.
+// Noise and outliers disappear while you look: of the surfaces along a ray the nearest one with enough
+// evidence is shown. Nothing is removed from the data; a slider brings everything back.
 //
-// "Hashed, binned A-buffer for on-the-fly outlier removal and noise reduction of point clouds", The Visual Computer
-// 2023 (s00371-023-02888-w). Splats are sorted into bins along the ray, each bin sums the weights of its splats, and
-// the nearest bin whose sum exceeds a threshold T is averaged and drawn.
+// "Hashed, binned A-buffer for on-the-fly outlier removal and noise reduction of point clouds", The Visual
+// Computer 2023 (s00371-023-02888-w). Splats are sorted into bins along the ray, each bin sums the weights of
+// its splats, and the nearest bin whose sum exceeds a threshold T is averaged and drawn.
 //
-// What we changed, and why: the table holds weights only and a second visit of the chosen bin brings the attributes
-// (less memory, fewer atomics); sums are fixed point, so that a picture does not depend on the order of the points;
-// distances are summed relative to their bin; T finds its own value per pixel, which the authors leave open.
+// What we changed, and why: the table holds weights only and a second visit of the chosen bin brings the
+// attributes (less memory, fewer atomics); sums are fixed point, so that a picture does not depend on the
+// order of the points; distances are summed relative to their bin; T finds its own value per pixel, which the
+// authors leave open.
 
 #include <algorithm>
 #include <cmath>
@@ -26,19 +27,19 @@ using denoise::Anchor;
 using denoise::Layout;
 using denoise::Miss;
 
-// The automatic threshold: weights are in units of what the surface they belong to needs (evidence.glsl), so that it
-// is 1 everywhere. (Seemann 2018, Eq. 20) lets the splats of a surface cover it four times.
+// The automatic threshold: weights are in units of what the surface they belong to needs (evidence.glsl), so
+// that it is 1 everywhere. (Seemann 2018, Eq. 20) lets the splats of a surface cover it four times.
 constexpr float radius_covers = 4;
 //
-// Where n = 9 splats meet at random (radius scale 1.5) their weight falls below a fifth of its mean in 7 % of places, and
-// no share removes outliers without such dips. So the share decides alone only where the pixels around have nothing to
-// say about a weak bin (agree.glsl).
+// Where n = 9 splats meet at random (radius scale 1.5) their weight falls below a fifth of its mean in 7 % of
+// places, and no share removes outliers without such dips. So the share decides alone only where the pixels
+// around have nothing to say about a weak bin (agree.glsl).
 constexpr float surface_share = 0.2f;  // of the mean weight of a surface that the nearest bin needs
-constexpr float peak_share = 0.3f;     // of the largest weight within `peak_bins`: noise in front of its surface
+constexpr float peak_share = 0.3f;  // of the largest weight within `peak_bins`: noise in front of its surface
 constexpr int peak_bins = 3;
-constexpr int agree_rounds = 2;        // a dip between dips is closed by the second
-// Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge, the rim of a
-// splat) the heaviest one is shown.
+constexpr int agree_rounds = 2;  // a dip between dips is closed by the second
+// Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge,
+// the rim of a splat) the heaviest one is shown.
 using denoise::least_support;
 
 struct Parameters {
@@ -57,22 +58,29 @@ struct Parameters {
   void describe(ParamList& p) {
     p.add("weight_threshold", weight_threshold)
         .range(0, 1000)
-        .help("weight that the nearest surface must exceed; 0 shows every outlier, higher values remove more (auto: "
-              "per pixel, from the density of the splats and the pixels around)")
+        .help(
+            "weight that the nearest surface must exceed; 0 shows every outlier, higher values remove more "
+            "(auto: "
+            "per pixel, from the density of the splats and the pixels around)")
         .paper("T");
     p.add("strictness", strictness)
         .range(0, 4)
         .unit("factor")
-        .help("of the automatic weight_threshold: how much evidence a surface needs; 0 shows every point, as splats do");
+        .help(
+            "of the automatic weight_threshold: how much evidence a surface needs; 0 shows every point, as "
+            "splats do");
     p.add("prefilter", prefilter)
-        .help("leave out isolated points before anything is drawn (auto: with the automatic weight_threshold)");
+        .help(
+            "leave out isolated points before anything is drawn (auto: with the automatic weight_threshold)");
     p.add("bin_size", bin_size)
         .at_least(1e-9)
         .unit("scene units")
         .help("thickness along the ray of what is averaged as one surface (auto: from noise and spacing)")
         .paper("Delta");
     p.add("bins", bins, {"hashed", "dense"})
-        .help("hashed: a small table a pixel, any depth; dense: the first dense_bins bins, the last one takes the rest");
+        .help(
+            "hashed: a small table a pixel, any depth; dense: the first dense_bins bins, the last one takes "
+            "the rest");
     p.add("hash_bits", hash_bits)
         .range(1, 8)
         .help("2^hash_bits slots a pixel to begin with; a full table grows by itself")
@@ -81,7 +89,8 @@ struct Parameters {
     p.add("overlapping", overlapping)
         .help("bins at half steps, so that no surface is split between two; twice the work");
     p.add("anchor", anchor, {"nearest", "grid"})
-        .help("bins begin at the nearest splat, or on a fixed grid along the ray, which outliers cannot move");
+        .help(
+            "bins begin at the nearest splat, or on a fixed grid along the ray, which outliers cannot move");
     p.add("miss", miss, {"background", "last_bin"}).help("what a pixel shows where no bin has enough weight");
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
@@ -96,10 +105,12 @@ class Denoise final : public Technique {
 
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
 
-  bool shows(Shading shading) const override { return shading < Shading::occlusion || shading == Shading::weight; }
+  bool shows(Shading shading) const override {
+    return shading < Shading::occlusion || shading == Shading::weight;
+  }
 
-  /// What is removed casts no shadow: points that are not enough evidence for a surface. `weight_threshold` 0 shows
-  /// them all.
+  /// What is removed casts no shadow: points that are not enough evidence for a surface. `weight_threshold` 0
+  /// shows them all.
   void cast(GpuCloud& cloud, Progress& progress) override {
     const bool shows_all = this->shows_all();
     const std::string key = shows_all ? "solid" : "denoise/" + std::to_string(cloud.serial());
@@ -151,7 +162,8 @@ class Denoise final : public Technique {
     std::vector<std::string> lines;
     const denoise::BinCounts counts = bins_.counts();
     if (counts.saturated)
-      lines.push_back(std::to_string(counts.saturated) + " splat hits were beyond the largest weight of a bin");
+      lines.push_back(std::to_string(counts.saturated) +
+                      " splat hits were beyond the largest weight of a bin");
     return lines;
   }
 
@@ -180,7 +192,8 @@ class Denoise final : public Technique {
     if (seen && radius_limit == field_limit_ && prefilter == field_prefilter_) return;
     if (prefilter && support_.empty()) support_ = denoise::splat_support(prepared, progress);
     const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
-    cloud.set_field(denoise::splat_worth(prepared, prefilter ? support_ : all_alike, least_support, radius_limit));
+    cloud.set_field(
+        denoise::splat_worth(prepared, prefilter ? support_ : all_alike, least_support, radius_limit));
     field_stamp_ = cloud.field_stamp();
     field_limit_ = radius_limit, field_prefilter_ = prefilter;
   }
@@ -201,8 +214,8 @@ class Denoise final : public Technique {
     options.anchor = parameters_.anchor;
     options.miss = parameters_.miss;
     options.fast = frame.settings.fast && gl::limits().float_atomics;
-    // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings, or two pixels where those
-    // are larger, would split what is tilted.
+    // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings, or two pixels
+    // where those are larger, would split what is tilted.
     const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel_size(frame));
     options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * spacing));
     options.weight_threshold = parameters_.weight_threshold.resolve(automatic() ? 1.0f : 0.0f);

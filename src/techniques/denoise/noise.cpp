@@ -44,14 +44,16 @@ double least_eigenvalue(const double (&m)[6]) {
   const double a = m[0] - mean, d = m[3] - mean, f = m[5] - mean;
   const double p = std::sqrt((a * a + d * d + f * f + 2 * off) / 6);
   if (!(p > 0)) return mean;
-  const double det = a * (d * f - m[4] * m[4]) - m[1] * (m[1] * f - m[4] * m[2]) + m[2] * (m[1] * m[4] - d * m[2]);
+  const double det =
+      a * (d * f - m[4] * m[4]) - m[1] * (m[1] * f - m[4] * m[2]) + m[2] * (m[1] * m[4] - d * m[2]);
   const double angle = std::acos(std::clamp(det / (2 * p * p * p), -1.0, 1.0)) / 3;
   return mean + 2 * p * std::cos(angle + 2 * M_PI / 3);
 }
 
 double residual_around(const std::vector<vec3>& positions, const Nearest& nearest) {
   dvec3 mean(0);
-  for (const Nearest::One& one : nearest.heap) mean += dvec3(positions[one.point]) / double(nearest.heap.size());
+  for (const Nearest::One& one : nearest.heap)
+    mean += dvec3(positions[one.point]) / double(nearest.heap.size());
   double m[6] = {};
   for (const Nearest::One& one : nearest.heap) {
     const dvec3 d = dvec3(positions[one.point]) - mean;
@@ -68,8 +70,8 @@ double radical_inverse(std::size_t i, std::size_t base) {
   return value;
 }
 
-/// Median distance from a place anywhere in the cloud's box to its k-th nearest point. The box holds 98 % of the points
-/// along each axis, so that a few far outliers do not decide it.
+/// Median distance from a place anywhere in the cloud's box to its k-th nearest point. The box holds 98 % of
+/// the points along each axis, so that a few far outliers do not decide it.
 float empty_reach(const std::vector<vec3>& positions, const analysis::NeighborTree& tree, std::size_t k) {
   vec3 low, high;
   std::vector<float> along(positions.size());
@@ -117,14 +119,16 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
         std::copy(ids.begin(), ids.end(), neighbors_of[i].begin());
       },
       "splat support", progress);
-  const float enough = std::max(2 * analysis::quantile(reach, 0.5), 0.45f * empty_reach(prepared.cloud.positions, tree, k));
+  const float enough =
+      std::max(2 * analysis::quantile(reach, 0.5), 0.45f * empty_reach(prepared.cloud.positions, tree, k));
   std::vector<float> support(n);
   for (std::size_t i = 0; i < n; ++i) {
     std::array<float, k> around;
     for (std::size_t j = 0; j < k; ++j) around[j] = reach[neighbors_of[i][j]];
     std::nth_element(around.begin(), around.begin() + k / 2, around.end());
     const float own = std::max(reach[i], std::numeric_limits<float>::min());
-    const float among_all = std::min(1.0f, enough / own), among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
+    const float among_all = std::min(1.0f, enough / own),
+                among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
     support[i] = std::max(isolated_support, std::pow(among_all * among_all * among_all * among_near, 4.0f));
   }
   return support;

@@ -61,7 +61,8 @@ struct Parameters {
     p.add("min_layer_distance", min_layer_distance)
         .at_least(0)
         .unit("scene units")
-        .help("points closer than this behind a layer belong to it (auto: 3 median spacings and a px for "
+        .help(
+            "points closer than this behind a layer belong to it (auto: 3 median spacings and a px for "
             "each iteration of filling)")
         .paper("d_min");
     p.add("scale_by_angle", scale_by_angle)
@@ -80,7 +81,8 @@ struct Parameters {
     p.add("background_iterations", background_iterations)
         .range(0, 16)
         .help(
-            "times that pixels without a point are filled (auto: two more than the point spacing in px, 2 or 3)")
+            "times that pixels without a point are filled (auto: two more than the point spacing in px, 2 or "
+            "3)")
         .paper("n_b");
     p.add("occluded_iterations", occluded_iterations)
         .range(0, 16)
@@ -174,14 +176,14 @@ class Layers final : public Technique {
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera);
-    // Points scattered at random leave one place in exp(pi) free between discs of two spacings, and a few of the
-    // gaps are several pixels wide: 6M points of tori had 35 pixels in which the next layer stood out with one
-    // iteration less.
+    // Points scattered at random leave one place in exp(pi) free between discs of two spacings, and a few of
+    // the gaps are several pixels wide: 6M points of tori had 35 pixels in which the next layer stood out
+    // with one iteration less.
     const int iterations = std::clamp(2 + int(std::lround(std::min(spacing.median_px, 100.0f))), 2, 3);
     n_background_ = parameters_.background_iterations.resolve(iterations);
     n_occluded_ = parameters_.occluded_iterations.resolve(n_background_);
-    // What a pixel shows of one slanted surface lies apart by a disc in front (one spacing) and one behind, which
-    // bulges by its radius, and by as far as filling brings a depth from.
+    // What a pixel shows of one slanted surface lies apart by a disc in front (one spacing) and one behind,
+    // which bulges by its radius, and by as far as filling brings a depth from.
     d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing() +
                                                     float(n_background_ + n_occluded_) * spacing.pixel);
     bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
@@ -280,8 +282,10 @@ class Layers final : public Technique {
       if (cloud.has_shadow()) cloud.bind_shadow(chunk);
       if (has_list_) cloud.bind_field(chunk);
       pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
-      if (write_normals) pass.run({&depth_, &index_}, {&color_, &cosine_, &normal_});
-      else pass.run({&depth_, &index_}, {&color_, &cosine_});
+      if (write_normals)
+        pass.run({&depth_, &index_}, {&color_, &cosine_, &normal_});
+      else
+        pass.run({&depth_, &index_}, {&color_, &cosine_});
       first = false;
     }
     if (first) {
@@ -349,7 +353,10 @@ class Layers final : public Technique {
   void blend_last(Frame& frame, bool is_followed, bool ends = false) {
     auto timing = frame.timers.scope("blend");
     if (!blend_last_) blend_last_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
-    blend_last_.set("d_min", d_min_).set("antialias", parameters_.antialias).set("is_followed", is_followed).set("ends", ends);
+    blend_last_.set("d_min", d_min_)
+        .set("antialias", parameters_.antialias)
+        .set("is_followed", is_followed)
+        .set("ends", ends);
     blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
     std::swap(front_, other_front_);
   }

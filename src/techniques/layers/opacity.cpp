@@ -37,8 +37,8 @@ std::vector<float> opacities(const ScalarField& scalar, const std::vector<float>
   std::vector<float> result;
   result.reserve(scalar.values.size());
   for (float value : scalar.values) {
-    const auto at = std::isnan(value) ? ascending.end() - 1
-                                      : std::lower_bound(ascending.begin(), ascending.end(), value);
+    const auto at =
+        std::isnan(value) ? ascending.end() - 1 : std::lower_bound(ascending.begin(), ascending.end(), value);
     result.push_back(list[std::size_t(at - ascending.begin())]);
   }
   return result;

@@ -1,9 +1,9 @@
 // Raw points: the baseline every paper compares with, and the fastest honest look at a scan.
 //
-// One compute visit finds the nearest point of every pixel (Schuetz, Kerbl, Wimmer 2021, "Rendering Point Clouds
-// with Compute Shaders", without 64-bit atomics: a depth visit and an index visit), a resolve fetches colours for
-// the survivors only. Points are round and as large as the local spacing asks for, so that a surface near the
-// camera does not fall apart; eye-dome lighting gives shape to clouds without normals.
+// One compute visit finds the nearest point of every pixel (Schuetz, Kerbl, Wimmer 2021, "Rendering Point
+// Clouds with Compute Shaders", without 64-bit atomics: a depth visit and an index visit), a resolve fetches
+// colours for the survivors only. Points are round and as large as the local spacing asks for, so that a
+// surface near the camera does not fall apart; eye-dome lighting gives shape to clouds without normals.
 
 #include <algorithm>
 
@@ -33,15 +33,15 @@ class Points final : public Technique {
     footprint_.wide_px = std::max(4.0f, float(frame.camera.height) / 90);
     to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
 
-    // Resolve straight into the target; only what has to be shaded takes the way through another texture. Points
-    // without normals and shadows are lit evenly: their colour is their albedo.
+    // Resolve straight into the target; only what has to be shaded takes the way through another texture.
+    // Points without normals and shadows are lit evenly: their colour is their albedo.
     const Shading shading = frame.settings.shading;
     const bool has_light = frame.cloud.has_normals() || frame.cloud.has_shadow();
-    const bool shade = shading == Shading::lit ? has_light || !evenly_lit(frame.settings.phong)
-                                               : shading != Shading::albedo;
+    const bool shade =
+        shading == Shading::lit ? has_light || !evenly_lit(frame.settings.phong) : shading != Shading::albedo;
     if (!shade && frame.finished && !frame.cloud.chunks().empty()) {
-      to_pixels_.resolve_finished(frame.cloud, view, layer_, frame.settings.background, frame.settings.transparent,
-                                  *frame.finished, frame.timers);
+      to_pixels_.resolve_finished(frame.cloud, view, layer_, frame.settings.background,
+                                  frame.settings.transparent, *frame.finished, frame.timers);
       return frame.is_finished = true;
     }
     std::swap(layer_.depth, frame.target.depth);

@@ -9,8 +9,8 @@
 namespace sfumato::soft {
 
 vec3 axis_shares(const dvec3& direction) {
-  // Squared, so that a share leaves 0 without a step. With this band one degree changes a share by at most 0.12 (found by
-  // going over all directions).
+  // Squared, so that a share leaves 0 without a step. With this band one degree changes a share by at most
+  // 0.12 (found by going over all directions).
   constexpr double band = 0.16;
   const dvec3 size = glm::abs(direction);
   const double most = std::max({size.x, size.y, size.z});
@@ -22,7 +22,8 @@ vec3 axis_shares(const dvec3& direction) {
 void Express::blend(SoftPoints& points, const Order& order, const View& view, const gl::Texture& solid_t,
                     gl::Texture& color, bool as_quads) {
   // The pictures agree but for rounding.
-  if (gl::place_of_work(gl::preferences().soft_blend) == gl::Place::cpu) return cpu_.draw(points, order, view, solid_t, color);
+  if (gl::place_of_work(gl::preferences().soft_blend) == gl::Place::cpu)
+    return cpu_.draw(points, order, view, solid_t, color);
   gl::Program& program = programs_[as_quads];
   if (!program) {
     gl::Defines defines{"SPLAT_SPHERE", "SOFT_ORDERED"};
@@ -51,7 +52,8 @@ void Express::draw(SoftPoints& points, const View& view, const gl::Texture& soli
   const vec3 shares = axis_shares(direction);
   auto timing = timers.scope("blend");
   for (int axis = 0; axis < 3; ++axis)
-    if (shares[axis] == 1) return blend(points, points.along_axis(axis, direction[axis] > 0), view, solid_t, color, as_quads);
+    if (shares[axis] == 1)
+      return blend(points, points.along_axis(axis, direction[axis] > 0), view, solid_t, color, as_quads);
 
   // Between two orders: their pictures are mixed.
   const int width = color.width(), height = color.height();
@@ -61,13 +63,15 @@ void Express::draw(SoftPoints& points, const View& view, const gl::Texture& soli
   sum_.clear(vec4(0));
   for (int axis = 0; axis < 3; ++axis) {
     if (shares[axis] == 0) continue;
-    glCopyImageSubData(color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, one_order_.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width, height, 1);
+    glCopyImageSubData(color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, one_order_.id(), GL_TEXTURE_2D, 0, 0, 0, 0,
+                       width, height, 1);
     blend(points, points.along_axis(axis, direction[axis] > 0), view, solid_t, one_order_, as_quads);
     mix_.set("share", shares[axis]);
     mix_.run({&sum_, &one_order_}, {&mixed_});
     std::swap(sum_, mixed_);
   }
-  glCopyImageSubData(sum_.id(), GL_TEXTURE_2D, 0, 0, 0, 0, color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width, height, 1);
+  glCopyImageSubData(sum_.id(), GL_TEXTURE_2D, 0, 0, 0, 0, color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width,
+                     height, 1);
 }
 
 }  // namespace sfumato::soft

@@ -15,7 +15,8 @@ namespace {
 /// Rows of pixels that stay in a core's cache while all spheres of the band are blended.
 constexpr std::uint32_t band_rows = 16;
 
-/// (1 + cos(pi delta)) / 2 = cos^2(pi delta / 2) of the squared delta <= 1: the series up to the term below 1e-8.
+/// (1 + cos(pi delta)) / 2 = cos^2(pi delta / 2) of the squared delta <= 1: the series up to the term below
+/// 1e-8.
 float cosine_falloff(float delta2) {
   constexpr double x2 = std::numbers::pi * std::numbers::pi / 4;
   constexpr float c1 = float(-x2 / 2), c2 = float(x2 * x2 / 24), c3 = float(-x2 * x2 * x2 / 720);
@@ -41,11 +42,13 @@ void ExpressCpu::list_bands(const Order& order, std::uint32_t rows) {
     const std::uint32_t slot = slots_[std::size_t(order.first + order.step * std::int64_t(k))];
     const Box box = boxes_[slot];
     if (box.y >= box.x)
-      for (std::uint32_t b = (box.x >> 16) / band_rows; b <= (box.y >> 16) / band_rows; ++b) entries_[ends[b]++] = slot;
+      for (std::uint32_t b = (box.x >> 16) / band_rows; b <= (box.y >> 16) / band_rows; ++b)
+        entries_[ends[b]++] = slot;
   }
 }
 
-void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<float>& solid_t, Image<vec4>& color) const {
+void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<float>& solid_t,
+                            Image<vec4>& color) const {
   const Camera& camera = view.camera();
   const bool orthographic = camera.orthographic();
   const Intrinsics k = camera.intrinsics();
@@ -54,7 +57,8 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
   const float near = float(1e-4 * camera.far_plane);
 
   // Of every ray, per unit of eye depth: slope, 1 / length^2, and the depth of the solid surface.
-  std::vector<float> slope_x(static_cast<std::size_t>(width)), shorter(std::size_t(width) * band_rows), behind(shorter.size());
+  std::vector<float> slope_x(static_cast<std::size_t>(width)), shorter(std::size_t(width) * band_rows),
+      behind(shorter.size());
   for (int x = 0; x < width; ++x) slope_x[std::size_t(x)] = float((x + 0.5 - k.cx) / k.fx);
   for (int y = first_row; y <= last_row; ++y) {
     const float slope_y = float((k.cy - y - 0.5) / k.fy);
@@ -84,8 +88,8 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
       const std::size_t row = std::size_t(y - first_row) * std::size_t(width);
       vec4* const pixels = &color.at(0, y);
       for (int x = x0; x <= x1; ++x) {
-        // From the centre to the ray at the centre's depth, then along the ray to the place nearest to the centre: that
-        // lies `closer` less deep (sphere.glsl, soft_ray).
+        // From the centre to the ray at the centre's depth, then along the ray to the place nearest to the
+        // centre: that lies `closer` less deep (sphere.glsl, soft_ray).
         const float sx = slope_x[std::size_t(x)], ax = sx * scale - shape.x;
         const float slant = orthographic ? 0 : ax * sx + slant_y;
         const float closer = slant * shorter[row + std::size_t(x)];
@@ -103,8 +107,8 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
   }
 }
 
-void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& view, const gl::Texture& solid_t,
-                      gl::Texture& color) {
+void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& view,
+                      const gl::Texture& solid_t, gl::Texture& color) {
   if (order.count == 0) return;
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
   boxes_.resize(points.count());

@@ -17,7 +17,8 @@ dvec3 parse_vector(const std::string& name, const std::string& text) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto [next, error] = std::from_chars(at, end, value[axis]);
     const bool last = axis == 2;
-    if (error != std::errc() || (last ? next != end : next == end || *next != ',') || !std::isfinite(value[axis]))
+    if (error != std::errc() || (last ? next != end : next == end || *next != ',') ||
+        !std::isfinite(value[axis]))
       throw Error(ErrorCode::usage, name + " is '" + text + "', not auto or X,Y,Z");
     at = next + (last ? 0 : 1);
   }
@@ -33,11 +34,13 @@ const ScalarField& scalar_of(const PointCloud& cloud, std::string_view name) {
   for (const std::string& one : names) list += (list.empty() ? "" : ", ") + one;
   const std::string nearest = nearest_word(name, names);
   throw Error(ErrorCode::usage, "the cloud has no scalar '" + std::string(name) + "' to be the field" +
-                                    (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list + ")");
+                                    (nearest.empty() ? "" : "; did you mean " + nearest + "?") + " (" + list +
+                                    ")");
 }
 
 /// Scene units, from the place or surface that the settings name.
-double distance(const FieldSettings& s, const dvec3& from_origin, const dvec3& direction, const dvec3& half_size) {
+double distance(const FieldSettings& s, const dvec3& from_origin, const dvec3& direction,
+                const dvec3& half_size) {
   switch (s.distance_to) {
     case DistanceTo::plane: return std::abs(glm::dot(from_origin, direction));
     case DistanceTo::point: return glm::length(from_origin);
@@ -51,7 +54,8 @@ std::vector<float> distances(const PointCloud& cloud, FieldSettings& s) {
   const Bounds box = robust_bounds(cloud);
   const dvec3 origin = s.origin == "auto" ? box.center() : parse_vector("field_origin", s.origin);
   const dvec3 half_size = 0.5 * (s.size == "auto" ? 0.5 * box.size() : parse_vector("field_size", s.size));
-  dvec3 direction = s.direction == "auto" ? up_vector(cloud.up) : parse_vector("field_direction", s.direction);
+  dvec3 direction =
+      s.direction == "auto" ? up_vector(cloud.up) : parse_vector("field_direction", s.direction);
   if (!(glm::length(direction) > 0))
     throw Error(ErrorCode::usage, "field_direction is 0,0,0, which is no direction; give X,Y,Z or auto");
   direction = glm::normalize(direction);
@@ -77,10 +81,11 @@ std::vector<float> scalar_values(const PreparedCloud& prepared, const std::strin
   std::vector<float> values = scalar.values;
   // A length has no natural scale in [0,1], so uncertainty is always measured against its own spread.
   const bool is_unit = name != "uncertainty" && std::all_of(values.begin(), values.end(), [&](float v) {
-    return !std::isfinite(v) || (scalar.offset + v >= 0 && scalar.offset + v <= 1);
-  });
+                         return !std::isfinite(v) || (scalar.offset + v >= 0 && scalar.offset + v <= 1);
+                       });
   if (is_unit) {
-    for (float& value : values) value = std::isnan(value) ? 0 : std::clamp(float(scalar.offset + value), 0.0f, 1.0f);
+    for (float& value : values)
+      value = std::isnan(value) ? 0 : std::clamp(float(scalar.offset + value), 0.0f, 1.0f);
     return values;
   }
   const Quantiles range = name == "uncertainty" ? prepared.uncertainty_range : analysis::quantiles(values);
@@ -98,11 +103,16 @@ void FieldSettings::describe(ParamList& p) {
       .paper("Seemann 2018, F");
   p.add("field_classes", classes).help("field = class: classification codes that are soft (6 is building)");
   p.add("field_distance", distance_to, {"axis", "plane", "point", "box"}).help("field = distance: from what");
-  p.add("field_origin", origin).help("field = distance: X,Y,Z on the axis or plane, the point or the box's centre "
-                                     "(auto: the middle of the cloud)");
-  p.add("field_direction", direction).help("field = distance: X,Y,Z along the axis or across the plane (auto: up)");
+  p.add("field_origin", origin)
+      .help(
+          "field = distance: X,Y,Z on the axis or plane, the point or the box's centre "
+          "(auto: the middle of the cloud)");
+  p.add("field_direction", direction)
+      .help("field = distance: X,Y,Z along the axis or across the plane (auto: up)");
   p.add("field_size", size).help("field = distance: X,Y,Z, the sides of the box (auto: half of the cloud's)");
-  p.add("field_range", range).at_least(0).unit("scene units")
+  p.add("field_range", range)
+      .at_least(0)
+      .unit("scene units")
       .help("field = distance: where the field reaches 1 (auto: the distance that 98 % of the points keep)");
   p.add("field_invert", invert).help("low values are soft instead of high ones (confidence, for example)");
 }
@@ -113,8 +123,10 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& n
   if (cloud.empty()) return field;
   // A file may bring an uncertainty of its own, whose scale is its own, too.
   const bool measured = settings.field == "uncertainty" && prepared.computed.has(Attribute::uncertainty);
-  if (settings.field == "class") field.values = classes(cloud, settings.classes);
-  else if (settings.field == "distance") field.values = distances(cloud, settings);
+  if (settings.field == "class")
+    field.values = classes(cloud, settings.classes);
+  else if (settings.field == "distance")
+    field.values = distances(cloud, settings);
   else if (measured) {
     if (nearby.size() != cloud.size()) nearby = Nearby(cloud.positions, progress);
     field.values = scale_free_uncertainty(prepared, nearby);
@@ -126,8 +138,8 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& n
 
   field.threshold = analysis::quantile(field.values, 0.85);
   field.modulation_threshold = analysis::quantile(field.values, 0.95);
-  // Half of the way out is what a user means by far; and a field of few values, like classes, may have no point above
-  // its quantile.
+  // Half of the way out is what a user means by far; and a field of few values, like classes, may have no
+  // point above its quantile.
   const auto [least, most] = std::minmax_element(field.values.begin(), field.values.end());
   if (settings.field == "class") {
     field.threshold = field.modulation_threshold = 0.5f;

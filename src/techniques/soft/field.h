@@ -24,7 +24,8 @@ struct FieldSettings {
 
 struct Field {
   std::vector<float> values;  ///< one per point of the prepared cloud, in [0,1], never NaN
-  float threshold = 1;        ///< automatic: of 15 % of the points the field is above; fewer where fewer are uncertain
+  float threshold =
+      1;  ///< automatic: of 15 % of the points the field is above; fewer where fewer are uncertain
   float modulation_threshold = 1;
   std::vector<std::string> notes;
 };
@@ -32,6 +33,7 @@ struct Field {
 /// Evaluates the field. Throws Error(usage) that names the nearest scalar when there is none of that name, or
 /// the text that is no position.
 /// `nearby`, filled when it is needed, has the points around each other.
-Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& nearby, Progress& progress = no_progress());
+Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& nearby,
+               Progress& progress = no_progress());
 
 }  // namespace sfumato::soft

@@ -7,13 +7,16 @@
 namespace sfumato::soft {
 namespace {
 
-constexpr int columns = 32;                   // of cells across the picture's longer side
-constexpr std::size_t most_points = 65'536;   // looked at; the rest count through them
-constexpr double mean_depth = 1.0 / 3;        // of a sphere over its disc, in every model and of the cone (notes of Eq. 7)
+constexpr int columns = 32;                  // of cells across the picture's longer side
+constexpr std::size_t most_points = 65'536;  // looked at; the rest count through them
+constexpr double mean_depth =
+    1.0 / 3;  // of a sphere over its disc, in every model and of the cone (notes of Eq. 7)
 constexpr double share_of_rays = 0.95;
 
 /// Length that [a, b] and the cell from `cell` to `cell` + 1 have in common.
-double overlap(double a, double b, int cell) { return std::max(0.0, std::min(b, cell + 1.0) - std::max(a, double(cell))); }
+double overlap(double a, double b, int cell) {
+  return std::max(0.0, std::min(b, cell + 1.0) - std::max(a, double(cell)));
+}
 
 }  // namespace
 
@@ -35,13 +38,15 @@ double haze_depth(const PointCloud& cloud, std::span<const std::uint32_t> soft, 
     const double radius = std::min(cloud.radii[i], s.radius_limit) * s.radius_scale * scale / cell_px;
     double weight = 1;
     if (s.modulation_threshold > s.field_threshold)
-      weight = s.cone_factor + (1 - s.cone_factor) * std::clamp((double(field[i]) - s.field_threshold) /
-                                                                    (s.modulation_threshold - s.field_threshold),
-                                                                0.0, 1.0);
+      weight =
+          s.cone_factor + (1 - s.cone_factor) * std::clamp((double(field[i]) - s.field_threshold) /
+                                                               (s.modulation_threshold - s.field_threshold),
+                                                           0.0, 1.0);
     // Spread over a square of at least a cell, so that nothing jumps when it moves from one cell to the next.
     const double half = std::max(radius, 0.5);
     const double depth = weight * double(step) * mean_depth * M_PI * radius * radius / (4 * half * half);
-    const int x0 = std::max(0, int(std::floor(x - half))), x1 = std::min(across - 1, int(std::floor(x + half)));
+    const int x0 = std::max(0, int(std::floor(x - half))),
+              x1 = std::min(across - 1, int(std::floor(x + half)));
     const int y0 = std::max(0, int(std::floor(y - half))), y1 = std::min(down - 1, int(std::floor(y + half)));
     for (int row = y0; row <= y1; ++row)
       for (int column = x0; column <= x1; ++column)

@@ -15,8 +15,8 @@ struct HazeSettings {
   float cone_factor = 1;  ///< opacity of a soft point at the field threshold over that of one beyond (Eq. 22)
 };
 
-/// Optical depth of the haze in units of a lone soft point's through its centre, along the rays that meet haze: nineteen
-/// in twenty of them see less. Follows the camera without steps.
+/// Optical depth of the haze in units of a lone soft point's through its centre, along the rays that meet
+/// haze: nineteen in twenty of them see less. Follows the camera without steps.
 double haze_depth(const PointCloud& cloud, std::span<const std::uint32_t> soft, std::span<const float> field,
                   const View& view, const HazeSettings& settings);
 

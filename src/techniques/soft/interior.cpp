@@ -19,8 +19,9 @@ gl::Program& Interior::program(bool store, bool concentric, bool as_quads) {
   return program;
 }
 
-void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& solid_t, const gl::Texture& color,
-                    const gl::Texture& result, const InteriorSettings& settings, bool as_quads, gl::Timers& timers) {
+void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& solid_t,
+                    const gl::Texture& color, const gl::Texture& result, const InteriorSettings& settings,
+                    bool as_quads, gl::Timers& timers) {
   const int shell_bits = settings.concentric ? std::bit_width(unsigned(settings.most_shells - 1)) : 0;
   if (std::uint64_t(points.count()) << shell_bits > std::uint64_t(1) << 32)
     throw Error(ErrorCode::usage, "model = concentric tells " + std::to_string(1ull << (32 - shell_bits)) +
@@ -59,8 +60,9 @@ void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& sol
   const bool uniform = settings.density == Density::uniform;
   ScreenPass& resolve = settings.concentric ? concentric_ : base_[uniform];
   if (!resolve)
-    resolve = ScreenPass(settings.concentric ? "techniques/soft/concentric.glsl" : "techniques/soft/base.glsl",
-                         {GL_RGBA32F}, uniform && !settings.concentric ? gl::Defines{"DENSITY_UNIFORM"} : gl::Defines{});
+    resolve = ScreenPass(
+        settings.concentric ? "techniques/soft/concentric.glsl" : "techniques/soft/base.glsl", {GL_RGBA32F},
+        uniform && !settings.concentric ? gl::Defines{"DENSITY_UNIFORM"} : gl::Defines{});
   resolve.set("normalization", int(settings.normalization)).set("shell_bits", shell_bits);
   list_.bind_read();
   points.shapes().bind(binding::input);

@@ -1,4 +1,5 @@
-// Base and Concentric models: the inside of every sphere along every ray (Seemann 2018, Secs. 3.1, 3.2 and 4.2).
+// Base and Concentric models: the inside of every sphere along every ray (Seemann 2018, Secs. 3.1, 3.2
+// and 4.2).
 #pragma once
 
 #include "passes/fragment_list.h"
@@ -12,9 +13,9 @@ enum class Normalization { exact, eq13, eq15 };
 
 struct InteriorSettings {
   bool concentric = false;
-  Density density = Density::radial;  ///< Base
+  Density density = Density::radial;                   ///< Base
   Normalization normalization = Normalization::exact;  ///< Concentric
-  int most_shells = 32;               ///< of any point
+  int most_shells = 32;                                ///< of any point
 };
 
 class Interior {

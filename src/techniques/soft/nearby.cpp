@@ -20,8 +20,8 @@ void for_each_point(std::size_t count, const Body& body) {
   });
 }
 
-/// Eq. 21 over its radius is the mean of (2 - |n . n_j|)^2: 1 on a plane, 4 at most, 7/3 where directions are independent
-/// and equally likely (|n . n_j| is then uniform in [0,1]): `random_normals` of the way.
+/// Eq. 21 over its radius is the mean of (2 - |n . n_j|)^2: 1 on a plane, 4 at most, 7/3 where directions are
+/// independent and equally likely (|n . n_j| is then uniform in [0,1]): `random_normals` of the way.
 constexpr float flat = 1, most_bent = 4;
 
 }  // namespace
@@ -38,7 +38,8 @@ Nearby::Nearby(std::span<const vec3> positions, Progress& progress)
       "points around each other", progress);
 }
 
-std::vector<float> Nearby::expected_radii(std::span<const vec3> positions, std::span<const float> radii) const {
+std::vector<float> Nearby::expected_radii(std::span<const vec3> positions,
+                                          std::span<const float> radii) const {
   std::vector<float> result(radii.begin(), radii.end());
   if (each_ < most) return result;  // too few points to say what is usual
   constexpr std::size_t middle = most / 2, sixth = 5;
@@ -54,8 +55,8 @@ std::vector<float> Nearby::expected_radii(std::span<const vec3> positions, std::
     std::nth_element(distance2.begin(), distance2.begin() + sixth, distance2.end());
     const float own = 2 * std::sqrt(distance2[sixth] / float(sixth + 1));
     if (size[middle] > 0) result[i] = size[middle];
-    // Six points vary: that they lie in a quarter of their usual radius is what three in a million do at random. 0:
-    // coincident points, which say nothing.
+    // Six points vary: that they lie in a quarter of their usual radius is what three in a million do at
+    // random. 0: coincident points, which say nothing.
     if (own > 0) result[i] = std::min(result[i], 2 * own);
   });
   return result;
@@ -87,9 +88,10 @@ std::vector<float> scale_free_uncertainty(const PreparedCloud& prepared, const N
   const std::vector<float>& uncertainty = prepared.cloud.scalar("uncertainty")->values;
   const std::vector<float> around = nearby.expected_radii(prepared.cloud.positions, radii);
   std::vector<float> values(radii.size());
-  // r_i of Eq. 21 counts in radii of the surroundings, not in metres: a wall far from the scanner is as certain as one near
-  // it. From where it exceeds what the rim of a surface has, which sees half of its neighbours, and no further than
-  // `isolated`: a point that stands alone does not make those it stands near uncertain.
+  // r_i of Eq. 21 counts in radii of the surroundings, not in metres: a wall far from the scanner is as
+  // certain as one near it. From where it exceeds what the rim of a surface has, which sees half of its
+  // neighbours, and no further than `isolated`: a point that stands alone does not make those it stands near
+  // uncertain.
   constexpr float rim = std::numbers::sqrt2_v<float>;
   for_each_point(values.size(), [&](std::size_t i) {
     const float size = around[i] > 0 ? std::clamp(radii[i] / (rim * around[i]), 1.0f, isolated / rim) : 1;

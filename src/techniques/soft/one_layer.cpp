@@ -6,7 +6,8 @@
 
 namespace sfumato::soft {
 
-void OneLayer::draw(Frame& frame, const View& view, SplatShape shape, const SplatBlend& blend, float opacity) {
+void OneLayer::draw(Frame& frame, const View& view, SplatShape shape, const SplatBlend& blend,
+                    float opacity) {
   const int width = view.width(), height = view.height();
   GpuCloud& cloud = frame.cloud;
   const dvec3 origin = cloud.prepared().cloud.origin;
@@ -50,19 +51,25 @@ void OneLayer::draw(Frame& frame, const View& view, SplatShape shape, const Spla
       nearest_t_.bind(binding::input + 1);
       accumulate.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::add}, set_uniforms);
     };
-    if (shadow) draw_into(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}));
-    else draw_into(gl::Framebuffer({&color_sum_, &normal_sum_}));
+    if (shadow)
+      draw_into(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}));
+    else
+      draw_into(gl::Framebuffer({&color_sum_, &normal_sum_}));
   }
   gl::ensure(albedo_, "albedo behind", GL_RGBA32F, width, height);
-  for (gl::Texture* color : {&front_color_, &behind_color_}) gl::ensure(*color, "shaded layer", GL_RGBA32F, width, height);
+  for (gl::Texture* color : {&front_color_, &behind_color_})
+    gl::ensure(*color, "shaded layer", GL_RGBA32F, width, height);
   if (!normalize_) normalize_ = ScreenPass("passes/splat_normalize.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
   view.bind();
   normalize_.set("has_shadow", shadow);
-  normalize_.run({&color_sum_, &normal_sum_, &shadow_sum_}, {&albedo_, &frame.target.depth, &frame.target.normal});
+  normalize_.run({&color_sum_, &normal_sum_, &shadow_sum_},
+                 {&albedo_, &frame.target.depth, &frame.target.normal});
 
   auto timing = frame.timers.scope("shade");
-  shade_.run(view, frame.settings, frame.light, origin, {front_albedo_, front_depth_, front_normal_}, front_color_);
-  shade_.run(view, frame.settings, frame.light, origin, {albedo_, frame.target.depth, frame.target.normal}, behind_color_);
+  shade_.run(view, frame.settings, frame.light, origin, {front_albedo_, front_depth_, front_normal_},
+             front_color_);
+  shade_.run(view, frame.settings, frame.light, origin, {albedo_, frame.target.depth, frame.target.normal},
+             behind_color_);
   if (frame.behind) {
     std::swap(behind_color_, frame.target.color);
     merge_.run(*frame.behind, frame.target, frame.wants_normal);

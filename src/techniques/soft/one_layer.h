@@ -1,5 +1,5 @@
-// The baseline: only the first layer of soft points is transparent, everything behind it opaque (Seemann 2018,
-// Sec. 5.3).
+// The baseline: only the first layer of soft points is transparent, everything behind it opaque (Seemann
+// 2018, Sec. 5.3).
 #pragma once
 
 #include "passes/frame.h"

@@ -1,13 +1,13 @@
 // Soft transparency: points that are uncertain, or chosen otherwise, become a haze one can look through.
 //
 // P. Seemann, G. Palma, M. Dellepiane, P. Cignoni, M. Goesele, "Soft Transparency for Point Cloud Rendering",
-// Eurographics Symposium on Rendering - Experimental Ideas and Implementations 2018. Solid points are splatted; every
-// soft point is a sphere whose density falls off towards its rim, so that overlapping spheres make a continuous
-// haze in the right order.
+// Eurographics Symposium on Rendering - Experimental Ideas and Implementations 2018. Solid points are
+// splatted; every soft point is a sphere whose density falls off towards its rim, so that overlapping spheres
+// make a continuous haze in the right order.
 //
-// Where we differ: depth within a sphere is measured along the ray; one unit-free opacity means the same in all
-// models; nested spheres add up to the Base model unless the printed normalisations are asked for; the drawing order
-// is exact by default; spheres that are cut by a surface or the near plane are clamped.
+// Where we differ: depth within a sphere is measured along the ray; one unit-free opacity means the same in
+// all models; nested spheres add up to the Base model unless the printed normalisations are asked for; the
+// drawing order is exact by default; spheres that are cut by a surface or the near plane are clamped.
 
 #include <algorithm>
 #include <bit>
@@ -34,8 +34,8 @@ using namespace soft;
 
 enum class Model { express, concentric, base, one_layer };
 
-/// Of the light behind the haze, what its deepest places let through while `opacity` is automatic. Pixels vary about their
-/// surroundings: nine in ten let a quarter through.
+/// Of the light behind the haze, what its deepest places let through while `opacity` is automatic. Pixels
+/// vary about their surroundings: nine in ten let a quarter through.
 constexpr float least_transmittance = 1.0f / 3;
 /// modulation_opacity over opacity while it is automatic.
 constexpr float modulation_factor = 3;
@@ -57,55 +57,80 @@ struct Parameters {
 
   void describe(ParamList& p) {
     p.add("model", model, {"express", "concentric", "base", "one_layer"})
-        .help("density of a soft point: a blended disc, nested spheres, the exact integral; or only the first soft "
-              "layer transparent")
+        .help(
+            "density of a soft point: a blended disc, nested spheres, the exact integral; or only the first "
+            "soft "
+            "layer transparent")
         .paper("Seemann 2018, Sec. 3");
-    p.add("opacity", opacity).range(0, 1)
-        .help("of a lone soft point through its centre, in every model (auto: 0.3 by uncertainty, so that a sheet of soft "
-              "points hides about half; 0.15 for what is chosen to be seen through; so much less where the haze is "
-              "deep that nine in ten of its pixels let a quarter through)")
+    p.add("opacity", opacity)
+        .range(0, 1)
+        .help(
+            "of a lone soft point through its centre, in every model (auto: 0.3 by uncertainty, so that a "
+            "sheet of soft "
+            "points hides about half; 0.15 for what is chosen to be seen through; so much less where the "
+            "haze is "
+            "deep that nine in ten of its pixels let a quarter through)")
         .paper("Seemann 2018, lambda");
     field.describe(p);
     p.add("field_threshold", field_threshold)
         .range(-1, 1)
-        .help("points with a higher field are soft (auto: so that 15 % are, by uncertainty fewer where fewer are uncertain; "
-              "field = distance: 0.5)")
+        .help(
+            "points with a higher field are soft (auto: so that 15 % are, by uncertainty fewer where fewer "
+            "are uncertain; "
+            "field = distance: 0.5)")
         .paper("Seemann 2018, t");
     p.add("modulation_threshold", modulation_threshold)
         .range(-1, 1)
-        .help("field from which a soft point has its full shape; at or below field_threshold: no modulation (auto: 95 % "
-              "of the points are below)")
+        .help(
+            "field from which a soft point has its full shape; at or below field_threshold: no modulation "
+            "(auto: 95 % "
+            "of the points are below)")
         .paper("Seemann 2018, l_m");
-    p.add("modulation_opacity", modulation_opacity).range(0, 1)
-        .help("of a soft point at the field threshold, through its centre: denser than those beyond, so that solid and soft "
-              "parts meet without an edge (auto: three times opacity, 1 at most)")
+    p.add("modulation_opacity", modulation_opacity)
+        .range(0, 1)
+        .help(
+            "of a soft point at the field threshold, through its centre: denser than those beyond, so that "
+            "solid and soft "
+            "parts meet without an edge (auto: three times opacity, 1 at most)")
         .paper("Seemann 2018, lambda of Eq. 22, Fig. 5");
     p.add("order", order, {"exact", "axis"})
         .help("express: sorted for each view, or along the nearest axis with a cross-fade (for motion)");
-    p.add("concentric_count", concentric_count).range(1, 1024).help("nested spheres of a point (auto: by its size)").paper("Seemann 2018, N");
+    p.add("concentric_count", concentric_count)
+        .range(1, 1024)
+        .help("nested spheres of a point (auto: by its size)")
+        .paper("Seemann 2018, N");
     p.add("concentric_spacing_px", concentric_spacing_px)
         .range(0.5, 64)
         .unit("px")
         .help("concentric_count = auto: a sphere for each of these, 32 at most");
     p.add("normalization", normalization, {"exact", "eq13", "eq15"})
         .help("density of nested spheres: one that tends to the Base model, or those of the paper");
-    p.add("density", density, {"radial", "uniform"}).help("model = base: densest in the middle, or constant (Eq. 3)");
+    p.add("density", density, {"radial", "uniform"})
+        .help("model = base: densest in the middle, or constant (Eq. 3)");
     p.add("epsilon", epsilon)
         .at_least(0)
         .unit("scene units")
-        .help("how far behind the nearest hit a splat still counts as the same surface (auto: 2 median spacings)")
+        .help(
+            "how far behind the nearest hit a splat still counts as the same surface (auto: 2 median "
+            "spacings)")
         .paper("Botsch 2005, epsilon");
     p.add("antialias", antialias)
-        .help("a splat covers at least a disc of 1 px radius on the screen; smaller soft points grow and thin out");
+        .help(
+            "a splat covers at least a disc of 1 px radius on the screen; smaller soft points grow and thin "
+            "out");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
-        .help("limit radii to twice what the points around have, soft points' to twice that of all of them or what nine in "
-              "ten keep, so that isolated points do not become big discs");
+        .help(
+            "limit radii to twice what the points around have, soft points' to twice that of all of them or "
+            "what nine in "
+            "ten keep, so that isolated points do not become big discs");
   }
 
-  /// Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like holes.
+  /// Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like
+  /// holes.
   float plain_opacity() const { return opacity.user.value_or(field.field == "uncertainty" ? 0.3f : 0.15f); }
-  /// The same, less where the haze of a view is deep: `depth` of it (haze_depth.h) lets `least_transmittance` through.
+  /// The same, less where the haze of a view is deep: `depth` of it (haze_depth.h) lets `least_transmittance`
+  /// through.
   float resolve_opacity(double depth) {
     const double most = 1 - std::pow(double(least_transmittance), 1 / std::max(depth, 1e-6));
     return opacity.resolve(std::min(plain_opacity(), float(most)));
@@ -151,7 +176,8 @@ class Soft final : public Technique {
     shape.field_threshold = p.field_threshold.resolve(field_.threshold);
     p.modulation_threshold.resolve(field_.modulation_threshold);
     points_.choose(frame.cloud, field_.values, shape.field_threshold);
-    const float opacity = p.resolve_opacity(p.opacity.user || points_.count() == 0 ? 0 : depth_of_haze(frame, view));
+    const float opacity =
+        p.resolve_opacity(p.opacity.user || points_.count() == 0 ? 0 : depth_of_haze(frame, view));
     SplatBlend blend;
     if (p.model == Model::one_layer) {
       shape.part = SplatPart::above;
@@ -159,8 +185,9 @@ class Soft final : public Technique {
       blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
       one_layer_.draw(frame, view, shape, blend, opacity);
     } else {
-      solid_.update(frame.cloud, field_.values, shape.field_threshold, p.field.field != "uncertainty", p.clamp_radius,
-                    nearby_.size() == field_.values.size() ? &nearby_ : nullptr, frame.progress);
+      solid_.update(frame.cloud, field_.values, shape.field_threshold, p.field.field != "uncertainty",
+                    p.clamp_radius, nearby_.size() == field_.values.size() ? &nearby_ : nullptr,
+                    frame.progress);
       blend.epsilon = p.epsilon.resolve(2 * solid_.spacing());
       draw_opaque(frame, view, shape, blend);  // Sec. 4, step 2
       if (points_.count() > 0 && opacity > 0) draw_soft(frame, view, shape);
@@ -176,14 +203,16 @@ class Soft final : public Technique {
                   parameters_.field.field.c_str(), double(parameters_.field_threshold.value()));
     lines.emplace_back(text);
     if (points_.count() == 0 && !field_.values.empty())
-      lines.emplace_back(parameters_.field.field == "class"
-                             ? "nothing is soft: no point has a class of --field-classes; --color-by classification "
-                               "--legend shows those that occur"
-                             : "nothing is soft: no point lies above --field-threshold; a lower one makes some soft");
+      lines.emplace_back(
+          parameters_.field.field == "class"
+              ? "nothing is soft: no point has a class of --field-classes; --color-by classification "
+                "--legend shows those that occur"
+              : "nothing is soft: no point lies above --field-threshold; a lower one makes some soft");
     if (parameters_.model == Model::base || parameters_.model == Model::concentric)
       lines.push_back(std::to_string(interior_.fragments()) + " fragments");
     if (const std::uint32_t count = interior_.overflows(); count > 0)
-      lines.push_back(std::to_string(count) + " times more than 64 spheres overlapped in a pixel: their order there is approximate");
+      lines.push_back(std::to_string(count) +
+                      " times more than 64 spheres overlapped in a pixel: their order there is approximate");
     return lines;
   }
 
@@ -222,7 +251,8 @@ class Soft final : public Technique {
     }
     shape.part = SplatPart::not_above;
     const SolidPart::InPlace in_place(frame.cloud, solid_);
-    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
+                  frame.timers);
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
@@ -266,7 +296,8 @@ class Soft final : public Technique {
     settings.normalization = p.normalization;
     settings.most_shells = std::max(32u, std::bit_ceil(unsigned(look.concentric_count)));
     gl::ensure(result_, "soft picture", GL_RGBA32F, view.width(), view.height());
-    interior_.draw(points_, view, surface_.nearest_t(), frame.target.color, result_, settings, as_quads, frame.timers);
+    interior_.draw(points_, view, surface_.nearest_t(), frame.target.color, result_, settings, as_quads,
+                   frame.timers);
     std::swap(result_, frame.target.color);
   }
 

@@ -48,7 +48,8 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
   radius_limit_ = std::max(2 * analysis::quantile(radii, 0.5), analysis::quantile(radii, 0.9));
 
   gl::require(count() <= std::uint64_t(gl::limits().max_texture_buffer_size),
-              std::to_string(count()) + " soft points", "larger texture buffers (or a higher field_threshold)");
+              std::to_string(count()) + " soft points",
+              "larger texture buffers (or a higher field_threshold)");
   lists_.clear();
   auto first = places_.begin();
   for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
@@ -75,9 +76,11 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
   const Phong& phong = frame.settings.phong;
   fill_.set("phong", vec4(phong.ambient, phong.diffuse, 0, 1)).set("shading", int(frame.settings.shading));
   fill_.set("opacity", look.opacity).set("field_threshold", look.field_threshold);
-  fill_.set("modulation_threshold", look.modulation_threshold).set("modulation_opacity", look.modulation_opacity);
+  fill_.set("modulation_threshold", look.modulation_threshold)
+      .set("modulation_opacity", look.modulation_opacity);
   fill_.set("smallest_px", look.antialias ? 1.0f : 0.0f);
-  fill_.set("concentric_count", look.concentric_count).set("concentric_spacing_px", look.concentric_spacing_px);
+  fill_.set("concentric_count", look.concentric_count)
+      .set("concentric_spacing_px", look.concentric_spacing_px);
   view.bind();
   solid_t.bind(binding::input);
   shapes_.buffer().bind_storage(0);
@@ -117,8 +120,10 @@ Order SoftPoints::along_axis(int axis, bool positive) {
   gl::TextureBuffer& order = axis_orders_[std::size_t(axis)];
   if (!order) {
     std::vector<std::uint32_t> keys(count());
-    for (std::uint32_t slot = 0; slot < count(); ++slot) keys[slot] = ascending(cloud_->positions[places_[slot]][axis]);
-    order = gl::TextureBuffer("order along an axis", GL_R32UI, std::span<const std::uint32_t>(radix_order(keys, initial_)));
+    for (std::uint32_t slot = 0; slot < count(); ++slot)
+      keys[slot] = ascending(cloud_->positions[places_[slot]][axis]);
+    order = gl::TextureBuffer("order along an axis", GL_R32UI,
+                              std::span<const std::uint32_t>(radix_order(keys, initial_)));
   }
   // Looking along +axis, far points have large coordinates: backwards.
   return positive ? Order{&order, int(count()) - 1, -1, count()} : Order{&order, 0, 1, count()};

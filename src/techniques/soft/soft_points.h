@@ -1,4 +1,5 @@
-// The soft points of a cloud, gathered over its chunks: spheres in eye space with their light, and their order.
+// The soft points of a cloud, gathered over its chunks: spheres in eye space with their light, and their
+// order.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ struct Look {
   bool antialias = true;
   int concentric_count = 0;  ///< 0: by size on the screen
   float concentric_spacing_px = 4;
-  SplatShape shape;          ///< radius scale and limit
+  SplatShape shape;  ///< radius scale and limit
 };
 
 /// An order of drawing: `count` slots of `list`, from `first` by `step` (1 or -1).
@@ -37,27 +38,28 @@ class SoftPoints {
   std::uint32_t count() const { return std::uint32_t(places_.size()); }
   /// Of every slot, its place in the prepared cloud.
   std::span<const std::uint32_t> places() const { return places_; }
-  /// Radius beyond which a soft point counts as isolated, scene units: twice the median of the soft points, or what
-  /// nine in ten of them keep. Not that of all points: uncertain ones lie far apart.
+  /// Radius beyond which a soft point counts as isolated, scene units: twice the median of the soft points,
+  /// or what nine in ten of them keep. Not that of all points: uncertain ones lie far apart.
   float radius_limit() const { return radius_limit_; }
-  /// Spheres in eye space, shaded; those behind `solid_t` (R32F, ray distances) are left out. `view` and light are
-  /// those of `frame`.
+  /// Spheres in eye space, shaded; those behind `solid_t` (R32F, ray distances) are left out. `view` and
+  /// light are those of `frame`.
   void update(Frame& frame, const View& view, const Look& look, const gl::Texture& solid_t);
 
   /// Far to near by distance from the camera; kept while view and points stay.
   Order far_to_near(const View& view);
-  /// Along an axis of the cloud, for a camera that looks in `sign` direction of it: far points first. Six orders
-  /// from three arrays read both ways (Seemann 2018, Sec. 4).
+  /// Along an axis of the cloud, for a camera that looks in `sign` direction of it: far points first. Six
+  /// orders from three arrays read both ways (Seemann 2018, Sec. 4).
   Order along_axis(int axis, bool positive);
 
-  /// Draws every soft point with `fragment`, in its own order or in `order`. Binds `solid_t` for the fragments.
+  /// Draws every soft point with `fragment`, in its own order or in `order`. Binds `solid_t` for the
+  /// fragments.
   void draw(gl::Program& program, bool as_quads, const gl::Texture& solid_t, const gl::State& state,
             const Order* order = nullptr);
   /// For screen passes that read the spheres: UNIT_INPUT and UNIT_INPUT + 1.
   const gl::TextureBuffer& shapes() const { return shapes_; }
   const gl::TextureBuffer& looks() const { return looks_; }
-  /// RG32UI, of every slot: first and last pixel of its box, x in the low 16 bits, y in the high ones; the last before
-  /// the first where there is nothing to draw.
+  /// RG32UI, of every slot: first and last pixel of its box, x in the low 16 bits, y in the high ones; the
+  /// last before the first where there is nothing to draw.
   const gl::TextureBuffer& boxes() const { return boxes_; }
 
  private:

@@ -33,8 +33,8 @@ PreparedCloud part_of(const PreparedCloud& prepared, const std::vector<std::uint
 
 }  // namespace
 
-void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float threshold, bool among_themselves, bool clamp,
-                       const Nearby* all, Progress& progress) {
+void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float threshold, bool among_themselves,
+                       bool clamp, const Nearby* all, Progress& progress) {
   if (serial_ == gpu.serial() && stamp_ == gpu.field_stamp() && threshold_ == threshold &&
       among_themselves_ == among_themselves && clamp_ == clamp)
     return;

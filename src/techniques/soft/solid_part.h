@@ -1,5 +1,6 @@
-// Normals and radii of the solid points. Where points were chosen to be seen through, they are measured among the solid
-// ones alone: the ground below trees is sparse, and neighbours in the leaves make it neither flat nor closed.
+// Normals and radii of the solid points. Where points were chosen to be seen through, they are measured among
+// the solid ones alone: the ground below trees is sparse, and neighbours in the leaves make it neither flat
+// nor closed.
 #pragma once
 
 #include <optional>
@@ -11,11 +12,12 @@ namespace sfumato::soft {
 
 class SolidPart {
  public:
-  /// Measures anew when the cloud, its field, the threshold or the settings changed. `among_themselves`: apart from the
-  /// soft points, where normals and radii were computed and not given. `clamp`: radii of points that stand alone are cut
-  /// to `isolated` times the expected; `all` has the surroundings of every point of the cloud.
-  void update(GpuCloud& cloud, std::span<const float> field, float threshold, bool among_themselves, bool clamp,
-              const Nearby* all, Progress& progress);
+  /// Measures anew when the cloud, its field, the threshold or the settings changed. `among_themselves`:
+  /// apart from the soft points, where normals and radii were computed and not given. `clamp`: radii of
+  /// points that stand alone are cut to `isolated` times the expected; `all` has the surroundings of every
+  /// point of the cloud.
+  void update(GpuCloud& cloud, std::span<const float> field, float threshold, bool among_themselves,
+              bool clamp, const Nearby* all, Progress& progress);
   /// Spacing of the solid points, scene units; the cloud's unless measured among themselves.
   float spacing() const { return spacing_; }
   /// While it lives the cloud has the normals and radii of the solid part.

@@ -1,11 +1,12 @@
 // Surface splatting: every point is a disc in its tangent plane, and the discs of a surface are averaged.
 //
-// M. Botsch, A. Hornung, M. Zwicker, L. Kobbelt, "High-Quality Surface Splatting on Today's GPUs", Symposium on
-// Point-Based Graphics 2005: nearest hit first, then weighted sums of everything within epsilon of it, then
-// division and lighting once a pixel. The classic that all five papers compare with.
+// M. Botsch, A. Hornung, M. Zwicker, L. Kobbelt, "High-Quality Surface Splatting on Today's GPUs", Symposium
+// on Point-Based Graphics 2005: nearest hit first, then weighted sums of everything within epsilon of it,
+// then division and lighting once a pixel. The classic that all five papers compare with.
 //
-// Where we differ: the depth that is compared is the distance along the ray and not eye depth, so that epsilon means
-// the same in the corners of a wide view; normals are averaged facing the camera, because scans know no inside.
+// Where we differ: the depth that is compared is the distance along the ray and not eye depth, so that
+// epsilon means the same in the corners of a wide view; normals are averaged facing the camera, because scans
+// know no inside.
 
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
@@ -19,7 +20,8 @@ struct Parameters {
   SplatKernel kernel = SplatKernel::wendland;
   enum class Blend { weighted, opaque } blend = Blend::weighted;
   bool antialias = true;
-  // Discs of Eq 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times 1.5, 1e-4.
+  // Discs of Eq 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times 1.5,
+  // 1e-4.
   float radius_scale = 1.5f;
   bool clamp_radius = true;
 
@@ -27,10 +29,14 @@ struct Parameters {
     p.add("epsilon", epsilon)
         .at_least(0)
         .unit("scene units")
-        .help("how far behind the nearest hit a splat still counts as the same surface (auto: 2 median spacings)")
+        .help(
+            "how far behind the nearest hit a splat still counts as the same surface (auto: 2 median "
+            "spacings)")
         .paper("Botsch 2005, epsilon");
-    p.add("kernel", kernel, {"wendland", "gaussian"}).help("weight of a hit by its distance from the splat's centre");
-    p.add("blend", blend, {"weighted", "opaque"}).help("average of the surface's splats, or the nearest disc only");
+    p.add("kernel", kernel, {"wendland", "gaussian"})
+        .help("weight of a hit by its distance from the splat's centre");
+    p.add("blend", blend, {"weighted", "opaque"})
+        .help("average of the surface's splats, or the nearest disc only");
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
@@ -55,7 +61,8 @@ class Splats final : public Technique {
     blend.kernel = parameters_.kernel;
     blend.opaque = parameters_.blend == Parameters::Blend::opaque;
 
-    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
+                  frame.timers);
 
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,

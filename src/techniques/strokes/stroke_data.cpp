@@ -30,7 +30,8 @@ void eigenvalues(const glm::dmat3& m, double out[3]) {
   double squares = 0;
   for (int k = 0; k < 3; ++k) squares += glm::dot(rest[k], rest[k]);
   const double p = std::sqrt(squares / 6);
-  const double r = p > 0 ? std::clamp(glm::determinant(rest / p) / 2, -1.0, 1.0) : 0, angle = std::acos(r) / 3;
+  const double r = p > 0 ? std::clamp(glm::determinant(rest / p) / 2, -1.0, 1.0) : 0,
+               angle = std::acos(r) / 3;
   out[0] = mean + 2 * p * std::cos(angle);
   out[2] = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
   out[1] = 3 * mean - out[0] - out[2];
@@ -73,14 +74,16 @@ std::vector<std::uint32_t> dense_labels(const std::vector<float>& labels) {
 }
 
 std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vector<Rgba8>& colors,
-                                         const std::vector<std::uint32_t>& labels, const std::vector<float>& sizes) {
+                                         const std::vector<std::uint32_t>& labels,
+                                         const std::vector<float>& sizes) {
   struct Sum {
     std::uint64_t points = 0, r = 0, g = 0, b = 0;  // whole numbers: the order of the points does not matter
     double area = 0;
     dvec3 p{0};
     glm::dmat3 pp{0};
   };
-  std::vector<Sum> sums(labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + std::size_t(1));
+  std::vector<Sum> sums(labels.empty() ? 0
+                                       : *std::max_element(labels.begin(), labels.end()) + std::size_t(1));
   for (std::size_t i = 0; i < labels.size(); ++i) {
     Sum& sum = sums[labels[i]];
     const dvec3 p(cloud.positions[i]);
@@ -97,7 +100,8 @@ std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vec
     const double n = double(sum.points);
     shapes[c].mean = {std::uint8_t(sum.r / sum.points), std::uint8_t(sum.g / sum.points),
                       std::uint8_t(sum.b / sum.points), 255};
-    shapes[c].extent = float(std::exp2(0.5 * std::round(2 * std::log2(std::max(std::sqrt(sum.area), 1e-30)))));
+    shapes[c].extent =
+        float(std::exp2(0.5 * std::round(2 * std::log2(std::max(std::sqrt(sum.area), 1e-30)))));
     double l[3];
     eigenvalues(sum.pp / n - glm::outerProduct(sum.p / n, sum.p / n), l);
     const double elongation = l[1] > 0 ? std::sqrt(l[0] / l[1]) : 1;
@@ -121,8 +125,8 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, double quantum, Progre
     const std::vector<ClusterShape> shapes = cluster_shapes(points, cloud.colors(), labels, sizes);
     const std::vector<vec3> wide =
         tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
-    // What has no support was capped (analysis/stroke_attributes.h). Sparse ends of a scan: eight times the median still
-    // closes what is 64 times as sparse.
+    // What has no support was capped (analysis/stroke_attributes.h). Sparse ends of a scan: eight times the
+    // median still closes what is 64 times as sparse.
     std::vector<float> sorted = sizes;
     const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
@@ -138,17 +142,19 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, double quantum, Progre
         const vec3 n = points.normals[i];
         const auto axis = tangent == Tangent::automatic ? analysis::unpack_axis(axes[i]) : std::nullopt;
         const TangentFrame frame = axis ? frame_along(n, *axis)
-                                   : tangent == Tangent::automatic || tangent == Tangent::householder ? householder_frame(n)
-                                   : tangent == Tangent::eberly    ? eberly_frame(n)
-                                                                   : frame_along(n, wide[i]);
+                                   : tangent == Tangent::automatic || tangent == Tangent::householder
+                                       ? householder_frame(n)
+                                   : tangent == Tangent::eberly ? eberly_frame(n)
+                                                                : frame_along(n, wide[i]);
         tangents[k] = vec4(frame.along, std::min(sizes[i], most));
         const ClusterShape& shape = shapes[labels[i]];
         traits[k] = {seed_of(points.world(i), quantum), std::bit_cast<std::uint32_t>(shape.mean),
                      std::bit_cast<std::uint32_t>(shape.extent),
                      glm::packHalf2x16(glm::min(vec2(rooms[i], details[i]) / tangents[k].w, largest_half))};
       }
-      chunks_.push_back({gl::TextureBuffer("stroke tangents", GL_RGBA32F, std::span<const vec4>(tangents)),
-                         gl::TextureBuffer("stroke traits", GL_RGBA32UI, std::span<const glm::uvec4>(traits))});
+      chunks_.push_back(
+          {gl::TextureBuffer("stroke tangents", GL_RGBA32F, std::span<const vec4>(tangents)),
+           gl::TextureBuffer("stroke traits", GL_RGBA32UI, std::span<const glm::uvec4>(traits))});
     }
   }
   serial_ = cloud.serial();

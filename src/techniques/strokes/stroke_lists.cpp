@@ -37,7 +37,8 @@ void StrokeLists::build(const View& view, StrokeSet& strokes, const BrushPicture
     gl::ensure(sums.rest, "sum of distances", GL_R32F, width, height);
   }
   // The pictures agree but for rounding.
-  on_cpu_ = order == StrokeOrder::stroke && gl::place_of_work(gl::preferences().stroke_lists) == gl::Place::cpu;
+  on_cpu_ =
+      order == StrokeOrder::stroke && gl::place_of_work(gl::preferences().stroke_lists) == gl::Place::cpu;
   if (on_cpu_)
     cpu_.begin(view, strokes, brush);
   else
@@ -75,9 +76,7 @@ void StrokeLists::make_room(std::uint64_t fragments) {
   fragments_ = {};  // before the new one, so that both never exist at once
   fragments_ = gl::TextureBuffer("fragments", GL_RGBA32UI, fragments * fragment_bytes);
 }
-std::uint64_t StrokeLists::room() const {
-  return fragments_.buffer().bytes() / fragment_bytes;
-}
+std::uint64_t StrokeLists::room() const { return fragments_.buffer().bytes() / fragment_bytes; }
 
 void StrokeLists::find_opaque(const View& view, StrokeSet& strokes, const BrushPicture& brush) {
   gl::ensure(opaque_depth_, "nearest opaque stroke", GL_DEPTH_COMPONENT32F, view.width(), view.height());
@@ -183,7 +182,8 @@ std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, con
   before_opaque_state(gl::State::Blend::off).apply();
   opaque_depth_.bind(binding::input + 2);
   heads_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
-  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                     GL_RGBA32UI);
   gl::Program& program = made(store_[int(order_)], "STROKE_STORE", order_);
   program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(room()));
   draw(strokes, program, brush);
@@ -202,7 +202,8 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   view.bind();
   unfinished_.bind_storage(0);
   heads_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
-  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE,
+                     GL_RGBA32UI);
   strokes.records().bind(binding::input);
   const Sums& before = sums_[current_];
   Sums& after = sums_[1 - current_];

@@ -13,15 +13,17 @@ namespace {
 
 constexpr unsigned group_size = Compaction::group_size;
 
-/// Makes the batches whose strokes the view may see the chunk's visible ones; returns the groups of the largest.
+/// Makes the batches whose strokes the view may see the chunk's visible ones; returns the groups of the
+/// largest.
 unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view, float least_length) {
   std::vector<glm::uvec2> ranges;
   for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
     const Batch& batch = cloud.prepared().batches[chunk.first_batch + b];
     const vec3 middle = 0.5f * (batch.box_min + batch.box_max);
-    const double away = -(view.eye_from_cloud() * glm::dvec4(middle, 1)).z +
-                        0.5 * glm::length(batch.box_max - batch.box_min);
-    const double pixel = (view.camera().orthographic() ? 1 : std::max(away, 0.0)) / view.camera().pixels_per_unit();
+    const double away =
+        -(view.eye_from_cloud() * glm::dvec4(middle, 1)).z + 0.5 * glm::length(batch.box_max - batch.box_min);
+    const double pixel =
+        (view.camera().orthographic() ? 1 : std::max(away, 0.0)) / view.camera().pixels_per_unit();
     const vec3 reach(std::max(16 * batch.spacing, float(2 * least_length * view.height() * pixel)));
     if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
     ranges.emplace_back(batch.first - chunk.first, batch.count);
@@ -49,7 +51,9 @@ void BrushPicture::update(const Brush& brush) {
   paint_.set("brush_kind", int(brush.kind)).set("brush_grid", ivec2(brush.columns, brush.rows));
   paint_.set("amplitude", brush.amplitude).set("center_separation", brush.center_separation);
   paint_.set("shape_exponent", brush.shape_exponent).set("sigma", vec2(brush.sigma_x, brush.sigma_y));
-  paint_.set("noise", glm::radians(brush.noise_deg)).set("bristles", brush.bristles).set("tile_size", tile_size);
+  paint_.set("noise", glm::radians(brush.noise_deg))
+      .set("bristles", brush.bristles)
+      .set("tile_size", tile_size);
   paint_.run({}, {&plain_});
   slopes_.run({&plain_}, {&picture_});
   glGenerateTextureMipmap(picture_.id());
@@ -68,7 +72,8 @@ void BrushPicture::measure() {
       for (int x = 0; x < image.width(); ++x) {
         const int at[2] = {x % n, y % n};
         for (int axis = 0; axis < 2; ++axis) {
-          float& most = profiles_[level][axis][std::size_t(at[axis] < n / 2 ? n / 2 - 1 - at[axis] : at[axis] - n / 2)];
+          float& most =
+              profiles_[level][axis][std::size_t(at[axis] < n / 2 ? n / 2 - 1 - at[axis] : at[axis] - n / 2)];
           most = std::max(most, image.at(x, y).x);
         }
       }
@@ -84,8 +89,10 @@ BrushPicture::Reach BrushPicture::reach(float alpha) const {
       while (k > 0 && most[k - 1] < alpha) --k;
       float texels = float(most.size());
       // Linear between the middles of texels; a trace more for rounding.
-      if (k == 0) texels = 0;
-      else if (k < most.size()) texels = float(k) - 0.45f + (most[k - 1] - alpha) / (most[k - 1] - most[k]);
+      if (k == 0)
+        texels = 0;
+      else if (k < most.size())
+        texels = float(k) - 0.45f + (most[k - 1] - alpha) / (most[k - 1] - most[k]);
       (axis == 0 ? out.along : out.across)[level] = texels / float(most.size());
     }
   return out;
@@ -93,7 +100,9 @@ BrushPicture::Reach BrushPicture::reach(float alpha) const {
 
 void StrokeSet::set_sizes(gl::Program& program) const {
   program.set("stroke_aspect", look_.aspect).set("stroke_share", share_).set("coverage", look_.coverage);
-  program.set("least_length", least_half_length(look_, share_)).set("two_layers", two_layers_).set("detail", look_.detail);
+  program.set("least_length", least_half_length(look_, share_))
+      .set("two_layers", two_layers_)
+      .set("detail", look_.detail);
 }
 
 std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData& data, const View& view) {
@@ -131,8 +140,9 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
                 "larger texture buffers (or a larger --stroke-length, or --max-points)");
     if (records_.buffer().bytes() < bytes) {
       gl::TextureBuffer larger("strokes", GL_RGBA32UI, bytes + bytes / 3);
-      if (count_ > 0) glCopyNamedBufferSubData(records_.buffer().id(), larger.buffer().id(), 0, 0,
-                                               GLsizeiptr(count_ * record_texels * 16));
+      if (count_ > 0)
+        glCopyNamedBufferSubData(records_.buffer().id(), larger.buffer().id(), 0, 0,
+                                 GLsizeiptr(count_ * record_texels * 16));
       gl::Buffer more_keys("distances of strokes", larger.buffer().bytes() / (record_texels * 16) * 4);
       if (count_ > 0) glCopyNamedBufferSubData(keys_.id(), more_keys.id(), 0, 0, GLsizeiptr(count_ * 4));
       records_ = std::move(larger);
@@ -149,7 +159,9 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     records_.buffer().bind_storage(0);
     keys_.bind_storage(1);
     set_sizes(setup_);
-    setup_.set("stroke_count", int(count)).set("first_record", int(count_)).set("noise", glm::radians(noise_deg));
+    setup_.set("stroke_count", int(count))
+        .set("first_record", int(count_))
+        .set("noise", glm::radians(noise_deg));
     setup_.set("opacity", look.opacity).set("variation", strict ? 0.0f : look.variation);
     setup_.set("saturation", strict ? 1.0f : look.saturation);
     setup_.set("flatten", strict ? 0.0f : look.flatten).set("second_lightness", strict ? 0.0f : 0.08f);
@@ -175,7 +187,8 @@ void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
     hide_ = gl::Program::compute("techniques/strokes/stroke_elements.comp", {"HIDE"});
     farthest_ = ScreenPass("techniques/strokes/farthest_opaque.glsl", {GL_R32F});
   }
-  gl::ensure(farthest_depth_, "farthest opaque stroke", GL_R32F, (view.width() + 7) / 8, (view.height() + 7) / 8);
+  gl::ensure(farthest_depth_, "farthest opaque stroke", GL_R32F, (view.width() + 7) / 8,
+             (view.height() + 7) / 8);
   gl::grow(visible_elements_, "corners of visible strokes", std::size_t(count_) * 24);
   view.bind();
   farthest_.run({&opaque_depth}, {&farthest_depth_});

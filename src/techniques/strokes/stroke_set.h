@@ -19,7 +19,8 @@ constexpr std::size_t record_texels = 6;
 constexpr float seen_alpha = 0.004f, opaque_alpha = 0.9951f;
 constexpr std::uint32_t no_fragment = 0xffffffffu;  ///< ends a list
 
-/// 8 x 8 variants of a brush, 64 px each, with levels. RGBA32F: alpha, height, slopes of the height along and across.
+/// 8 x 8 variants of a brush, 64 px each, with levels. RGBA32F: alpha, height, slopes of the height along and
+/// across.
 class BrushPicture {
  public:
   static constexpr int tiles = 8, tile_size = 64, levels = 4;
@@ -47,9 +48,10 @@ class BrushPicture {
 
 class StrokeSet {
  public:
-  /// Chooses and sets up the strokes that `view` sees. `strict`: in the colours of the cloud, whatever the look.
-  void update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look, const BrushPicture& brush,
-              float noise_deg, bool two_layers, bool strict);
+  /// Chooses and sets up the strokes that `view` sees. `strict`: in the colours of the cloud, whatever the
+  /// look.
+  void update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look,
+              const BrushPicture& brush, float noise_deg, bool two_layers, bool strict);
   std::uint32_t count() const { return count_; }
   const gl::TextureBuffer& records() const { return records_; }
   /// R32UI: strokes from near to far.
@@ -59,7 +61,8 @@ class StrokeSet {
   void draw(gl::Program& program, const BrushPicture& brush, float least_alpha) const {
     draw(program, brush, least_alpha, elements_);
   }
-  /// Finds the strokes that the opaque strokes hide. `opaque_depth`: window depths of whole strokes (stroke.vert).
+  /// Finds the strokes that the opaque strokes hide. `opaque_depth`: window depths of whole strokes
+  /// (stroke.vert).
   void hide(const View& view, const gl::Texture& opaque_depth);
   /// Draws those that `hide` left.
   void draw_visible(gl::Program& program, const BrushPicture& brush, float least_alpha) const {
@@ -69,7 +72,8 @@ class StrokeSet {
  private:
   std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
   void set_sizes(gl::Program& program) const;
-  void draw(gl::Program& program, const BrushPicture& brush, float least_alpha, const gl::Buffer& elements) const;
+  void draw(gl::Program& program, const BrushPicture& brush, float least_alpha,
+            const gl::Buffer& elements) const;
   gl::Program select_, setup_;
   Compaction chosen_;  ///< of a chunk
   gl::TextureBuffer records_;

@@ -1,14 +1,15 @@
 // Stroke-based splatting: a scan becomes a painting.
 //
-// R. K. dos Anjos, C. S. Ribeiro, D. Simões Lopes, J. Madeiras Pereira, "Stroke-based splatting: an efficient multi-resolution
-// point cloud visualization technique", 2017: every point is a brush stroke in its tangent plane, a sum of Gaussians
-// whose columns turn at random; strokes follow the clusters of the cloud; they are blurred while the picture moves and
-// sorted in an A-buffer when it stands still.
+// R. K. dos Anjos, C. S. Ribeiro, D. Simões Lopes, J. Madeiras Pereira, "Stroke-based splatting: an efficient
+// multi-resolution point cloud visualization technique", 2017: every point is a brush stroke in its tangent
+// plane, a sum of Gaussians whose columns turn at random; strokes follow the clusters of the cloud; they are
+// blurred while the picture moves and sorted in an A-buffer when it stands still.
 //
-// Where we differ: strokes have at least a size on the screen, and as many points as that needs become strokes,
-// chosen by a hash of their place, so that a dense scan is painted and not textured; whole strokes are stacked in one
-// order (the paper sorts each pixel, so that large strokes interleave); fragments behind an opaque one are not stored,
-// and lists are as long as they need to be; paint has a relief, lit by the shared shading pass.
+// Where we differ: strokes have at least a size on the screen, and as many points as that needs become
+// strokes, chosen by a hash of their place, so that a dense scan is painted and not textured; whole strokes
+// are stacked in one order (the paper sorts each pixel, so that large strokes interleave); fragments behind
+// an opaque one are not stored, and lists are as long as they need to be; paint has a relief, lit by the
+// shared shading pass.
 
 #include <algorithm>
 
@@ -23,8 +24,8 @@ namespace {
 
 using namespace strokes;
 
-/// Whether `drawn` are a scan's own colours, as they are or with another exposure: each channel then follows from itself and
-/// the strongest (core/coloring.h).
+/// Whether `drawn` are a scan's own colours, as they are or with another exposure: each channel then follows
+/// from itself and the strongest (core/coloring.h).
 bool are_own(const std::vector<Rgba8>& own, const std::vector<Rgba8>& drawn) {
   if (own.empty() || own.size() != drawn.size()) return false;
   std::vector<std::int16_t> shown(std::size_t(256) * 256, -1);
@@ -87,8 +88,8 @@ class Strokes final : public Technique {
   /// Anything but the lit picture shows the cloud's own colours, or no colours.
   static bool strict(const Frame& frame) { return frame.settings.shading != Shading::lit; }
 
-  /// Light when the colours show an attribute; a scan's own were lit when it was taken, and no material is known
-  /// (dos Anjos 2017, Sec. 5.2).
+  /// Light when the colours show an attribute; a scan's own were lit when it was taken, and no material is
+  /// known (dos Anjos 2017, Sec. 5.2).
   bool lit(const Frame& frame) {
     if (frame.settings.shading != Shading::lit) return false;
     if (parameters_.lighting != Lighting::automatic) return parameters_.lighting == Lighting::on;
@@ -101,7 +102,8 @@ class Strokes final : public Technique {
 
   void build(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("list fragments");
-    lists_.build(view, strokes_, brush_, parameters_.stroke_order, std::uint64_t(parameters_.fragment_memory) << 20);
+    lists_.build(view, strokes_, brush_, parameters_.stroke_order,
+                 std::uint64_t(parameters_.fragment_memory) << 20);
     if (lists_.bands() > 1)
       notes_.push_back(std::to_string(lists_.fragments()) + " fragments exceed fragment_memory: sorted in " +
                        std::to_string(lists_.bands()) + " bands, none left out");
@@ -118,12 +120,14 @@ class Strokes final : public Technique {
 
   /// The picture so far: sums to a surface, lit.
   void finish(Frame& frame, const View& view, bool is_final) {
-    if (!finish_) finish_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+    if (!finish_)
+      finish_ = ScreenPass("techniques/strokes/finish_paint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
     gl::ensure(albedo_, "albedo", GL_RGBA32F, view.width(), view.height());
     view.bind();
     const StrokeLists::Sums& sums = lists_.sums();
     set_even_light(frame, finish_);
-    finish_.run({&sums.color, &sums.normal, &sums.rest}, {&albedo_, &frame.target.depth, &frame.target.normal});
+    finish_.run({&sums.color, &sums.normal, &sums.rest},
+                {&albedo_, &frame.target.depth, &frame.target.normal});
     if (parameters_.underpainting && is_final) underpaint(frame, view);
     shade(frame, view);
   }
@@ -137,7 +141,8 @@ class Strokes final : public Technique {
   void underpaint(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("underpaint");
     const int width = view.width(), height = view.height();
-    if (!underpaint_) underpaint_ = ScreenPass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+    if (!underpaint_)
+      underpaint_ = ScreenPass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
     gl::ensure(under_albedo_, "underpainted albedo", GL_RGBA32F, width, height);
     gl::ensure(under_depth_, "underpainted depth", GL_R32F, width, height);
     gl::ensure(under_normal_, "underpainted normals", GL_RGBA32F, width, height);
@@ -145,7 +150,8 @@ class Strokes final : public Technique {
     underpaint_.set("reach", std::clamp(int(std::lround(stroke_width)), 3, 12));
     underpaint_.set("spacing", frame.cloud.median_spacing());
     view.bind();
-    underpaint_.run({&albedo_, &frame.target.depth, &frame.target.normal}, {&under_albedo_, &under_depth_, &under_normal_});
+    underpaint_.run({&albedo_, &frame.target.depth, &frame.target.normal},
+                    {&under_albedo_, &under_depth_, &under_normal_});
     std::swap(albedo_, under_albedo_);
     std::swap(frame.target.depth, under_depth_);
     std::swap(frame.target.normal, under_normal_);
@@ -155,10 +161,12 @@ class Strokes final : public Technique {
     auto timing = frame.timers.scope("shade");
     RenderSettings settings = frame.settings;
     settings.phong.specular.user = parameters_.gloss;
-    if (settings.shading == Shading::lit && !lit(frame)) settings.shading = Shading::albedo;  // set_even_light
+    if (settings.shading == Shading::lit && !lit(frame))
+      settings.shading = Shading::albedo;  // set_even_light
     shade_.run(view, settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
-    if (frame.settings.shading == Shading::lit && (look_.medium != Medium::paint || look_.canvas > 0)) put_on_ground(frame, view);
+    if (frame.settings.shading == Shading::lit && (look_.medium != Medium::paint || look_.canvas > 0))
+      put_on_ground(frame, view);
   }
 
   void put_on_ground(Frame& frame, const View& view) {
@@ -184,7 +192,8 @@ class Strokes final : public Technique {
       if (!program) {
         gl::Defines defines{"STROKE_NEAREST"};
         if (parameters_.stroke_order == StrokeOrder::fragment) defines.push_back("FRAGMENT_ORDER");
-        program = gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
+        program =
+            gl::Program::raster("techniques/strokes/stroke.vert", "techniques/strokes/stroke.frag", defines);
       }
       view.bind();
       gl::Framebuffer framebuffer({&nearest_}, &nearest_depth_);

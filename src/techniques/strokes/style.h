@@ -29,11 +29,11 @@ struct Brush {
 float covered_share(const Brush& brush);
 
 struct Look {
-  float aspect = 1;           ///< length / width of the quad
-  float length_percent = 4;   ///< length of the painted part, of the image's height
-  float coverage = 5;         ///< strokes over a point of the surface
+  float aspect = 1;          ///< length / width of the quad
+  float length_percent = 4;  ///< length of the painted part, of the image's height
+  float coverage = 5;        ///< strokes over a point of the surface
   float opacity = 1, relief = 0, variation = 0, saturation = 1, flatten = 0;
-  float detail = 1;           ///< how much strokes shrink for it
+  float detail = 1;  ///< how much strokes shrink for it
   float divided_color = 0, canvas = 0;
   Medium medium = Medium::paint;
 };
@@ -45,7 +45,8 @@ struct Parameters {
   BrushKind brush = BrushKind::gaussians;
   Auto<int> brush_rows, brush_columns;
   Auto<float> amplitude, center_separation, shape_exponent, sigma_x, sigma_y, orientation_noise, bristles;
-  Auto<float> stroke_aspect, stroke_length, coverage, opacity, relief, variation, saturation, flatten, detail, divided_color, canvas;
+  Auto<float> stroke_aspect, stroke_length, coverage, opacity, relief, variation, saturation, flatten, detail,
+      divided_color, canvas;
   Medium medium = Medium::automatic;
   Lighting lighting = Lighting::automatic;
   float gloss = 0;

@@ -16,9 +16,12 @@ TangentFrame householder_frame(const vec3& n) {  // (dos Anjos 2017, Alg. 1, cor
 TangentFrame eberly_frame(const vec3& n) {
   const vec3 a = glm::abs(n);
   vec3 t;
-  if (a.x >= a.y && a.x >= a.z) t = {n.y, -n.x, 0};
-  else if (a.y >= a.z) t = {0, n.z, -n.y};
-  else t = {-n.z, 0, n.x};
+  if (a.x >= a.y && a.x >= a.z)
+    t = {n.y, -n.x, 0};
+  else if (a.y >= a.z)
+    t = {0, n.z, -n.y};
+  else
+    t = {-n.z, 0, n.x};
   t = glm::normalize(t);
   return {t, glm::cross(n, t)};
 }

@@ -24,7 +24,8 @@ void HiddenPoints::run_squares(const NearestPyramid& pyramid, Options options) {
   run(pyramid.squares(), coarse, NearestPyramid::levels - 1, options);
 }
 
-void HiddenPoints::run(const gl::Texture& points, const gl::Texture& coarse, int levels, const Options& options) {
+void HiddenPoints::run(const gl::Texture& points, const gl::Texture& coarse, int levels,
+                       const Options& options) {
   if (!choose_level_) choose_level_ = ScreenPass("techniques/surface/removal_level.glsl", {GL_R32F});
   gl::ensure(level_, "removal level", GL_R32F, coarse.width(), coarse.height());
   choose_level_.set("coarse_level", options.coarse_level).set("levels", levels);
@@ -36,8 +37,11 @@ void HiddenPoints::run(const gl::Texture& points, const gl::Texture& coarse, int
   const int top_level = levels - 1;
   if (!find_tiles_) find_tiles_ = ScreenPass("techniques/surface/tiles_in_reach.glsl", {GL_R8});
   gl::ensure(tiles_, "tiles in reach", GL_R8, points.width() >> tile_level_, points.height() >> tile_level_);
-  find_tiles_.set("tile_level", tile_level_).set("coarse_level", options.coarse_level).set("top_level", top_level);
-  find_tiles_.set("gap_level", gap_level).set("window_level", window ? std::log2(float(options.window_radius)) : 0);
+  find_tiles_.set("tile_level", tile_level_)
+      .set("coarse_level", options.coarse_level)
+      .set("top_level", top_level);
+  find_tiles_.set("gap_level", gap_level)
+      .set("window_level", window ? std::log2(float(options.window_radius)) : 0);
   find_tiles_.run({&points, &level_}, {&tiles_});
   if (gl::limits().software) glFinish();  // see Tiles::on
 
@@ -53,7 +57,9 @@ void HiddenPoints::run(const gl::Texture& points, const gl::Texture& coarse, int
   }
   pass.set("coarse_level", options.coarse_level).set("top_level", top_level);
   pass.set("window_radius", options.window_radius).set("gap_level", gap_level);
-  pass.set("disc_radius", options.disc_radius).set("disc_level", options.disc_level).set("threshold", options.point_threshold());
+  pass.set("disc_radius", options.disc_radius)
+      .set("disc_level", options.disc_level)
+      .set("threshold", options.point_threshold());
   gl::ensure(mean_, "mean occlusion", GL_R32F, points.width(), points.height());
   gl::ensure(visible_, "visible points", GL_RGBA32F, points.width(), points.height());
   if (options.count_fetches) {

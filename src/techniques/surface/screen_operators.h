@@ -1,5 +1,5 @@
-// The operators of `surface` on the screen, apart from the shared pyramids: which pixels are holes, and normals of
-// several sizes.
+// The operators of `surface` on the screen, apart from the shared pyramids: which pixels are holes, and
+// normals of several sizes.
 #pragma once
 
 #include <vector>
@@ -16,15 +16,16 @@ class HiddenPoints {
  public:
   struct Options {
     Removal method = Removal::pyramid;  ///< `none` finds holes like `pyramid`
-    float threshold = 0.1f;    ///< mean occlusion below which a pixel is a hole
+    float threshold = 0.1f;             ///< mean occlusion below which a pixel is a hole
     int coarse_level = 4;
     float removal_scale = 10;  ///< s_hpr / s_0
     float gap_scale = 5;       ///< the same for pixels without a point: how wide gaps are closed
-    float disc_radius = 0.65f; ///< what lies behind a point within this many spacings on the screen is hidden
+    float disc_radius =
+        0.65f;  ///< what lies behind a point within this many spacings on the screen is hidden
     /// A level whose squares are as wide as the radius of any disc on the screen: discs need no coarser ones.
     int disc_level = NearestPyramid::levels - 1;
-    int window_radius = 25;    ///< px
-    bool holes = true;         ///< pixels without a point as well
+    int window_radius = 25;  ///< px
+    bool holes = true;       ///< pixels without a point as well
     bool count_fetches = false;
     float point_threshold() const { return method == Removal::none ? -1 : threshold; }
   };
@@ -53,8 +54,8 @@ class HiddenPoints {
 /// Normals of every push level (Bouchiba 2018, Sec. 3.3), for a trilinear lookup.
 class LevelNormals {
  public:
-  /// RGBA32F with levels: eye-space unit normals of the depths in `filled` (`a.x`), levels first..last only. The
-  /// view is bound.
+  /// RGBA32F with levels: eye-space unit normals of the depths in `filled` (`a.x`), levels first..last only.
+  /// The view is bound.
   const gl::Texture& run(const std::vector<PullPush::Level>& filled, int first, int last);
   const gl::Texture& level(int l) const { return views_[std::size_t(l)]; }
 

@@ -1,14 +1,15 @@
 // Raw points as a smooth lit surface, with nothing precomputed.
 //
-// Bouchiba, Deschaud, Goulette 2018, "Raw point cloud deferred shading through screen space pyramidal operators",
-// Eurographics short papers. One pixel per point; a pyramid of nearest points tells which of them are seen through
-// the surface in front; what is left closes the gaps.
+// Bouchiba, Deschaud, Goulette 2018, "Raw point cloud deferred shading through screen space pyramidal
+// operators", Eurographics short papers. One pixel per point; a pyramid of nearest points tells which of them
+// are seen through the surface in front; what is left closes the gaps.
 //
-// By default it does so as oriented discs, found in a pyramid of centroids (discs.h): the paper's pull-push and its
-// normals from push levels know the grid of the screen, and show it (docs/adr/0020-surface-fills-with-discs.md).
-// `filling pull_push` is the paper's way; where that differs from the paper: the point spacing s_0 is measured and
-// varies over the screen, levels are interpolated, the background is infinitely far instead of on the far plane, weights
-// have a gain of 4, normals next to depth edges lean on the flatter side.
+// By default it does so as oriented discs, found in a pyramid of centroids (discs.h): the paper's pull-push
+// and its normals from push levels know the grid of the screen, and show it
+// (docs/adr/0020-surface-fills-with-discs.md). `filling pull_push` is the paper's way; where that differs
+// from the paper: the point spacing s_0 is measured and varies over the screen, levels are interpolated, the
+// background is infinitely far instead of on the far plane, weights have a gain of 4, normals next to depth
+// edges lean on the flatter side.
 
 #include <algorithm>
 #include <cmath>
@@ -43,23 +44,31 @@ class SurfaceTechnique final : public Technique {
         .help("distance between neighbouring points; auto: measured, and different from region to region")
         .paper("Bouchiba 2018, s_0");
     p.add("filling", filling_, {"discs", "pull_push"})
-        .help("discs: each visible point stands for a disc in the plane of its neighbours; pull_push: pyramids of "
-              "weighted means, as in the paper")
+        .help(
+            "discs: each visible point stands for a disc in the plane of its neighbours; pull_push: pyramids "
+            "of "
+            "weighted means, as in the paper")
         .paper("Bouchiba 2018, Sec. 3.2");
     p.add("disc_scale", discs_options_.disc_scale)
         .range(0.1, 10)
         .unit("point spacings")
         .help("radius of a disc");
     p.add("hidden_point_removal", removal_.method, {"pyramid", "window", "none"})
-        .help("pyramid: by depth, fast; window: every pixel around (Pintus 2011); none: points behind shine through");
+        .help(
+            "pyramid: by depth, fast; window: every pixel around (Pintus 2011); none: points behind shine "
+            "through");
     p.add("occlusion_threshold", removal_.threshold)
         .range(0, 1)
-        .help("mean sector occlusion below which a pixel counts as hidden; above 0.125 one open side is not enough")
+        .help(
+            "mean sector occlusion below which a pixel counts as hidden; above 0.125 one open side is not "
+            "enough")
         .paper("Bouchiba 2018, Sec. 3.1.2");
     p.add("removal_scale", removal_scale_)
         .range(0.1, 1000)
         .unit("point spacings")
-        .help("how far occluders are looked for; auto: 10 with pull_push, 4 with discs, which hide what is behind them")
+        .help(
+            "how far occluders are looked for; auto: 10 with pull_push, 4 with discs, which hide what is "
+            "behind them")
         .paper("Bouchiba 2018, s_hpr / s_0");
     p.add("gap_scale", removal_.gap_scale)
         .range(0.1, 1000)
@@ -68,17 +77,24 @@ class SurfaceTechnique final : public Technique {
     p.add("disc_radius", removal_.disc_radius)
         .range(0, 4)
         .unit("point spacings")
-        .help("with pull_push, piece of the surface that a point stands for: at outlines, where one side is open, what is behind it "
-              "is hidden all the same");
+        .help(
+            "with pull_push, piece of the surface that a point stands for: at outlines, where one side is "
+            "open, what is behind it "
+            "is hidden all the same");
     p.add("depth_edge", depth_edge_)
         .range(0, 1000)
         .unit("depth over width")
-        .help("with pull_push, filled colours and depths do not mix across steeper jumps of depth; 0: they do, as in the paper");
+        .help(
+            "with pull_push, filled colours and depths do not mix across steeper jumps of depth; 0: they do, "
+            "as in the paper");
     p.add("coarse_level", removal_.coarse_level)
         .range(0, NearestPyramid::levels - 1)
         .help("pyramid level that serves as coarse depth map")
         .paper("Bouchiba 2018, Sec. 3.1.2");
-    p.add("window_radius", removal_.window_radius).range(1, 64).unit("px").help("reach of hidden_point_removal = window");
+    p.add("window_radius", removal_.window_radius)
+        .range(1, 64)
+        .unit("px")
+        .help("reach of hidden_point_removal = window");
     p.add("normal_scale", normal_scale_)
         .range(0, 1000)
         .unit("point spacings")
@@ -103,8 +119,8 @@ class SurfaceTechnique final : public Technique {
     // One pixel per point (Sec. 3), each with the spacing around it.
     to_pixels_.draw(frame.cloud, wide, {SizeMode::pixels, 1}, layer_, frame.timers);
     const float same_spacing = point_spacing_.is_auto() ? 0 : point_spacing_.value();
-    to_pixels_.resolve_eye(frame.cloud, wide, layer_, pyramid_.points(camera.width, camera.height), same_spacing,
-                           frame.timers);
+    to_pixels_.resolve_eye(frame.cloud, wide, layer_, pyramid_.points(camera.width, camera.height),
+                           same_spacing, frame.timers);
     wide.bind();
     {
       auto timing = frame.timers.scope("pyramid");  // Sec. 3.1.1
@@ -113,8 +129,10 @@ class SurfaceTechnique final : public Technique {
     {
       auto timing = frame.timers.scope("hidden point removal");  // Sec. 3.1.2
       removal_.disc_level = highest_level(removal_.disc_radius, frame);
-      if (filling_ == Filling::discs) hidden_points_.run_squares(pyramid_, removal_);
-      else hidden_points_.run(pyramid_, removal_);
+      if (filling_ == Filling::discs)
+        hidden_points_.run_squares(pyramid_, removal_);
+      else
+        hidden_points_.run(pyramid_, removal_);
     }
     const Tiles tiles = hidden_points_.tiles();
     if (filling_ == Filling::discs) {
@@ -123,7 +141,8 @@ class SurfaceTechnique final : public Technique {
     }
     const auto [first, last] = normal_levels(frame);
     {
-      auto timing = frame.timers.scope("pull-push");  // Sec. 3.2; the last step, to level 0, is left to compose
+      auto timing =
+          frame.timers.scope("pull-push");  // Sec. 3.2; the last step, to level 0, is left to compose
       pull_push_.run(hidden_points_.visible(), layer_.shadowed, depth_edge_, std::min(first, 1), &tiles);
     }
     const gl::Texture* normals;
@@ -167,13 +186,17 @@ class SurfaceTechnique final : public Technique {
     if (frame.is_finished) Finish::set(pass, settings);
     set_light_uniforms(pass.program(), view, settings, frame.light, frame.cloud.prepared().cloud.origin);
     pass.set("offset", tiles.offset).set("point_threshold", removal_.point_threshold());
-    pass.set("crack_scale", 0.8f * removal_.gap_scale / removal_.removal_scale).set("coarse_level", std::max(1, removal_.coarse_level));
-    pass.set("has_shadow", discs_options_.with_shadow).set("ambient_occlusion", discs_options_.ambient_occlusion);
+    pass.set("crack_scale", 0.8f * removal_.gap_scale / removal_.removal_scale)
+        .set("coarse_level", std::max(1, removal_.coarse_level));
+    pass.set("has_shadow", discs_options_.with_shadow)
+        .set("ambient_occlusion", discs_options_.ambient_occlusion);
     const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
-    const auto run = [&](std::initializer_list<const gl::Texture*> targets, std::initializer_list<vec4> background) {
-      pass.run(tiles, {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-                       &discs_.color_sum(), &discs_.normal_sum(), &shadow,
-                       &discs_.about(Discs::openness_level)}, targets, background);
+    const auto run = [&](std::initializer_list<const gl::Texture*> targets,
+                         std::initializer_list<vec4> background) {
+      pass.run(tiles,
+               {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
+                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.about(Discs::openness_level)},
+               targets, background);
     };
     view.bind();
     if (frame.is_finished)
@@ -183,7 +206,8 @@ class SurfaceTechnique final : public Technique {
           {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
   }
 
-  /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the picture.
+  /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the
+  /// picture.
   void compose(Frame& frame, const View& wide, const Tiles& tiles, const gl::Texture& normals,
                const vec2& normal_levels) {
     const RenderSettings& settings = frame.settings;
@@ -204,9 +228,12 @@ class SurfaceTechnique final : public Technique {
     const PullPush::Level& filled = pull_push_.filled()[1];
     gl::Texture& coarse = pull_push_.filled()[occlusion_level].a;
     coarse.set_linear_filter();
-    const auto run = [&](std::initializer_list<const gl::Texture*> targets, std::initializer_list<vec4> background) {
-      pass.run(tiles, {&hidden_points_.visible(), &layer_.shadowed, &filled.a, &filled.b, &pyramid_.texture(),
-                       &hidden_points_.mean(), &normals, &coarse}, targets, background);
+    const auto run = [&](std::initializer_list<const gl::Texture*> targets,
+                         std::initializer_list<vec4> background) {
+      pass.run(tiles,
+               {&hidden_points_.visible(), &layer_.shadowed, &filled.a, &filled.b, &pyramid_.texture(),
+                &hidden_points_.mean(), &normals, &coarse},
+               targets, background);
     };
     if (frame.is_finished)
       run({frame.finished}, {settings.transparent ? vec4(0) : vec4(settings.background, 1)});
@@ -224,20 +251,24 @@ class SurfaceTechnique final : public Technique {
     float lo = point_spacing_.value(), hi = lo;
     if (point_spacing_.is_auto())
       for (const Batch& batch : frame.cloud.prepared().batches)
-        lo = std::min(lo, std::exp2(batch.least_log2_spacing)), hi = std::max(hi, std::exp2(batch.most_log2_spacing));
+        lo = std::min(lo, std::exp2(batch.least_log2_spacing)),
+        hi = std::max(hi, std::exp2(batch.most_log2_spacing));
     return {lo, hi};
   }
   /// The level of a number of point spacings where they are largest and nearest, rounded up.
   int highest_level(double spacings, const Frame& frame) {
-    const double level = level_of(spacings * spacing_range(frame).second, frame.camera.near_plane, frame.camera);
+    const double level =
+        level_of(spacings * spacing_range(frame).second, frame.camera.near_plane, frame.camera);
     return int(std::ceil(std::clamp(level, 0.0, double(NearestPyramid::levels - 1))));
   }
   /// As far as the operator may look from the border of the picture, at most as far as it looks at all.
   int guard_band(const Frame& frame) { return 1 << highest_level(removal_.removal_scale, frame); }
   /// The push levels that some pixel may ask normals from.
   std::pair<int, int> normal_levels(const Frame& frame) {
-    const double least = level_of(normal_scale_ * spacing_range(frame).first, frame.camera.far_plane, frame.camera);
-    return {int(std::clamp(least, 0.0, double(NearestPyramid::levels - 1))), highest_level(normal_scale_, frame)};
+    const double least =
+        level_of(normal_scale_ * spacing_range(frame).first, frame.camera.far_plane, frame.camera);
+    return {int(std::clamp(least, 0.0, double(NearestPyramid::levels - 1))),
+            highest_level(normal_scale_, frame)};
   }
 
   static constexpr int occlusion_level = 3;
@@ -256,7 +287,8 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints hidden_points_;
   PullPush pull_push_;
   LevelNormals level_normals_;
-  std::map<std::pair<Shading, bool>, ScreenPass> compose_;  ///< by shading, and whether it finishes the picture
+  std::map<std::pair<Shading, bool>, ScreenPass>
+      compose_;  ///< by shading, and whether it finishes the picture
 };
 
 }  // namespace

@@ -36,15 +36,15 @@ TEST(Normals, ExactPlaneInAnyDirection) {
   for (vec3& p : points) p = p.x * u + p.y * v;
   const PreparedCloud prepared = prepare(cloud_of(points), Attribute::normal, {});
   ASSERT_EQ(prepared.cloud.normals.size(), points.size());
-  // Coordinates below 2 are rounded to 1e-7, a neighbourhood is 0.04 wide: about 1e-5 rad = 6e-4 degrees, more
-  // where its points are nearly in line.
+  // Coordinates below 2 are rounded to 1e-7, a neighbourhood is 0.04 wide: about 1e-5 rad = 6e-4 degrees,
+  // more where its points are nearly in line.
   for (const vec3& n : prepared.cloud.normals) EXPECT_LT(degrees_between(n, normal), 0.05f);
 }
 
 TEST(Normals, NoisyPlane) {
-  // Least squares over a disc of radius R: a tilt has deviation noise / (R/2 sqrt(K)) about each axis. With 10,000
-  // points a unit square, R = sqrt(25 / (10,000 pi)) = 0.028; noise 0.001 makes 0.001 / (0.0141 * 5) = 0.0142 rad =
-  // 0.81 degrees an axis, 1.15 rms in all.
+  // Least squares over a disc of radius R: a tilt has deviation noise / (R/2 sqrt(K)) about each axis. With
+  // 10,000 points a unit square, R = sqrt(25 / (10,000 pi)) = 0.028; noise 0.001 makes 0.001 / (0.0141 * 5) =
+  // 0.0142 rad = 0.81 degrees an axis, 1.15 rms in all.
   const PreparedCloud prepared = prepare(cloud_of(noisy_square(10'000, 0.001f)), Attribute::normal, {});
   double sum2 = 0;
   float worst = 0;
@@ -81,7 +81,8 @@ TEST(Normals, NoisySphereSeenFromOutsideAndInside) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const vec3 outward = glm::normalize(prepared.cloud.positions[i]);
       const vec3 n = inside ? -prepared.cloud.normals[i] : prepared.cloud.normals[i];
-      if (!inside && std::abs(outward.z) < 0.1f) continue;  // grazing: noise decides which side the scanner sees
+      if (!inside && std::abs(outward.z) < 0.1f)
+        continue;  // grazing: noise decides which side the scanner sees
       turned += glm::dot(n, outward) < 0;
       const float angle = degrees_between(n, outward);
       sum2 += angle * angle;
@@ -99,7 +100,8 @@ TEST(Normals, FaceTheViewpointOfTheirGrid) {
   for (std::uint32_t i = 0; i < cloud.size(); ++i) cloud.grid_index.push_back(i);
   const PreparedCloud prepared = prepare(std::move(cloud), Attribute::normal, {});
   for (std::size_t i = 0; i < prepared.cloud.size(); ++i)
-    EXPECT_EQ(prepared.cloud.normals[i].z > 0, prepared.cloud.source_index[i] < half) << "by the fixed rule: up";
+    EXPECT_EQ(prepared.cloud.normals[i].z > 0, prepared.cloud.source_index[i] < half)
+        << "by the fixed rule: up";
 }
 
 TEST(Normals, UpWhereNobodyLookedAndSteadyOnUprightWalls) {
@@ -147,7 +149,8 @@ TEST(Radii, ScaleWithTheCloudAndLeaveTheNormalizedUncertainty) {
     ASSERT_EQ(other.cloud.source_index, one.cloud.source_index);
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_NEAR(other.cloud.radii[i] / scale, one.cloud.radii[i], 1e-5f * one.cloud.radii[i]);
-      // Rounding of the scaled coordinates turns normals by about 1e-7 / 0.1 rad, more where they are ill-defined.
+      // Rounding of the scaled coordinates turns normals by about 1e-7 / 0.1 rad, more where they are
+      // ill-defined.
       EXPECT_NEAR(normalized(other.cloud.scalar("uncertainty")->values[i], other.uncertainty_range),
                   normalized(one.cloud.scalar("uncertainty")->values[i], one.uncertainty_range), 1e-3);
     }
@@ -171,7 +174,8 @@ TEST(Uncertainty, IsTheRadiusOnAPlaneAndLargerAtAnEdge) {
     const float ratio = uncertainty.values[i] / prepared.cloud.radii[i];
     EXPECT_GE(ratio, 1 - 1e-5f);  // the factor is in [1, 4] for normals without sign
     EXPECT_LE(ratio, 4 + 1e-5f);
-    if (std::max(p.x, p.z) > 12 && std::max(p.x, p.y) < 30 && p.y > 8) worst_flat = std::max(worst_flat, ratio);
+    if (std::max(p.x, p.z) > 12 && std::max(p.x, p.y) < 30 && p.y > 8)
+      worst_flat = std::max(worst_flat, ratio);
     if (std::max(p.x, p.z) < 1.5f && p.y > 8 && p.y < 30) least_edge = std::min(least_edge, ratio);
   }
   EXPECT_LT(worst_flat, 1.001f);
@@ -188,7 +192,8 @@ TEST(Uncertainty, MatchesTheEquationTypedAgain) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     std::vector<std::pair<double, std::size_t>> by_distance;
     for (std::size_t j = 0; j < cloud.size(); ++j)
-      if (j != i) by_distance.push_back({glm::distance(dvec3(cloud.positions[i]), dvec3(cloud.positions[j])), j});
+      if (j != i)
+        by_distance.push_back({glm::distance(dvec3(cloud.positions[i]), dvec3(cloud.positions[j])), j});
     std::sort(by_distance.begin(), by_distance.end());
     const double radius = 2 * by_distance[9].first / std::sqrt(10.0);
     double sum = 0;
@@ -240,9 +245,7 @@ TEST(Complete, ComputesOnlyWhatIsAskedForAndTheRestLater) {
   EXPECT_EQ(prepared.uncertainty_range.q98, at_once.uncertainty_range.q98);
 }
 
-TEST(Complete, EmptyCloudHasEverything) {
-  EXPECT_EQ(prepare({}, everything, {}).available, everything);
-}
+TEST(Complete, EmptyCloudHasEverything) { EXPECT_EQ(prepare({}, everything, {}).available, everything); }
 
 TEST(Complete, SameForOneAndTwoThreads) {
   PreparedCloud alone;

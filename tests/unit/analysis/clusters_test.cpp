@@ -32,7 +32,9 @@ PointCloud painted_grid(int side, const std::function<Rgba8(int x, int y)>& pain
 }
 
 TEST(Clusters, TwoPatchesAreTwoClusters) {
-  const PointCloud cloud = painted_grid(30, [](int x, int) { return x < 12 ? Rgba8{200, 40, 40} : Rgba8{40, 40, 200}; });
+  const PointCloud cloud = painted_grid(30, [](int x, int) {
+    return x < 12 ? Rgba8{200, 40, 40} : Rgba8{40, 40, 200};
+  });
   const Clusters found = grow(cloud);
   EXPECT_EQ(found.count, 2u);
   for (std::size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(found.label[i], i % 30 < 12 ? 0u : 1u) << i;
@@ -41,8 +43,8 @@ TEST(Clusters, TwoPatchesAreTwoClusters) {
 TEST(Clusters, AGradientBelowTheThresholdIsOne) {
   const PointCloud cloud = painted_grid(40, [](int x, int) { return Rgba8{std::uint8_t(4 * x), 90, 90}; });
   EXPECT_EQ(grow(cloud).count, 1u);
-  // The same gradient in steps of 15 a column. 1.5 columns apart is the farthest of eight neighbours; growth needs
-  // steps below the threshold, and means of neighbouring columns differ by 15 as well.
+  // The same gradient in steps of 15 a column. 1.5 columns apart is the farthest of eight neighbours; growth
+  // needs steps below the threshold, and means of neighbouring columns differ by 15 as well.
   const PointCloud steep = painted_grid(16, [](int x, int) { return Rgba8{std::uint8_t(15 * x), 90, 90}; });
   ClusterOptions options;
   options.neighbors = 8;
@@ -54,7 +56,7 @@ TEST(Clusters, SpecksJoinTheNearestCluster) {
   ClusterOptions options;
   options.min_size = 20;
   const PointCloud cloud = painted_grid(40, [](int x, int y) {
-    if (x / 2 == 5 && y / 2 == 5) return Rgba8{255, 255, 255};                          // 4 points in the left patch
+    if (x / 2 == 5 && y / 2 == 5) return Rgba8{255, 255, 255};  // 4 points in the left patch
     return x < 20 ? Rgba8{200, 40, 40} : Rgba8{40, 40, 200};
   });
   EXPECT_EQ(grow(cloud, options).count, 2u);
@@ -71,8 +73,8 @@ TEST(Clusters, LikeSegmentsMergeOnlyWhenNear) {
   for (Rgba8& c : other.colors) c.r += 4;
   append(cloud, other);
   ClusterOptions options;
-  options.neighbors = 143;  // reaches across: every point sees the nearest of the other square
-  options.point_threshold = 3;   // the squares do not grow together, but their means are alike
+  options.neighbors = 143;      // reaches across: every point sees the nearest of the other square
+  options.point_threshold = 3;  // the squares do not grow together, but their means are alike
   options.min_size = 1;
   options.gap = 9.5f;
   EXPECT_EQ(grow(cloud, options).count, 2u);
@@ -88,8 +90,13 @@ std::vector<int> serial_partition(const PointCloud& cloud, const ClusterOptions&
     for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
     return sum;
   };
-  auto color = [&](int i) { return std::array<int, 3>{cloud.colors[i].r, cloud.colors[i].g, cloud.colors[i].b}; };
-  auto distance2 = [&](int i, int j) { const vec3 d = cloud.positions[i] - cloud.positions[j]; return glm::dot(d, d); };
+  auto color = [&](int i) {
+    return std::array<int, 3>{cloud.colors[i].r, cloud.colors[i].g, cloud.colors[i].b};
+  };
+  auto distance2 = [&](int i, int j) {
+    const vec3 d = cloud.positions[i] - cloud.positions[j];
+    return glm::dot(d, d);
+  };
   std::vector<int> label(n, -1);
   int segments = 0;
   for (int seed = 0; seed < n; ++seed) {
@@ -100,7 +107,8 @@ std::vector<int> serial_partition(const PointCloud& cloud, const ClusterOptions&
       const int at = queue.front();
       queue.pop();
       for (int j = 0; j < n; ++j)  // complete graph
-        if (label[j] < 0 && color_distance2(color(at), color(j)) <= options.point_threshold * options.point_threshold)
+        if (label[j] < 0 &&
+            color_distance2(color(at), color(j)) <= options.point_threshold * options.point_threshold)
           label[j] = segments, queue.push(j);
     }
     ++segments;
@@ -152,7 +160,8 @@ TEST(Clusters, AgreesWithSerialGrowthOnSymmetricGraphs) {
     PointCloud cloud = cloud_of(uniform_cube(30, seed + 50));
     std::mt19937 random(seed);
     for (std::size_t i = 0; i < cloud.size(); ++i)
-      cloud.colors.push_back({std::uint8_t(random() % 30), std::uint8_t(random() % 30), std::uint8_t(100 * (random() % 2))});
+      cloud.colors.push_back(
+          {std::uint8_t(random() % 30), std::uint8_t(random() % 30), std::uint8_t(100 * (random() % 2))});
     ClusterOptions options;
     options.gap = 0.3f;
     options.min_size = seed % 6;
@@ -160,20 +169,25 @@ TEST(Clusters, AgreesWithSerialGrowthOnSymmetricGraphs) {
     const std::vector<int> expected = serial_partition(cloud, options);
     for (std::size_t i = 0; i < cloud.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        ASSERT_EQ(found.label[i] == found.label[j], expected[i] == expected[j]) << seed << ": " << i << "," << j;
+        ASSERT_EQ(found.label[i] == found.label[j], expected[i] == expected[j])
+            << seed << ": " << i << "," << j;
     counts.insert(found.count);
   }
   EXPECT_GT(counts.size(), 5u);  // the fixtures differ
 }
 
-// On a grid every neighbourhood ends in a tie, colours waver about the threshold, and some places hold two points.
+// On a grid every neighbourhood ends in a tie, colours waver about the threshold, and some places hold two
+// points.
 TEST(Clusters, TheOrderOfTheFileDoesNotMatter) {
   std::mt19937 random(5);
-  PointCloud cloud = painted_grid(60, [&](int x, int y) { return Rgba8{std::uint8_t(40 * (x / 17) + random() % 9), std::uint8_t(30 * (y / 19)), 0}; });
+  PointCloud cloud = painted_grid(60, [&](int x, int y) {
+    return Rgba8{std::uint8_t(40 * (x / 17) + random() % 9), std::uint8_t(30 * (y / 19)), 0};
+  });
   const PointCloud once = cloud;
   for (std::size_t i = 0; i < once.size(); i += 7) {
     cloud.positions.push_back(once.positions[i]);
-    cloud.colors.push_back({std::uint8_t(once.colors[i].r + 11), once.colors[i].g, std::uint8_t(random() % 8)});
+    cloud.colors.push_back(
+        {std::uint8_t(once.colors[i].r + 11), once.colors[i].g, std::uint8_t(random() % 8)});
   }
   std::vector<std::uint32_t> order(cloud.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -209,7 +223,8 @@ TEST(Clusters, WithoutColoursFacesOfABoxAreClusters) {
   std::set<std::uint32_t> labels[3];
   for (std::size_t i = 0; i < cloud.size(); ++i)
     for (int k = 0; k < 3; ++k)
-      if (cloud.positions[i][k] == 0 && cloud.positions[i][(k + 1) % 3] > 6 && cloud.positions[i][(k + 2) % 3] > 6)
+      if (cloud.positions[i][k] == 0 && cloud.positions[i][(k + 1) % 3] > 6 &&
+          cloud.positions[i][(k + 2) % 3] > 6)
         labels[k].insert(found.label[i]);
   for (const auto& face : labels) EXPECT_EQ(face.size(), 1u);
   EXPECT_NE(labels[0], labels[1]);
@@ -247,12 +262,14 @@ TEST(Clusters, PrepareAddsClustersSizesAndNormals) {
     const vec3 expected = out.colors[i].r > 100 ? vec3(0, 0, 1) : vec3(0, 1, 0);
     ASSERT_GT(std::abs(glm::dot(out.normals[i], expected)), 0.999f) << glm::length(out.positions[i]);
     ASSERT_GT(out.scalar("stroke_size")->values[i], 0.8f);
-    ASSERT_EQ(out.scalar("cluster")->values[i] == out.scalar("cluster")->values[0], out.colors[i] == out.colors[0]);
+    ASSERT_EQ(out.scalar("cluster")->values[i] == out.scalar("cluster")->values[0],
+              out.colors[i] == out.colors[0]);
   }
 }
 
 TEST(Clusters, SurvivesDifficultClouds) {
-  for (std::vector<vec3> points : {std::vector<vec3>{}, {vec3(1)}, std::vector<vec3>(40, vec3(2)), difficult_cloud()}) {
+  for (std::vector<vec3> points :
+       {std::vector<vec3>{}, {vec3(1)}, std::vector<vec3>(40, vec3(2)), difficult_cloud()}) {
     const PreparedCloud prepared = prepare(cloud_of(points), Attribute::cluster, {});
     EXPECT_TRUE(prepared.available.has(Attribute::cluster));
     if (points.empty()) continue;

@@ -17,7 +17,8 @@ namespace {
 /// Mean distance between points that follow each other.
 double mean_step(const std::vector<vec3>& positions, const std::vector<std::uint32_t>& order) {
   double sum = 0;
-  for (std::size_t i = 1; i < order.size(); ++i) sum += glm::distance(positions[order[i]], positions[order[i - 1]]);
+  for (std::size_t i = 1; i < order.size(); ++i)
+    sum += glm::distance(positions[order[i]], positions[order[i - 1]]);
   return sum / double(order.size() - 1);
 }
 
@@ -25,7 +26,8 @@ TEST(Morton, FollowsTheCurveOnTheEightCornersOfACube) {
   // Corner i of the cube in the order x fastest, then y, then z: its place on the curve is i.
   PointCloud cloud;
   const std::vector<std::uint32_t> shuffled = {5, 0, 7, 2, 6, 1, 3, 4};
-  for (std::uint32_t i : shuffled) cloud.positions.push_back(vec3(float(i & 1), float(i >> 1 & 1), float(i >> 2)));
+  for (std::uint32_t i : shuffled)
+    cloud.positions.push_back(vec3(float(i & 1), float(i >> 1 & 1), float(i >> 2)));
   const auto order = morton_order(cloud);
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(shuffled[order[i]], i);
 }
@@ -36,7 +38,8 @@ TEST(Morton, IsAPermutationThatKeepsNeighborsTogether) {
   EXPECT_EQ(std::set<std::uint32_t>(order.begin(), order.end()).size(), cloud.size());
   std::vector<std::uint32_t> file_order(cloud.size());
   std::iota(file_order.begin(), file_order.end(), 0u);
-  // Random points of a unit cube are 0.66 apart; the curve steps by about 1.5 spacings of 20000^(-1/3) = 0.037.
+  // Random points of a unit cube are 0.66 apart; the curve steps by about 1.5 spacings of 20000^(-1/3) =
+  // 0.037.
   EXPECT_GT(mean_step(cloud.positions, file_order), 0.6);
   EXPECT_LT(mean_step(cloud.positions, order), 0.08);
 }

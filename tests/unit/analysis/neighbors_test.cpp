@@ -38,8 +38,8 @@ Found find(const std::vector<vec3>& positions, int k) {
   return found;
 }
 
-/// Compares with all distances, sorted. Ties may be broken either way, so distances are compared, not indices;
-/// both sides compute them by the same float expression, so that they must agree to the last bit.
+/// Compares with all distances, sorted. Ties may be broken either way, so distances are compared, not
+/// indices; both sides compute them by the same float expression, so that they must agree to the last bit.
 void expect_brute_force(const std::vector<vec3>& positions, int k, std::size_t stride = 1) {
   const Found found = find(positions, k);
   const std::size_t n = positions.size(), expected = std::min(std::size_t(k), n - 1);
@@ -52,7 +52,8 @@ void expect_brute_force(const std::vector<vec3>& positions, int k, std::size_t s
     std::sort(all.begin(), all.end());
     all.resize(expected);
     ASSERT_EQ(found.ids[i].size(), expected);
-    EXPECT_EQ(std::set<std::uint32_t>(found.ids[i].begin(), found.ids[i].end()).size(), expected) << "a point twice";
+    EXPECT_EQ(std::set<std::uint32_t>(found.ids[i].begin(), found.ids[i].end()).size(), expected)
+        << "a point twice";
     for (std::size_t j = 0; j < expected; ++j) {
       ASSERT_NE(found.ids[i][j], i) << "a point is no neighbour of itself";
       const vec3 d = positions[found.ids[i][j]] - positions[i];
@@ -69,13 +70,16 @@ TEST(Neighbors, RandomPointsOfACube) { expect_brute_force(sorted(uniform_cube(30
 TEST(Neighbors, RandomPointsOfASphere) { expect_brute_force(sorted(noisy_sphere(3000, 1, 0.01f)), 8); }
 TEST(Neighbors, OneNeighbor) { expect_brute_force(sorted(uniform_cube(2000)), 1); }
 TEST(Neighbors, SquareGridWithTies) { expect_brute_force(sorted(square_grid(50, 0.1f)), 24); }
-TEST(Neighbors, DensityContrastsLinesCoincidentPointsAndOutliers) { expect_brute_force(sorted(difficult_cloud()), 24); }
+TEST(Neighbors, DensityContrastsLinesCoincidentPointsAndOutliers) {
+  expect_brute_force(sorted(difficult_cloud()), 24);
+}
 TEST(Neighbors, MoreNeighborsThanCandidatesFit) { expect_brute_force(sorted(uniform_cube(4000)), 2500, 200); }
 TEST(Neighbors, MoreNeighborsThanPoints) { expect_brute_force(sorted(uniform_cube(10)), 24); }
 TEST(Neighbors, AllPointsCoincide) { expect_brute_force(std::vector<vec3>(3000, vec3(1, 2, 3)), 24, 100); }
 TEST(Neighbors, AnyOrderOfThePoints) { expect_brute_force(uniform_cube(2000), 16); }
 
-/// Holds the search to its contract: nothing at or beyond the limit is ever offered, however it shrank meanwhile.
+/// Holds the search to its contract: nothing at or beyond the limit is ever offered, however it shrank
+/// meanwhile.
 struct EightPlaces {
   static constexpr bool merges_coincident = true;
   std::vector<float> kept;
@@ -129,7 +133,9 @@ TEST(Neighbors, StopsWhenTheUserWantsTo) {
   } stop;
   const std::vector<vec3> positions = uniform_cube(1000);
   const NeighborTree tree(positions);
-  EXPECT_THROW(for_each_neighborhood(tree, 8, [](auto, auto, auto) {}, "neighbors", stop), Cancelled);
+  EXPECT_THROW(for_each_neighborhood(
+                   tree, 8, [](auto, auto, auto) {}, "neighbors", stop),
+               Cancelled);
 }
 
 }  // namespace

@@ -21,16 +21,16 @@ namespace {
 PreparedCloud prepared(const std::vector<vec3>& positions) { return prepare(cloud_of(positions), {}, {}); }
 
 TEST(Spacing, SquareGrid) {
-  // Inside the grid the 8th neighbour is a diagonal one at sqrt(2) h: sqrt(2 pi / 8) h = 0.8862 h. The border is
-  // less than half of the points, so the median does not see it.
+  // Inside the grid the 8th neighbour is a diagonal one at sqrt(2) h: sqrt(2 pi / 8) h = 0.8862 h. The border
+  // is less than half of the points, so the median does not see it.
   const float h = 0.37f;
   EXPECT_NEAR(prepared(square_grid(60, h)).median_spacing, 0.886227f * h, 1e-5f * h);
 }
 
 TEST(Spacing, RandomUniformPlane) {
-  // With density D, D pi R_8^2 is Gamma(8) distributed: its median 7.669 makes sqrt(7.669 / 8) = 0.979 of the side
-  // of the square per point, D^-1/2. Each of 20,000 samples scatters by 1 / (2 sqrt(8)) = 18 %, the median of
-  // dependent samples by under 0.5 %; 2 % is room for the border too.
+  // With density D, D pi R_8^2 is Gamma(8) distributed: its median 7.669 makes sqrt(7.669 / 8) = 0.979 of the
+  // side of the square per point, D^-1/2. Each of 20,000 samples scatters by 1 / (2 sqrt(8)) = 18 %, the
+  // median of dependent samples by under 0.5 %; 2 % is room for the border too.
   const std::size_t n = 40'000;
   EXPECT_NEAR(prepared(uniform_square(n)).median_spacing * std::sqrt(float(n)), 0.979f, 0.02f);
 }
@@ -108,7 +108,7 @@ TEST(Prepare, BatchesKnowTheirOwnSpacing) {
   std::size_t pure = 0;
   for (const Batch& batch : cloud.batches) {
     EXPECT_GT(batch.spacing, 0);
-    const bool coarse = batch.box_max.x < 500, fine = batch.box_min.x > 500;
+    const bool coarse = batch.box_max.x<500, fine = batch.box_min.x> 500;
     if (!coarse && !fine) continue;
     const float h = coarse ? 1 : 0.1f;
     EXPECT_NEAR(batch.spacing, 0.886227f * h, 1e-3f * h);  // coordinates of 1000 are rounded to 6e-5
@@ -117,7 +117,8 @@ TEST(Prepare, BatchesKnowTheirOwnSpacing) {
   EXPECT_GE(pure, 4u);
 }
 
-/// A plane as scanned from one place: the density falls with 1 / distance^2, and the spacing is `h` times the distance.
+/// A plane as scanned from one place: the density falls with 1 / distance^2, and the spacing is `h` times the
+/// distance.
 std::vector<vec3> plane_around_a_scanner(double h) {
   std::vector<vec3> positions;
   std::mt19937 random(11);
@@ -126,7 +127,8 @@ std::vector<vec3> plane_around_a_scanner(double h) {
   const double nearest = 2, farthest = 40;
   const auto count = std::size_t(2 * std::numbers::pi * std::log(farthest / nearest) / (h * h));
   for (std::size_t i = 0; i < count; ++i) {
-    const double d = nearest * std::pow(farthest / nearest, unit(random)), angle = 2 * std::numbers::pi * unit(random);
+    const double d = nearest * std::pow(farthest / nearest, unit(random)),
+                 angle = 2 * std::numbers::pi * unit(random);
     positions.emplace_back(float(d * std::cos(angle)), float(d * std::sin(angle)), 0.0f);
   }
   return positions;
@@ -146,9 +148,9 @@ TEST(Prepare, SpacingFollowsTheDensityWithinABatch) {
       worst_of_one = std::max(worst_of_one, std::abs(std::log2(double(batch.spacing)) - truth));
     }
   std::sort(errors.begin(), errors.end());
-  // 16 samples of a deviation of 0.26 leave 0.26 / 4 at the middle of a batch and twice that at its corners, and the
-  // logarithm's mean is (psi(8) - ln 8) / (2 ln 2) = -0.05: 99 % are within a third, where one number is off by more
-  // than a half somewhere.
+  // 16 samples of a deviation of 0.26 leave 0.26 / 4 at the middle of a batch and twice that at its corners,
+  // and the logarithm's mean is (psi(8) - ln 8) / (2 ln 2) = -0.05: 99 % are within a third, where one number
+  // is off by more than a half somewhere.
   EXPECT_GT(worst_of_one, 0.5);
   EXPECT_LT(errors[errors.size() / 2], 0.13);
   EXPECT_LT(errors[errors.size() * 99 / 100], 0.35);
@@ -176,8 +178,8 @@ TEST(Prepare, SpacingHardlyJumpsWhereBatchesMeet) {
   ASSERT_GT(steps.size(), 300u);
   std::sort(steps.begin(), steps.end());
   std::sort(steps_of_one.begin(), steps_of_one.end());
-  // Two planes of a deviation of 0.13 each at their rims differ by 0.12 in the middle of all cases and by 0.3 in one
-  // of ten, a fifth in size; medians differ by what the density does from batch to batch.
+  // Two planes of a deviation of 0.13 each at their rims differ by 0.12 in the middle of all cases and by 0.3
+  // in one of ten, a fifth in size; medians differ by what the density does from batch to batch.
   EXPECT_LT(steps[steps.size() / 2], 0.12);
   EXPECT_LT(steps[steps.size() * 9 / 10], 0.3);
   EXPECT_GT(steps_of_one[steps_of_one.size() * 9 / 10], 0.5);
@@ -205,7 +207,8 @@ TEST(Prepare, SameForOneAndTwoThreads) {
   EXPECT_EQ(both.cloud.source_index, alone.cloud.source_index);
   EXPECT_EQ(both.median_spacing, alone.median_spacing);
   ASSERT_EQ(both.batches.size(), alone.batches.size());
-  for (std::size_t i = 0; i < alone.batches.size(); ++i) EXPECT_EQ(both.batches[i].spacing, alone.batches[i].spacing);
+  for (std::size_t i = 0; i < alone.batches.size(); ++i)
+    EXPECT_EQ(both.batches[i].spacing, alone.batches[i].spacing);
 }
 
 }  // namespace

@@ -18,8 +18,9 @@ constexpr int width = 80, height = 60;
 constexpr float focal = 70;
 const dvec3 eye(5, -3, 2);
 
-/// What a pinhole camera at `eye` that looks along +Y sees of the planes n . (p - eye) = n . base: the left half of
-/// the picture sees the first, the right half the second. Depths have noise of `sigma` times the depth squared.
+/// What a pinhole camera at `eye` that looks along +Y sees of the planes n . (p - eye) = n . base: the left
+/// half of the picture sees the first, the right half the second. Depths have noise of `sigma` times the
+/// depth squared.
 PointCloud view_of(vec3 normal_left, vec3 base_left, vec3 normal_right, vec3 base_right, float sigma) {
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0, 1);
@@ -55,8 +56,9 @@ TEST(RangeImage, PlanesWithAnEdgeBetweenThem) {
   const std::vector<vec3> positions = cloud.positions;
   complete_from_grids(cloud, Attribute::normal | Attribute::radius);
   EXPECT_EQ(cloud.positions, positions) << "positions stay raw";
-  // Exact planes still bend a little under the filter (measured: 2.9 degrees), most where the border of the picture or
-  // the edge cuts its window (15.5). Without a stop at the edge, a jump of 1 m over 4 cm would be off by 80.
+  // Exact planes still bend a little under the filter (measured: 2.9 degrees), most where the border of the
+  // picture or the edge cuts its window (15.5). Without a stop at the edge, a jump of 1 m over 4 cm would be
+  // off by 80.
   EXPECT_LT(worst_degrees(cloud, left, right, 0.9), 4);
   EXPECT_LT(worst_degrees(cloud, left, right, 1.0), 20) << "the edge does not bend normals";
   // The angle of a pixel is the median over the picture: cos^2 of the way off the axis below 1 / focal.
@@ -66,8 +68,8 @@ TEST(RangeImage, PlanesWithAnEdgeBetweenThem) {
 }
 
 TEST(RangeImage, TerracesOfCountedDepthsAreNoShape) {
-  // Depths in steps of 0.003 z^2, as a Kinect counts them: 1.2 cm at 2 m, on a wall that turns by 10 degrees and so has
-  // terraces a few pixels wide.
+  // Depths in steps of 0.003 z^2, as a Kinect counts them: 1.2 cm at 2 m, on a wall that turns by 10 degrees
+  // and so has terraces a few pixels wide.
   const vec3 wall = glm::normalize(vec3(-0.17f, -1, 0.1f));
   PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0);
   for (vec3& p : cloud.positions) {
@@ -81,7 +83,8 @@ TEST(RangeImage, TerracesOfCountedDepthsAreNoShape) {
 
 TEST(RangeImage, SlantedSurfacesGetLargerDiscs) {
   const vec3 wall = glm::normalize(vec3(-1, -1, 0));
-  PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0), frontal = view_of({0, -1, 0}, {0, 2, 0}, {0, -1, 0}, {0, 2, 0}, 0);
+  PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0),
+             frontal = view_of({0, -1, 0}, {0, 2, 0}, {0, -1, 0}, {0, 2, 0}, 0);
   for (PointCloud* each : {&cloud, &frontal}) complete_from_grids(*each, Attribute::radius);
   const std::size_t middle = height / 2 * width + width / 2;
   // At 45 degrees a point stands for an area sqrt(2) as large.
@@ -142,12 +145,15 @@ TEST(RangeImage, PreparationCompletesPointsOfNoGrid) {
   EXPECT_TRUE(prepared.available.has(Attribute::radius));
   for (std::size_t i = 0; i < prepared.cloud.size(); ++i) {
     const float y = prepared.cloud.normals[i].y;
-    if (prepared.cloud.source_index[i] < std::uint32_t(width * height)) ASSERT_LT(y, -0.9f) << "towards the viewpoint";
-    else ASSERT_GT(std::abs(y), 0.9f) << "nobody knows who saw it";
+    if (prepared.cloud.source_index[i] < std::uint32_t(width * height))
+      ASSERT_LT(y, -0.9f) << "towards the viewpoint";
+    else
+      ASSERT_GT(std::abs(y), 0.9f) << "nobody knows who saw it";
   }
 }
 
-/// What a file without grids keeps of a view that looks along z, or along -z: its points, here in another order.
+/// What a file without grids keeps of a view that looks along z, or along -z: its points, here in another
+/// order.
 PointCloud loose(double along, float step, std::vector<std::uint32_t>& cells) {
   std::mt19937 random(6);
   PointCloud cloud;
@@ -155,8 +161,8 @@ PointCloud loose(double along, float step, std::vector<std::uint32_t>& cells) {
     for (int x = 0; x < width; ++x) {
       if (std::hypot(x - 50, y - 20) < 9 || x == 33) continue;  // nothing was measured there
       const float depth = std::round((2 + 0.01f * float(x + y)) / step) * step;
-      const vec3 p((float(x) + 0.3f - width / 2) / focal * depth, (float(y) + 0.3f - height / 2) / focal * depth,
-                   float(along) * depth);
+      const vec3 p((float(x) + 0.3f - width / 2) / focal * depth,
+                   (float(y) + 0.3f - height / 2) / focal * depth, float(along) * depth);
       cloud.positions.push_back(p);
       cells.push_back(std::uint32_t(y * width + x));
     }
@@ -165,7 +171,8 @@ PointCloud loose(double along, float step, std::vector<std::uint32_t>& cells) {
   std::shuffle(order.begin(), order.end(), random);
   PointCloud shuffled;
   std::vector<std::uint32_t> shuffled_cells;
-  for (std::size_t i : order) shuffled.positions.push_back(cloud.positions[i]), shuffled_cells.push_back(cells[i]);
+  for (std::size_t i : order)
+    shuffled.positions.push_back(cloud.positions[i]), shuffled_cells.push_back(cells[i]);
   cells = shuffled_cells;
   return shuffled;
 }
@@ -183,7 +190,8 @@ TEST(RangeImage, PixelsAreFoundAgainInFilesWithoutThem) {
     for (std::size_t i = 0; i < cells.size(); ++i) ASSERT_EQ(cloud.grid_index[i], cells[i]) << i;
     complete_from_grids(cloud, Attribute::normal | Attribute::radius);
     EXPECT_EQ(cloud.normals.back(), vec3(0)) << "in no pixel";
-    const auto known = std::count_if(cloud.normals.begin(), cloud.normals.end(), [](const vec3& n) { return n != vec3(0); });
+    const auto known =
+        std::count_if(cloud.normals.begin(), cloud.normals.end(), [](const vec3& n) { return n != vec3(0); });
     EXPECT_GT(double(known), 0.98 * double(cloud.size()));
   }
 }
@@ -195,7 +203,8 @@ TEST(RangeImage, WhatIsNoPictureGetsNoPixels) {
   for (int i = 0; i < 20'000; ++i) {
     const float depth = 2 + unit(random);
     scattered.positions.push_back(depth * vec3(unit(random) - 0.5f, unit(random) - 0.5f, 1));
-    grid.positions.push_back(vec3(float(i % 100), float(i / 100), 150) + vec3(0, 0, 40 * unit(random)));  // even in space
+    grid.positions.push_back(vec3(float(i % 100), float(i / 100), 150) +
+                             vec3(0, 0, 40 * unit(random)));  // even in space
   }
   EXPECT_FALSE(recover_grid(scattered));
   EXPECT_FALSE(recover_grid(grid));

@@ -29,7 +29,8 @@ PointCloud shaded_grid(int side, const std::function<float(int x)>& shade, float
 }
 
 std::vector<float> details(const PointCloud& cloud) {
-  return detail_lengths(cloud.positions, cloud.colors, std::vector<vec3>(cloud.size(), vec3(0, 0, 1)), dvec3(0), 1, {});
+  return detail_lengths(cloud.positions, cloud.colors, std::vector<vec3>(cloud.size(), vec3(0, 0, 1)),
+                        dvec3(0), 1, {});
 }
 
 TEST(StrokeDetail, StrokesAreShortAtAnEdgeAndLongAwayFromIt) {
@@ -37,8 +38,9 @@ TEST(StrokeDetail, StrokesAreShortAtAnEdgeAndLongAwayFromIt) {
   const std::vector<float> length = details(shaded_grid(side, [](int x) { return x < 80 ? 60.0f : 180.0f; }));
   for (int x = 0; x < side; ++x) {
     const float away = std::abs(float(x) - 79.5f), here = length[std::size_t(80 * side + x)];
-    // A step of 120 levels in three channels deviates by sqrt(3) 60 levels, ten times what a stroke may unite: at the
-    // edge a cell of 4 spacings makes that 0.4, and no cell that holds the edge is more than 3 times as wide as it is away.
+    // A step of 120 levels in three channels deviates by sqrt(3) 60 levels, ten times what a stroke may
+    // unite: at the edge a cell of 4 spacings makes that 0.4, and no cell that holds the edge is more than 3
+    // times as wide as it is away.
     if (away < 2) EXPECT_LT(here, 2) << x;
     if (away > 40) EXPECT_GT(here, 3) << x;
     EXPECT_LT(here, std::max(3 * away, 2.0f)) << x;
@@ -46,19 +48,21 @@ TEST(StrokeDetail, StrokesAreShortAtAnEdgeAndLongAwayFromIt) {
 }
 
 TEST(StrokeDetail, NoiseOfPointsIsNoDetail) {
-  const std::vector<float> even = details(shaded_grid(96, [](int) { return 120.0f; }, 25));
+  const std::vector<float> even = details(shaded_grid(
+      96, [](int) { return 120.0f; }, 25));
   std::vector<float> sorted = even;
   std::sort(sorted.begin(), sorted.end());
-  // 25 levels in each channel are 4 times what a stroke may unite. A variance estimated from few cells exceeds its mean by
-  // chance, in the smallest of them: some strokes of ten spacings remain.
+  // 25 levels in each channel are 4 times what a stroke may unite. A variance estimated from few cells
+  // exceeds its mean by chance, in the smallest of them: some strokes of ten spacings remain.
   EXPECT_GT(sorted[sorted.size() / 2], 8);
   // The same spread as a pattern of 8 spacings is detail everywhere.
-  for (float length : details(shaded_grid(96, [](int x) { return x / 4 % 2 ? 95.0f : 145.0f; }))) EXPECT_LT(length, 5);
+  for (float length : details(shaded_grid(96, [](int x) { return x / 4 % 2 ? 95.0f : 145.0f; })))
+    EXPECT_LT(length, 5);
 }
 
 TEST(StrokeDetail, ASlopeOfColourLimitsByItsSteepness) {
-  // One level a spacing in three channels: a stroke of width w deviates by sqrt(3) w / sqrt(12) = w / 2 levels; 10 of them
-  // at 20 spacings. Cells are coarser and their parts means: within a factor of two.
+  // One level a spacing in three channels: a stroke of width w deviates by sqrt(3) w / sqrt(12) = w / 2
+  // levels; 10 of them at 20 spacings. Cells are coarser and their parts means: within a factor of two.
   const std::vector<float> length = details(shaded_grid(200, [](int x) { return float(x); }));
   const float middle = length[100 * 200 + 100];
   EXPECT_GT(middle, 10);
@@ -81,7 +85,8 @@ TEST(StrokeShape, PlanesPolesAndLeaves) {
   EXPECT_LT(neighborhood_shape(plane, 0, all, 0.1f).non_planarity, 0.05f);
   EXPECT_EQ(neighborhood_shape(plane, 0, all, 0.1f).strip_width, 0);
   EXPECT_GT(neighborhood_shape(leaves, 0, all, 0.1f).non_planarity, 0.8f);
-  // A ring of radius r has the variance r^2 / 2 either way: a strip of that is sqrt(6) r wide. 10 %: 400 random points.
+  // A ring of radius r has the variance r^2 / 2 either way: a strip of that is sqrt(6) r wide. 10 %: 400
+  // random points.
   EXPECT_NEAR(neighborhood_shape(pole, 0, all, 0.1f).strip_width, std::sqrt(6.0f) * 0.2f, 0.05f);
   EXPECT_EQ(neighborhood_shape(line, 0, all, 0.1f).strip_width, 0);  // a single line of a scanner
   EXPECT_EQ(neighborhood_shape(line, 0, {}, 0.1f).non_planarity, 1);

@@ -19,7 +19,8 @@ std::vector<float> shrunk(const std::vector<vec3>& points) {
   never.clutter_radius = 1;
   const PreparedCloud some = prepare(cloud_of(points), Attribute::radius, {});
   const PreparedCloud none = prepare(cloud_of(points), Attribute::radius, never);
-  EXPECT_EQ(some.median_radius, none.median_radius) << "the limit of large radii must not follow the shrunken";
+  EXPECT_EQ(some.median_radius, none.median_radius)
+      << "the limit of large radii must not follow the shrunken";
   std::vector<float> ratio(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     ratio[some.cloud.source_index[i]] = some.cloud.radii[i] / none.cloud.radii[i];
@@ -27,7 +28,8 @@ std::vector<float> shrunk(const std::vector<vec3>& points) {
 }
 
 double share_below(const std::vector<float>& values, float limit) {
-  return double(std::count_if(values.begin(), values.end(), [&](float v) { return v < limit; })) / double(values.size());
+  return double(std::count_if(values.begin(), values.end(), [&](float v) { return v < limit; })) /
+         double(values.size());
 }
 
 /// Six faces of a box, spacing 1, with noise across them.
@@ -47,8 +49,9 @@ std::vector<vec3> noisy_box(float side, float noise) {
 }
 
 TEST(Support, EdgesAndCornersKeepTheirSize) {
-  // The smallest box has edges within reach of half its neighbourhoods. Without noise nothing may shrink; with noise of
-  // 0.3 spacings, which is more than scanners have at usual densities, 3 % may, where faces are 20 spacings wide.
+  // The smallest box has edges within reach of half its neighbourhoods. Without noise nothing may shrink;
+  // with noise of 0.3 spacings, which is more than scanners have at usual densities, 3 % may, where faces are
+  // 20 spacings wide.
   EXPECT_EQ(share_below(shrunk(noisy_box(20, 0)), 0.999f), 0);
   EXPECT_EQ(share_below(shrunk(noisy_box(60, 0)), 0.999f), 0);
   EXPECT_LT(share_below(shrunk(noisy_box(20, 0.3f)), 0.9f), 0.05);
@@ -56,8 +59,8 @@ TEST(Support, EdgesAndCornersKeepTheirSize) {
 }
 
 TEST(Support, NoiseAboveTheSpacingIsStillASurface) {
-  // 24 neighbours of such a point fill a ball; 192 of them lie in a layer a quarter as thick as wide, 1536 in one of a
-  // tenth. Edges closer than those reach may shrink, as what is less than 20 spacings wide may.
+  // 24 neighbours of such a point fill a ball; 192 of them lie in a layer a quarter as thick as wide, 1536 in
+  // one of a tenth. Edges closer than those reach may shrink, as what is less than 20 spacings wide may.
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0, 1);
   std::normal_distribution<float> gauss(0, 1);
@@ -78,7 +81,8 @@ TEST(Support, ThinSheetsKeepTheirSize) {
         points.push_back({side * unit(random), side * unit(random), float(i % 2) * gap});
       // Nearby, so that the sheets are not all there is.
       for (int i = 0; i < 4000; ++i) points.push_back({100 + 63 * unit(random), 63 * unit(random), 0});
-      EXPECT_LT(share_below(shrunk(points), 0.9f), 0.02) << "sheets " << gap << " spacings apart, " << side << " wide";
+      EXPECT_LT(share_below(shrunk(points), 0.9f), 0.02)
+          << "sheets " << gap << " spacings apart, " << side << " wide";
     }
 }
 
@@ -96,8 +100,8 @@ std::vector<vec3> rings(int lines, float spacing, float gap) {
 }
 
 TEST(Support, LonelyLinesAreThinAndUnbroken) {
-  // 24 neighbours on a line reach 12 spacings to either side: Eq. 20 makes that 4.9 spacings of plank. Half of one
-  // touches, and discs are drawn 1.5 times as large.
+  // 24 neighbours on a line reach 12 spacings to either side: Eq. 20 makes that 4.9 spacings of plank. Half
+  // of one touches, and discs are drawn 1.5 times as large.
   const std::vector<vec3> points = rings(10, 0.05f, 3);
   const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});
   const auto [least, most] = std::minmax_element(prepared.cloud.radii.begin(), prepared.cloud.radii.end());
@@ -106,7 +110,8 @@ TEST(Support, LonelyLinesAreThinAndUnbroken) {
 }
 
 TEST(Support, LinesOfASurfaceStillClose) {
-  // Two or more lines within reach of 24 neighbours: discs 1.5 times as large must close the gap of up to 8 spacings.
+  // Two or more lines within reach of 24 neighbours: discs 1.5 times as large must close the gap of up to 8
+  // spacings.
   for (float gap : {0.1f, 0.2f, 0.4f}) {
     const std::vector<vec3> points = rings(20, 0.05f, gap);
     const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});

@@ -165,7 +165,8 @@ std::map<double, std::size_t> by_time(const PointCloud& cloud) {
   return places;
 }
 
-// Parts are made one after the other, and what lies around a part counts: normals at its rim are those of the whole.
+// Parts are made one after the other, and what lies around a part counts: normals at its rim are those of the
+// whole.
 TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
   const auto input = write(scan(450'000), "in.laz");
   copc::BuildOptions options;
@@ -187,14 +188,15 @@ TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
   for (std::size_t i = 0; i < expected.cloud.size(); ++i) {
     const std::size_t k = at.at(expected.cloud.scalar("gps_time")->value(i));
     // Steps of 1e-4 turn a normal by no more than 1e-4; half a degree is another neighbourhood.
-    turned += std::abs(glm::dot(got.normals[k], expected.cloud.normals[i])) < std::cos(0.5 * 3.14159265 / 180);
+    turned +=
+        std::abs(glm::dot(got.normals[k], expected.cloud.normals[i])) < std::cos(0.5 * 3.14159265 / 180);
     const double even = double(expected.cloud.scalar("uncertainty")->values[i]) / expected.cloud.radii[i];
     uneven += std::abs(unevenness->value(k) - std::min(even, 3.0)) > 0.02;
     const dvec3 from_middle = glm::abs(got.world(k) - dvec3(500050, 4100050, 100));
     near_rim += std::min(from_middle.x, from_middle.y) < 0.5;
   }
-  // Parts of the cube meet in its middle. Which of two neighbours at one distance is the 24th may differ, as may what
-  // such a point means for others.
+  // Parts of the cube meet in its middle. Which of two neighbours at one distance is the 24th may differ, as
+  // may what such a point means for others.
   EXPECT_GT(near_rim, 6000u);
   EXPECT_LT(turned, 100u);
   EXPECT_LT(uneven, 200u);
@@ -243,7 +245,8 @@ TEST(CopcSchema, ComputedFieldsStandBehindBytesThatNobodyDescribes) {
 // Black and white by turns: a coarse level without averages is as black and white as the points.
 TEST_F(CopcBuild, CoarseLevelsHaveMeanColorsOnRequest) {
   PointCloud cloud = scan(300'000);
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.colors[i] = i % 2 ? Rgba8{250, 250, 250, 255} : Rgba8{0, 0, 0, 255};
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.colors[i] = i % 2 ? Rgba8{250, 250, 250, 255} : Rgba8{0, 0, 0, 255};
   const auto input = write(cloud, "in.laz");
   std::size_t gray[2] = {0, 0};
   for (const bool average : {false, true}) {
@@ -437,7 +440,8 @@ TEST_F(CopcBuild, LeavesAnOlderFileAloneWhenItIsInterrupted) {
 }
 
 TEST_F(CopcBuild, SaysWhatAFullDiskLacks) {
-  const auto input = write(scan(300'000), "in.las");  // the memory that LAZ is decoded through would feel the limit, too
+  const auto input =
+      write(scan(300'000), "in.las");  // the memory that LAZ is decoded through would feel the limit, too
   copc::BuildOptions options;
   options.memory = little_memory;
   // A limit on the size of files stands for the full disk.

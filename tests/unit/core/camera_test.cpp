@@ -72,12 +72,14 @@ TEST(Camera, UpIsUpInTheImage) {
   EXPECT_LT(camera.position.x, 0);
 }
 
-// A host's matrices, made by glm and not by us: every point falls on the pixel where OpenGL puts it (y up there).
+// A host's matrices, made by glm and not by us: every point falls on the pixel where OpenGL puts it (y up
+// there).
 TEST(Camera, MatricesOfAHostGiveItsPixels) {
   const int width = 320, height = 180;
   const dmat4 view = glm::lookAt(dvec3(3, -4, 2), dvec3(0.5, 0.2, 0.1), dvec3(0.1, 0, 1));
-  for (const dmat4& projection : {glm::perspective(0.9, 16.0 / 9, 0.1, 100.0), glm::frustum(-0.05, 0.2, -0.1, 0.03, 0.1, 50.0),
-                                  glm::ortho(-2.0, 3.0, -1.5, 1.0, 0.1, 50.0)}) {
+  for (const dmat4& projection :
+       {glm::perspective(0.9, 16.0 / 9, 0.1, 100.0), glm::frustum(-0.05, 0.2, -0.1, 0.03, 0.1, 50.0),
+        glm::ortho(-2.0, 3.0, -1.5, 1.0, 0.1, 50.0)}) {
     const Camera camera = camera_of_matrices(view, projection, width, height);
     for (const dvec3& p : {dvec3(0.3, 0.2, 0.7), dvec3(-1, 0.5, 0), dvec3(0.5, 0.2, 0.1)}) {
       const glm::dvec4 clip = projection * view * glm::dvec4(p, 1);
@@ -90,7 +92,8 @@ TEST(Camera, MatricesOfAHostGiveItsPixels) {
 }
 
 TEST(Camera, MatricesOfNoCameraAreRefused) {
-  const dmat4 view = glm::lookAt(dvec3(3, -4, 2), dvec3(0), dvec3(0, 0, 1)), projection = glm::perspective(0.9, 1.0, 0.1, 9.0);
+  const dmat4 view = glm::lookAt(dvec3(3, -4, 2), dvec3(0), dvec3(0, 0, 1)),
+              projection = glm::perspective(0.9, 1.0, 0.1, 9.0);
   EXPECT_THROW(camera_of_matrices(view * 2.0, projection, 10, 10), Error);
   EXPECT_THROW(camera_of_matrices(glm::scale(view, dvec3(-1, 1, 1)), projection, 10, 10), Error);
   EXPECT_THROW(camera_of_matrices(view, dmat4(1) - dmat4(1), 10, 10), Error);

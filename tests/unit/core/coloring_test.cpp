@@ -20,9 +20,7 @@ PointCloud ramp(int n) {
   return cloud;
 }
 
-ScalarField field(const char* name, std::vector<float> values) {
-  return {name, 0, std::move(values)};
-}
+ScalarField field(const char* name, std::vector<float> values) { return {name, 0, std::move(values)}; }
 
 std::string refusal(const std::function<void()>& act) {
   try {

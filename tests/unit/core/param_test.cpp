@@ -28,8 +28,14 @@ TEST(Param, EveryKindReadsBackItsOwnText) {
   p.add("axis", axis);
   p.add("mode", mode, {"adaptive", "pixels"});
   p.add("spacing", spacing).at_least(0);
-  for (auto [name, value] : {std::pair{"flag", "true"}, {"count", "7"}, {"size", "0.25"}, {"text", "hello"},
-                             {"list", "0.1,0.2,1"}, {"axis", "0,-1,0.5"}, {"mode", "pixels"}, {"spacing", "0.5"},
+  for (auto [name, value] : {std::pair{"flag", "true"},
+                             {"count", "7"},
+                             {"size", "0.25"},
+                             {"text", "hello"},
+                             {"list", "0.1,0.2,1"},
+                             {"axis", "0,-1,0.5"},
+                             {"mode", "pixels"},
+                             {"spacing", "0.5"},
                              {"spacing", "auto"}}) {
     p.find(name)->set(value);
     EXPECT_EQ(p.find(name)->get(), value);
@@ -55,7 +61,8 @@ TEST(Param, RefusesAndKeepsTheOldValue) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::usage);
-    EXPECT_STREQ(error.what(), "parameter 'mode': 'pixel' is not one of: adaptive | pixels; did you mean pixels?");
+    EXPECT_STREQ(error.what(),
+                 "parameter 'mode': 'pixel' is not one of: adaptive | pixels; did you mean pixels?");
   }
   EXPECT_EQ(nearest_word("point_siz", {"point_size", "size_mode"}), "point_size");
   EXPECT_EQ(nearest_word("gpu", {"up"}), "") << "two of three letters differ";
@@ -64,8 +71,9 @@ TEST(Param, RefusesAndKeepsTheOldValue) {
 }
 
 TEST(Param, CountsAreWrittenAsPeopleWriteThem) {
-  const std::pair<const char*, double> counts[] = {{"12", 12},    {"1e6", 1e6},     {"250k", 250e3}, {"2M", 2e6},
-                                                   {"1.5M", 15e5}, {"2.3M", 2300000}, {"1G", 1e9},     {"+7", 7}};
+  const std::pair<const char*, double> counts[] = {{"12", 12},  {"1e6", 1e6},   {"250k", 250e3},
+                                                   {"2M", 2e6}, {"1.5M", 15e5}, {"2.3M", 2300000},
+                                                   {"1G", 1e9}, {"+7", 7}};
   for (const auto& [text, value] : counts) EXPECT_EQ(parse_count(text), value) << text;
   for (const char* text : {"", "M", "1.5", "2MM", "ten", "1e400", "nan", "1,000"})
     EXPECT_FALSE(parse_count(text)) << text;

@@ -1,4 +1,5 @@
-// Excerpts of large files: every point is one that was written, with all it holds, and they come from everywhere.
+// Excerpts of large files: every point is one that was written, with all it holds, and they come from
+// everywhere.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -94,29 +95,40 @@ std::string numbers(std::size_t i) {
 
 TEST(Excerpt, OfLines) {
   const std::string body = lines(numbers), count = std::to_string(total);
-  expect_excerpt(write_file("a.ply", "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex " + count +
-                                         "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + body),
-                 only_places);
-  expect_excerpt(write_file("a.pcd", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + count +
-                                         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA ascii\n" + body),
-                 only_places);
+  expect_excerpt(
+      write_file("a.ply", "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex " + count +
+                              "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + body),
+      only_places);
+  expect_excerpt(
+      write_file("a.pcd",
+                 "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
+                     count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA ascii\n" +
+                     body),
+      only_places);
   expect_excerpt(write_file("a.xyz", "# by hand\n" + body), only_places, false);
   expect_excerpt(write_file("a.pts", count + "\n" + body), only_places, false);
-  expect_excerpt(write_file("a.obj", "o thing\n" + lines([](std::size_t i) { return "v " + numbers(i); }) + "f 1 2 3\n"), only_places, false);
+  expect_excerpt(
+      write_file("a.obj", "o thing\n" + lines([](std::size_t i) { return "v " + numbers(i); }) + "f 1 2 3\n"),
+      only_places, false);
 }
 
 // Faces behind the vertices are no matter; a grid becomes a list.
 TEST(Excerpt, OfMeshesAndGrids) {
   std::string body;
   for (std::size_t i = 0; i < total; ++i) body += bytes_of(place(i).x, place(i).y, place(i).z);
-  expect_excerpt(write_file("a.ply", "ply\r\nformat binary_little_endian 1.0\r\nelement vertex " + std::to_string(total) +
-                                         "\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\n"
-                                         "property list uchar int vertex_indices\r\nend_header\r\n" +
-                                         body + bytes_of(std::uint8_t(3), 0, 1, 2)),
-                 only_places);
-  expect_excerpt(write_file("a.pcd", "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 500\nHEIGHT 400\n"
-                                     "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 200000\nDATA binary\n" + body),
-                 only_places);
+  expect_excerpt(
+      write_file("a.ply",
+                 "ply\r\nformat binary_little_endian 1.0\r\nelement vertex " + std::to_string(total) +
+                     "\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\nelement face 1\r\n"
+                     "property list uchar int vertex_indices\r\nend_header\r\n" +
+                     body + bytes_of(std::uint8_t(3), 0, 1, 2)),
+      only_places);
+  expect_excerpt(
+      write_file("a.pcd",
+                 "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 500\nHEIGHT 400\n"
+                 "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 200000\nDATA binary\n" +
+                     body),
+      only_places);
 }
 
 TEST(RecordTap, KeepsSomeOfWhatPasses) {

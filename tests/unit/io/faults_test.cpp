@@ -13,15 +13,26 @@ namespace sfumato {
 namespace {
 
 TEST(Faults, AByteOrderMarkIsNoPartOfTheFirstPoint) {
-  const io::ReadResult result = io::read(test::write_file("a.xyz", "\xEF\xBB\xBF" "1 2 3\n4 5 6\n"));
+  const io::ReadResult result = io::read(test::write_file("a.xyz",
+                                                          "\xEF\xBB\xBF"
+                                                          "1 2 3\n4 5 6\n"));
   ASSERT_EQ(result.cloud.size(), 2u);
   EXPECT_EQ(result.cloud.positions[0], vec3(1, 2, 3));
-  EXPECT_EQ(io::read(test::write_file("b.csv", "\xEF\xBB\xBF" "x,y,z\n1,2,3\n4,5,6\n")).cloud.size(), 2u);
-  EXPECT_EQ(io::read(test::write_file("unnamed", "\xEF\xBB\xBF" "1 2 3\n4 5 6\n")).cloud.size(), 2u);
+  EXPECT_EQ(io::read(test::write_file("b.csv",
+                                      "\xEF\xBB\xBF"
+                                      "x,y,z\n1,2,3\n4,5,6\n"))
+                .cloud.size(),
+            2u);
+  EXPECT_EQ(io::read(test::write_file("unnamed",
+                                      "\xEF\xBB\xBF"
+                                      "1 2 3\n4 5 6\n"))
+                .cloud.size(),
+            2u);
 }
 
 TEST(Faults, ADamagedFileIsNotReadAsText) {
-  const std::string body = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\n1 2 3\n4 5 6\n";
+  const std::string body =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\n1 2 3\n4 5 6\n";
   const std::optional<Error> error = test::error_of(test::write_file("a.pcd", body));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ErrorCode::bad_input);
@@ -32,22 +43,25 @@ TEST(Faults, ADamagedFileIsNotReadAsText) {
 TEST(Faults, NumbersTooSmallAreZeroAndTooLargeOnesAreNoCoordinates) {
   const auto parsed = [](const std::string& text) {
     double value = -1;
-    EXPECT_EQ(io::parse_number(text.data(), text.data() + text.size(), value), text.data() + text.size()) << text;
+    EXPECT_EQ(io::parse_number(text.data(), text.data() + text.size(), value), text.data() + text.size())
+        << text;
     return value;
   };
   const std::string many = "12345678901234567890123";
-  for (const std::string& tiny : {std::string("1e-400"), many + "e-400", "0." + many + "e-400", std::string("1e-99999999999"),
-                                  "0." + std::string(400, '0') + "1", "0.000" + many + "e-330"})
+  for (const std::string& tiny :
+       {std::string("1e-400"), many + "e-400", "0." + many + "e-400", std::string("1e-99999999999"),
+        "0." + std::string(400, '0') + "1", "0.000" + many + "e-330"})
     EXPECT_EQ(parsed(tiny), 0) << tiny;
-  for (const std::string& huge : {std::string("1e400"), many + "e400", "0." + many + "e+400", std::string("1e99999999999"),
-                                  std::string(400, '9')})
+  for (const std::string& huge : {std::string("1e400"), many + "e400", "0." + many + "e+400",
+                                  std::string("1e99999999999"), std::string(400, '9')})
     EXPECT_TRUE(std::isinf(parsed(huge))) << huge;
   EXPECT_EQ(io::read(test::write_file("a.xyz", "1 2 3\n" + many + "e-400 5 6\n")).report.points_finite, 2u);
 }
 
 PointCloud room_and_stray(double stray) {
   PointCloud cloud;
-  for (int i = 0; i < 2001; ++i) cloud.positions.push_back({float(i) * 0.005f, float(i % 100) * 0.1f, float(i % 7)});
+  for (int i = 0; i < 2001; ++i)
+    cloud.positions.push_back({float(i) * 0.005f, float(i % 100) * 0.1f, float(i % 7)});
   cloud.positions.push_back({float(stray), 0, 0});
   return cloud;
 }
@@ -65,7 +79,8 @@ TEST(Faults, LasMovesNoPlaceByMoreThanHalfTheStepItStates) {
       // Half a step, and what a float 10 m from the origin of the reader rounds: 2^-21.
       for (std::size_t i = 0; i + 1 < cloud.size(); ++i)
         for (int k = 0; k < 3; ++k)
-          ASSERT_NEAR(back.world(i)[k], cloud.world(i)[k], 0.5001 * step + 0x1p-20) << name << " " << stray << " " << i;
+          ASSERT_NEAR(back.world(i)[k], cloud.world(i)[k], 0.5001 * step + 0x1p-20)
+              << name << " " << stray << " " << i;
     }
 }
 

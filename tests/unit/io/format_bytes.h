@@ -41,8 +41,10 @@ class Bits {
   int count_ = 0;
 };
 
-/// An E57 file of 1024-byte pages: sections of points, then the XML, whose %0, %1 become the sections' offsets.
-inline std::string e57(const std::vector<std::vector<std::string>>& sections, std::string xml, std::size_t packet = 40) {
+/// An E57 file of 1024-byte pages: sections of points, then the XML, whose %0, %1 become the sections'
+/// offsets.
+inline std::string e57(const std::vector<std::vector<std::string>>& sections, std::string xml,
+                       std::size_t packet = 40) {
   const auto physical = [](std::size_t logical) { return logical / 1020 * 1024 + logical % 1020; };
   std::string logical(48, '\0');
   for (std::size_t s = 0; s < sections.size(); ++s) {
@@ -64,15 +66,16 @@ inline std::string e57(const std::vector<std::vector<std::string>>& sections, st
       packets += le(1, 1) + le(0, 1) + le(one.size() + 6 - 1, 2) + le(sections[s].size(), 2) + one;
       if (at == 0) packets += le(2, 1) + le(0, 1) + le(8 - 1, 2) + le(0, 4);  // an empty packet
     }
-    logical += le(1, 1) + std::string(7, '\0') + le(32 + packets.size(), 8) + le(physical(begin + 32), 8) + le(0, 8) + packets;
+    logical += le(1, 1) + std::string(7, '\0') + le(32 + packets.size(), 8) + le(physical(begin + 32), 8) +
+               le(0, 8) + packets;
     const std::string mark = "%" + std::to_string(s);
     xml.replace(xml.find(mark), mark.size(), std::to_string(physical(begin)));
   }
   const std::size_t xml_at = logical.size();
   logical += xml;
   while (logical.size() % 1020) logical += '\0';
-  const std::string head = "ASTM-E57" + le(1, 4) + le(0, 4) + le(logical.size() / 1020 * 1024, 8) + le(physical(xml_at), 8) +
-                           le(xml.size(), 8) + le(1024, 8);
+  const std::string head = "ASTM-E57" + le(1, 4) + le(0, 4) + le(logical.size() / 1020 * 1024, 8) +
+                           le(physical(xml_at), 8) + le(xml.size(), 8) + le(1024, 8);
   logical.replace(0, 48, head);
   std::string file;
   for (std::size_t at = 0; at < logical.size(); at += 1020) {
@@ -113,13 +116,17 @@ inline std::string two_scans() {
 <vectorChild type="Structure"><points type="CompressedVector" fileOffset="%1" recordCount="30"><prototype type="Structure">
 <sphericalRange type="Float" precision="single"/><sphericalAzimuth type="Float"/><sphericalElevation type="Float"/>
 <sphericalInvalidState type="Integer" minimum="0" maximum="2"/></prototype></points></vectorChild></data3D></e57Root>)";
-  return e57({{x.bytes(), y.bytes(), z.bytes(), red.bytes(), "", ""}, {range, azimuth, elevation, invalid.bytes()}}, xml);
+  return e57(
+      {{x.bytes(), y.bytes(), z.bytes(), red.bytes(), "", ""}, {range, azimuth, elevation, invalid.bytes()}},
+      xml);
 }
 
 inline const char* const ptx_head = "10 20 30\n1 0 0\n0 1 0\n0 0 1\n";
 
-inline std::string npy(const std::string& descr, const std::string& shape, const std::string& body, bool fortran = false) {
-  std::string head = "{'descr': " + descr + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': (" + shape + "), }\n";
+inline std::string npy(const std::string& descr, const std::string& shape, const std::string& body,
+                       bool fortran = false) {
+  std::string head = "{'descr': " + descr + ", 'fortran_order': " + (fortran ? "True" : "False") +
+                     ", 'shape': (" + shape + "), }\n";
   return std::string("\x93NUMPY\x01\x00", 8) + le(head.size(), 2) + head + body;
 }
 
@@ -141,27 +148,33 @@ inline std::string zip(const std::vector<std::pair<std::string, std::string>>& f
       deflateEnd(&stream);
     }
     const auto crc = crc32(0, reinterpret_cast<const Bytef*>(content.data()), uInt(content.size()));
-    const std::string common = le(20, 2) + le(0, 2) + le(deflated ? 8 : 0, 2) + le(0, 4) + le(crc, 4) + le(packed.size(), 4) +
-                               le(content.size(), 4) + le(name.size(), 2);
-    list += "PK\1\2" + le(20, 2) + common + le(0, 2) + le(0, 2) + le(0, 2) + le(0, 2) + le(0, 4) + le(bytes.size(), 4) + name;
+    const std::string common = le(20, 2) + le(0, 2) + le(deflated ? 8 : 0, 2) + le(0, 4) + le(crc, 4) +
+                               le(packed.size(), 4) + le(content.size(), 4) + le(name.size(), 2);
+    list += "PK\1\2" + le(20, 2) + common + le(0, 2) + le(0, 2) + le(0, 2) + le(0, 2) + le(0, 4) +
+            le(bytes.size(), 4) + name;
     // numpy leaves room for sizes of 64 bits before each array.
-    bytes += "PK\3\4" + common + le(20, 2) + name + le(1, 2) + le(16, 2) + le(content.size(), 8) + le(packed.size(), 8) + packed;
+    bytes += "PK\3\4" + common + le(20, 2) + name + le(1, 2) + le(16, 2) + le(content.size(), 8) +
+             le(packed.size(), 8) + packed;
   }
-  return bytes + list + "PK\5\6" + le(0, 4) + le(files.size(), 2) + le(files.size(), 2) + le(list.size(), 4) + le(bytes.size(), 4) + le(0, 2);
+  return bytes + list + "PK\5\6" + le(0, 4) + le(files.size(), 2) + le(files.size(), 2) + le(list.size(), 4) +
+         le(bytes.size(), 4) + le(0, 2);
 }
 
 /// Four points in two colours, with normals, an intensity, and a list that belongs to nothing.
 inline std::string npz_cloud(bool deflated) {
-  const std::string rows = bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f);
+  const std::string rows =
+      bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f);
   return zip({{"points.npy", npy("'<f4'", "4, 3", rows)},
-              {"colors.npy", npy("'|u1'", "4, 3", std::string("\x01\x02\x03\x01\x02\x03\xff\x02\x03\x04\x02\x03", 12))},
+              {"colors.npy",
+               npy("'|u1'", "4, 3", std::string("\x01\x02\x03\x01\x02\x03\xff\x02\x03\x04\x02\x03", 12))},
               {"intensity.npy", npy("'<f8'", "4,", bytes_of(0.5, 1.5, 2.5, 1e-3))},
               {"other.npy", npy("'<i4'", "2,", bytes_of(7, 8))}},
              deflated);
 }
 
 /// A grey PNG of 16 bits, stored without compression.
-inline std::string png16(std::uint32_t width, std::uint32_t height, const std::vector<std::uint16_t>& samples) {
+inline std::string png16(std::uint32_t width, std::uint32_t height,
+                         const std::vector<std::uint16_t>& samples) {
   const auto be = [](std::uint64_t value, int bytes) {
     std::string text = le(value, bytes);
     return std::string(text.rbegin(), text.rend());
@@ -184,7 +197,8 @@ inline std::string png16(std::uint32_t width, std::uint32_t height, const std::v
   }
   std::uint32_t a = 1, b = 0;
   for (unsigned char c : raw) a = (a + c) % 65521, b = (b + a) % 65521;
-  const std::string packed = std::string("\x78\x01\x01", 3) + le(raw.size(), 2) + le(~raw.size() & 0xFFFF, 2) + raw + be(b << 16 | a, 4);
+  const std::string packed = std::string("\x78\x01\x01", 3) + le(raw.size(), 2) +
+                             le(~raw.size() & 0xFFFF, 2) + raw + be(b << 16 | a, 4);
   return "\x89PNG\r\n\x1a\n" + chunk("IHDR", be(width, 4) + be(height, 4) + std::string("\x10\0\0\0\0", 5)) +
          chunk("IDAT", packed) + chunk("IEND", "");
 }

@@ -34,7 +34,8 @@ TEST(E57, ScansOfEveryCodecWithTheirPoses) {
     // A quarter turn about z takes (x, y) to (-y, x).
     const dvec3 local(0.5 * (double(i) - 50) + 1, 2.0 * double(i), 5.0 + double(i % 2));
     const dvec3 expected(1000 - local.y, 200 + local.x, local.z);
-    for (int k = 0; k < 3; ++k) ASSERT_NEAR(cloud.world(i)[k], expected[k], 1e-4) << i;  // floats about 1000: 6e-5
+    for (int k = 0; k < 3; ++k)
+      ASSERT_NEAR(cloud.world(i)[k], expected[k], 1e-4) << i;  // floats about 1000: 6e-5
     EXPECT_EQ(cloud.colors[i].g, 7);
     EXPECT_EQ(cloud.colors[i].r, i);
   }
@@ -51,8 +52,10 @@ TEST(E57, DamageIsAnError) {
   std::mt19937 random(3);
   for (int run = 0; run < 400; ++run) {
     std::string damaged = bytes;
-    if (run % 2) damaged.resize(random() % damaged.size());
-    else damaged[random() % damaged.size()] ^= char(1 << random() % 8);
+    if (run % 2)
+      damaged.resize(random() % damaged.size());
+    else
+      damaged[random() % damaged.size()] ^= char(1 << random() % 8);
     const std::optional<Error> error = test::error_of(test::write_file("a.e57", damaged));
     ASSERT_TRUE(error) << run << ": every byte is under a checksum";
     EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
@@ -72,8 +75,8 @@ TEST(E57, DamageIsAnError) {
 
 TEST(Ptx, ScansWithPosesAndMissingCells) {
   const std::string file = std::string("2\n3\n") + ptx_head + "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n" +
-                           "1 0 0 0.5\n0 0 0 0.5\n3 0 0 0.25\n4 0 0 1\n5 0 0 1\n0 0 0 0.5\n" + "1\n1\n" + ptx_head +
-                           "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" + "7 8 9 0.5 255 0 1\n";
+                           "1 0 0 0.5\n0 0 0 0.5\n3 0 0 0.25\n4 0 0 1\n5 0 0 1\n0 0 0 0.5\n" + "1\n1\n" +
+                           ptx_head + "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" + "7 8 9 0.5 255 0 1\n";
   const io::ReadResult result = io::read(test::write_file("a.ptx", file));
   EXPECT_EQ(result.report.format, "ptx");
   EXPECT_EQ(result.report.points, 7u);
@@ -87,7 +90,8 @@ TEST(Ptx, ScansWithPosesAndMissingCells) {
   ASSERT_EQ(cloud.grids.size(), 2u);
   EXPECT_EQ(cloud.grids[0].count, 4u);
   EXPECT_EQ(cloud.grids[0].width, 2u);
-  EXPECT_EQ(cloud.grid_index, (std::vector<std::uint32_t>{0, 4, 1, 3, 0}));  // column after column in the file
+  EXPECT_EQ(cloud.grid_index,
+            (std::vector<std::uint32_t>{0, 4, 1, 3, 0}));  // column after column in the file
   EXPECT_EQ(cloud.scanners.at(0), dvec3(10, 20, 30));
   ASSERT_TRUE(cloud.scalar("scanner"));
 }
@@ -97,14 +101,17 @@ TEST(Ptx, DamageIsAnError) {
                            "1 0 0 0.5\n2 0 0 0.5\n3 0 0 0.25\n4 0 0 1\n";
   test::expect_cuts_are_safe("a.ptx", file, 4);
   test::expect_changes_are_safe("a.ptx", file);
-  const std::optional<Error> error = test::error_of(test::write_file("a.ptx", "2000000000\n2000000000\n" + file.substr(4)));
+  const std::optional<Error> error =
+      test::error_of(test::write_file("a.ptx", "2000000000\n2000000000\n" + file.substr(4)));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ErrorCode::bad_input);
 }
 
 TEST(Pts, ColumnsAreFixed) {
-  // Intensities that look like bytes, and colours of zeros, deceive a guess; the count on top says that it is a PTS.
-  const PointCloud cloud = io::read(test::write_file("a.pts", "2\n1 2 3 100 0 0 0\n4 5 6 -2000 9 0 0\n")).cloud;
+  // Intensities that look like bytes, and colours of zeros, deceive a guess; the count on top says that it is
+  // a PTS.
+  const PointCloud cloud =
+      io::read(test::write_file("a.pts", "2\n1 2 3 100 0 0 0\n4 5 6 -2000 9 0 0\n")).cloud;
   ASSERT_TRUE(cloud.scalar("intensity"));
   EXPECT_EQ(cloud.scalar("intensity")->value(1), -2000);
   EXPECT_EQ(cloud.colors.at(1).r, 9);
@@ -113,13 +120,18 @@ TEST(Pts, ColumnsAreFixed) {
 
 TEST(Npy, RowsColumnsAndRecords) {
   const std::string rows = test::bytes_of(1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f);
-  EXPECT_EQ(io::read(test::write_file("a.npy", npy("'<f4'", "2, 3", rows))).cloud.positions.at(1), vec3(4, 5, 6));
-  EXPECT_EQ(io::read(test::write_file("b.npy", npy("'<f4'", "2, 3", rows, true))).cloud.positions.at(1), vec3(2, 4, 6));
-  EXPECT_EQ(io::read(test::write_file("c.npy", npy("'>f8'", "1, 3", test::reversed_bytes_of(1.0, 2.0, 3.0)))).cloud.world(0),
+  EXPECT_EQ(io::read(test::write_file("a.npy", npy("'<f4'", "2, 3", rows))).cloud.positions.at(1),
+            vec3(4, 5, 6));
+  EXPECT_EQ(io::read(test::write_file("b.npy", npy("'<f4'", "2, 3", rows, true))).cloud.positions.at(1),
+            vec3(2, 4, 6));
+  EXPECT_EQ(io::read(test::write_file("c.npy", npy("'>f8'", "1, 3", test::reversed_bytes_of(1.0, 2.0, 3.0))))
+                .cloud.world(0),
             dvec3(1, 2, 3));
   const PointCloud records =
-      io::read(test::write_file("d.npy", npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('ring', '|u1')]", "2,",
-                                             test::bytes_of(1.0f, 2.0f, 3.0f) + "\x05" + test::bytes_of(4.0f, 5.0f, 6.0f) + "\x06")))
+      io::read(
+          test::write_file("d.npy", npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('ring', '|u1')]", "2,",
+                                        test::bytes_of(1.0f, 2.0f, 3.0f) + "\x05" +
+                                            test::bytes_of(4.0f, 5.0f, 6.0f) + "\x06")))
           .cloud;
   EXPECT_EQ(records.positions.at(1), vec3(4, 5, 6));
   EXPECT_EQ(records.scalar("ring")->value(1), 6);
@@ -140,19 +152,24 @@ TEST(Npz, ArraysBecomeColumnsByTheirNames) {
     EXPECT_NEAR(cloud.scalar("intensity")->value(3), 1e-3, 1e-9);
     EXPECT_FALSE(cloud.scalar("other"));
     ASSERT_EQ(result.report.notes.size(), 1u);
-    EXPECT_NE(result.report.notes[0].find("'other' is left out"), std::string::npos) << result.report.notes[0];
+    EXPECT_NE(result.report.notes[0].find("'other' is left out"), std::string::npos)
+        << result.report.notes[0];
     test::expect_cuts_are_safe("a.npz", bytes, 4);
     test::expect_changes_are_safe("a.npz", bytes);
   }
-  const auto lists = test::write_file("b.npz", zip({{"x.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))},
-                                                    {"y.npy", npy("'<f4'", "2,", test::bytes_of(3.0f, 4.0f))},
-                                                    {"z.npy", npy("'<i2'", "2,", test::bytes_of(short(5), short(6)))}}, true));
+  const auto lists =
+      test::write_file("b.npz", zip({{"x.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))},
+                                     {"y.npy", npy("'<f4'", "2,", test::bytes_of(3.0f, 4.0f))},
+                                     {"z.npy", npy("'<i2'", "2,", test::bytes_of(short(5), short(6)))}},
+                                    true));
   EXPECT_EQ(io::read(lists).cloud.positions.at(1), vec3(2, 4, 6));
-  const auto none = test::error_of(test::write_file("c.npz", zip({{"q.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))}}, true)));
+  const auto none = test::error_of(
+      test::write_file("c.npz", zip({{"q.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))}}, true)));
   ASSERT_TRUE(none);
   EXPECT_NE(std::string(none->what()).find("name one so"), std::string::npos) << none->what();
   // Zeros pack a thousandfold; a file that unpacks to gigabytes is no scan.
-  EXPECT_TRUE(test::error_of(test::write_file("d.npz", zip({{"xyz.npy", npy("'<f4'", "8000000, 3", std::string(96'000'000, '\0'))}}, true))));
+  EXPECT_TRUE(test::error_of(test::write_file(
+      "d.npz", zip({{"xyz.npy", npy("'<f4'", "8000000, 3", std::string(96'000'000, '\0'))}}, true))));
 }
 
 #ifdef SFUMATO_DRACO
@@ -162,7 +179,8 @@ TEST(Draco, PointsColoursAndScalars) {
   const PointCloud& cloud = result.cloud;
   ASSERT_EQ(cloud.size(), 1000u);
   for (std::size_t i = 0; i < 1000; ++i) {
-    ASSERT_EQ(cloud.positions[i], vec3(float(i % 10), float(i / 10 % 10), float(i / 100))) << i;  // sequential: in order, exact
+    ASSERT_EQ(cloud.positions[i], vec3(float(i % 10), float(i / 10 % 10), float(i / 100)))
+        << i;  // sequential: in order, exact
     ASSERT_EQ(cloud.colors[i].r, i % 256);
     ASSERT_EQ(cloud.scalar("intensity")->value(i), double(i * 7 % 65536));
   }
@@ -176,7 +194,8 @@ TEST(Draco, PointsColoursAndScalars) {
 #endif
 
 TEST(Kitti, FloatsByExtension) {
-  const io::ReadResult result = io::read(test::write_file("000000.bin", test::bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f)));
+  const io::ReadResult result = io::read(
+      test::write_file("000000.bin", test::bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f)));
   EXPECT_EQ(result.report.format, "kitti");
   EXPECT_EQ(result.cloud.positions.at(1), vec3(4, 5, 6));
   EXPECT_EQ(result.cloud.scalar("intensity")->value(0), 0.5);
@@ -190,7 +209,8 @@ TEST(DepthImage, OfFloatsIsAnExr) {
   std::copy(std::begin(values), std::end(values), depth.data());
   const std::filesystem::path exr = test::temp_file("d.exr");
   io::write_exr(exr, {}, depth, {});
-  const std::string json = "{\"depth\": \"" + exr.filename().string() + "\", \"fx\": 2, \"fy\": 4, \"cx\": 1, \"cy\": 0}";
+  const std::string json =
+      "{\"depth\": \"" + exr.filename().string() + "\", \"fx\": 2, \"fy\": 4, \"cx\": 1, \"cy\": 0}";
   const io::ReadResult result = io::read(test::write_file("a.json", json));
   EXPECT_EQ(result.report.points, 6u);
   ASSERT_EQ(result.cloud.size(), 4u) << "0 and infinity are no measurements";
@@ -202,8 +222,10 @@ TEST(DepthImage, OfFloatsIsAnExr) {
   std::mt19937 random(5);
   for (int run = 0; run < 300; ++run) {
     std::string damaged = bytes;
-    if (run % 2) damaged.resize(random() % damaged.size());
-    else damaged[random() % damaged.size()] = char(random());
+    if (run % 2)
+      damaged.resize(random() % damaged.size());
+    else
+      damaged[random() % damaged.size()] = char(random());
     test::write_file("d.exr", damaged);
     if (const auto error = test::error_of(test::write_file("a.json", json)))
       EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
@@ -213,7 +235,8 @@ TEST(DepthImage, OfFloatsIsAnExr) {
 TEST(DepthImage, IsAnOrganisedCloud) {
   const std::string picture = png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500});
   const std::filesystem::path png = test::write_file("d.png", picture);
-  const std::string json = "{\"depth\": \"" + png.filename().string() + "\", \"fx\": 2, \"fy\": 4, \"cx\": 1, \"cy\": 0";
+  const std::string json =
+      "{\"depth\": \"" + png.filename().string() + "\", \"fx\": 2, \"fy\": 4, \"cx\": 1, \"cy\": 0";
   const io::ReadResult result = io::read(test::write_file("a.json", json + "}"));
   EXPECT_EQ(result.report.points, 6u);
   EXPECT_EQ(result.report.points_dropped, 1u);
@@ -225,11 +248,14 @@ TEST(DepthImage, IsAnOrganisedCloud) {
   EXPECT_EQ(cloud.grid_index, (std::vector<std::uint32_t>{0, 2, 3, 4, 5}));
   EXPECT_EQ(cloud.grids.at(0).width, 3u);
   // A quarter turn about z takes (x, y) to (-y, x).
-  const PointCloud moved = io::read(test::write_file("b.json", json + ", \"pose\": [10, 0, 0, 0, 0, 0.70710678, 0.70710678]}")).cloud;
+  const PointCloud moved =
+      io::read(test::write_file("b.json", json + ", \"pose\": [10, 0, 0, 0, 0, 0.70710678, 0.70710678]}"))
+          .cloud;
   EXPECT_NEAR(moved.world(4).x, 10 - 0.125, 1e-6);
   EXPECT_NEAR(moved.world(4).y, 0.25, 1e-6);
   EXPECT_EQ(moved.scanners.at(0), dvec3(10, 0, 0));
-  for (const char* bad : {", \"pose\": [1]}", ", \"zoom\": 1}", ", \"depth_scale\": 0}", ", \"color\": \"none.png\"}"})
+  for (const char* bad :
+       {", \"pose\": [1]}", ", \"zoom\": 1}", ", \"depth_scale\": 0}", ", \"color\": \"none.png\"}"})
     EXPECT_TRUE(test::error_of(test::write_file("c.json", json + bad))) << bad;
   for (std::size_t length = 0; length < picture.size(); length += 3) {
     test::write_file("d.png", picture.substr(0, length));
@@ -243,7 +269,8 @@ TEST(Laz, TakesNoMemoryOnTheWordOfAHeader) {
   // One point that claims to be four million, with eight scalars: 4e6 points would take 300 MB and more.
   PointCloud cloud;
   cloud.positions = {vec3(1, 2, 3)};
-  for (int k = 0; k < 16; ++k) cloud.set_scalar({"extra" + std::to_string(k), 0, {0.5f}, StoredType::float32});
+  for (int k = 0; k < 16; ++k)
+    cloud.set_scalar({"extra" + std::to_string(k), 0, {0.5f}, StoredType::float32});
   const std::filesystem::path file = test::temp_file("a.laz");
   io::write(file, cloud);
   std::ifstream in(file, std::ios::binary);

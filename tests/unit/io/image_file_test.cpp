@@ -24,13 +24,17 @@ Image<Rgba8> gradient() {
   Image<Rgba8> image(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      image.at(x, y) = {std::uint8_t(4 * x), std::uint8_t(6 * y), std::uint8_t(120 + x + y), std::uint8_t(x < 30 ? 255 : 6 * y)};
+      image.at(x, y) = {std::uint8_t(4 * x), std::uint8_t(6 * y), std::uint8_t(120 + x + y),
+                        std::uint8_t(x < 30 ? 255 : 6 * y)};
   return image;
 }
 
 class ImageFileTest : public ::testing::Test {
  protected:
-  void SetUp() override { folder_ = std::filesystem::temp_directory_path() / ("sfumato_images_" + std::to_string(getpid())), std::filesystem::create_directories(folder_); }
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("sfumato_images_" + std::to_string(getpid())),
+    std::filesystem::create_directories(folder_);
+  }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::vector<unsigned char> bytes(const char* name) const {
     std::ifstream file(folder_ / name, std::ios::binary);
@@ -64,7 +68,8 @@ TEST_F(ImageFileTest, JpegKeepsColoursAndRows) {
   }
   jpeg_finish_decompress(&info);
   jpeg_destroy_decompress(&info);
-  // A smooth ramp at quality 95 is coded within a few steps; a channel or row in the wrong place is off by 40 and more.
+  // A smooth ramp at quality 95 is coded within a few steps; a channel or row in the wrong place is off by 40
+  // and more.
   EXPECT_LT(off / (3.0 * width * height), 3);
 }
 

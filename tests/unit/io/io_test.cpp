@@ -38,8 +38,8 @@ INSTANTIATE_TEST_SUITE_P(
                     RealScan{"office1.pcd", "pcd", 0}, RealScan{"FSite7_orig-utm.pcd", "pcd", 0},
                     RealScan{"fragment.pcd", "pcd", 0}, RealScan{"251370668.pcd", "pcd", 0},
                     RealScan{"251371071.pcd", "pcd", 0},
-                    RealScan{"pumpAVisualReferenceImage.e57", "e57", 3e-7}, RealScan{"1.2-with-color.ptx", "ptx", 3e-4},
-                    RealScan{"bunnyData.pts", "text", 1e-8},
+                    RealScan{"pumpAVisualReferenceImage.e57", "e57", 3e-7},
+                    RealScan{"1.2-with-color.ptx", "ptx", 3e-4}, RealScan{"bunnyData.pts", "text", 1e-8},
                     RealScan{"armadillo.obj", "obj", 4e-8}, RealScan{"car_cloud400.csv", "text", 4e-6}),
     [](const auto& scan) {
       std::string name = scan.param.name;

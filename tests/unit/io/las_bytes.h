@@ -37,7 +37,8 @@ inline std::filesystem::path temporary(const std::string& name) {
 
 inline std::filesystem::path save(const Bytes& bytes, const std::string& name) {
   const std::filesystem::path path = temporary(name);
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
   return path;
 }
 
@@ -91,8 +92,8 @@ struct LasFile {
 };
 
 /// The 192 bytes that describe one field of extra bytes.
-inline Bytes extra_field(const std::string& name, std::uint8_t type, std::uint8_t options = 0, double scale = 0,
-                         double offset = 0) {
+inline Bytes extra_field(const std::string& name, std::uint8_t type, std::uint8_t options = 0,
+                         double scale = 0, double offset = 0) {
   Bytes d(192);
   d[2] = type;
   d[3] = options;

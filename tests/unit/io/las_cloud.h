@@ -12,7 +12,8 @@ inline PointCloud las_cloud(int points, int format, int columns) {
   PointCloud cloud;
   cloud.las.emplace();
   cloud.las->point_format = format;
-  ScalarField time{"gps_time", 1000, {}, StoredType::float64}, intensity{"intensity", 0, {}, StoredType::uint16};
+  ScalarField time{"gps_time", 1000, {}, StoredType::float64},
+      intensity{"intensity", 0, {}, StoredType::uint16};
   std::mt19937 random(7);
   for (int i = 0; i < points; ++i) {
     cloud.positions.push_back({float(i % columns), float(i / columns) * 0.1f, float(random() % 100) * 0.01f});

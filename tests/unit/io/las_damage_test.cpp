@@ -63,7 +63,8 @@ Bytes with(Bytes bytes, std::size_t at, T value) {
 
 std::size_t point_data(const Bytes& bytes) { return test::get<std::uint32_t>(bytes, 96); }
 
-// A COPC file of one node a cloud, made of the chunks of LAZ files (COPC 1.0: info VLR first, hierarchy EVLR).
+// A COPC file of one node a cloud, made of the chunks of LAZ files (COPC 1.0: info VLR first, hierarchy
+// EVLR).
 Bytes copc_of(const std::vector<PointCloud>& nodes) {
   const Bytes first = bytes_of(nodes[0], ".laz");
   Bytes head(first.begin(), first.begin() + 375), laszip;
@@ -86,7 +87,8 @@ Bytes copc_of(const std::vector<PointCloud>& nodes) {
   std::uint64_t points = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Bytes laz = bytes_of(nodes[i], ".laz");
-    const std::size_t begin = point_data(laz) + table_address_bytes, end = test::get<std::uint64_t>(laz, point_data(laz));
+    const std::size_t begin = point_data(laz) + table_address_bytes,
+                      end = test::get<std::uint64_t>(laz, point_data(laz));
     Bytes entry(32);
     test::put<std::int32_t>(entry, 0, i ? 1 : 0);
     test::put<std::int32_t>(entry, 4, i ? int(i) - 1 : 0);
@@ -116,20 +118,23 @@ TEST(LasDamage, HeaderFieldsAreChecked) {
   Damage damage("damaged.las");
   ASSERT_EQ(damage.read(las), "");
   ASSERT_EQ(damage.read(laz), "");
-  const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity(),
+               nan = std::numeric_limits<double>::quiet_NaN();
   for (const Bytes& file : {las, laz}) {
     EXPECT_THAT(damage.read(with<std::uint8_t>(file, 25, 5)), testing::HasSubstr("byte 24"));
     EXPECT_THAT(damage.read(with<std::uint16_t>(file, 94, 100)), testing::HasSubstr("byte 94"));
     EXPECT_THAT(damage.read(with<std::uint16_t>(file, 94, 65535)), testing::HasSubstr("byte 94"));
     EXPECT_THAT(damage.read(with<std::uint32_t>(file, 96, 10)), testing::HasSubstr("byte 96"));
     EXPECT_THAT(damage.read(with<std::uint32_t>(file, 96, 0xFFFFFFFFu)), testing::HasSubstr("byte 96"));
-    EXPECT_THAT(damage.read(with<std::uint32_t>(file, 100, 0xFFFFFFFFu)), testing::HasSubstr("variable length"));
+    EXPECT_THAT(damage.read(with<std::uint32_t>(file, 100, 0xFFFFFFFFu)),
+                testing::HasSubstr("variable length"));
     EXPECT_THAT(damage.read(with<std::uint8_t>(file, 104, 63)), testing::HasSubstr("byte 104"));
     EXPECT_THAT(damage.read(with<std::uint16_t>(file, 105, 0)), testing::HasSubstr("byte 105"));
     for (const double bad : {0.0, nan, infinity, 1e300})
       EXPECT_THAT(damage.read(with<double>(file, 131, bad)), testing::HasSubstr("scale"));
     EXPECT_THAT(damage.read(with<double>(file, 155, nan)), testing::HasSubstr("offset"));
-    for (const std::uint64_t count : {std::uint64_t{51}, std::uint64_t{1} << 31, std::uint64_t{1} << 63, ~std::uint64_t{0}})
+    for (const std::uint64_t count :
+         {std::uint64_t{51}, std::uint64_t{1} << 31, std::uint64_t{1} << 63, ~std::uint64_t{0}})
       EXPECT_NE(damage.read(with<std::uint64_t>(file, 247, count)), "") << count;
   }
   EXPECT_NE(damage.read(with<std::uint16_t>(laz, 105, 65535)), "");
@@ -140,8 +145,9 @@ TEST(LasDamage, ACutFileIsAnErrorWhereverItIsCut) {
   for (const int format : {3, 7}) {
     for (const char* extension : {".las", ".laz"}) {
       const Bytes whole = bytes_of(cloud_of(300, format), extension);
-      const std::size_t end = std::string(extension) == ".las" ? whole.size()
-                                                               : test::get<std::uint64_t>(whole, point_data(whole));
+      const std::size_t end = std::string(extension) == ".las"
+                                  ? whole.size()
+                                  : test::get<std::uint64_t>(whole, point_data(whole));
       Damage damage(std::string("cut") + extension);
       for (std::size_t size = 0; size < end; size += size < 400 ? 13 : 37) {
         const Bytes cut(whole.begin(), whole.begin() + std::ptrdiff_t(size));
@@ -151,7 +157,8 @@ TEST(LasDamage, ACutFileIsAnErrorWhereverItIsCut) {
   }
 }
 
-// Chunks of LASzip 2 (formats 0 to 5) are found without the table by decoding in order, those of LASzip 3 by walking.
+// Chunks of LASzip 2 (formats 0 to 5) are found without the table by decoding in order, those of LASzip 3 by
+// walking.
 TEST(LazDamage, AMissingOrWrongChunkTableIsDoneWithout) {
   const int points = 120000;  // three chunks
   for (const int format : {3, 7}) {
@@ -171,7 +178,8 @@ TEST(LazDamage, AMissingOrWrongChunkTableIsDoneWithout) {
       EXPECT_EQ(damage.read(bytes, &read), "");
       EXPECT_EQ(read, std::size_t(points));
     }
-    // Entries: each byte wrong in its turn. The chunks of format 7 carry their own sizes, so that nothing is lost.
+    // Entries: each byte wrong in its turn. The chunks of format 7 carry their own sizes, so that nothing is
+    // lost.
     for (std::size_t at = table + 8; at < laz.size(); ++at) {
       std::size_t read = 0;
       const std::string error = damage.read(with<std::uint8_t>(laz, at, std::uint8_t(laz[at] ^ 0xA5)), &read);
@@ -190,7 +198,8 @@ TEST(LazDamage, AMissingOrWrongChunkTableIsDoneWithout) {
 TEST(LazDamage, VariableChunksNeedTheirTable) {
   Bytes laz = bytes_of(cloud_of(100, 3), ".laz");
   for (std::size_t at = 375; at < point_data(laz); at += 54 + test::get<std::uint16_t>(laz, at + 20))
-    if (test::get<std::uint16_t>(laz, at + 18) == 22204) test::put<std::uint32_t>(laz, at + 54 + 12, 0xFFFFFFFFu);
+    if (test::get<std::uint16_t>(laz, at + 18) == 22204)
+      test::put<std::uint32_t>(laz, at + 54 + 12, 0xFFFFFFFFu);
   test::put<std::uint64_t>(laz, point_data(laz), point_data(laz));
   Damage damage("variable.laz");
   EXPECT_THAT(damage.read(laz), testing::HasSubstr("chunk table"));
@@ -206,7 +215,8 @@ TEST(LazDamage, LaszipRecordIsChecked) {
   for (const std::size_t at : {0u, 2u, 32u, 34u, 36u, 38u, 40u})
     for (const std::uint16_t value : {9, 255, 65535})
       EXPECT_NE(damage.read(with<std::uint16_t>(laz, record + at, value)), "") << at;
-  EXPECT_THAT(damage.read(with<std::uint32_t>(laz, record + 12, 0x7FFFFFFF)), testing::HasSubstr("chunks of"));
+  EXPECT_THAT(damage.read(with<std::uint32_t>(laz, record + 12, 0x7FFFFFFF)),
+              testing::HasSubstr("chunks of"));
   EXPECT_NE(damage.read(with<std::uint8_t>(laz, record - 54 + 2, 'x')), "");
 }
 
@@ -231,9 +241,11 @@ TEST(CopcDamage, NodesAreReadInFileOrderAndTheOctreeIsChecked) {
   std::filesystem::remove(a);
   std::filesystem::remove(b);
 
-  EXPECT_THAT(damage.read(with<std::uint64_t>(copc, page_field, copc.size() * 3)), testing::HasSubstr("page"));
+  EXPECT_THAT(damage.read(with<std::uint64_t>(copc, page_field, copc.size() * 3)),
+              testing::HasSubstr("page"));
   EXPECT_THAT(damage.read(with<std::uint64_t>(copc, page_field + 8, 33)), testing::HasSubstr("page"));
-  EXPECT_THAT(damage.read(with<std::uint64_t>(copc, page_field + 8, std::uint64_t{1} << 60)), testing::HasSubstr("page"));
+  EXPECT_THAT(damage.read(with<std::uint64_t>(copc, page_field + 8, std::uint64_t{1} << 60)),
+              testing::HasSubstr("page"));
   EXPECT_THAT(damage.read(with<std::int32_t>(copc, page, 40)), testing::HasSubstr("level"));
   EXPECT_THAT(damage.read(with<std::int32_t>(copc, page + 4, 1)), testing::HasSubstr("level"));
   EXPECT_THAT(damage.read(with<std::int32_t>(copc, page + 28, -2)), testing::HasSubstr("negative"));
@@ -252,17 +264,21 @@ TEST(CopcDamage, NodesAreReadInFileOrderAndTheOctreeIsChecked) {
     EXPECT_NE(damage.read(Bytes(copc.begin(), copc.begin() + std::ptrdiff_t(size))), "") << "cut at " << size;
 }
 
-// Random damage anywhere. Most of it in the compressed points, where it may go unnoticed but must not be fatal.
+// Random damage anywhere. Most of it in the compressed points, where it may go unnoticed but must not be
+// fatal.
 TEST(LasDamage, RandomBytesAreNeverFatal) {
   std::mt19937 random(20240612);
   const std::vector<std::pair<Bytes, std::string>> seeds{
-      {bytes_of(cloud_of(40, 3), ".las"), "flip.las"}, {bytes_of(cloud_of(400, 3), ".laz"), "flip.laz"},
-      {bytes_of(cloud_of(400, 7), ".laz"), "flip.laz"}, {copc_of({cloud_of(90, 7), cloud_of(60, 7)}), "flip.copc.laz"}};
+      {bytes_of(cloud_of(40, 3), ".las"), "flip.las"},
+      {bytes_of(cloud_of(400, 3), ".laz"), "flip.laz"},
+      {bytes_of(cloud_of(400, 7), ".laz"), "flip.laz"},
+      {copc_of({cloud_of(90, 7), cloud_of(60, 7)}), "flip.copc.laz"}};
   for (const auto& [seed, name] : seeds) {
     Damage damage(name);
     for (int round = 0; round < 300; ++round) {
       Bytes bytes = seed;
-      for (unsigned k = 0, flips = 1 + random() % 8; k < flips; ++k) bytes[random() % bytes.size()] = std::uint8_t(random());
+      for (unsigned k = 0, flips = 1 + random() % 8; k < flips; ++k)
+        bytes[random() % bytes.size()] = std::uint8_t(random());
       damage.read(bytes);
     }
   }

@@ -1,4 +1,5 @@
-// Each LAS point format, extra bytes and coordinate systems, from bytes laid out by hand (LAS 1.4 R15, tables 7-17).
+// Each LAS point format, extra bytes and coordinate systems, from bytes laid out by hand (LAS 1.4 R15, tables
+// 7-17).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -74,7 +75,8 @@ void expect_points(const io::ReadResult& result, int format, int points) {
     const ScalarField* field = cloud.scalar(name);
     const ScalarField* rest = cloud.scalar(std::string(name) + "_residual");
     if (!field) return -12345.0;
-    return field->offset + (double(field->values[std::size_t(i)]) + (rest ? rest->values[std::size_t(i)] : 0));
+    return field->offset +
+           (double(field->values[std::size_t(i)]) + (rest ? rest->values[std::size_t(i)] : 0));
   };
   for (int i = 0; i < points; ++i) {
     const dvec3 p = cloud.world(std::size_t(i));
@@ -122,8 +124,8 @@ TEST_P(LasPointFormat, IsReadFieldByFieldAndSurvivesLasAndLaz) {
   const io::ReadResult result = io::read(path);
   expect_points(result, format, points);
   const bool has_waves = format == 4 || format == 5 || format >= 9;
-  EXPECT_EQ(result.report.notes, has_waves ? std::vector<std::string>{"wave packets are not read"}
-                                           : std::vector<std::string>{});
+  EXPECT_EQ(result.report.notes,
+            has_waves ? std::vector<std::string>{"wave packets are not read"} : std::vector<std::string>{});
   for (const char* name : {"out.las", "out.laz"}) {
     const auto out = test::temporary(name);
     io::write(out, result.cloud);
@@ -133,15 +135,16 @@ TEST_P(LasPointFormat, IsReadFieldByFieldAndSurvivesLasAndLaz) {
     // Packed again, all but the wave packet equals the bytes laid out by hand.
     if (std::string(name) == "out.las") {
       const Bytes written = test::load(out);
-      const std::size_t start = test::get<std::uint32_t>(written, 96), length = test::get<std::uint16_t>(written, 105);
+      const std::size_t start = test::get<std::uint32_t>(written, 96),
+                        length = test::get<std::uint16_t>(written, 105);
       for (int i = 0; i < points; ++i) {
         const Bytes original = record_of(format, i);
         const std::size_t kept = std::min<std::size_t>(length, original.size());
         const std::size_t at = start + length * std::size_t(i);
         const std::size_t compared = has_waves && format == 10 ? 38 : kept;
         ASSERT_LE(at + compared, written.size());
-        EXPECT_TRUE(std::equal(written.begin() + std::ptrdiff_t(at), written.begin() + std::ptrdiff_t(at + compared),
-                               original.begin()))
+        EXPECT_TRUE(std::equal(written.begin() + std::ptrdiff_t(at),
+                               written.begin() + std::ptrdiff_t(at + compared), original.begin()))
             << "point " << i;
       }
     }
@@ -156,20 +159,21 @@ TEST(LasExtraBytes, AreScalarsUnderTheirNamesWithScaleAndOffset) {
   LasFile file = file_of(0, 0);
   file.minor = 4;
   file.record_length = 20 + 2 + 12 + 4 + 8 + 1;
-  Bytes first = test::extra_field("height", 4, 8 | 16, 0.01, 100);           // int16, scale and offset
-  const Bytes triple = test::extra_field("echo", 25, 0);                      // 3 x uint32, deprecated
+  Bytes first = test::extra_field("height", 4, 8 | 16, 0.01, 100);  // int16, scale and offset
+  const Bytes triple = test::extra_field("echo", 25, 0);            // 3 x uint32, deprecated
   const Bytes whole = test::extra_field("range_mm", 5), time = test::extra_field("time", 10);
   first.insert(first.end(), triple.begin(), triple.end());
   first.insert(first.end(), whole.begin(), whole.end());
-  file.vlrs = {{"LASF_Spec", 4, first}, {"LASF_Spec", 4, time}};              // two records, one after the other
+  file.vlrs = {{"LASF_Spec", 4, first}, {"LASF_Spec", 4, time}};  // two records, one after the other
   for (int i = 0; i < 10; ++i) {
     Bytes r = record_of(0, i);
     r.resize(file.record_length);
     test::put<std::int16_t>(r, 20, std::int16_t(-i));
-    for (std::size_t k = 0; k < 3; ++k) test::put<std::uint32_t>(r, 22 + 4 * k, std::uint32_t(10 * k) + std::uint32_t(i));
+    for (std::size_t k = 0; k < 3; ++k)
+      test::put<std::uint32_t>(r, 22 + 4 * k, std::uint32_t(10 * k) + std::uint32_t(i));
     test::put<std::uint32_t>(r, 34, 4000000001u + std::uint32_t(i));
     test::put<double>(r, 38, 1e9 + i * 1e-6);
-    r[46] = std::uint8_t(i);                                                  // in no record
+    r[46] = std::uint8_t(i);  // in no record
     file.records.insert(file.records.end(), r.begin(), r.end());
   }
   const auto path = test::save(file.bytes(), "extra.las");
@@ -231,11 +235,15 @@ TEST(LasCrs, ComesFromGeoTiffKeysOrWkt) {
             "EPSG:3005+5713");
   EXPECT_EQ(crs_of({{"LASF_Projection", 2112, wkt}}, 16), text);
   // The WKT bit decides between the two; a user-defined code leaves the WKT.
-  EXPECT_EQ(crs_of({{"LASF_Projection", 34735, geo_keys({{3072, 0, 1, 2154}})}, {"LASF_Projection", 2112, wkt}}, 16),
-            text);
-  EXPECT_EQ(crs_of({{"LASF_Projection", 34735, geo_keys({{3072, 0, 1, 32767}})}, {"LASF_Projection", 2112, wkt}}),
-            text);
-  EXPECT_EQ(crs_of({{"LASF_Projection", 34735, geo_keys({{1026, 34737, 11, 0}})}, {"LASF_Projection", 34737, ascii}}),
+  EXPECT_EQ(
+      crs_of({{"LASF_Projection", 34735, geo_keys({{3072, 0, 1, 2154}})}, {"LASF_Projection", 2112, wkt}},
+             16),
+      text);
+  EXPECT_EQ(
+      crs_of({{"LASF_Projection", 34735, geo_keys({{3072, 0, 1, 32767}})}, {"LASF_Projection", 2112, wkt}}),
+      text);
+  EXPECT_EQ(crs_of({{"LASF_Projection", 34735, geo_keys({{1026, 34737, 11, 0}})},
+                    {"LASF_Projection", 34737, ascii}}),
             "Lambert 93");
 }
 
@@ -244,7 +252,8 @@ TEST(LasColors, BothWaysOfWideningComeBackExactly) {
     LasFile file = file_of(2, 0);
     for (int i = 0; i < 256; ++i) {
       Bytes r = record_of(2, i);
-      for (std::size_t c = 0; c < 3; ++c) test::put<std::uint16_t>(r, 20 + 2 * c, std::uint16_t(shifted ? i << 8 : i * 257));
+      for (std::size_t c = 0; c < 3; ++c)
+        test::put<std::uint16_t>(r, 20 + 2 * c, std::uint16_t(shifted ? i << 8 : i * 257));
       file.records.insert(file.records.end(), r.begin(), r.end());
     }
     const auto path = test::save(file.bytes(), "color.las");
@@ -264,7 +273,8 @@ TEST(LasColors, BothWaysOfWideningComeBackExactly) {
 TEST(LasColors, EightBitValuesAreNamedInTheReport) {
   LasFile file = file_of(2, 3);
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t c = 0; c < 3; ++c) test::put<std::uint16_t>(file.records, 26 * i + 20 + 2 * c, std::uint16_t(80 * (i + 1)));
+    for (std::size_t c = 0; c < 3; ++c)
+      test::put<std::uint16_t>(file.records, 26 * i + 20 + 2 * c, std::uint16_t(80 * (i + 1)));
   const auto path = test::save(file.bytes(), "color.las");
   const io::ReadResult result = io::read(path);
   EXPECT_EQ(result.cloud.colors[2], (Rgba8{240, 240, 240, 255}));
@@ -311,11 +321,12 @@ TEST(LasWriter, KeepsACloudThatIsNotLas) {
     for (const ScalarField& original : cloud.scalars) {
       const bool is_long = original.name.size() > 32;
       const ScalarField* copy =
-          back.scalar(!is_long ? original.name
-                               : original.name.ends_with("1") ? original.name.substr(0, 32)
-                                                              : original.name.substr(0, 28) + "_2");
+          back.scalar(!is_long                       ? original.name
+                      : original.name.ends_with("1") ? original.name.substr(0, 32)
+                                                     : original.name.substr(0, 28) + "_2");
       ASSERT_NE(copy, nullptr) << original.name;
-      for (std::size_t i = 0; i < cloud.size(); ++i) ASSERT_EQ(copy->value(i), original.value(i)) << original.name;
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        ASSERT_EQ(copy->value(i), original.value(i)) << original.name;
     }
     std::filesystem::remove(path);
   }

@@ -43,8 +43,9 @@ TEST_P(LasMemory, IsNotExceeded) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::out_of_memory);
-    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("200000 points take about"), testing::HasSubstr("sfumato build"),
-                                             testing::HasSubstr("--max-points")));
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("200000 points take about"),
+                               testing::HasSubstr("sfumato build"), testing::HasSubstr("--max-points")));
   }
   io::ReadOptions options;
   options.max_points = 7'001;
@@ -65,8 +66,11 @@ TEST_P(LasMemory, IsNotExceeded) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Las, LasMemory,
-                         testing::Values(std::pair(".las", 3), std::pair(".las", 7), std::pair(".laz", 3), std::pair(".laz", 7)),
-                         [](const auto& p) { return std::string(p.param.first).substr(1) + std::to_string(p.param.second); });
+                         testing::Values(std::pair(".las", 3), std::pair(".las", 7), std::pair(".laz", 3),
+                                         std::pair(".laz", 7)),
+                         [](const auto& p) {
+                           return std::string(p.param.first).substr(1) + std::to_string(p.param.second);
+                         });
 
 TEST(Subsample, TakesOnePointOfEachRun) {
   for (const auto& [total, wanted] : {std::pair(10, 3), {7, 7}, {1000, 1}, {1001, 999}, {5'000'000, 4321}}) {

@@ -1,4 +1,5 @@
-// LAS, LAZ and COPC: the real scans against truth.json, every point format from hand-made bytes, damage, round trips.
+// LAS, LAZ and COPC: the real scans against truth.json, every point format from hand-made bytes, damage,
+// round trips.
 #include <gtest/gtest.h>
 
 #include "io/io.h"
@@ -8,13 +9,14 @@ using namespace sfumato;
 
 namespace {
 
-// Coordinates are origin + float: half a float step of the larger scans (5 km) stays below a millimetre, and scans
-// are in steps of 0.01.
+// Coordinates are origin + float: half a float step of the larger scans (5 km) stays below a millimetre, and
+// scans are in steps of 0.01.
 constexpr double position_tolerance = 5e-4;
 
 std::string test_name(const testing::TestParamInfo<const char*>& scan) {
   std::string name = scan.param;
-  std::replace_if(name.begin(), name.end(), [](char c) { return c == '.' || c == '-'; }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '.' || c == '-'; }, '_');
   return name;
 }
 
@@ -27,8 +29,9 @@ TEST_P(LasRealScan, EqualsTheTruth) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Las, LasRealScan,
-                         testing::Values("autzen_trim.las", "lion_takanawa.copc.laz", "bcts_3.laz", "indoor.laz",
-                                         "las_with_several_extra_byte_bloc.laz", "autzen_full.laz"),
+                         testing::Values("autzen_trim.las", "lion_takanawa.copc.laz", "bcts_3.laz",
+                                         "indoor.laz", "las_with_several_extra_byte_bloc.laz",
+                                         "autzen_full.laz"),
                          test_name);
 
 // Reading, writing and reading again gives the same cloud, bit for bit.

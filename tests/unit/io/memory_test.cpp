@@ -12,7 +12,8 @@ MemoryResult read(std::vector<float>& xyz) {
   const auto* data = reinterpret_cast<const std::byte*>(xyz.data());
   std::vector<MemoryColumn> columns;
   for (std::size_t k = 0; k < 3; ++k)
-    columns.push_back({std::string(1, "xyz"[k]), StoredType::float32, data + k * sizeof(float), 3 * sizeof(float), false});
+    columns.push_back(
+        {std::string(1, "xyz"[k]), StoredType::float32, data + k * sizeof(float), 3 * sizeof(float), false});
   return read_memory(columns, xyz.size() / 3);
 }
 

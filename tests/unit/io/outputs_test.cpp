@@ -40,7 +40,9 @@ class OutputsTest : public testing::Test {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  static void put(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+  static void put(const fs::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+  }
   static void write(const fs::path& file, const std::string& text) {
     io::AtomicWriter writer(file);
     writer.write(text);
@@ -85,7 +87,8 @@ TEST_F(OutputsTest, LinksAreFollowedAlsoToFilesThatAreNotThere) {
   fs::create_symlink("there/none", path("dangling"));
   write(path("link_to_link"), "new");
   write(path("dangling"), "made");
-  EXPECT_TRUE(fs::is_symlink(path("link_to_link")) && fs::is_symlink(path("link")) && fs::is_symlink(path("dangling")));
+  EXPECT_TRUE(fs::is_symlink(path("link_to_link")) && fs::is_symlink(path("link")) &&
+              fs::is_symlink(path("dangling")));
   EXPECT_EQ(text(path("there/real")), "new");
   EXPECT_EQ(text(path("there/none")), "made");
   fs::create_symlink("b", path("a"));
@@ -142,8 +145,8 @@ TEST_F(OutputsTest, NamesOfOneFileAreOneFile) {
 }
 
 TEST_F(OutputsTest, KilledWritersLeaveTheOldFileOrTheNewOneAndNothingElse) {
-  // 1 MB of one letter each: a mixture, or a shorter file, would show. The child replaces the file over and over
-  // until it is killed, at 200 random times.
+  // 1 MB of one letter each: a mixture, or a shorter file, would show. The child replaces the file over and
+  // over until it is killed, at 200 random times.
   constexpr std::size_t size = 1 << 20;
   put(path("out"), std::string(size, 'a'));
   std::mt19937 random(1);
@@ -192,7 +195,8 @@ TEST_F(OutputsTest, AFullDiskIsAnIoErrorThatNamesFileAndCause) {
   Image<float> depth(300, 300);
   Image<vec3> normal(300, 300);
   std::uint32_t noise = 1;
-  for (std::size_t i = 0; i < depth.size(); ++i) depth.data()[i] = float(noise = noise * 1664525u + 1013904223u);
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    depth.data()[i] = float(noise = noise * 1664525u + 1013904223u);
   struct rlimit old {};
   getrlimit(RLIMIT_FSIZE, &old);
   for (const char* name : {"a.las", "a.laz", "a.ply", "a.exr"}) {
@@ -204,8 +208,10 @@ TEST_F(OutputsTest, AFullDiskIsAnIoErrorThatNamesFileAndCause) {
     std::string what;
     const ErrorCode code = code_of(
         [&] {
-          if (fs::path(name).extension() == ".exr") io::write_exr(path(name), color, depth, normal, "");
-          else io::write(path(name), small_cloud());
+          if (fs::path(name).extension() == ".exr")
+            io::write_exr(path(name), color, depth, normal, "");
+          else
+            io::write(path(name), small_cloud());
         },
         &what);
     setrlimit(RLIMIT_FSIZE, &old);
@@ -224,8 +230,9 @@ TEST_F(OutputsTest, JsonIsBounded) {
   for (int i = 0; i < 200000; ++i) keys += (i ? ",\"" : "\"") + std::to_string(i) + "\":1";
   keys += "}";
   std::string what;
-  for (const std::string& bad : {std::string(400000, '['), std::string(400000, '[') + std::string(400000, ']'), keys,
-                                 std::string(), std::string("{\"a\":"), std::string("\xff\xfe")}) {
+  for (const std::string& bad :
+       {std::string(400000, '['), std::string(400000, '[') + std::string(400000, ']'), keys, std::string(),
+        std::string("{\"a\":"), std::string("\xff\xfe")}) {
     EXPECT_EQ(code_of([&] { io::parse_json(bad, "file"); }, &what), ErrorCode::bad_input);
     EXPECT_TRUE(what.starts_with("file: ")) << what;
   }
@@ -234,8 +241,10 @@ TEST_F(OutputsTest, JsonIsBounded) {
 
 TEST_F(OutputsTest, CamerasBeyondAnyPointAreRefused) {
   std::string what;
-  EXPECT_EQ(code_of([&] { io::camera_from_json(R"({"position": [1e308,0,0], "target": [0,0,0]})", "c.json"); }, &what),
-            ErrorCode::bad_input);
+  EXPECT_EQ(
+      code_of([&] { io::camera_from_json(R"({"position": [1e308,0,0], "target": [0,0,0]})", "c.json"); },
+              &what),
+      ErrorCode::bad_input);
   EXPECT_NE(what.find("'position' is beyond 1e15"), std::string::npos) << what;
 }
 

@@ -45,8 +45,9 @@ TEST(TextTest, PlainNumbersAreTakenTheShortWay) {
     double value;
   };
   for (const Case& c : {Case{"12.5", 4, 12.5}, Case{"-.5 ", 3, -0.5}, Case{"5.,", 2, 5}, Case{"255;", 3, 255},
-                        Case{"999999999999.999", 16, 999999999999.999}, Case{"0.1x", 3, 0.1}, Case{"+1", -1, 0}, Case{"1e3", -1, 0},
-                        Case{"1.5E2", -1, 0}, Case{"1234567890123456", -1, 0}, Case{"0.0000000000000001", -1, 0}, Case{".", -1, 0},
+                        Case{"999999999999.999", 16, 999999999999.999}, Case{"0.1x", 3, 0.1},
+                        Case{"+1", -1, 0}, Case{"1e3", -1, 0}, Case{"1.5E2", -1, 0},
+                        Case{"1234567890123456", -1, 0}, Case{"0.0000000000000001", -1, 0}, Case{".", -1, 0},
                         Case{"-", -1, 0}, Case{"", -1, 0}, Case{"nan", -1, 0}}) {
     double value = 0;
     const char *begin = c.text.data(), *end = io::parse_plain_number(begin, begin + c.text.size(), value);

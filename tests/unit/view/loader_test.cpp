@@ -21,7 +21,8 @@ std::filesystem::path place_of(const std::string& name) {
 std::string write_sheet(const std::string& name, std::size_t points) {
   std::vector<float> numbers;
   for (std::size_t i = 0; i < points; ++i)
-    for (const float value : {float(i) * 1e-5f, float(i % 1000) * 1e-3f, float(i % 777) / 777 * 2}) numbers.push_back(value);
+    for (const float value : {float(i) * 1e-5f, float(i % 1000) * 1e-3f, float(i % 777) / 777 * 2})
+      numbers.push_back(value);
   std::ofstream out(place_of(name), std::ios::binary);
   out << "ply\nformat binary_little_endian 1.0\nelement vertex " << points
       << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
@@ -90,7 +91,8 @@ TEST(Loader, SaysBehindTheSampleWhatIsWrongWithTheRest) {
   const std::vector<Loaded> all = all_of(job_of(file.string(), true));
   ASSERT_GE(all.size(), 1u);
   ASSERT_TRUE(all.back().failure);
-  EXPECT_NE(all.back().failure->message.find("line 1200001"), std::string::npos) << all.back().failure->message;
+  EXPECT_NE(all.back().failure->message.find("line 1200001"), std::string::npos)
+      << all.back().failure->message;
   ASSERT_EQ(all.size(), 2u);
   EXPECT_TRUE(all[0].is_sample);
   EXPECT_GT(all[0].points_shown, Loader::most_sample / 2);

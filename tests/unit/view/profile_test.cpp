@@ -73,7 +73,8 @@ TEST(Profile, TurnsWithTheUpAxis) {
 }
 
 TEST(Profile, IsWrittenAsATable) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("profile_" + std::to_string(getpid()) + ".csv");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("profile_" + std::to_string(getpid()) + ".csv");
   write_profile(file, profile_along(plane(), {{2, 5, 0}, {3, 5, 0}}, 0.5), 15);
   std::ifstream in(file);
   std::string header, first, second, third;

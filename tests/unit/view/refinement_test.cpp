@@ -38,9 +38,7 @@ struct Drag {
 };
 
 /// Software GL: points count, and pixels.
-double slow(const Quality& q) {
-  return (q.whole_cloud ? 400 : 20) + 200.0 / (q.divisor * q.divisor);
-}
+double slow(const Quality& q) { return (q.whole_cloud ? 400 : 20) + 200.0 / (q.divisor * q.divisor); }
 
 TEST(Refinement, ShowsTheSampleUntilTheCloudIsThere) {
   Refinement policy;
@@ -131,9 +129,7 @@ TEST(Refinement, MovesTheWholeCloudWhereThatIsFast) {
 }
 
 TEST(Refinement, PointsStandInOnlyForTheHopeless) {
-  const auto speed = [](double ms) {
-    return [ms](const Quality& q) { return q.stand_in ? 20.0 : ms; };
-  };
+  const auto speed = [](double ms) { return [ms](const Quality& q) { return q.stand_in ? 20.0 : ms; }; };
   Refinement policy;
   policy.set_whole_ready(true);
   double now = 0;
@@ -196,7 +192,7 @@ TEST(Refinement, AStandInIsNotForEver) {
   const Drag still(policy, now, 3, speed);
   EXPECT_TRUE(still.last.stand_in);
   EXPECT_GT(still.pictures, 3000 / 40);  // one trial, no more
-  own_ms = 40;  // what kept the machine busy is over
+  own_ms = 40;                           // what kept the machine busy is over
   now += 20'000;
   EXPECT_FALSE(Drag(policy, now, 3, speed).last.stand_in);
 }

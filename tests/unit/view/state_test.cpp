@@ -82,7 +82,8 @@ TEST(KeyFrames, AreEditedSavedAndRead) {
   path.remove(1);
   path.remove(77);
   ASSERT_EQ(path.keys().size(), 2u);
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("path_" + std::to_string(getpid()) + ".json");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("path_" + std::to_string(getpid()) + ".json");
   path.save(file, 640, 480);
   KeyFrames back;
   back.load(file);
@@ -155,7 +156,8 @@ TEST(Wishes, SayTheCommandThatTheyAre) {
   wishes.camera = {{1.5, -2.25, 0.1}, {0, 0, 0}, {0, 0, 1}, 45, false};
   const std::vector<std::string> plain = wishes.words(640, 480);
   EXPECT_EQ(plain, (std::vector<std::string>{"a scan.laz", "-t", "surface", "--camera-position=1.5,-2.25,0.1",
-                                             "--camera-focal-point=0,0,0", "--camera-view-up=0,0,1", "--resolution=640x480"}));
+                                             "--camera-focal-point=0,0,0", "--camera-view-up=0,0,1",
+                                             "--resolution=640x480"}));
   wishes.set("disc_scale", "2");
   wishes.set("shadows", "hard");
   wishes.set("neighbors", "16");
@@ -165,8 +167,9 @@ TEST(Wishes, SayTheCommandThatTheyAre) {
   wishes.camera.fov_deg = 30;
   wishes.camera.orthographic = true;
   const std::vector<std::string> words = wishes.words(640, 480);
-  for (const char* each : {"--disc-scale=2", "--shadows=hard", "--neighbors=16", "--hide-classes=2", "--crop=-1,0,0,1,2,3",
-                           "--color-by=elevation", "--camera-view-angle=30", "--camera-orthographic"})
+  for (const char* each :
+       {"--disc-scale=2", "--shadows=hard", "--neighbors=16", "--hide-classes=2", "--crop=-1,0,0,1,2,3",
+        "--color-by=elevation", "--camera-view-angle=30", "--camera-orthographic"})
     EXPECT_THAT(words, Contains(each));
 }
 
@@ -232,7 +235,8 @@ TEST(Picking, TakesTheNearestPointInFront) {
   cloud.positions = {{0, 0, 0}, {0, 3, 0}, {0.5f, 0, 0}};  // the second behind the first
   cloud.source_index = {4, 9, 2};
   cloud.set_scalar({"classification", 0, {2, 5, 6}, StoredType::uint8});
-  const Camera camera = ViewCamera{{1000, 1990, 0}, {1000, 2000, 0}, {0, 0, 1}, 45, false}.to_camera(600, 600);
+  const Camera camera =
+      ViewCamera{{1000, 1990, 0}, {1000, 2000, 0}, {0, 0, 1}, 45, false}.to_camera(600, 600);
   const auto at = nearest_point(cloud, camera, 302, 299);
   ASSERT_TRUE(at);
   EXPECT_EQ(*at, 0u);
@@ -242,7 +246,8 @@ TEST(Picking, TakesTheNearestPointInFront) {
   const Picked picked = describe(cloud, 2);
   EXPECT_EQ(picked.source, 2u);
   EXPECT_EQ(picked.world, dvec3(1000.5, 2000, 0));
-  EXPECT_THAT(picked.attributes, Contains(std::pair<std::string, std::string>("classification", "6 (building)")));
+  EXPECT_THAT(picked.attributes,
+              Contains(std::pair<std::string, std::string>("classification", "6 (building)")));
 }
 
 TEST(Picking, PassesThroughWallsThatAreNotDrawn) {
