@@ -179,26 +179,6 @@ class NpyHeader {
   Array array_;
 };
 
-double number_of(StoredType type, const std::byte* bytes) {
-  const auto as = [&]<class T>(T value) {
-    std::memcpy(&value, bytes, sizeof value);
-    return double(value);
-  };
-  switch (type) {
-    case StoredType::uint8: return as(std::uint8_t());
-    case StoredType::int8: return as(std::int8_t());
-    case StoredType::uint16: return as(std::uint16_t());
-    case StoredType::int16: return as(std::int16_t());
-    case StoredType::uint32: return as(std::uint32_t());
-    case StoredType::int32: return as(std::int32_t());
-    case StoredType::uint64: return as(std::uint64_t());
-    case StoredType::int64: return as(std::int64_t());
-    case StoredType::float32: return as(float());
-    case StoredType::float64: return as(double());
-  }
-  return 0;
-}
-
 ReadResult read_array(const File& file, const Array& array, Progress& progress) {
   const std::size_t rows = std::size_t(array.rows),
                     step = array.by_column ? std::max<std::size_t>(rows, 1) : 1 << 16;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace sfumato::io {
@@ -56,6 +57,26 @@ std::size_t size_of(StoredType type) {
     case StoredType::uint64:
     case StoredType::int64:
     case StoredType::float64: return 8;
+  }
+  return 0;
+}
+
+double number_of(StoredType type, const std::byte* bytes) {
+  const auto as = [&]<class T>(T value) {
+    std::memcpy(&value, bytes, sizeof value);
+    return double(value);
+  };
+  switch (type) {
+    case StoredType::uint8: return as(std::uint8_t());
+    case StoredType::int8: return as(std::int8_t());
+    case StoredType::uint16: return as(std::uint16_t());
+    case StoredType::int16: return as(std::int16_t());
+    case StoredType::uint32: return as(std::uint32_t());
+    case StoredType::int32: return as(std::int32_t());
+    case StoredType::uint64: return as(std::uint64_t());
+    case StoredType::int64: return as(std::int64_t());
+    case StoredType::float32: return as(float());
+    case StoredType::float64: return as(double());
   }
   return 0;
 }

@@ -25,6 +25,8 @@ struct Column {
 };
 
 std::size_t size_of(StoredType type);
+/// A number as it lies in memory, in the byte order of this machine.
+double number_of(StoredType type, const std::byte* bytes);
 /// Types that a float does not hold.
 bool is_wide(StoredType type);
 bool is_integer(StoredType type);

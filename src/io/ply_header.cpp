@@ -174,23 +174,7 @@ double PlyWalker::number(StoredType type) {
   const std::size_t size = size_of(type);
   std::memcpy(bytes, take(size), size);
   if (big_endian_) std::reverse(bytes, bytes + size);
-  const auto as = [&](auto value) {
-    std::memcpy(&value, bytes, sizeof value);
-    return double(value);
-  };
-  switch (type) {
-    case StoredType::uint8: return as(std::uint8_t());
-    case StoredType::int8: return as(std::int8_t());
-    case StoredType::uint16: return as(std::uint16_t());
-    case StoredType::int16: return as(std::int16_t());
-    case StoredType::uint32: return as(std::uint32_t());
-    case StoredType::int32: return as(std::int32_t());
-    case StoredType::uint64: return as(std::uint64_t());
-    case StoredType::int64: return as(std::int64_t());
-    case StoredType::float32: return as(float());
-    case StoredType::float64: return as(double());
-  }
-  return 0;
+  return number_of(type, bytes);
 }
 
 void PlyWalker::skip(std::uint64_t bytes) {

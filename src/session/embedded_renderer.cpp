@@ -57,14 +57,9 @@ struct EmbeddedRenderer::State {
   std::thread thread;
 
   void run();
-  void show(HeadlessRenderer& renderer, CloudToShow next);
   void paint(HeadlessRenderer& renderer, const Request& request, std::uint64_t number);
   void rethrow();
 };
-
-void EmbeddedRenderer::State::show(HeadlessRenderer& renderer, CloudToShow next) {
-  renderer.set_cloud(std::move(next.cloud), next.coloring, call_off_cloud);
-}
 
 void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const Request& request,
                                     std::uint64_t number) {
@@ -93,7 +88,7 @@ void EmbeddedRenderer::State::run() {
     std::exception_ptr wrong;
     try {
       if (!renderer) renderer.emplace().set_outputs({.linear = false, .normal = false});
-      if (next_cloud) show(*renderer, std::move(*next_cloud));
+      if (next_cloud) renderer->set_cloud(std::move(next_cloud->cloud), next_cloud->coloring, call_off_cloud);
       if (request) paint(*renderer, *request, number);
     } catch (const Cancelled&) {  // for what is newer
     } catch (...) {
