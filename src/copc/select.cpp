@@ -11,6 +11,7 @@ namespace sfumato::copc {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::uint64_t all_points = ~std::uint64_t{0};
 
 /// How wide lengths in a box are on the screen.
 class Projector {
@@ -108,6 +109,7 @@ struct Candidate {
 NodeSelection empty_selection(std::span<const Tree> trees) {
   NodeSelection selection;
   selection.nodes.resize(trees.size());
+  selection.wanted.assign(trees.size(), all_points);
   for (const Tree& tree : trees) {
     selection.points_in_files += tree.points;
     selection.nodes_in_files += tree.nodes.size();
@@ -124,15 +126,24 @@ NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> vi
   std::vector<Places> places;
   for (const Tree& tree : trees) places.emplace_back(tree);
   NodeSelection selection = empty_selection(trees);
+  std::vector<double> share(trees.size(), 1);
   std::priority_queue<Candidate> queue;
   const auto consider = [&](std::size_t t, const Key& key) {
     const Bounds box = trees[t].box(key);
     if (options.box && !overlap(box, *options.box)) return;
     double scale = 0;
     for (const Projector& projector : projectors) scale = std::max(scale, projector.scale(box));
-    // Roots are read in any case: they tell where everything is, and cost little.
-    const double px = key.level == 0 ? infinite : scale * trees[t].spacing_of(key.level - 1);
-    if (px >= options.least_px) queue.push({px, t, key});
+    const double px = scale * trees[t].spacing_of(key.level - 1);
+    if (key.level > 0) {
+      if (px >= options.least_px) queue.push({px, t, key});
+      return;
+    }
+    // The root is read in any case: it tells where everything is, and costs little. Of many trees it does so
+    // where it is in view, and of one that is a spot on the screen some points do.
+    if (trees.size() > 1 && scale == 0) return;
+    if (trees.size() > 1 && px < options.least_px)
+      share[t] = (px / options.least_px) * (px / options.least_px);
+    queue.push({infinite, t, key});
   };
   for (std::size_t t = 0; t < trees.size(); ++t)
     if (!trees[t].nodes.empty()) consider(t, Key{});
@@ -141,7 +152,11 @@ NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> vi
     const Candidate next = queue.top();
     queue.pop();
     if (const std::size_t i = places[next.tree][next.key]; i != Places::none) {
-      const std::uint64_t count = trees[next.tree].nodes[i].chunk.count;
+      std::uint64_t count = trees[next.tree].nodes[i].chunk.count;
+      if (share[next.tree] < 1) {
+        count = std::max<std::uint64_t>(1, std::uint64_t(share[next.tree] * double(count)));
+        selection.wanted[next.tree] = count;
+      }
       selection.points_needed += count;
       ++selection.nodes_needed;
       // The first node is read whatever the budget. The first that does not fit ends the reading: what
@@ -186,6 +201,17 @@ NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget,
     for (std::size_t i = begin; i < end; ++i) selection.nodes[all[i].tree].push_back(all[i].node);
     selection.points += points;
     selection.nodes_read += end - begin;
+  }
+  if (selection.points > budget && trees.size() > 1) {
+    const double share = double(budget) / double(selection.points);
+    selection.points = 0;
+    for (std::size_t t = 0; t < trees.size(); ++t) {
+      std::uint64_t points = 0;
+      for (std::size_t i : selection.nodes[t]) points += trees[t].nodes[i].chunk.count;
+      if (points == 0) continue;
+      selection.wanted[t] = std::max<std::uint64_t>(1, std::uint64_t(share * double(points)));
+      selection.points += selection.wanted[t];
+    }
   }
   selection.points_needed = selection.points;
   selection.nodes_needed = selection.nodes_read;

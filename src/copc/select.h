@@ -2,7 +2,8 @@
 //
 // The rule: a node is read when the spacing of its parent is wider than `least_px` at its nearest place in
 // view. Nodes come in the order of that width, so nearest and coarsest first, until no node is left or the
-// budget is used up. The choice follows from views, budget and files alone.
+// budget is used up. The choice follows from views, budget and files alone. Of several trees, as of a folder
+// of tiles, the roots in view are read, those that are small on the screen thinned to what pixels tell apart.
 #pragma once
 
 #include <optional>
@@ -32,8 +33,10 @@ struct SelectOptions {
 
 struct NodeSelection {
   std::vector<std::vector<std::size_t>> nodes;  ///< by tree: numbers in `Tree::nodes`, sorted
-  std::uint64_t points = 0;                     ///< in them
-  std::uint64_t points_needed = 0;              ///< by the rule, without a budget
+  /// By tree: how many of the points of these nodes are wanted, evenly; ~0: all.
+  std::vector<std::uint64_t> wanted;
+  std::uint64_t points = 0;         ///< in them
+  std::uint64_t points_needed = 0;  ///< by the rule, without a budget
   std::uint64_t points_in_files = 0;
   std::size_t nodes_read = 0, nodes_needed = 0, nodes_in_files = 0;
   /// The widest spacing in pixels that is left where the budget ended the reading; `least_px` or less when it
@@ -41,6 +44,7 @@ struct NodeSelection {
   double widest_px = 0;
 
   bool is_complete() const { return points == points_needed; }
+  bool reads_like(const NodeSelection& other) const { return nodes == other.nodes && wanted == other.wanted; }
 };
 
 /// Several views: what any of them needs.
@@ -48,7 +52,7 @@ NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> vi
                            const SelectOptions& options);
 
 /// The coarse levels of all trees, where they reach into `box`, as far as `budget` points reach; whole levels
-/// of spacing at a time, and one in any case.
+/// of spacing at a time, and one in any case, thinned where that alone is more.
 NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget,
                               const std::optional<Bounds>& box = {});
 

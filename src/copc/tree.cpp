@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "io/copc_hierarchy.h"
-#include "io/las.h"
 #include "io/las_fields.h"
 #include "io/las_records.h"
 
@@ -82,12 +81,13 @@ Tree read_tree(const std::filesystem::path& path) {
   return tree;
 }
 
-io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes, Progress& progress) {
+io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes, Progress& progress,
+                          const io::KeptChunks& kept) {
   std::vector<std::size_t> in_order = nodes;
   std::sort(in_order.begin(), in_order.end());
   std::vector<io::las::LazChunk> chunks;
   for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);
-  return io::read_las_chunks(tree.file, chunks, progress);
+  return io::read_las_chunks(tree.file, chunks, progress, kept);
 }
 
 }  // namespace sfumato::copc

@@ -9,7 +9,7 @@
 
 #include "copc/octree.h"
 #include "io/io.h"
-#include "io/laz_chunk.h"
+#include "io/las.h"
 
 namespace sfumato::copc {
 
@@ -51,6 +51,6 @@ Tree read_tree(const std::filesystem::path& file);
 /// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. Nodes that cannot be
 /// decoded are left out: see the report.
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
-                          Progress& progress = no_progress());
+                          Progress& progress = no_progress(), const io::KeptChunks& kept = {});
 
 }  // namespace sfumato::copc

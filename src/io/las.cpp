@@ -121,7 +121,8 @@ ReadResult read_uncompressed(const InputFile& file, const Header& header, const 
 ReadResult read_chunks(
     const InputFile& file, const Header& header, const LazLayout& layout, const std::vector<LazChunk>& chunks,
     const ReadOptions& options, Progress& progress,
-    std::vector<std::string>* damage = nullptr) {  // when given: a place for each chunk's error
+    std::vector<std::string>* damage = nullptr,  // when given: a place for each chunk's error
+    const KeptChunks& kept = {}) {
   PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
   Header counted = header;  // of the chunks that are read
   counted.count = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
@@ -133,15 +134,24 @@ ReadResult read_chunks(
   std::atomic<int> ended = 0;
   const auto decode_all = [&](std::size_t i) {
     const LazChunk& chunk = chunks[i];
+    const ChunkCache::Key key{kept.file, chunk.byte};
+    if (const ChunkCache::Records records = kept.cache ? kept.cache->find(key) : nullptr) {
+      std::vector<std::uint8_t> copy = *records;
+      if (grows) points.resize(thinning.before(chunk.first + chunk.count));
+      return thinning.store(points, chunk.first, copy.data(), chunk.count, stats[i]);
+    }
     LazDecoder decoder(file, layout, chunk, false, progress);
+    std::vector<std::uint8_t> whole;
     std::size_t done = 0;
     for (std::span<std::uint8_t> records; !(records = decoder.next()).empty();) {
       progress.check();
+      if (kept.cache) whole.insert(whole.end(), records.begin(), records.end());
       const std::size_t count = records.size() / layout.record_length;
       if (grows) points.resize(thinning.before(chunk.first + done + count));
       thinning.store(points, chunk.first + done, records.data(), count, stats[i]);
       done += count;
     }
+    if (kept.cache && done == chunk.count) kept.cache->keep(key, std::move(whole));
   };
   const auto decode = [&](std::size_t i) {
     try {
@@ -190,14 +200,15 @@ void note_decoders(ReadResult& result) {
 
 // What of these chunks can be decoded.
 ReadResult read_intact(const InputFile& file, const Header& header, const LazLayout& layout,
-                       std::vector<LazChunk> wanted, const ReadOptions& options, Progress& progress) {
+                       std::vector<LazChunk> wanted, const ReadOptions& options, Progress& progress,
+                       const KeptChunks& kept = {}) {
   std::vector<std::string> damage;
   std::uint64_t missing = 0;
   while (true) {
     std::uint64_t first = 0;
     for (LazChunk& chunk : wanted) chunk.first = first, first += chunk.count;
     std::vector<std::string> errors(wanted.size());
-    ReadResult result = read_chunks(file, header, layout, wanted, options, progress, &errors);
+    ReadResult result = read_chunks(file, header, layout, wanted, options, progress, &errors, kept);
     std::vector<LazChunk> whole;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (errors[i].empty())
@@ -263,11 +274,11 @@ ReadResult read_las(const std::filesystem::path& path, const ReadOptions& option
 }
 
 ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks,
-                           Progress& progress) {
+                           Progress& progress, const KeptChunks& kept) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
   const las::LazLayout layout = las::read_laz_layout(file, header);
-  ReadResult result = las::read_intact(file, header, layout, chunks, {}, progress);
+  ReadResult result = las::read_intact(file, header, layout, chunks, {}, progress, kept);
   las::note_decoders(result);
   result.report.file = path;
   result.report.format = "copc";

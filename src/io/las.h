@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "io/chunk_cache.h"
 #include "io/io.h"
 #include "io/laz_chunk.h"
 
@@ -24,10 +25,16 @@ bool is_copc(std::string_view head);
 /// Throws Error(bad_input) with byte, found, expected, what to do.
 ReadResult read_las(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
+/// Where the records of a file's chunks are looked for before they are decoded, and kept behind it.
+struct KeptChunks {
+  ChunkCache* cache = nullptr;  ///< null: nowhere
+  std::uint64_t file = 0;       ///< the number of this file in it
+};
+
 /// Reads only these chunks of a compressed file, in their order. Those that are damaged are left out: see the
 /// report.
 ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks,
-                           Progress& progress);
+                           Progress& progress, const KeptChunks& kept = {});
 
 /// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the
 /// values fit, else the least format that holds them and steps of about a float's precision.

@@ -48,28 +48,44 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   return scene;
 }
 
-Scene LeveledScene::overview(Progress& progress) const { return coarse(overview_points, progress); }
+Scene LeveledScene::overview(Progress& progress) {
+  Scene scene = coarse(overview_points, progress);
+  overview_ = std::make_shared<const PointCloud>(scene.cloud);
+  scene.overview = overview_;
+  return scene;
+}
 
 Scene LeveledScene::coarse(std::uint64_t points, Progress& progress) const {
   return read(copc::select_overview(trees_, std::min(budget_, points), options_.selection.crop), progress);
 }
 
-Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Progress& progress) const {
+copc::NodeSelection LeveledScene::select(std::span<const copc::View> views, bool has_shadows,
+                                         double least_px) const {
   copc::SelectOptions wanted;
   wanted.budget = budget_;
+  wanted.least_px = least_px;
   wanted.outside = has_shadows ? outside_with_shadows : 0;
   wanted.box = options_.selection.crop;
-  return read(copc::select_nodes(trees_, views, wanted), progress);
+  return copc::select_nodes(trees_, views, wanted);
+}
+
+Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Progress& progress) const {
+  return read(select(views, has_shadows), progress);
 }
 
 Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progress) const {
   const auto read_one = [&](std::size_t i) {
-    return copc::read_nodes(trees_[i], selection.nodes[i], progress);
+    io::ReadResult result =
+        copc::read_nodes(trees_[i], selection.nodes[i], progress, io::KeptChunks{kept_.get(), i});
+    if (result.cloud.size() > selection.wanted[i])
+      result.cloud = subsample(result.cloud, std::size_t(selection.wanted[i]));
+    return result;
   };
   Scene scene = assemble(files_, options_, read_one, true);
   scene.levels = {selection.points,     selection.points_needed, selection.points_in_files,
                   selection.nodes_read, selection.nodes_needed,  selection.nodes_in_files,
                   selection.widest_px};
+  scene.overview = overview_;
   return scene;
 }
 

@@ -1,6 +1,7 @@
 // Scenes of COPC files that are read by their levels.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,22 +20,32 @@ class LeveledScene {
   static std::optional<LeveledScene> open(const std::vector<SceneFile>& files, const SceneOptions& options,
                                           std::uint64_t memory, bool always = false);
 
-  /// The coarse levels: from where to look follows from them.
-  Scene overview(Progress& progress = no_progress()) const;
+  /// The coarse levels: from where to look follows from them, and what they hold goes with all that is read
+  /// later (`Scene::overview`).
+  Scene overview(Progress& progress = no_progress());
+  /// Where it was read before, of the same files and selection.
+  void set_overview(std::shared_ptr<const PointCloud> overview) { overview_ = std::move(overview); }
   /// As many whole levels as `points` and the budget allow, the coarsest in any case.
   Scene coarse(std::uint64_t points, Progress& progress = no_progress()) const;
   /// What the views need, within the budget. `has_shadows`: what is out of view counts too, coarsely.
   Scene read(std::span<const copc::View> views, bool has_shadows, Progress& progress = no_progress()) const;
 
+  /// The two halves of `read`. `least_px`: the spacing that is not refined any more, in pixels.
+  copc::NodeSelection select(std::span<const copc::View> views, bool has_shadows,
+                             double least_px = copc::SelectOptions{}.least_px) const;
+  Scene read(const copc::NodeSelection& selection, Progress& progress = no_progress()) const;
+  /// Nodes are looked for there before they are decoded. Of these very files, in their order.
+  void keep_nodes(std::shared_ptr<io::ChunkCache> kept) { kept_ = std::move(kept); }
+
   const std::vector<copc::Tree>& trees() const { return trees_; }
 
  private:
-  Scene read(const copc::NodeSelection& selection, Progress& progress) const;
-
   std::vector<SceneFile> files_;
   std::vector<copc::Tree> trees_;
   SceneOptions options_;
   std::uint64_t budget_ = 0;
+  std::shared_ptr<io::ChunkCache> kept_;
+  std::shared_ptr<const PointCloud> overview_;
 };
 
 /// What a point takes in memory from file to picture, for most techniques.

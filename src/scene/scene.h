@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,7 +41,10 @@ struct Scene {
   SelectionReport selected;
   std::vector<std::string> notes;   ///< of readers ("FILE: ..."), of putting together and of selecting
   std::vector<std::string> damage;  ///< parts of files that could not be read and are left out, one line each
-  std::optional<LevelsReport> levels;   ///< of a scene that was read by its levels (scene/leveled_scene.h)
+  std::optional<LevelsReport> levels;  ///< of a scene that was read by its levels (scene/leveled_scene.h)
+  /// Of such a scene, where it is known: points from everywhere in the files, evenly. What follows from the
+  /// whole, as the ends of a colour map, is measured there, so that every view has the same.
+  std::shared_ptr<const PointCloud> overview;
   std::vector<std::string> file_names;  ///< without folders; of several files the scalar `file` counts from 1
 };
 

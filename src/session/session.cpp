@@ -83,18 +83,51 @@ std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::ui
   return clouds;
 }
 
+namespace {
+
+/// Nothing where the overview does not tell: it has no normals, and lacks numbers that are rare.
+std::optional<Coloring> coloring_of_overview(const PointCloud& overview, const ColorSettings& settings) {
+  try {
+    return color_points(overview, settings);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+/// Colours what is in view as it would be in a picture of everything.
+Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& cloud,
+                    const ColorSettings& settings) {
+  if (!of_all) return color_points(cloud, settings);
+  ColorSettings settled = settings;
+  if (settings.color_by == "auto") settled.color_by = of_all->source;
+  if (of_all->kind == ColorKind::scalar) settled.range = {of_all->low, of_all->high};
+  if (of_all->kind == ColorKind::rgb) settled.exposure = of_all->exposure;
+  try {
+    Coloring coloring = color_points(cloud, settled);
+    coloring.notes = of_all->notes;
+    return coloring;
+  } catch (const Error&) {
+    return color_points(cloud, settings);  // what is in view lacks what the whole has
+  }
+}
+
+}  // namespace
+
 std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointCloud*>& clouds) {
   ColorSettings settings = options_.color;
   settings.file_names = file_names_;
   std::vector<std::vector<Rgba8>> colors;
+  std::optional<Coloring> of_all;
+  if (overview_) of_all = coloring_of_overview(*overview_, settings);
   if (clouds.size() == 1) {
-    coloring_ = color_points(*clouds.front(), settings);
+    coloring_ = color_like(of_all, *clouds.front(), settings);
   } else {
     PointCloud whole = *clouds.front();
     for (std::size_t k = 1; k < clouds.size(); ++k) append(whole, *clouds[k]);
-    coloring_ = color_points(whole, settings);
+    coloring_ = color_like(of_all, whole, settings);
   }
-  background_ = options_.background.value_or(contrasting_background(coloring_.colors));
+  contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
+  background_ = options_.background.value_or(contrasting_);
   palette_.clear();
   if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)
     for (const Rgba8& c : distinct_colors(coloring_.colors, RenderSettings::palette_limit))
@@ -149,6 +182,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   options_ = options;
   pose_ = std::move(pose);
   file_names_ = std::move(scene.file_names);
+  overview_ = std::move(scene.overview);
   notes_.clear();
   box_ = bounds(scene.cloud);
   const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
@@ -191,10 +225,7 @@ void Session::set_color(const ColorSettings& wanted) {
 
 void Session::set_background(const std::optional<vec3>& background) {
   options_.background = background;
-  std::vector<Rgba8> all;
-  for (std::size_t k = 0; !background && k < parts_.size(); ++k)
-    all.insert(all.end(), renderer_.colors(k).begin(), renderer_.colors(k).end());
-  background_ = background.value_or(contrasting_background(all));
+  background_ = background.value_or(contrasting_);
 }
 
 void Session::complete(const Look& look, Progress& progress) {

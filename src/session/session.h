@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -119,13 +120,14 @@ class Session {
   Renderer renderer_;
   SessionOptions options_;
   std::vector<std::string> file_names_, notes_;
+  std::shared_ptr<const PointCloud> overview_;  ///< may be null
   std::vector<Part> parts_;
   Bounds box_;
   float spacing_ = 0;  ///< median of the densest part
   Coloring coloring_;
   std::vector<vec3> palette_;  ///< linear colours of categories; empty: colours are no categories
   Pose pose_;
-  vec3 background_{1};
+  vec3 background_{1}, contrasting_{1};  ///< contrasting: with the colours, where nobody asks for another
   std::size_t left_out_ = 0;
   bool is_empty_ = true;
 };

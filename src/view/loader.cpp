@@ -21,6 +21,12 @@ std::vector<ClassShare> classes_of(const PointCloud& cloud) {
   return shares;
 }
 
+/// Nodes as they were decoded may take this part of the memory of the points, beside the points themselves.
+constexpr std::uint64_t share_of_nodes = 8;
+/// Spacing of the first picture of a view, in pixels, and the points that are worth waiting for without it.
+constexpr double coarse_px = 3;
+constexpr std::uint64_t least_coarse = 2'000'000;
+
 std::string key_of(const LoadJob& job) {
   std::string key;
   for (const scene::SceneFile& file : job.files) {
@@ -85,6 +91,13 @@ void Loader::load(LoadJob job) {
   loaded_.clear();
   cancel_ = true;
   work_.notify_all();
+}
+
+void Loader::call_off() {
+  const std::lock_guard lock(mutex_);
+  job_.reset();
+  loaded_.clear();
+  cancel_ = true;
 }
 
 std::optional<Loaded> Loader::take() {
@@ -152,6 +165,49 @@ void Loader::give_more(const LoadJob& job) {
   }
 }
 
+/// Too much to hold: what a view needs, the coarse levels before there is one. What was decoded for the last
+/// views is not decoded again.
+Loaded Loader::read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch) {
+  if (const std::string key = key_of(job); job.anew || !nodes_ || nodes_key_ != key) {
+    nodes_ = std::make_shared<io::ChunkCache>(job.memory / share_of_nodes);
+    nodes_key_ = key;
+  }
+  files.keep_nodes(nodes_);
+  Loaded known;
+  known.id = job.id;
+  known.follows_view = true;
+  known.is_first = !job.seen;
+  scene::Scene overview;
+  if (job.pose) {
+    files.set_overview(job.overview);
+    known.pose = *job.pose;
+    known.overview = job.overview;
+  } else {
+    overview = files.overview(watch);
+    known.overview = overview.overview;
+    known.pose = stand_upright(overview, job.files.front().name, job.options.up, job.cutaway);
+  }
+  const auto with = [&](scene::Scene scene, const copc::NodeSelection& nodes, bool is_coarse) {
+    scene.cloud.up = known.pose.upright.up;
+    Loaded out = known;
+    out.nodes = nodes;
+    out.is_coarse = is_coarse;
+    return finish(std::move(scene), std::move(out));
+  };
+  if (!job.seen) return with(std::move(overview), {}, true);
+  overview = {};
+  const std::vector<copc::View> views{{*job.seen, false}};
+  const copc::NodeSelection fine = files.select(views, job.has_shadows),
+                            coarse = files.select(views, job.has_shadows, coarse_px);
+  if (job.shown && fine.reads_like(*job.shown)) {
+    known.is_shown = true;
+    return known;
+  }
+  if (fine.points > least_coarse && coarse.points < fine.points / 2)
+    give(with(files.read(coarse, watch), coarse, true));
+  return with(files.read(fine, watch), fine, false);
+}
+
 Loaded Loader::read(const LoadJob& job, Watch& watch) {
   tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was called off
   Loaded out;
@@ -163,15 +219,8 @@ Loaded Loader::read(const LoadJob& job, Watch& watch) {
   } else {
     kept_.reset();
     watch.update(0, "reading");
-    if (const auto leveled = scene::LeveledScene::open(job.files, job.options, job.memory)) {
-      // Too much to hold: what the first view needs.
-      scene = leveled->overview(watch);
-      out.pose = stand_upright(scene, job.files.front().name, job.options.up, job.cutaway);
-      const UpAxis up = scene.cloud.up;
-      scene = leveled->read(std::vector<copc::View>{{first_view(out.pose, 1280, 720), false}}, false, watch);
-      scene.cloud.up = up;
-      return finish(std::move(scene), std::move(out));
-    }
+    if (auto leveled = scene::LeveledScene::open(job.files, job.options, job.memory))
+      return read_levels(job, std::move(*leveled), watch);
     if (job.sample_first) give_sample(job, watch);
     watch.update(0, "reading");
     scene::SceneOptions options = job.options;
@@ -206,7 +255,7 @@ Loaded Loader::finish(scene::Scene scene, Loaded out) {
   out.notes = scene.notes;
   out.notes.insert(out.notes.end(), scene.damage.begin(), scene.damage.end());
   if (scene.levels && !scene.levels->is_complete())
-    out.notes.push_back("too many points to hold: those that the first view shows are here (--memory)");
+    out.notes.push_back("too many points to hold: views are coarser than the screen shows (--memory)");
   out.points_read = scene.points_read;
   out.points_shown = scene.cloud.size();
   out.crs = scene.cloud.crs;

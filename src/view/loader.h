@@ -27,6 +27,13 @@ struct LoadJob {
   std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
   bool anew = false;                             ///< the files changed on the disk
   bool sample_first = false;                     ///< gives a sample of large files before they are read
+  /// What files with levels are read for; nothing: their coarsest levels.
+  std::optional<Camera> seen;
+  bool has_shadows = false;  ///< then what is out of view counts too
+  // What is known where nothing but the view changed.
+  std::optional<Pose> pose;
+  std::shared_ptr<const PointCloud> overview;
+  std::optional<copc::NodeSelection> shown;  ///< need not be read again
 };
 
 /// What was read, ready to be shown.
@@ -44,6 +51,12 @@ struct Loaded {
   std::uint64_t points_read = 0, points_shown = 0;
   Bounds box;  ///< of all points, also those that are left out
   std::string crs, formats;
+  /// Files with levels are read for a view: another one shows more of them (`LoadJob::seen`).
+  bool follows_view = false;
+  bool is_coarse = false;  ///< more of the same view comes
+  bool is_shown = false;   ///< the view shows no more than `LoadJob::shown`: there are no points here
+  std::optional<copc::NodeSelection> nodes;
+  std::shared_ptr<const PointCloud> overview;
   std::optional<Failure> failure;  ///< then nothing else holds
 };
 
@@ -56,7 +69,10 @@ class Loader {
 
   /// The newest wins.
   void load(LoadJob job);
-  /// In their order: a sample, where there is one, then the whole or what was wrong with it.
+  /// Nobody waits for what is being read.
+  void call_off();
+  /// In their order: a sample, where there is one, or the view coarsely, then the whole or what was wrong
+  /// with it.
   std::optional<Loaded> take();
   Activity activity() const;
 
@@ -69,6 +85,7 @@ class Loader {
   class Watch;
   void run();
   Loaded read(const LoadJob& job, Watch& watch);
+  Loaded read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch);
   void give_sample(const LoadJob& job, Watch& watch);
   void give_more(const LoadJob& job);
   Loaded sample_of(const LoadJob& job, scene::Scene scene);
@@ -85,6 +102,9 @@ class Loader {
   std::atomic<bool> stop_{false}, cancel_{false};
   std::optional<scene::Scene> kept_;  ///< of the thread alone
   std::string kept_key_;
+  // Of files with levels, of the thread alone.
+  std::shared_ptr<io::ChunkCache> nodes_;
+  std::string nodes_key_;
   PointCloud first_sample_;  ///< some of it, until the file is read
   std::optional<UpAxis> sample_up_;
   std::unique_ptr<io::RecordTap> tap_;

@@ -172,6 +172,15 @@ void Workbench::pick(double x_px, double y_px, bool add) {
 
 void Workbench::shoot(int width, int height) {
   if (!whole_ready_) return say("the picture is not there yet: wait until everything is loaded", true);
+  if (follows_view()) {
+    delayed_shot_ = wanted_view();
+    delayed_shot_->width = width, delayed_shot_->height = height;
+    return;
+  }
+  paint_shot(width, height);
+}
+
+void Workbench::paint_shot(int width, int height) {
   PictureJob job = job_for(Refinement::ladder[0], width, height);
   job.id = next_id_++;
   waiting_shots_.emplace_back(job.id, Shot{{}, wishes_.words(width, height), wishes_.legend});
@@ -208,6 +217,55 @@ void Workbench::load(bool anew) {
   job.memory = start_.memory;
   job.anew = anew;
   job.sample_first = frame_on_load_ && !anew;  // else something better is on the screen
+  reading_view_ = false;
+  read_view_.reset();
+  delayed_shot_.reset();
+  if (follows_view() && !frame_on_load_) {
+    read_view_ = wanted_view();
+    job.seen = camera();
+    job.has_shadows = read_view_->has_shadows;
+  }
+  loader_->load(std::move(job));
+}
+
+Workbench::SeenView Workbench::wanted_view() const {
+  if (delayed_shot_) return *delayed_shot_;
+  const auto shadows = wishes_.shared.find("shadows");
+  return {wishes_.camera, width_, height_, shadows != wishes_.shared.end() && shadows->second != "off"};
+}
+
+bool Workbench::is_coarser_than_wanted() const {
+  return follows_view() && !scene_failed_ && (!whole_ready_ || reading_view_ || read_view_ != wanted_view());
+}
+
+/// Reads what the view shows of files with levels, once the hand rests.
+void Workbench::follow_view() {
+  if (!follows_view() || loading_ || width_ <= 0) return;
+  const SeenView wanted = wanted_view();
+  if (read_view_ == wanted) {
+    if (delayed_shot_ && whole_ready_ && !reading_view_) {
+      // A hand that went on while the points were read gets the picture it asked for.
+      const ViewCamera now = std::exchange(wishes_.camera, wanted.camera);
+      paint_shot(wanted.width, wanted.height);
+      wishes_.camera = now;
+      delayed_shot_.reset();
+    }
+    return;
+  }
+  if (std::exchange(reading_view_, false)) loader_->call_off();
+  read_view_.reset();
+  if (refinement_.moving(now_ms_) && !delayed_shot_) return;
+  read_view_ = wanted;
+  reading_view_ = true;
+  load_id_ = next_id_++;
+  LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene};
+  job.cutaway = !wishes_.whole;
+  job.memory = start_.memory;
+  job.seen = wanted.camera.to_camera(wanted.width, wanted.height);
+  job.has_shadows = wanted.has_shadows;
+  job.pose = scene_->pose;
+  job.overview = scene_->overview;
+  job.shown = scene_->nodes;
   loader_->load(std::move(job));
 }
 
@@ -237,12 +295,15 @@ void Workbench::send_scene(Loaded& loaded) {
   if (loaded.is_sample) return;
   SceneJob whole = job_of(std::move(loaded.whole));
   whole_scene_id_ = whole.id;
-  whole.settle = start_.settle;
+  if (!loaded.is_coarse) whole.settle = start_.settle;
   whole_->show(std::move(whole));
 }
 
 void Workbench::take_loaded(Loaded loaded) {
   if (loaded.id != load_id_) return;
+  const bool is_another_view = reading_view_;
+  if (!loaded.is_coarse) reading_view_ = false;
+  if (loaded.is_shown) return;
   if (loaded.failure) {
     loading_ = false;
     if (!scene_) fatal_ = loaded.failure;
@@ -254,8 +315,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.is_sample && !loaded.is_first && refinement_.moving(now_ms_)) return;
   for (const std::string& note : loaded.notes)
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
-  picked_.clear();
-  profile_.reset();
+  if (!is_another_view) picked_.clear(), profile_.reset();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);
   if (frame_on_load_ && width_ > 0 && loaded.is_first) {
     ViewCamera first;
@@ -289,7 +349,8 @@ void Workbench::take_loaded(Loaded loaded) {
                 false});
   send_scene(loaded);
   scene_ = std::move(loaded);
-  touched();
+  // The picture of the view stays until there is a better one.
+  if (!is_another_view || refinement_.moving(now_ms_)) touched();
 }
 
 void Workbench::take_answer(Answer answer, bool of_whole) {
@@ -304,7 +365,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     left_out_ = ready->left_out;
     for (const std::string& note : ready->notes) say(note);
     refinement_.set_whole_ready(true);
-    if (wishes_.technique.empty()) {
+    if (wishes_.technique.empty() && !scene_->is_coarse) {
       wishes_.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
       reason_ = ready->choice.reason;
       if (!history_.can_undo()) history_ = History<Wishes>(wishes_);
@@ -527,6 +588,7 @@ void Workbench::tick(double now_ms) {
   }
   if (wanted_key_ != loaded_key_ && now_ms - key_changed_ms_ >= reload_rest_ms && !wishes_.files.empty())
     load(false);
+  follow_view();
   ask();
 
   activity_ = loader_->activity();
@@ -541,6 +603,8 @@ std::optional<double> Workbench::wait_ms(double now_ms) const {
     const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
     wait = std::min(wait.value_or(until), until);
   }
+  if (follows_view() && !loading_ && read_view_ != wanted_view())
+    wait = std::min(wait.value_or(Refinement::rest_ms), Refinement::rest_ms);
   if (watch || !start_.shader_folder.empty()) wait = std::min(wait.value_or(500), 500.0);
   return wait;
 }

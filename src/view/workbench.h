@@ -99,7 +99,7 @@ class Workbench {
   /// The newest picture; null before the first.
   std::shared_ptr<const Picture> picture() const { return shown_; }
   Quality shown_quality() const { return shown_quality_; }
-  bool settled() const { return refinement_.settled() && !loading_; }
+  bool settled() const { return refinement_.settled() && !loading_ && !is_coarser_than_wanted(); }
   bool moving() const { return refinement_.moving(now_ms_); }
   double motion_ms() const { return motion_ms_; }  ///< between two pictures in motion, smoothed; 0: none yet
   double first_picture_ms() const { return first_picture_ms_; }
@@ -120,10 +120,11 @@ class Workbench {
   void set_timings(bool on) { timings_ = on; }
   void repaint();
 
-  /// A picture of the present view for keeps; it comes to `take_shots`.
+  /// A picture of the present view for keeps; it comes to `take_shots`. Of files with levels, what it shows
+  /// is read before.
   void shoot(int width, int height);
   std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
-  bool shooting() const { return !waiting_shots_.empty(); }
+  bool shooting() const { return delayed_shot_ || !waiting_shots_.empty(); }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -149,10 +150,23 @@ class Workbench {
   bool watch = false;
 
  private:
+  /// What files with levels are read for.
+  struct SeenView {
+    ViewCamera camera;
+    int width = 0, height = 0;
+    bool has_shadows = false;
+    bool operator==(const SeenView&) const = default;
+  };
+
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
   void take_answer(Answer answer, bool of_whole);
   void load(bool anew);
+  bool follows_view() const { return scene_ && scene_->follows_view; }
+  SeenView wanted_view() const;
+  bool is_coarser_than_wanted() const;
+  void follow_view();
+  void paint_shot(int width, int height);
   void send_scene(Loaded& loaded);
   PictureJob job_for(const Quality& quality, int width, int height) const;
   void ask();
@@ -191,6 +205,9 @@ class Workbench {
   bool pick_adds_ = false;
   std::shared_ptr<const Profile> profile_;
   std::uint64_t profile_id_ = 0;
+  std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
+  bool reading_view_ = false;
+  std::optional<SeenView> delayed_shot_;  ///< until its points are here
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;

@@ -224,6 +224,26 @@ TEST_F(Levels, StandardInputIsReadWhole) {
   EXPECT_TRUE(exists("piped.png"));
 }
 
+TEST_F(Levels, AFlightOverMoreThanTheBudgetReadsEveryFrameForItself) {
+  // Two places near the ground, far from each other.
+  nlohmann::json path_of_two;
+  for (const char* place : {"-8,-8,1", "8,8,1"}) {
+    const std::string name = std::string("still_") + char('0' + path_of_two["cameras"].size());
+    ASSERT_EQ(picture(name + ".png", {"-t", "points", "--max-points", "60k", "--look-at", place, "--zoom",
+                                      "8", "--output-camera", path(name + ".json").string()})
+                  .code,
+              0);
+    path_of_two["cameras"].push_back(nlohmann::json::parse(text(name + ".json")));
+  }
+  write("flight.json", path_of_two.dump());
+  ASSERT_EQ(picture("flight_{n}.png", {"-t", "points", "--max-points", "60k", "--path",
+                                       path("flight.json").string(), "--frames", "2"})
+                .code,
+            0);
+  for (const char* n : {"0", "1"})
+    EXPECT_TRUE(is_same(std::string("flight_") + n + ".png", std::string("still_") + n + ".png")) << n;
+}
+
 TEST_F(Levels, GoWithPathsBoxesAndSeveralFiles) {
   ASSERT_EQ(
       picture("orbit_{n}.png", {"-t", "points", "--path", "orbit", "--frames", "3", "--max-points", "300k"})

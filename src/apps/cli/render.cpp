@@ -138,27 +138,34 @@ struct Sight {
   Pose pose;
   Camera camera;
   std::vector<Camera> cameras;
+  /// Files of which one cloud for all cameras would lack detail: each picture has a cloud of its own.
+  std::optional<scene::LeveledScene> by_camera;
 };
 
-/// Of files with levels, what these cameras need; of others everything.
-scene::Scene read_seen(const SceneFiles& files, const std::vector<Camera>& cameras,
-                       const RenderOptions& options, const Choice& choice, RenderReport& report,
-                       Console& console) {
-  const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
-  if (!leveled) return read(files, options, report, console);
+bool has_shadows(const Choice& choice) {
+  return std::any_of(choice.techniques.begin(), choice.techniques.end(),
+                     [](const auto& chosen) { return chosen->settings.shadows != Shadows::off; });
+}
+
+std::vector<copc::View> views_of(const std::vector<Camera>& cameras, const RenderOptions& options) {
   std::vector<copc::View> views;
   for (const Camera& camera : cameras) views.push_back({camera, options.camera.panorama});
-  const bool has_shadows =
-      std::any_of(choice.techniques.begin(), choice.techniques.end(),
-                  [](const auto& chosen) { return chosen->settings.shadows != Shadows::off; });
-  return tell_reading(leveled->read(views, has_shadows, console), options, report, console);
+  return views;
+}
+
+/// Of files with levels, what these cameras need.
+scene::Scene read_seen(const scene::LeveledScene& leveled, const std::vector<Camera>& cameras,
+                       const RenderOptions& options, const Choice& choice, RenderReport& report,
+                       Console& console) {
+  return tell_reading(leveled.read(views_of(cameras, options), has_shadows(choice), console), options, report,
+                      console);
 }
 
 /// The view follows from the points, of files with levels from the coarse ones; what is read of those follows
 /// from the view.
 Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
           Console& console) {
-  const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
+  auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
   sight.pose = pose_of(sight.scene, files[0].name, options, report, console);
   sight.camera = first_camera(options, sight.pose, sight.scene.cloud);
@@ -166,7 +173,14 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
                                                    : cameras_of(options, sight.camera, sight.scene.cloud.up);
   if (!leveled) return sight;
   sight.scene = {};
-  sight.scene = read_seen(files, sight.cameras, options, choice, report, console);
+  std::vector<Camera> first = sight.cameras;
+  if (first.size() > 1 && !leveled->select(views_of(first, options), has_shadows(choice)).is_complete()) {
+    first.resize(1);
+    sight.by_camera = std::move(leveled);
+    sight.by_camera->keep_nodes(std::make_shared<io::ChunkCache>(options.memory / 8));
+  }
+  sight.scene =
+      read_seen(sight.by_camera ? *sight.by_camera : *leveled, first, options, choice, report, console);
   sight.scene.cloud.up = sight.pose.upright.up;
   return sight;
 }
@@ -369,7 +383,7 @@ int render_command(const Words& words) {
   if (options.each) return render_each(options, choice, quote(command), report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  auto [scene, pose, camera, cameras] = see(
+  auto [scene, pose, camera, cameras, by_camera] = see(
       options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   watch.lap("read");
   const Bounds box = bounds(scene.cloud);
@@ -382,9 +396,17 @@ int render_command(const Words& words) {
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
+    if (by_camera && n > 0) {
+      scene::Scene next = read_seen(*by_camera, {cameras[std::size_t(n)]}, options, choice, report, console);
+      next.cloud.up = pose.upright.up;
+      studio.set_scene(std::move(next), pose);
+      watch.lap("prepare");
+    }
     if (options.sequence && n > 0) {
-      scene::Scene next =
-          read_seen({options.placed(std::size_t(n))}, {camera}, options, choice, report, console);
+      const SceneFiles file{options.placed(std::size_t(n))};
+      const auto leveled = scene::LeveledScene::open(file, options.input.scene, options.memory);
+      scene::Scene next = leveled ? read_seen(*leveled, {camera}, options, choice, report, console)
+                                  : read(file, options, report, console);
       next.cloud.up = pose.upright.up;
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <numeric>
 #include <set>
 
 #include "copc/build.h"
@@ -123,6 +124,95 @@ TEST_F(CopcSelect, ABudgetLeavesOutTheFinestAndFarthest) {
   EXPECT_GT(near_level, far_level);
   options.budget = 1;
   EXPECT_EQ(copc::select_nodes(trees_, view, options).nodes_read, 1u);
+}
+
+/// Tiles of 100 m in a row to the north, each with 60,000 points in its root and as many in a child.
+std::vector<Tree> tiles(int count) {
+  std::vector<Tree> trees;
+  for (int i = 0; i < count; ++i) {
+    Tree tree;
+    tree.cube = {{0, 100.0 * i, 0}, 100};
+    tree.spacing = 100.0 / 128;
+    tree.bounds = {tree.cube.min, tree.cube.min + 100.0};
+    tree.nodes = {{{}, {}}, {copc::Key{}.child(0), {}}};
+    for (copc::TreeNode& node : tree.nodes) node.chunk.count = 60'000;
+    tree.points = 120'000;
+    trees.push_back(tree);
+  }
+  return trees;
+}
+
+TEST(CopcTiles, OfManyThoseInViewAreReadAndDistantOnesThinned) {
+  const std::vector<Tree> trees = tiles(1000);
+  Camera camera;
+  camera.position = {50, 30'000, 150};  // over the middle, to the north
+  camera.target = {50, 100'000, 0};
+  camera.fov_y = glm::radians(45.0);
+  camera.width = 1280, camera.height = 720;
+  const NodeSelection selection = copc::select_nodes(trees, std::vector{View{camera}}, {});
+  ASSERT_TRUE(selection.is_complete());
+  const double scale = camera.intrinsics().fy;
+  std::size_t unseen = 0, thinned = 0;
+  std::uint64_t points = 0;
+  for (std::size_t t = 0; t < trees.size(); ++t) {
+    if (selection.nodes[t].empty()) {
+      ++unseen;
+      EXPECT_LT(trees[t].bounds.max.y, 30'200) << t;  // beside and behind the camera
+      continue;
+    }
+    EXPECT_EQ(selection.nodes[t].front(), 0u);
+    const double distance =
+        glm::length(glm::clamp(camera.position, trees[t].bounds.min, trees[t].bounds.max) - camera.position);
+    const double px = 2 * trees[t].spacing * scale / distance;  // the spacing that a tree over the tiles had
+    const std::uint64_t count = 60'000 * selection.nodes[t].size();
+    if (px >= 0.7) {
+      EXPECT_GT(selection.wanted[t], count) << t;  // all
+    } else {
+      ++thinned;
+      EXPECT_EQ(selection.nodes[t].size(), 1u);
+      EXPECT_NEAR(double(selection.wanted[t]), 60'000 * (px / 0.7) * (px / 0.7), 1) << t;
+    }
+    points += std::min(selection.wanted[t], count);
+  }
+  EXPECT_EQ(points, selection.points);
+  EXPECT_GT(unseen, 250u);
+  EXPECT_GT(thinned, 300u);
+  // As few as one file of the same points would give, or so: not 60,000 of each.
+  EXPECT_LT(selection.points, 5'000'000u);
+}
+
+TEST(CopcTiles, AnOverviewOfManyKeepsTheBudget) {
+  const NodeSelection selection = copc::select_overview(tiles(1000), 300'000);
+  EXPECT_LE(selection.points, 300'000u);
+  EXPECT_GT(selection.points, 290'000u);
+  for (std::size_t t = 0; t < 1000; ++t) {
+    EXPECT_EQ(selection.nodes[t].size(), 1u);
+    EXPECT_EQ(selection.wanted[t], 300u);
+  }
+}
+
+TEST_F(CopcSelect, NodesThatAreKeptAreTheNodesOfTheFile) {
+  std::vector<std::size_t> all(tree().nodes.size()), even, odd;
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  for (std::size_t i : all) (i % 2 ? odd : even).push_back(i);
+  // Room for everything, for a few nodes, for none.
+  for (const std::uint64_t room : {std::uint64_t{1} << 30, std::uint64_t{8} << 20, std::uint64_t{1000}}) {
+    io::ChunkCache cache(room);
+    for (const auto& nodes : {even, all, odd, all, even}) {
+      const io::ReadResult from_file = copc::read_nodes(tree(), nodes);
+      const io::ReadResult kept = copc::read_nodes(tree(), nodes, no_progress(), {&cache, 3});
+      EXPECT_EQ(kept.cloud.origin, from_file.cloud.origin);
+      EXPECT_TRUE(kept.cloud.positions == from_file.cloud.positions);
+      EXPECT_TRUE(kept.cloud.colors == from_file.cloud.colors);
+      ASSERT_EQ(kept.cloud.scalars.size(), from_file.cloud.scalars.size());
+      for (std::size_t k = 0; k < kept.cloud.scalars.size(); ++k)
+        EXPECT_TRUE(kept.cloud.scalars[k].values == from_file.cloud.scalars[k].values);
+      EXPECT_LE(cache.bytes(), room);
+    }
+    if (room > 1 << 29) EXPECT_EQ(cache.bytes() % 600'000, 0u);  // every record once
+    for (const copc::TreeNode& node : tree().nodes)
+      EXPECT_EQ(cache.find({4, node.chunk.byte}), nullptr);  // of another file
+  }
 }
 
 TEST_F(CopcSelect, WhatIsOutOfViewCountsWhenShadowsAreCast) {

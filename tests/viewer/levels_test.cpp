@@ -1,0 +1,184 @@
+// Files larger than memory in the window: what a view shows is read for it.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "copc/build.h"
+#include "unit/copc/scan.h"
+#include "view/workbench.h"
+
+namespace sfumato::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Pixels that differ; all of them for pictures of different sizes.
+std::size_t different(const Image<Rgba8>& a, const Image<Rgba8>& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return a.size();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += !(a.data()[i] == b.data()[i]);
+  return count;
+}
+
+class LevelsTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::path(testing::TempDir()) / ("sfumato_view_levels_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    io::write(folder_ / "in.las", test::scan(points));
+    copc::build({folder_ / "in.las"}, scan());
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+  static std::filesystem::path scan() { return folder_ / "scan.copc.laz"; }
+
+  static constexpr std::size_t points = 900'000;
+  static constexpr std::uint64_t memory = 400'000 * scene::memory_of_point;  // fewer than there are
+  static constexpr int width = 320, height = 200;
+
+  static Start start() {
+    Start start;
+    start.wishes.files = {scan().string()};
+    start.wishes.technique = "points";
+    start.wishes.color_by = "elevation";
+    start.memory = memory;
+    start.wake = [] {};
+    return start;
+  }
+  /// Ticks until the bench has what it wants; false when that takes a minute.
+  bool wait(Workbench& bench, const std::function<bool()>& done) {
+    for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
+      bench.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
+      for (const Message& message : bench.take_messages()) EXPECT_FALSE(message.is_error) << message.text;
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  }
+  bool settle(Workbench& bench) {
+    return wait(bench, [&] { return bench.settled(); });
+  }
+  /// What the command draws of the same view.
+  static Image<Rgba8> picture_of(const Camera& camera) {
+    scene::SceneOptions options;
+    auto leveled = scene::LeveledScene::open(scene::files_of({scan().string()}), options, memory);
+    EXPECT_TRUE(leveled);
+    scene::Scene scene = leveled->overview();
+    Pose pose = stand_upright(scene, scan().string());
+    scene = leveled->read(std::vector<copc::View>{{camera, false}}, false);
+    scene.cloud.up = pose.upright.up;
+    const auto context = gl::Context::create_headless();
+    Session session(*context);
+    SessionOptions wanted;
+    wanted.color.color_by = "elevation";
+    Look look("points");
+    session.set_scene(std::move(scene), std::move(pose), wanted,
+                      [&](const Session::Suggest&) { return look.technique->needs(); });
+    return session.render(look, camera).rgba8;
+  }
+
+  static inline std::filesystem::path folder_;
+  Clock::time_point began_ = Clock::now();
+};
+
+TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
+  Workbench bench(start());
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  ASSERT_TRUE(bench.scene());
+  EXPECT_TRUE(bench.scene()->follows_view);
+  EXPECT_FALSE(bench.scene()->is_coarse);
+  EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
+  const std::uint64_t first = bench.scene()->points_shown;
+  EXPECT_GT(first, 60'000u);
+  const double low = bench.picture()->coloring.low, high = bench.picture()->coloring.high;
+  EXPECT_LT(first, points);
+
+  // The hand goes near: details come that the first view did not hold.
+  const dvec3 home = bench.camera().position;
+  bench.move("zoom", [](Navigator& navigator) {
+    ViewCamera near = navigator.camera();
+    near.position = near.target + 0.05 * (near.position - near.target);
+    navigator.set_camera(near);
+  });
+  EXPECT_FALSE(bench.settled());
+  ASSERT_TRUE(settle(bench));
+  const auto near = bench.scene()->nodes;
+  const Image<Rgba8> expected = picture_of(bench.camera());
+  EXPECT_EQ(different(bench.picture()->image, expected), 0u);
+  // A height has the colour that it had from afar.
+  EXPECT_EQ(bench.picture()->coloring.low, low);
+  EXPECT_EQ(bench.picture()->coloring.high, high);
+  ASSERT_TRUE(near);
+  int deepest = 0;
+  const copc::Tree tree = copc::read_tree(scan());
+  for (std::size_t i : near->nodes[0]) deepest = std::max(deepest, tree.nodes[i].key.level);
+  EXPECT_EQ(deepest, copc::levels_of(tree).back().level);
+
+  // And back: the same bytes as before.
+  bench.move("back", [&](Navigator& navigator) {
+    ViewCamera far = navigator.camera();
+    far.position = home;
+    navigator.set_camera(far);
+  });
+  ASSERT_TRUE(settle(bench));
+  EXPECT_EQ(bench.scene()->points_shown, first);
+}
+
+TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
+  Workbench bench(start());
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  bench.shoot(4 * width, 4 * height);
+  std::vector<Shot> shots;
+  ASSERT_TRUE(wait(bench, [&] {
+    for (Shot& shot : bench.take_shots()) shots.push_back(std::move(shot));
+    return !shots.empty();
+  }));
+  Camera camera = bench.camera();
+  camera.width = 4 * width, camera.height = 4 * height;
+  EXPECT_EQ(different(shots[0].picture.image, picture_of(camera)), 0u);
+  // The window goes on with what it needs itself.
+  ASSERT_TRUE(settle(bench));
+  EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
+}
+
+TEST_F(LevelsTest, ChosenPointsStayWhenTheViewChanges) {
+  Workbench bench(start());
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  bench.pick(width / 2.0, height / 2.0);
+  ASSERT_TRUE(wait(bench, [&] { return !bench.picked().empty(); }));
+  const dvec3 picked = bench.picked()[0].world;
+  bench.move("turn", [](Navigator& navigator) {
+    ViewCamera near = navigator.camera();
+    near.position = near.target + 0.2 * (near.position - near.target);
+    navigator.set_camera(near);
+  });
+  ASSERT_TRUE(settle(bench));
+  ASSERT_EQ(bench.picked().size(), 1u);
+  EXPECT_EQ(bench.picked()[0].world, picked);
+}
+
+TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
+  Workbench bench(start());
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  const ViewCamera seen = bench.wishes().camera;
+  bench.change("hide", [](Wishes& wishes) { wishes.scene.selection.hide_classes = {6}; });
+  ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
+  ASSERT_TRUE(settle(bench));
+  EXPECT_EQ(bench.wishes().camera, seen);
+  for (const ClassShare& share : bench.scene()->classes) EXPECT_NE(share.id, 6);
+  bench.move("zoom", [](Navigator& navigator) {
+    ViewCamera near = navigator.camera();
+    near.position = near.target + 0.2 * (near.position - near.target);
+    navigator.set_camera(near);
+  });
+  ASSERT_TRUE(settle(bench));
+  for (const ClassShare& share : bench.scene()->classes) EXPECT_NE(share.id, 6);
+}
+
+}  // namespace
+}  // namespace sfumato::view
