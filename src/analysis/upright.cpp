@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <random>
 #include <vector>
 
 namespace sfumato::analysis {
@@ -16,7 +20,18 @@ constexpr double mostly_flat = 0.3;
 /// By how much another axis must stand firmer than the format's own. Measured on upright statues, rooms and
 /// scenes: the right axis leads by 0.15 or more in nine cases of ten.
 constexpr double lead = 0.15;
-constexpr int cells = 24, layers = 25;
+constexpr int cells = 24, layers = 25, fine = 64;
+/// What is thin, but closed all around, is no land: a figure, where the custom says that its length is its
+/// height. Columns of which half or more hold two sheets with nothing between, 0 of land; a figure fills no
+/// rectangle, and is higher than wide.
+constexpr double closed_least = 0.5, filled_most = 0.75, figure = 1.5;
+/// Ground is a plane that holds this share of the points, however it is tilted up to here, with nearly all
+/// else on one side of it, and reaches farther than what stands on it: of its columns these shares are bare
+/// and built upon. A table has the bare ones, but legs are less than that; a chest has nothing bare.
+constexpr double ground_least = 0.2, tilt_most = 0.77 /* cos 40 degrees */, above_least = 0.9,
+                 bare_least = 0.35, built_least = 0.05;
+/// A side on which this much stands already is not turned upside down.
+constexpr double firm_enough = 0.2;
 
 UpAxis axis_of(int axis, bool positive) { return UpAxis(2 * axis + (positive ? 0 : 1)); }
 
@@ -67,8 +82,9 @@ struct Sample {
            std::max(width((axis + 1) % 3), width((axis + 2) % 3)) > 0.27;
   }
 
-  /// How well the cloud stands on its end: the share of the columns along `axis` that reach the lowest layer,
-  /// weighted by how broad that side is. Statues have a base, rooms and streets a floor.
+  /// How well the cloud stands on its end: the share of its box that the columns along `axis` which reach the
+  /// lowest layer fill, weighted by how broad that side is. Statues have a base, rooms and streets a floor;
+  /// the legs and the top of a table are in line from its side, but fill little of it.
   double stands_on(int axis, bool positive) const {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const dvec3 extent = glm::max(size(), dvec3(1e-300));
@@ -83,18 +99,95 @@ struct Sample {
                                      std::min(int(at[v] * cells), cells - 1))];
       cell = std::min(cell, layer);
     }
-    double columns = 0, standing = 0;
-    for (int layer : lowest) columns += layer < layers, standing += layer < 1;
+    double standing = 0;
+    for (int layer : lowest) standing += layer < 1;
     const double broad =
         extent[u] * extent[v] / std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
-    return columns > 0 ? standing / columns * std::sqrt(broad) : 0;
+    return standing / (cells * cells) * std::sqrt(broad);
   }
+
+  /// Whether it is a closed body: of the columns along `axis`, most hold two sheets and nothing between, and
+  /// they do not fill their rectangle.
+  bool is_closed_along(int axis) const {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const dvec3 extent = glm::max(size(), dvec3(1e-300));
+    std::vector<std::uint32_t> filled(std::size_t(fine * fine));  // a bit for each layer
+    for (const dvec3& p : points) {
+      const dvec3 at = glm::clamp((p - low) / extent, dvec3(0), dvec3(0.9999));
+      filled[std::size_t(int(at[u] * fine) * fine + int(at[v] * fine))] |= 1u << int(at[axis] * layers);
+    }
+    int columns = 0, closed = 0;
+    for (const std::uint32_t column : filled) {
+      columns += column != 0;
+      // The longest run of empty layers between two that are not.
+      int gap = 0, run = 0;
+      for (std::uint32_t rest = column >> std::countr_zero(column | 1u << layers); rest != 0; rest >>= 1) {
+        run = (rest & 1) ? 0 : run + 1;
+        gap = std::max(gap, run);
+      }
+      closed += gap >= 3;
+    }
+    return closed >= closed_least * columns && columns < filled_most * fine * fine;
+  }
+
+  /// Towards what stands on the ground, perpendicular to it; nothing where there is no ground.
+  std::optional<dvec3> ground_normal() const;
 };
+
+std::optional<dvec3> Sample::ground_normal() const {
+  const std::size_t n = points.size();
+  const double reach = glm::length(high - low), near = 0.01 * reach;
+  if (n < 100 || !(reach > 0)) return std::nullopt;
+  // The plane of three points that most others are near, of as many tries as find one of a fifth of all
+  // points with 1 - (1 - 0.2^3)^600 = 99 %; of every so many-th point, for a first count.
+  std::mt19937 random(5);  // the same picture every time
+  const std::size_t stride = std::max<std::size_t>(1, n / 2000);
+  dvec3 normal(0);
+  double offset = 0;
+  std::size_t most = 0;
+  for (int tries = 0; tries < 600; ++tries) {
+    const dvec3 &a = points[random() % n], &b = points[random() % n], &c = points[random() % n];
+    const dvec3 way = glm::cross(b - a, c - a);
+    const double length = glm::length(way);
+    if (!(length > 1e-4 * reach * reach)) continue;
+    const dvec3 across = way / length;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; i += stride) count += std::abs(glm::dot(points[i] - a, across)) < near;
+    if (count > most) most = count, normal = across, offset = glm::dot(a, across);
+  }
+  if (most == 0 || double(most) < ground_least * double((n + stride - 1) / stride)) return std::nullopt;
+  const double above = share([&](const dvec3&p) { return glm::dot(p, normal) > offset + 2 * near; }),
+               below = share([&](const dvec3&p) { return glm::dot(p, normal) < offset - 2 * near; });
+  if (below > above) normal = -normal, offset = -offset;
+  if (std::max(above, below) < above_least * (above + below)) return std::nullopt;
+  // Columns perpendicular to the plane.
+  const dvec3 u = glm::normalize(
+                  glm::cross(normal, std::abs(normal.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0))),
+              v = glm::cross(normal, u);
+  std::array<bool, std::size_t(cells * cells)> bare{}, built{};
+  const dvec3 middle = 0.5 * (low + high);
+  for (const dvec3& p : points) {
+    const double x = glm::dot(p - middle, u) / reach + 0.5, y = glm::dot(p - middle, v) / reach + 0.5,
+                 height = glm::dot(p, normal) - offset;
+    if (!(x >= 0 && y >= 0 && x < 1 && y < 1)) continue;
+    const std::size_t cell = std::size_t(int(x * cells) * cells + int(y * cells));
+    if (std::abs(height) < 2 * near) bare[cell] = true;
+    if (height > 5 * near) built[cell] = true;
+  }
+  int ground = 0, free = 0, all = 0, with = 0;
+  for (std::size_t i = 0; i < bare.size(); ++i) {
+    ground += bare[i], free += bare[i] && !built[i];
+    all += bare[i] || built[i], with += built[i];
+  }
+  if (ground < 0.5 * all || free < bare_least * all || with < built_least * all) return std::nullopt;
+  return normal;
+}
 
 /// Of one picture, from about where it was taken: farther round, all that it hid would gape.
 Upright camera_view(UpAxis up, const char* reason) {
-  const bool sideways = up == UpAxis::neg_y;  // azimuth 0 of -Y looks from +z, i.e. from behind
-  return {up, reason, sideways ? 165.0 : -15.0, 10, true};
+  // Azimuth 0 looks from +z where up is -Y, i.e. from behind, and from -y where it is Z: robots look along x.
+  const double from = up == UpAxis::neg_y ? 180 : up == UpAxis::pos_z ? -90 : 0;
+  return {up, reason, from - 15, 10, true};
 }
 
 }  // namespace
@@ -110,6 +203,8 @@ Upright guess_upright(const PointCloud& cloud) {
     return camera_view(UpAxis::neg_y, "a camera's view: all lies before the origin, along z");
   if (sample.seen_along(2, false))
     return camera_view(UpAxis::pos_y, "a camera's view: all lies before the origin, along -z");
+  if (cloud.up == UpAxis::pos_z && sample.seen_along(0, true))
+    return camera_view(UpAxis::pos_z, "a scanner's view: all lies before the origin, along x");
   // Nothing that one walks on faces down: these normals face a camera that looked along z.
   if (sample.mean_normal.z < -0.5)
     return camera_view(UpAxis::neg_y, "its normals face a camera that looked along z");
@@ -119,14 +214,15 @@ Upright guess_upright(const PointCloud& cloud) {
     std::sort(order.begin(), order.end(), [&](int a, int b) { return size[a] < size[b]; });
     return order;
   }();
-  const int thin = by_size[0];
+  const int thin = by_size[0], own = int(cloud.up) / 2;
+  if (by_size[2] == own && size[own] > figure * size[by_size[1]] && sample.is_closed_along(thin))
+    return custom;
   if (thin > 0 && size[thin] < flat * size[by_size[1]])
     return {axis_of(thin, true), std::string("flat: thin along ") + "xyz"[thin], -45, 30};
 
   if (thin == 2 && sample.most_heights < mostly_flat * size[by_size[1]])
     return {UpAxis::pos_z, "mostly flat: nearly all is thin along z", -45, 30};
 
-  const int own = int(cloud.up) / 2;
   Upright best = custom;
   double most = sample.stands_on(own, int(cloud.up) % 2 == 0) + lead;
   for (int axis : {1, 2}) {
@@ -135,7 +231,18 @@ Upright guess_upright(const PointCloud& cloud) {
     most = firm;
     best = {axis_of(axis, true), std::string("stands on its lowest layer along ") + "xyz"[axis], -45, 30};
   }
-  return best;
+  if (best.up != custom.up || most - lead > firm_enough) return best;
+  // Tilted ground has no lowest layer, and reconstructions from photographs have theirs on top: -Y is up.
+  const std::optional<dvec3> ground = sample.ground_normal();
+  if (!ground) return best;
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::abs((*ground)[k]) > std::abs((*ground)[axis])) axis = k;
+  const bool positive = (*ground)[axis] > 0;
+  // Nobody has X for up, or Z for down.
+  if (std::abs((*ground)[axis]) < tilt_most || axis == 0 || (axis == 2 && !positive)) return best;
+  if (axis_of(axis, positive) == custom.up) return best;
+  return {axis_of(axis, positive), std::string("stands on ground across ") + "xyz"[axis], -45, 30};
 }
 
 }  // namespace sfumato::analysis

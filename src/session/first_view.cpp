@@ -201,7 +201,8 @@ double crowding(const PointCloud& cloud, const Bounds& box, std::size_t stride) 
 
 /// The distance from the middle, across up, within which 85 % of the points lie, where they thin out as
 /// around a scanner that stands on a street: half of them within 0.48 of that (a square tile has 0.73, a
-/// strip 0.59) and in few places. Else 0.
+/// strip 0.59), in few places, and the others more than twice as far (2.5 to 3.8 times for sweeps; at most
+/// 1.9 for a tower or a tree amid its ground, whose corners would be cut for nothing). Else 0.
 double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middle, std::size_t stride) {
   const dvec3 up = up_vector(cloud.up);
   std::vector<double> distances;
@@ -214,8 +215,8 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
     std::nth_element(distances.begin(), nth, distances.end());
     return *nth;
   };
-  const double half = quantile(0.5), most = quantile(0.85);
-  return half < 0.48 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
+  const double half = quantile(0.5), most = quantile(0.85), all = quantile(0.99);
+  return half < 0.48 * most && all > 2 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
 }
 
 /// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where

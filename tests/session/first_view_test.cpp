@@ -109,16 +109,47 @@ TEST(FirstView, AroundAScannerOnAStreetOneLooksFromAbove) {
   cloud.up = UpAxis::pos_z;
   for (int i = 0; i < 30'000;
        ++i) {  // as many on each decade of distance, which is what rings of equal angles do
-    const double r = std::pow(10.0, 2 * unit(random)), angle = 6.2832 * unit(random);
+    const double r = std::pow(10.0, 2.5 * unit(random)), angle = 6.2832 * unit(random);
     cloud.positions.push_back(
         vec3(r * std::cos(angle), r * std::sin(angle), unit(random) * std::min(r, 5.0)));
   }
   const Pose pose = pose_of(cloud);
   EXPECT_TRUE(pose.subject.thins_out);
   EXPECT_GT(pose.upright.elevation_deg, 40);
-  EXPECT_LT(pose.subject.box.size().x, 120) << "of 200";
+  EXPECT_LT(pose.subject.box.size().x, 380) << "of 630";
   const PointCloud tile = box_of({50, 50, 1});
   EXPECT_FALSE(pose_of(tile).subject.thins_out);
+}
+
+TEST(FirstView, CornersOfTheGroundAroundATowerAreNotCut) {
+  // Nearly all points crowd on the tower, as around a scanner, but the ground ends soon.
+  PointCloud cloud = box_of({5, 5, 20}, 20'000);
+  for (const vec3& p : box_of({40, 40, 0}, 10'000).positions)
+    cloud.positions.push_back(p - vec3(17.5f, 17.5f, 0));
+  const Pose pose = pose_of(cloud);
+  EXPECT_FALSE(pose.subject.thins_out);
+  const auto [low, high] = extent({{-17.4, -17.4, 0}, {22.4, -17.4, 0}, {22.4, 22.4, 0}, {-17.4, 22.4, 0}},
+                                  first_view(pose, 1280, 720));
+  EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 1);
+}
+
+TEST(FirstView, ARoomWithoutCeilingIsLookedIntoFromAbove) {
+  // As telephones scan them: floor and walls, seen from both sides.
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (int i = 0; i < 60'000; ++i) {
+    const float a = unit(random), b = unit(random);
+    const vec3 sides[] = {{4 * a, 5 * b, 0},    {4 * a, 0, 2.4f * b}, {4 * a, 5, 2.4f * b},
+                          {0, 5 * a, 2.4f * b}, {4, 5 * a, 2.4f * b}, {1 + a, 1 + b, 0.5f}};
+    cloud.positions.push_back(sides[i % 6]);
+  }
+  const Pose room = pose_of(cloud);
+  EXPECT_FALSE(room.subject.room);
+  EXPECT_GT(room.upright.elevation_deg, 40);
+  EXPECT_LT(pose_of(box_of({4, 5, 2.4})).upright.elevation_deg, 33)
+      << "a closed box shows no more from above";
 }
 
 PointCloud scan(const std::string& scene, synth::Sampling sampling, int points) {

@@ -191,6 +191,97 @@ TEST(Upright, PylonsDoNotMakeLandStand) {
   EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
 }
 
+/// Both sheets of a figure of ellipsoids: body, head, arms, legs; 1.8 high along y, 0.9 wide, 0.3 deep.
+PointCloud figure() {
+  struct Part {
+    vec3 middle, half;
+  };
+  const Part parts[] = {{{0, 1.15f, 0}, {0.2f, 0.35f, 0.15f}},     {{0, 1.65f, 0}, {0.1f, 0.15f, 0.12f}},
+                        {{-0.35f, 1.1f, 0}, {0.1f, 0.4f, 0.06f}},  {{0.35f, 1.1f, 0}, {0.1f, 0.4f, 0.06f}},
+                        {{-0.12f, 0.45f, 0}, {0.1f, 0.45f, 0.1f}}, {{0.12f, 0.45f, 0}, {0.1f, 0.45f, 0.1f}}};
+  std::mt19937 random(11);
+  std::normal_distribution<float> normal;
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_y;
+  for (int i = 0; i < 60'000; ++i) {
+    const Part& part = parts[i % 6];
+    cloud.positions.push_back(
+        part.middle + part.half * glm::normalize(vec3(normal(random), normal(random), normal(random))));
+  }
+  return cloud;
+}
+
+TEST(Upright, AFigureIsFlatButStands) {
+  EXPECT_EQ(guess_upright(figure()).up, UpAxis::pos_y);
+  // Its front alone, as land along y would be: one sheet.
+  PointCloud land = figure();
+  for (vec3& p : land.positions) p.z = std::abs(p.z);
+  EXPECT_EQ(guess_upright(land).up, UpAxis::pos_z);
+}
+
+/// A house and a tower, z up, on ground that reaches farther.
+PointCloud house() {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 60'000; ++i) {
+    const float a = unit(random), b = unit(random);
+    const int side = i % 4;
+    const vec3 foot = i % 3 == 1 ? vec3(0, 0, 0) : vec3(-5, 2, 0),
+               size = i % 3 == 1 ? vec3(20, 10, 9) : vec3(5, 6, 22);
+    if (i % 3 == 0)
+      cloud.positions.push_back({-20 + 55 * a, -15 + 40 * b, 0});
+    else if (side < 2)
+      cloud.positions.push_back(foot + size * vec3(a, float(side), b));
+    else
+      cloud.positions.push_back(foot + size * vec3(float(side - 2), a, b));
+  }
+  return cloud;
+}
+
+TEST(Upright, GroundTellsHoweverItIsTilted) {
+  for (double tilt : {0.0, 15.0, 30.0}) {
+    const glm::dmat3 by(glm::rotate(dmat4(1), glm::radians(tilt), glm::normalize(dvec3(1, 0.3, 0))));
+    PointCloud cloud = house();
+    turn(cloud, by);
+    cloud.up = UpAxis::pos_y;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z) << tilt;
+    // As photographs are put together: y down.
+    cloud = house();
+    turn(cloud, glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0) * by);
+    cloud.up = UpAxis::pos_y;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::neg_y) << tilt;
+  }
+}
+
+TEST(Upright, TablesStayOnTheirFeet) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (int i = 0; i < 40'000; ++i) {  // half of the points on four legs
+    const vec3 leg(i % 8 < 4 ? 0.0f : 1.55f, i % 4 < 2 ? 0.0f : 0.75f, 0);
+    const float a = unit(random), b = unit(random), c = unit(random);
+    cloud.positions.push_back(i % 2 == 0 ? vec3(1.6f * a, 0.8f * b, 0.75f)
+                                         : leg + vec3(0.05f * a, 0.05f * b, 0.75f * c));
+  }
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+  turn(cloud, y_up);
+  cloud.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+}
+
+TEST(Upright, RobotsLookAlongX) {
+  PointCloud cloud = street_sweep(64);
+  std::erase_if(cloud.positions, [](const vec3& p) { return !(p.x > 1 && std::abs(p.y) < 0.6f * p.x); });
+  cloud.up = UpAxis::pos_z;
+  const Upright guess = guess_upright(cloud);
+  EXPECT_EQ(guess.up, UpAxis::pos_z);
+  EXPECT_TRUE(guess.is_camera_view) << guess.reason;
+  EXPECT_NEAR(guess.azimuth_deg, -105, 1e-9) << "from -x, where it stood: azimuth 0 is -y, and 90 is x";
+  EXPECT_FALSE(guess_upright(street_sweep(64)).is_camera_view);
+}
+
 TEST(Upright, NothingToGuessFromKeepsTheCustom) {
   PointCloud cloud;
   cloud.positions.assign(50, vec3(1, 2, 3));

@@ -425,9 +425,32 @@ TEST_F(Splats, ClampedRadiiKeepOutliersSmall) {
   const double px = camera.pixels_per_unit() / 4;
   EXPECT_GT(corner(), 1000);
   set("clamp_radius", "true");
-  EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.04 * px, 2), 10);  // radius 2 x 0.02; 10 = its rim in px
+  EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.08 * px, 2), 20);  // radius 4 x 0.02; 20 = its rim in px
   set("radius_scale", "2");
-  EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.08 * px, 2), 20);
+  EXPECT_NEAR(corner(), std::acos(-1) * std::pow(0.16 * px, 2), 40);
+}
+
+TEST_F(Splats, GroundAroundADenseObjectHasNoHoles) {
+  // Most points on a ball, so that the median radius is its; around it ground 3.5 times as sparse.
+  PointCloud cloud = sphere_cloud(20'000, 0.5f);
+  cloud.normals.clear();
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> uniform(-2.5f, 2.5f);
+  const double spacing = 3.5 * std::sqrt(std::acos(-1.0) / 20'000);
+  for (int i = 0; i < int(25 / (spacing * spacing)); ++i)
+    cloud.positions.push_back({uniform(random), uniform(random), -0.55f});
+  cloud.colors.assign(cloud.size(), {200, 200, 200, 255});
+  cloud.radii.clear();
+  set("clamp_radius", "true");
+  set("radius_scale", "1.5");  // both as by default
+  const RenderOutput out = render(cloud, camera_at({0, 0, 8}, 256, 256));
+  int inside = 0, open = 0;
+  const double px = 256 / 2 / std::tan(glm::radians(22.5)) / 8.55;
+  const int reach = int(2.2 * px);  // a row of discs away from its end
+  for (int y = 128 - reach; y < 128 + reach; ++y)
+    for (int x = 128 - reach; x < 128 + reach; ++x) ++inside, open += !std::isfinite(out.depth.at(x, y));
+  EXPECT_GT(inside, 20'000);
+  EXPECT_LT(open, 0.001 * inside);  // 1e-4 of a random surface is uncovered by such discs
 }
 
 // Along a slow orbit around random colours, the average of many discs changes less than the nearest disc

@@ -15,6 +15,11 @@
 namespace sfumato {
 namespace {
 
+/// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
+/// beside than on the ground around it: of twice the median ground 4 m off was riddled with holes. Strays are
+/// smaller than this by themselves (analysis/attributes.cpp).
+constexpr float largest = 4;
+
 struct Parameters {
   Auto<float> epsilon;
   SplatKernel kernel = SplatKernel::wendland;
@@ -40,7 +45,7 @@ struct Parameters {
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
-        .help("limit radii to twice their median, so that isolated points do not become big discs");
+        .help("limit radii to four times their median, so that isolated points do not become big discs");
   }
 };
 
@@ -54,7 +59,7 @@ class Splats final : public Technique {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
-    if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+    if (parameters_.clamp_radius) shape.radius_limit = largest * frame.cloud.median_radius();
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
