@@ -12,6 +12,7 @@
 
 #include "analysis/stoppable_sort.h"
 #include "core/interleave.h"
+#include "core/symmetric3.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -170,20 +171,9 @@ NeighborhoodShape neighborhood_shape(const std::vector<vec3>& positions, std::ui
   }
   const double n = double(neighbors.size()) + 1;
   const dvec3 m = dvec3(sum) / n;
-  const double a = xx / n - m.x * m.x, b = yy / n - m.y * m.y, c = zz / n - m.z * m.z;
-  const double d = xy / n - m.x * m.y, e = yz / n - m.y * m.z, f = zx / n - m.z * m.x;
-  // Eigenvalues by the trigonometric solution of the cubic (Smith 1961).
-  const double mean = (a + b + c) / 3;
-  const double p = std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean) +
-                              2 * (d * d + e * e + f * f)) /
-                             6);
-  if (!(p > 0)) return {};
-  const double u = (a - mean) / p, v = (b - mean) / p, w = (c - mean) / p, x = d / p, y = e / p, z = f / p;
-  const double determinant = u * (v * w - y * y) - x * (x * w - y * z) + z * (x * y - v * z);
-  const double angle = std::acos(std::clamp(determinant / 2, -1.0, 1.0)) / 3;
-  const double largest = mean + 2 * p * std::cos(angle);
-  const double least = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
-  const double middle = 3 * mean - largest - least;
+  const dvec3 widths = eigenvalues({xx / n - m.x * m.x, xy / n - m.x * m.y, zx / n - m.z * m.x,
+                                    yy / n - m.y * m.y, yz / n - m.y * m.z, zz / n - m.z * m.z});
+  const double largest = widths.x, middle = widths.y, least = widths.z;
   if (!(middle > 1e-6 * largest)) return {};
   NeighborhoodShape shape{float(std::sqrt(std::max(least, 0.0) / middle))};
   // Evenly filled, a width w has the variance w^2 / 12. Twice as long as wide; half a disc, at the end of a

@@ -8,6 +8,7 @@
 #include "analysis/attributes.h"
 #include "analysis/neighbors.h"
 #include "analysis/quantiles.h"
+#include "core/symmetric3.h"
 
 namespace sfumato::denoise {
 namespace {
@@ -38,29 +39,17 @@ struct Nearest {
   }
 };
 
-/// Least eigenvalue of a symmetric matrix xx xy xz yy yz zz, by the cosine formula.
-double least_eigenvalue(const double (&m)[6]) {
-  const double mean = (m[0] + m[3] + m[5]) / 3, off = m[1] * m[1] + m[2] * m[2] + m[4] * m[4];
-  const double a = m[0] - mean, d = m[3] - mean, f = m[5] - mean;
-  const double p = std::sqrt((a * a + d * d + f * f + 2 * off) / 6);
-  if (!(p > 0)) return mean;
-  const double det =
-      a * (d * f - m[4] * m[4]) - m[1] * (m[1] * f - m[4] * m[2]) + m[2] * (m[1] * m[4] - d * m[2]);
-  const double angle = std::acos(std::clamp(det / (2 * p * p * p), -1.0, 1.0)) / 3;
-  return mean + 2 * p * std::cos(angle + 2 * M_PI / 3);
-}
-
 double residual_around(const std::vector<vec3>& positions, const Nearest& nearest) {
   dvec3 mean(0);
   for (const Nearest::One& one : nearest.heap)
     mean += dvec3(positions[one.point]) / double(nearest.heap.size());
-  double m[6] = {};
+  Symmetric3 m;
   for (const Nearest::One& one : nearest.heap) {
     const dvec3 d = dvec3(positions[one.point]) - mean;
-    m[0] += d.x * d.x, m[1] += d.x * d.y, m[2] += d.x * d.z;
-    m[3] += d.y * d.y, m[4] += d.y * d.z, m[5] += d.z * d.z;
+    m.xx += d.x * d.x, m.xy += d.x * d.y, m.xz += d.x * d.z;
+    m.yy += d.y * d.y, m.yz += d.y * d.z, m.zz += d.z * d.z;
   }
-  return std::sqrt(std::max(0.0, least_eigenvalue(m)) / double(nearest.heap.size()));
+  return std::sqrt(std::max(0.0, eigenvalues(m).z) / double(nearest.heap.size()));
 }
 
 /// Radical inverse (Halton 1960): points in [0, 1) that fill it evenly.

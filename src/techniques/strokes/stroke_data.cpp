@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <unordered_map>
 
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/stroke_attributes.h"
+#include "core/symmetric3.h"
 #include "passes/bindings.h"
 
 namespace sfumato::strokes {
@@ -21,20 +21,6 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
   return x ^ (x >> 31);
-}
-
-/// Eigenvalues of a symmetric matrix, largest first (Smith 1961, by the trigonometric solution of the cubic).
-void eigenvalues(const glm::dmat3& m, double out[3]) {
-  const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3;
-  const glm::dmat3 rest = m - glm::dmat3(mean);
-  double squares = 0;
-  for (int k = 0; k < 3; ++k) squares += glm::dot(rest[k], rest[k]);
-  const double p = std::sqrt(squares / 6);
-  const double r = p > 0 ? std::clamp(glm::determinant(rest / p) / 2, -1.0, 1.0) : 0,
-               angle = std::acos(r) / 3;
-  out[0] = mean + 2 * p * std::cos(angle);
-  out[2] = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
-  out[1] = 3 * mean - out[0] - out[2];
 }
 
 std::vector<vec3> widest_directions(const std::vector<vec3>& positions, Progress& progress) {
@@ -102,9 +88,10 @@ std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vec
                       std::uint8_t(sum.b / sum.points), 255};
     shapes[c].extent =
         float(std::exp2(0.5 * std::round(2 * std::log2(std::max(std::sqrt(sum.area), 1e-30)))));
-    double l[3];
-    eigenvalues(sum.pp / n - glm::outerProduct(sum.p / n, sum.p / n), l);
-    const double elongation = l[1] > 0 ? std::sqrt(l[0] / l[1]) : 1;
+    const glm::dmat3 spread = sum.pp / n - glm::outerProduct(sum.p / n, sum.p / n);
+    const dvec3 l =
+        eigenvalues({spread[0][0], spread[0][1], spread[0][2], spread[1][1], spread[1][2], spread[2][2]});
+    const double elongation = l.y > 0 ? std::sqrt(l.x / l.y) : 1;
     shapes[c].elongation = elongation > 5 ? 2 : elongation > 2.5 ? 1 : 0;
     shapes[c].mean.a = std::uint8_t(shapes[c].elongation);  // travels with the colour
   }
