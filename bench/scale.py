@@ -4,14 +4,15 @@
     bench/scale.py SCAN.laz TILES FOLDER [BUILD_DIR]
 
 Makes TILES copies of a LAZ or LAS file side by side in FOLDER (only the offsets in their headers differ), builds one COPC
-file of them and renders it from three places. Prints a line of JSON for each step: wall and processor seconds, peak memory,
-size, and the load of the machine before it, without which the seconds say little. Processor seconds are those of the program
-without its decoders, which outlive it. Results: docs/large_scans.md.
+file of them, renders it from three places and moves it in a window. Prints a line of JSON for each step: wall and processor
+seconds, peak memory, size, and the load of the machine before it, without which the seconds say little. Processor seconds are
+those of the program without its decoders, which outlive it. Results: docs/large_scans.md.
 """
 import json
 import math
 import os
 import resource
+import shutil
 import struct
 import subprocess
 import sys
@@ -76,6 +77,12 @@ def main():
         row, out = measured(view, [sfumato, city, '-t', 'points', '--resolution', '1920x1080', '--json', '--quiet', '-o', picture] + options)
         report = json.loads(out)
         row.update(levels=report.get('levels'), stages_ms={k: round(v) for k, v in report['stages_ms'].items()})
+        print(json.dumps(row), flush=True)
+    # The window at 1280x720: the first picture, the picture of everything, and the next view.
+    motion = os.path.join(build, 'bin', 'viewer_motion')
+    if os.path.exists(motion) and shutil.which('xvfb-run'):
+        row, out = measured('window', ['xvfb-run', '-a', '-s', '-screen 0 1280x720x24', motion, city, 'points', '2'])
+        row.update(json.loads(out.splitlines()[-1]))
         print(json.dumps(row), flush=True)
 
 

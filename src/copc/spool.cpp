@@ -1,9 +1,6 @@
 #include "copc/spool.h"
 
 #include <fcntl.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -19,6 +16,8 @@ namespace {
 
 // A bin beyond this goes to the disk at once; smaller ones when all together are too many.
 constexpr std::size_t full_bin = 4 << 20;
+// Pieces of a bin: the first is small, for there may be many bins of few points.
+constexpr std::size_t first_piece = 4 << 10, largest_piece = 64 << 10;
 
 std::string gigabytes(double bytes) {
   char text[32];
@@ -74,34 +73,54 @@ void TemporaryFile::forget(std::uint64_t at, std::uint64_t size) {
   if (size > 0) ::fallocate(handle_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, off_t(at), off_t(size));
 }
 
+void Pieces::append(std::span<const std::uint8_t> bytes) {
+  size_ += bytes.size();
+  while (!bytes.empty()) {
+    if (pieces_.empty() || pieces_.back().size == pieces_.back().room) {
+      const std::size_t room =
+          pieces_.empty() ? first_piece : std::min(2 * pieces_.back().room, largest_piece);
+      pieces_.push_back({std::make_unique_for_overwrite<std::uint8_t[]>(room), 0, room});
+      room_ += room;
+    }
+    Piece& last = pieces_.back();
+    const std::size_t count = std::min(bytes.size(), last.room - last.size);
+    std::copy_n(bytes.begin(), count, last.bytes.get() + last.size);
+    last.size += count;
+    bytes = bytes.subspan(count);
+  }
+}
+
+void Pieces::copy_to(std::uint8_t* to) const {
+  for_each([&](std::span<const std::uint8_t> piece) { to = std::copy(piece.begin(), piece.end(), to); });
+}
+
 void Spool::append(const Key& key, std::span<const std::uint8_t> bytes) {
   const std::lock_guard lock(mutex_);
   Bin& bin = bins_[key];
-  const std::size_t before = bin.tail.capacity();
-  bin.tail.insert(bin.tail.end(), bytes.begin(), bytes.end());
+  const std::size_t before = bin.tail.room();
+  bin.tail.append(bytes);
   bin.size += bytes.size();
-  held_ += bin.tail.capacity() - before;
+  held_ += bin.tail.room() - before;
   if (held_ <= memory_) return;
   if (bin.tail.size() >= full_bin) write_out(bin);
   if (held_ <= memory_) return;
   for (auto& [other, each] : bins_) write_out(each);
-#ifdef __GLIBC__
-  // Tails that grew beside each other leave holes that no later tail fits into: 4.5 GB for 1 GB of tails,
-  // when a thousand million points were read.
-  ::malloc_trim(0);
-#endif
 }
 
 void Spool::write_out(Bin& bin) {
   if (bin.tail.empty()) return;
   if (!file_) file_ = std::make_unique<TemporaryFile>(folder_, purpose_);
-  file_->write(end_, bin.tail);
+  std::uint64_t at = end_;
+  bin.tail.for_each([&](std::span<const std::uint8_t> piece) {
+    file_->write(at, piece);
+    at += piece.size();
+  });
   if (!bin.extents.empty() && bin.extents.back().at + bin.extents.back().size == end_)
     bin.extents.back().size += bin.tail.size();
   else
     bin.extents.push_back({end_, bin.tail.size()});
-  end_ += bin.tail.size();
-  held_ -= bin.tail.capacity();
+  end_ = at;
+  held_ -= bin.tail.room();
   bin.tail = {};
 }
 
@@ -111,12 +130,11 @@ Spool::Bin Spool::take(const Key& key) {
   if (found == bins_.end()) return {};
   Bin bin = std::move(found->second);
   bins_.erase(found);
-  held_ -= bin.tail.capacity();
+  held_ -= bin.tail.room();
   return bin;
 }
 
 std::vector<std::uint8_t> Spool::load(Bin&& bin) {
-  if (bin.extents.empty()) return std::move(bin.tail);
   std::vector<std::uint8_t> bytes(bin.size);
   std::size_t at = 0;
   for (const Bin::Extent& extent : bin.extents) {
@@ -124,14 +142,17 @@ std::vector<std::uint8_t> Spool::load(Bin&& bin) {
     file_->forget(extent.at, extent.size);
     at += extent.size;
   }
-  std::copy(bin.tail.begin(), bin.tail.end(), bytes.begin() + std::ptrdiff_t(at));
+  bin.tail.copy_to(bytes.data() + at);
   return bytes;
 }
 
 std::vector<std::uint8_t> Spool::load_some(Bin& bin, std::size_t limit, std::size_t unit) {
   if (!bin.tail.empty()) {
-    bin.size -= bin.tail.size();
-    return std::move(bin.tail);
+    std::vector<std::uint8_t> bytes(bin.tail.size());
+    bin.tail.copy_to(bytes.data());
+    bin.size -= bytes.size();
+    bin.tail = {};
+    return bytes;
   }
   if (bin.extents.empty()) return {};
   Bin::Extent& extent = bin.extents.back();
