@@ -279,4 +279,21 @@ TEST_F(Soft, ExpressStaysNearBase) {
   }
 }
 
+// The order is kept while the camera stands; a wider lens from the same place sees points that were left out
+// of it.
+TEST_F(Soft, AWiderLensSeesMore) {
+  set_opacity(0.3);
+  set("model", "express");
+  const std::vector<Ball> balls{{{0, 0, 0}, 0.4f}, {{2.5f, 0, 0}, 0.4f}, {{-2.5f, 0, 0}, 0.4f}};
+  const Camera narrow = camera_at({0, -3, 0}, 96, 48, 20), wide = camera_at({0, -3, 0}, 96, 48, 60);
+  const RenderOutput expected = render(balls, wide);
+  Renderer renderer(context());
+  show(renderer, cloud_of(balls), technique_->needs());
+  renderer.render(*technique_, narrow, settings_, all_outputs());
+  const RenderOutput actual = renderer.render(*technique_, wide, settings_, all_outputs());
+  EXPECT_GT(expected.color_linear.at(8, 24).a + expected.color_linear.at(14, 24).a, 0.0f);
+  for (std::size_t i = 0; i < expected.color_linear.size(); ++i)
+    ASSERT_EQ(actual.color_linear.data()[i], expected.color_linear.data()[i]);
+}
+
 }  // namespace

@@ -107,11 +107,14 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
 }
 
 Order SoftPoints::far_to_near(const View& view) {
-  if (!sorted_ || sorted_view_ != view.eye_from_cloud()) {
+  // What another lens or another part of a picture sees was left out of the order.
+  const dmat4 projection = view.camera().projection_matrix();
+  if (!sorted_ || sorted_view_ != view.eye_from_cloud() || sorted_projection_ != projection) {
     depth_sort_.run(keys_, count(), initial_, chosen_anew_);
     chosen_anew_ = false;
     sorted_ = true;
     sorted_view_ = view.eye_from_cloud();
+    sorted_projection_ = projection;
   }
   return {&depth_sort_.order(), 0, 1, depth_sort_.drawn()};
 }

@@ -70,7 +70,7 @@ class SoftPoints {
   std::vector<std::uint32_t> places_;     ///< in the prepared cloud, ascending
   std::vector<std::uint32_t> initial_;    ///< slots by source index
   bool chosen_anew_ = true, sorted_ = false;
-  dmat4 sorted_view_{0};
+  dmat4 sorted_view_{0}, sorted_projection_{0};
   vec3 sorted_sizes_{0};  ///< radius scale, limit, antialiasing: what decides which spheres the view sees
   std::vector<gl::TextureBuffer> lists_;  ///< of each chunk: places within it
   gl::TextureBuffer shapes_, looks_, boxes_;
