@@ -1,5 +1,6 @@
 // Reading files, warm in the page cache: what a user waits for before anything is drawn.
 #include <benchmark/benchmark.h>
+#include <laszip/laszip_api.h>
 #include <time.h>
 
 #include <array>
@@ -117,10 +118,14 @@ SFUMATO_BENCH_FORMAT(read_format, pcd, ".pcd", 6)->Name("io/pcd/processor");
 SFUMATO_BENCH_FORMAT(read_format, xyz, ".xyz", 3)->Name("io/text3/processor");
 SFUMATO_BENCH_FORMAT(read_format, xyzrgb, ".xyz", 6)->Name("io/text6/processor");
 
+std::string data_file(const char* name) {
+  const char* folder = std::getenv("SFUMATO_TEST_DATA");
+  return std::string(folder ? folder : "../shared/data") + "/" + name;
+}
+
 /// A real scan, decoded on `threads` threads.
 void read_laz(benchmark::State& state, const char* name, const char* threads) {
-  const char* folder = std::getenv("SFUMATO_TEST_DATA");
-  const std::string file = std::string(folder ? folder : "../shared/data") + "/" + name;
+  const std::string file = data_file(name);
   setenv("SFUMATO_THREADS", threads, 1);
   try {
     for (auto _ : state) benchmark::DoNotOptimize(io::read(file));
@@ -136,5 +141,55 @@ SFUMATO_BENCH_LAZ(one, "bcts_3.laz", "1")->Name("io/laz/one_thread");
 SFUMATO_BENCH_LAZ(two, "bcts_3.laz", "2")->Name("io/laz/two_threads");
 SFUMATO_BENCH_LAZ(one14, "lion_takanawa.copc.laz", "1")->Name("io/laz14/one_thread");
 SFUMATO_BENCH_LAZ(two14, "lion_takanawa.copc.laz", "2")->Name("io/laz14/two_threads");
+
+/// Processor time of one thread, decoding in this process.
+void read_laz_processor(benchmark::State& state, const char* name) {
+  const std::string file = data_file(name);
+  setenv("SFUMATO_THREADS", "1", 1);
+  setenv("SFUMATO_DECODER", "none", 1);
+  try {
+    for (auto _ : state) {
+      const double start = processor_seconds();
+      benchmark::DoNotOptimize(io::read(file));
+      state.SetIterationTime(processor_seconds() - start);
+    }
+  } catch (const Error& error) {
+    state.SkipWithError(error.what());
+  }
+  unsetenv("SFUMATO_THREADS");
+  unsetenv("SFUMATO_DECODER");
+}
+
+/// LASzip's own reader, which hands every point over and keeps none: what nobody who decodes by it can be
+/// faster than.
+void read_laszip(benchmark::State& state, const char* name) {
+  const std::string file = data_file(name);
+  for (auto _ : state) {
+    const double start = processor_seconds();
+    laszip_POINTER reader = nullptr;
+    laszip_header* header = nullptr;
+    laszip_point* point = nullptr;
+    laszip_BOOL compressed = 0;
+    if (laszip_create(&reader) || laszip_open_reader(reader, file.c_str(), &compressed) ||
+        laszip_get_header_pointer(reader, &header) || laszip_get_point_pointer(reader, &point)) {
+      state.SkipWithError("LASzip cannot open the file");
+      break;
+    }
+    const std::uint64_t count = header->number_of_point_records ? header->number_of_point_records
+                                                                : header->extended_number_of_point_records;
+    std::int64_t sum = 0;
+    for (std::uint64_t i = 0; i < count && laszip_read_point(reader) == 0; ++i) sum += point->X;
+    benchmark::DoNotOptimize(sum);
+    laszip_close_reader(reader);
+    laszip_destroy(reader);
+    state.SetIterationTime(processor_seconds() - start);
+  }
+}
+#define SFUMATO_BENCH_LASZIP(function, id, file) \
+  BENCHMARK_CAPTURE(function, id, file)->UseManualTime()->Unit(benchmark::kMillisecond)
+SFUMATO_BENCH_LASZIP(read_laz_processor, lion, "lion_takanawa.copc.laz")->Name("io/laz14/processor");
+SFUMATO_BENCH_LASZIP(read_laszip, lion, "lion_takanawa.copc.laz")->Name("io/laz14/laszip_alone");
+SFUMATO_BENCH_LASZIP(read_laz_processor, autzen, "autzen_full.laz")->Name("io/laz14_autzen/processor");
+SFUMATO_BENCH_LASZIP(read_laszip, autzen, "autzen_full.laz")->Name("io/laz14_autzen/laszip_alone");
 
 }  // namespace

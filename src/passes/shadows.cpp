@@ -123,6 +123,13 @@ void ShadowMaps::clear(Clouds clouds) {
   for (GpuCloud* cloud : clouds)
     if (cloud->has_shadow()) cloud->set_shadow({});
   key_.reset();
+  // Up to a gigabyte of light maps and layers would wait for the next time that somebody wants shadows.
+  for (gl::Texture* each :
+       {&bits_, &closed_, &other_depth_, &other_index_, &state_, &other_state_, &ground_passed_})
+    *each = {};
+  for (auto* each : {&maps_, &layer_depth_, &opacity_}) each->clear();
+  layer_ = {};
+  passed_.clear();
 }
 
 void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& light, gl::Timers& timers,

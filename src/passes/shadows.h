@@ -38,6 +38,7 @@ class ShadowMaps {
   void update(Clouds clouds, const RenderSettings& settings, const Light& light, gl::Timers& timers,
               Progress& progress, const View* ground_view = nullptr, const Ground& ground = {},
               gl::Texture* ground_factor = nullptr);
+  /// Takes the factors off the clouds and gives the memory of the maps back.
   void clear(Clouds clouds);
 
   /// Cameras that see the whole cloud from the light: one, or six faces when it stands inside.

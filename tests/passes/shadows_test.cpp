@@ -1,7 +1,11 @@
 #include "passes/shadows.h"
 
+#include <malloc.h>
+#include <unistd.h>
+
 #include <array>
 #include <cstdio>
+#include <fstream>
 
 #include "reference/gl_fixture.h"
 #include "techniques/casters.h"
@@ -328,6 +332,41 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
       if (away < 0.94) ASSERT_NEAR(lit.at(x, y), 0.49, 1e-5) << away;
       if (away > 1.06) ASSERT_NEAR(lit.at(x, y), 1, 1e-6) << away;
     }
+}
+
+/// What the process has in memory, bytes.
+std::size_t resident_bytes() {
+  malloc_trim(0);
+  std::ifstream statm("/proc/self/statm");
+  std::size_t pages = 0, resident = 0;
+  statm >> pages >> resident;
+  return resident * std::size_t(sysconf(_SC_PAGESIZE));
+}
+
+// Light maps of 4096 x 4096 texels: without shadows nothing of them is kept.
+TEST_F(ShadowTest, MapsGoWithTheShadows) {
+  if (!gl::limits().software) GTEST_SKIP() << "the memory of a GPU is not the process's";
+  // As dense as a scan that is a hundred times larger; one corner is far away.
+  PointCloud cloud = sheet(60, 0.02f, 0);
+  cloud.positions.push_back({20, 20, 1});
+  cloud.normals.push_back({0, 0, 1});
+  prepared_ = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
+  gl::Timers timers(false);
+  ShadowMaps maps;
+  const RenderSettings settings = hard("dir:0,0,1");
+  const std::size_t before = resident_bytes(), map = std::size_t(64) << 20;
+  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress());
+  glFinish();
+  const std::size_t with_maps = resident_bytes();
+  EXPECT_GT(with_maps, before + 5 * map / 2) << "depth, bits and a copy; the test would prove nothing";
+  maps.clear(std::array{&gpu});
+  glFinish();
+  // The driver keeps what it compiled, and one of the textures until it draws again.
+  EXPECT_LT(resident_bytes(), with_maps - 3 * map / 2);
+  // And shadows come back.
+  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress());
+  EXPECT_TRUE(gpu.has_shadow());
 }
 
 }  // namespace
