@@ -7,21 +7,14 @@
 #include <ImfStandardAttributes.h>
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 
 #include "core/error.h"
 #include "io/atomic_writer.h"
 
 namespace sfumato::io {
 namespace {
-
-/// One float of every pixel of `image`, which holds `stride` floats a pixel.
-void add_channel(Imf::Header& header, Imf::FrameBuffer& buffer, const char* name, const float* first,
-                 int stride, int width) {
-  header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-  const std::size_t step = sizeof(float) * std::size_t(stride);
-  char* base = reinterpret_cast<char*>(const_cast<float*>(first));
-  buffer.insert(name, Imf::Slice(Imf::FLOAT, base, step, step * std::size_t(width)));
-}
 
 /// OpenEXR writes the table of its lines in a destructor, where no exception gets out: the first one is kept.
 class Stream final : public Imf::OStream {
@@ -52,35 +45,82 @@ class Stream final : public Imf::OStream {
   std::exception_ptr error_;
 };
 
+constexpr const char *rgba[] = {"R", "G", "B", "A"}, *xyz[] = {"N.X", "N.Y", "N.Z"};
+
 }  // namespace
 
-void write_exr(const std::filesystem::path& file, const Image<vec4>& color, const Image<float>& depth,
-               const Image<vec3>& normal, const std::string& command) {
-  AtomicWriter writer(file);
-  Stream stream(file.string(), writer);
-  const int width = std::max(color.width(), depth.width()), height = std::max(color.height(), depth.height());
-  try {
+struct ExrRows::State {
+  std::string file;
+  int width, height, done = 0;
+  AtomicWriter writer;
+  Stream stream;
+  std::optional<Imf::OutputFile> out;  // gone before its stream
+
+  State(const std::filesystem::path& path, int width_px, int height_px)
+      : file(path.string()), width(width_px), height(height_px), writer(path), stream(file, writer) {}
+  /// OpenEXR's own errors become ours.
+  template <class Work>
+  void guarded(Work&& work) {
+    try {
+      work();
+    } catch (const Error&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw Error(ErrorCode::io, "cannot write " + file + ": " + error.what());
+    }
+  }
+};
+
+ExrRows::ExrRows(const std::filesystem::path& file, int width, int height, bool with_color, bool with_depth,
+                 bool with_normal, const std::string& command)
+    : state_(std::make_unique<State>(file, width, height)) {
+  state_->guarded([&] {
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
     if (!command.empty()) Imf::addComments(header, command);
+    const auto add = [&](const char* name) { header.channels().insert(name, Imf::Channel(Imf::FLOAT)); };
+    if (with_color) std::for_each(std::begin(rgba), std::end(rgba), add);
+    if (with_depth) add("Z");
+    if (with_normal) std::for_each(std::begin(xyz), std::end(xyz), add);
+    state_->out.emplace(state_->stream, header);
+  });
+}
+ExrRows::~ExrRows() = default;
+
+void ExrRows::write(const Image<vec4>& color, const Image<float>& depth, const Image<vec3>& normal) {
+  State& s = *state_;
+  const int rows = std::max({color.height(), depth.height(), normal.height()});
+  s.guarded([&] {
     Imf::FrameBuffer buffer;
-    const char* rgba[] = {"R", "G", "B", "A"};
-    for (int k = 0; k < 4 && !color.empty(); ++k)
-      add_channel(header, buffer, rgba[k], &color.data()->x + k, 4, width);
-    if (!depth.empty()) add_channel(header, buffer, "Z", depth.data(), 1, width);
-    const char* xyz[] = {"N.X", "N.Y", "N.Z"};
-    for (int k = 0; k < 3 && !normal.empty(); ++k)
-      add_channel(header, buffer, xyz[k], &normal.data()->x + k, 3, width);
-    Imf::OutputFile out(stream, header);
-    out.setFrameBuffer(buffer);
-    out.writePixels(height);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::io, "cannot write " + file.string() + ": " + error.what());
-  }
-  stream.rethrow();
-  writer.commit();
+    // One float of every pixel; OpenEXR counts rows from the top of the picture.
+    const auto add = [&](const char* name, const float* first, int stride) {
+      const std::size_t step = sizeof(float) * std::size_t(stride), row = step * std::size_t(s.width);
+      char* base = reinterpret_cast<char*>(const_cast<float*>(first)) - row * std::size_t(s.done);
+      buffer.insert(name, Imf::Slice(Imf::FLOAT, base, step, row));
+    };
+    for (int k = 0; k < 4 && !color.empty(); ++k) add(rgba[k], &color.data()->x + k, 4);
+    if (!depth.empty()) add("Z", depth.data(), 1);
+    for (int k = 0; k < 3 && !normal.empty(); ++k) add(xyz[k], &normal.data()->x + k, 3);
+    s.out->setFrameBuffer(buffer);
+    s.out->writePixels(rows);
+    s.done += rows;
+  });
+}
+
+void ExrRows::finish() {
+  State& s = *state_;
+  s.guarded([&] { s.out.reset(); });
+  s.stream.rethrow();
+  s.writer.commit();
+}
+
+void write_exr(const std::filesystem::path& file, const Image<vec4>& color, const Image<float>& depth,
+               const Image<vec3>& normal, const std::string& command) {
+  const int width = std::max({color.width(), depth.width(), normal.width()});
+  const int height = std::max({color.height(), depth.height(), normal.height()});
+  ExrRows rows(file, width, height, !color.empty(), !depth.empty(), !normal.empty(), command);
+  rows.write(color, depth, normal);
+  rows.finish();
 }
 
 }  // namespace sfumato::io

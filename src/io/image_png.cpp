@@ -3,7 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
-#include <type_traits>
+#include <exception>
 
 #include "core/error.h"
 #include "io/atomic_writer.h"
@@ -43,13 +43,11 @@ void fill_row(const Image<std::uint16_t>& image, int y, bool, std::uint8_t* out)
   }
 }
 
-/// The part that libpng may leave by longjmp: no object with a destructor lives in here.
-template <class T>
-bool encode(png_structp png, png_infop info, const Image<T>& image, bool alpha,
-            const std::vector<png_text>& texts, std::vector<std::uint8_t>& row) {
-  constexpr bool gray = std::is_same_v<T, std::uint16_t>;
+/// The parts that libpng may leave by longjmp: no object with a destructor lives in them.
+bool begin(png_structp png, png_infop info, int width, int height, bool gray, bool alpha,
+           const std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png))) return false;
-  png_set_IHDR(png, info, png_uint_32(image.width()), png_uint_32(image.height()), gray ? 16 : 8,
+  png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), gray ? 16 : 8,
                gray    ? PNG_COLOR_TYPE_GRAY
                : alpha ? PNG_COLOR_TYPE_RGB_ALPHA
                        : PNG_COLOR_TYPE_RGB,
@@ -61,19 +59,64 @@ bool encode(png_structp png, png_infop info, const Image<T>& image, bool alpha,
   if (!gray) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (!texts.empty()) png_set_text(png, info, texts.data(), int(texts.size()));
   png_write_info(png, info);
-  for (int y = 0; y < image.height(); ++y) {
-    fill_row(image, y, alpha, row.data());
-    png_write_row(png, row.data());
-  }
-  png_write_end(png, info);
   return true;
 }
 
 template <class T>
-void write_any_png(const std::filesystem::path& file, const Image<T>& image, bool alpha,
-                   const PngTexts& texts) {
-  AtomicWriter writer(file);
+bool write_rows(png_structp png, const Image<T>& rows, bool alpha, std::vector<std::uint8_t>& row) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  for (int y = 0; y < rows.height(); ++y) {
+    fill_row(rows, y, alpha, row.data());
+    png_write_row(png, row.data());
+  }
+  return true;
+}
+
+bool end(png_structp png, png_infop info) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_write_end(png, info);
+  return true;
+}
+
+}  // namespace
+
+struct PngRows::State {
+  std::string file;
+  int width, height;
+  bool alpha;
+  AtomicWriter writer;
   Sink sink{writer, nullptr};
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::vector<std::uint8_t> row;
+
+  State(const std::filesystem::path& path, int width_px, int height_px, bool gray, bool with_alpha,
+        const PngTexts& texts);
+  ~State() { png_destroy_write_struct(&png, &info); }
+  void expect(bool done) const {
+    if (sink.error) std::rethrow_exception(sink.error);
+    if (!done)
+      throw Error(ErrorCode::io, "cannot write " + file + ": libpng refused a picture of " +
+                                     std::to_string(width) + "x" + std::to_string(height));
+  }
+  template <class T>
+  void write(const Image<T>& rows) {
+    expect(write_rows(png, rows, alpha, row));
+  }
+  void finish() {
+    expect(end(png, info));
+    writer.commit();
+  }
+};
+
+PngRows::State::State(const std::filesystem::path& path, int width_px, int height_px, bool gray,
+                      bool with_alpha, const PngTexts& texts)
+    : file(path.string()),
+      width(width_px),
+      height(height_px),
+      alpha(with_alpha),
+      writer(path),
+      row(std::size_t(width_px) * 4) {
   std::vector<png_text> entries;
   for (const auto& [key, value] : texts) {
     png_text entry{};
@@ -86,32 +129,39 @@ void write_any_png(const std::filesystem::path& file, const Image<T>& image, boo
     entry.itxt_length = ascii ? 0 : value.size();
     entries.push_back(entry);
   }
-  std::vector<std::uint8_t> row(std::size_t(image.width()) * 4);
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore_warning);
-  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore_warning);
+  info = png ? png_create_info_struct(png) : nullptr;
   if (!info) {
     png_destroy_write_struct(&png, nullptr);
-    throw Error(ErrorCode::out_of_memory, "cannot write " + file.string() + ": libpng is out of memory");
+    throw Error(ErrorCode::out_of_memory, "cannot write " + file + ": libpng is out of memory");
   }
   png_set_write_fn(png, &sink, write_bytes, nullptr);
-  const bool done = encode(png, info, image, alpha, entries, row);
-  png_destroy_write_struct(&png, &info);
-  if (sink.error) std::rethrow_exception(sink.error);
-  if (!done)
-    throw Error(ErrorCode::io, "cannot write " + file.string() + ": libpng refused a picture of " +
-                                   std::to_string(image.width()) + "x" + std::to_string(image.height()));
-  writer.commit();
+  // libpng takes a million pixels a side for an attack unless told otherwise.
+  png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
+  const bool done = begin(png, info, width, height, gray, alpha, entries);
+  if (!done) {
+    png_destroy_write_struct(&png, &info);
+    expect(false);
+  }
 }
 
-}  // namespace
+PngRows::PngRows(const std::filesystem::path& file, int width, int height, bool alpha, const PngTexts& texts)
+    : state_(std::make_unique<State>(file, width, height, false, alpha, texts)) {}
+PngRows::~PngRows() = default;
+void PngRows::write(const Image<Rgba8>& rows) { state_->write(rows); }
+void PngRows::finish() { state_->finish(); }
 
 void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
                const PngTexts& texts) {
-  write_any_png(file, image, alpha, texts);
+  PngRows rows(file, image.width(), image.height(), alpha, texts);
+  rows.write(image);
+  rows.finish();
 }
 
 void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& gray, const PngTexts& texts) {
-  write_any_png(file, gray, false, texts);
+  PngRows::State state(file, gray.width(), gray.height(), true, false, texts);
+  state.write(gray);
+  state.finish();
 }
 
 }  // namespace sfumato::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,25 @@ using PngTexts = std::vector<std::pair<std::string, std::string>>;
 /// name only when it is complete; throws Error(io).
 void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
                const PngTexts& texts = {});
+
+/// The same from top to bottom, for pictures that are never in memory as a whole. Without `finish` nothing
+/// appears.
+class PngRows {
+ public:
+  PngRows(const std::filesystem::path& file, int width, int height, bool alpha, const PngTexts& texts = {});
+  ~PngRows();
+  PngRows(const PngRows&) = delete;
+  PngRows& operator=(const PngRows&) = delete;
+  /// The next rows, as wide as the picture.
+  void write(const Image<Rgba8>& rows);
+  /// After the last row.
+  void finish();
+
+  struct State;
+
+ private:
+  std::unique_ptr<State> state_;
+};
 
 /// 16-bit grey, linear numbers.
 void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& gray,

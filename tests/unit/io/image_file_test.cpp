@@ -1,5 +1,7 @@
 // Lossy pictures, decoded by the libraries themselves.
+#include "io/image_exr.h"
 #include "io/image_file.h"
+#include "io/npy.h"
 
 #include <gtest/gtest.h>
 #include <cstdio>  // jpeglib.h needs it before
@@ -27,6 +29,15 @@ Image<Rgba8> gradient() {
       image.at(x, y) = {std::uint8_t(4 * x), std::uint8_t(6 * y), std::uint8_t(120 + x + y),
                         std::uint8_t(x < 30 ? 255 : 6 * y)};
   return image;
+}
+
+/// Rows [first, last) of it.
+template <class T>
+Image<T> rows_of(const Image<T>& image, int first, int last) {
+  Image<T> out(image.width(), last - first);
+  for (int y = first; y < last; ++y)
+    for (int x = 0; x < image.width(); ++x) out.at(x, y - first) = image.at(x, y);
+  return out;
 }
 
 class ImageFileTest : public ::testing::Test {
@@ -92,6 +103,52 @@ TEST_F(ImageFileTest, WebpOfAHundredKeepsEveryPixel) {
     ASSERT_EQ(int(p[2]), int(expected.b)) << i;
   }
   WebPFree(pixels);
+}
+
+// Written in parts, a picture is the file that it is in one go; nothing appears before it is complete.
+TEST_F(ImageFileTest, RowsComeInParts) {
+  const Image<Rgba8> colors = gradient();
+  Image<vec4> linear(width, height);
+  Image<float> depth(width, height);
+  Image<vec3> normal(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      linear.at(x, y) = vec4(x, y, x * y, 1) / 100.0f;
+      depth.at(x, y) = float(x) + 0.5f * float(y);
+      normal.at(x, y) = vec3(float(x), -float(y), 1);
+    }
+  io::write_png(folder_ / "whole.png", colors, true, {{"Software", "sfumato"}});
+  io::write_exr(folder_ / "whole.exr", linear, depth, normal, "a command");
+  io::write_exr(folder_ / "depth.exr", {}, depth, {}, "a command");
+  io::write_npy(folder_ / "whole.npy", normal);
+  {
+    io::PngRows png(folder_ / "rows.png", width, height, true, {{"Software", "sfumato"}});
+    io::ExrRows exr(folder_ / "rows.exr", width, height, true, true, true, "a command");
+    io::ExrRows depths(folder_ / "rows_depth.exr", width, height, false, true, false, "a command");
+    io::NpyRows npy(folder_ / "rows.npy", width, height, 3);
+    for (const auto& [first, last] : {std::pair(0, 1), {1, 20}, {20, 36}, {36, height}}) {
+      png.write(rows_of(colors, first, last));
+      exr.write(rows_of(linear, first, last), rows_of(depth, first, last), rows_of(normal, first, last));
+      depths.write({}, rows_of(depth, first, last), {});
+      npy.write(rows_of(normal, first, last));
+    }
+    for (const char* name : {"rows.png", "rows.exr", "rows_depth.exr", "rows.npy"})
+      EXPECT_FALSE(std::filesystem::exists(folder_ / name)) << name;
+    png.finish(), exr.finish(), depths.finish(), npy.finish();
+  }
+  EXPECT_EQ(bytes("rows.png"), bytes("whole.png"));
+  EXPECT_EQ(bytes("rows.exr"), bytes("whole.exr"));
+  EXPECT_EQ(bytes("rows_depth.exr"), bytes("depth.exr"));
+  EXPECT_EQ(bytes("rows.npy"), bytes("whole.npy"));
+  // Who gives up leaves nothing.
+  {
+    io::PngRows png(folder_ / "half.png", width, height, true);
+    io::ExrRows exr(folder_ / "half.exr", width, height, false, true, false);
+    png.write(rows_of(colors, 0, 10));
+    exr.write({}, rows_of(depth, 0, 10), {});
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "half.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "half.exr"));
 }
 
 }  // namespace
