@@ -8,12 +8,15 @@ layout(std140, binding = BLOCK_FRAME) uniform Frame {
   mat4 eye_from_cloud;
   mat4 cloud_from_eye;
   mat4 clip_from_eye;   // y down: row 0 of the image is on top
-  vec4 intrinsics;      // fx fy cx cy, px
+  vec4 intrinsics;      // fx fy cx cy, px of the whole picture
   vec2 image_size;      // px
   float near_plane;
   float far_plane;      // eye depth
   int orthographic;
   float pixels_per_unit;  // at eye depth 1 (perspective), anywhere (orthographic)
+  // Of a tile of a larger picture. Whole numbers, taken off last and put on first: every float is that of the whole.
+  vec2 tile_origin;     // px of the whole picture
+  vec2 picture_size;    // of the whole
 } frame;
 
 // Scene units to pixels at this eye depth.
@@ -21,12 +24,12 @@ float pixels_at(float depth) { return frame.orthographic != 0 ? frame.pixels_per
 
 vec2 pixel_from_eye(vec3 eye) {
   float w = frame.orthographic != 0 ? 1.0 : -eye.z;
-  return vec2(frame.intrinsics.x * eye.x, -frame.intrinsics.y * eye.y) / w + frame.intrinsics.zw;
+  return vec2(frame.intrinsics.x * eye.x, -frame.intrinsics.y * eye.y) / w + frame.intrinsics.zw - frame.tile_origin;
 }
 
 // Eye position of a pixel position at an eye depth.
 vec3 eye_from_pixel(vec2 pixel, float depth) {
-  vec2 slope = (pixel - frame.intrinsics.zw) / vec2(frame.intrinsics.x, -frame.intrinsics.y);
+  vec2 slope = (pixel + frame.tile_origin - frame.intrinsics.zw) / vec2(frame.intrinsics.x, -frame.intrinsics.y);
   return vec3(frame.orthographic != 0 ? slope : slope * depth, -depth);
 }
 

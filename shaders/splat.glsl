@@ -105,7 +105,7 @@ bool splat_pixels(Splat splat, out ivec2 first, out ivec2 last) {
     hi = (middle + root) / front;
   }
   vec2 scale = vec2(frame.intrinsics.x, -frame.intrinsics.y);
-  vec2 one = lo * scale + frame.intrinsics.zw, two = hi * scale + frame.intrinsics.zw;
+  vec2 one = lo * scale + frame.intrinsics.zw - frame.tile_origin, two = hi * scale + frame.intrinsics.zw - frame.tile_origin;
   vec2 low = min(one, two), high = max(one, two);
 #ifdef SPLAT_PREFILTER
   if (depth > 0.0) {
@@ -114,8 +114,9 @@ bool splat_pixels(Splat splat, out ivec2 first, out ivec2 last) {
     high = max(high, center + splat_prefilter_px);
   }
 #endif
-  // 1e-3 px of room for rounding at the far side of a large image.
-  first = max(first, ivec2(ceil(max(low - 0.501, -1.0))));
-  last = min(last, ivec2(floor(min(high - 0.499, frame.image_size))));
+  // Room for rounding at the far side of a large image.
+  float room = 1e-3 + 2.5e-7 * max(frame.picture_size.x, frame.picture_size.y);
+  first = max(first, ivec2(ceil(max(low - 0.5 - room, -1.0))));
+  last = min(last, ivec2(floor(min(high - 0.5 + room, frame.image_size))));
   return all(lessThanEqual(first, last));
 }

@@ -20,10 +20,34 @@ dmat4 Camera::view(const dvec3& origin) const {
 
 dmat4 Camera::inverse_view(const dvec3& origin) const { return glm::inverse(view(origin)); }
 
-Intrinsics Camera::intrinsics() const {
+Intrinsics Camera::whole_intrinsics() const {
   if (custom_intrinsics) return *custom_intrinsics;
-  const double f = orthographic() ? height / height_world : 0.5 * height / std::tan(0.5 * fov_y);
-  return {f, f, 0.5 * width, 0.5 * height};
+  const int w = whole_width(), h = whole_height();
+  const double f = orthographic() ? h / height_world : 0.5 * h / std::tan(0.5 * fov_y);
+  return {f, f, 0.5 * w, 0.5 * h};
+}
+
+Intrinsics Camera::intrinsics() const {
+  Intrinsics k = whole_intrinsics();
+  k.cx -= tile_origin().x;
+  k.cy -= tile_origin().y;
+  return k;
+}
+
+Camera Camera::tile(int x, int y, int tile_width, int tile_height) const {
+  Camera out = *this;
+  out.whole = Whole{tile_origin().x + x, tile_origin().y + y, whole_width(), whole_height()};
+  out.width = tile_width;
+  out.height = tile_height;
+  return out;
+}
+
+Camera Camera::whole_picture() const {
+  Camera out = *this;
+  out.width = whole_width();
+  out.height = whole_height();
+  out.whole.reset();
+  return out;
 }
 
 dmat4 Camera::projection_matrix() const {
@@ -65,12 +89,16 @@ Camera Camera::resized(int new_width, int new_height) const {
 
 Camera Camera::with_guard_band(int margin) const {
   Camera out = *this;
-  Intrinsics k = intrinsics();
+  Intrinsics k = whole_intrinsics();
   k.cx += margin;
   k.cy += margin;
   out.custom_intrinsics = k;
   out.width += 2 * margin;
   out.height += 2 * margin;
+  if (out.whole) {  // begins as far before the tile as the whole picture's band before that picture
+    out.whole->width += 2 * margin;
+    out.whole->height += 2 * margin;
+  }
   return out;
 }
 

@@ -27,6 +27,16 @@ T one_of(const char* variable, std::initializer_list<std::pair<std::string_view,
   throw Error(ErrorCode::usage, std::string(variable) + " is '" + text + "', not " + all);
 }
 
+int side_of_tiles() {
+  const std::string text = text_of("SFUMATO_TILE");
+  if (text.empty()) return 0;
+  char* end = nullptr;
+  const long side = std::strtol(text.c_str(), &end, 10);
+  if (*end != 0 || side <= 0 || side > 8192 || side % 64 != 0)
+    throw Error(ErrorCode::usage, "SFUMATO_TILE is '" + text + "', not a multiple of 64 up to 8192");
+  return int(side);
+}
+
 Place place(const char* variable) {
   return one_of<Place>(variable, {{"gpu", Place::gpu}, {"cpu", Place::cpu}});
 }
@@ -43,6 +53,7 @@ Preferences Preferences::from_environment() {
                                                             {"points", SplatPath::points},
                                                             {"quads", SplatPath::quads},
                                                             {"compute", SplatPath::compute}});
+  out.tile_side = side_of_tiles();
   out.depth_sort = place("SFUMATO_DEPTH_SORT");
   out.soft_blend = place("SFUMATO_SOFT_BLEND");
   out.stroke_lists = place("SFUMATO_STROKE_LISTS");

@@ -18,10 +18,14 @@ struct Preferences {
       kept_shaders;  ///< a folder for every variant that is compiled, for other compilers; empty: none
   ScreenPassKind screen_passes = ScreenPassKind::automatic;
   SplatPath splat_path = SplatPath::automatic;
+  /// Pictures larger than this many px are drawn in tiles of at most that (techniques/renderer.h); a multiple
+  /// of 64, 0: what suits the driver.
+  int tile_side = 0;
   Place depth_sort = Place::automatic, soft_blend = Place::automatic, stroke_lists = Place::automatic;
 
   /// SFUMATO_SHADER_DIR, SFUMATO_KEEP_SHADERS, SFUMATO_SCREEN_PASS, SFUMATO_SPLAT_PATH, SFUMATO_DEPTH_SORT,
-  /// SFUMATO_SOFT_BLEND, SFUMATO_STROKE_LISTS. Throws Error(usage) for a word that is none of a variable's.
+  /// SFUMATO_SOFT_BLEND, SFUMATO_STROKE_LISTS, SFUMATO_TILE. Throws Error(usage) for a word that is none of a
+  /// variable's.
   static Preferences from_environment();
 };
 

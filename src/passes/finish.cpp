@@ -12,7 +12,8 @@ void EyeDomeLighting::run(const View& view, const RenderSettings& settings, cons
   // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same
   // extent.
   const Camera& camera = view.camera();
-  const double reference = camera.height / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
+  const double reference =
+      camera.whole_height() / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
   pass_.set("orthographic_distance", float(reference));
   pass_.run({&color, &depth}, {&out});
 }

@@ -18,7 +18,7 @@ constexpr double small_splat_px = 32;
 /// Largest width in pixels that a splat of this radius can have with its centre in the box; infinite when it
 /// may reach the plane of the eye.
 double largest_size_px(const View& view, const Batch& batch, double radius) {
-  const Camera& camera = view.camera();
+  const Camera camera = view.camera().whole_picture();  // tiles draw what they share in the same order
   const double scale = std::max(camera.intrinsics().fx, camera.intrinsics().fy);
   if (camera.orthographic()) return 2 * radius * scale;
   double nearest = 1e300;

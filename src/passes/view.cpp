@@ -12,14 +12,14 @@ struct Block {  // std140, as in shaders/frame.glsl
   float near_plane, far_plane;
   int orthographic;
   float pixels_per_unit;
-  float padding[2];
+  vec2 tile_origin, picture_size;
 };
 
 }  // namespace
 
 View::View(const Camera& camera, const dvec3& cloud_origin)
     : camera_(camera), eye_from_cloud_(camera.view(cloud_origin)) {
-  const Intrinsics k = camera.intrinsics();
+  const Intrinsics k = camera.whole_intrinsics();
   const dmat4 clip_from_eye = camera.projection_matrix();
   Block block{};
   block.eye_from_cloud = mat4(eye_from_cloud_);
@@ -31,6 +31,8 @@ View::View(const Camera& camera, const dvec3& cloud_origin)
   block.far_plane = float(camera.far_plane);
   block.orthographic = camera.orthographic();
   block.pixels_per_unit = float(camera.pixels_per_unit());
+  block.tile_origin = vec2(camera.tile_origin());
+  block.picture_size = vec2(camera.whole_width(), camera.whole_height());
   block_ = gl::Buffer("frame block", sizeof block, &block);
 
   const dmat4 rows = glm::transpose(clip_from_eye * eye_from_cloud_);

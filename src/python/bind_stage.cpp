@@ -203,8 +203,7 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
   // Another thread may close the renderer meanwhile.
   const std::shared_ptr<Stage> stage = self.stage;
   auto shot = std::make_shared<Shot>();
-  run_gl([&](gl::Context& context, Progress& reporter) { stage->render(context, request, *shot, reporter); },
-         progress);
+  run_gl([&](gl::Context&, Progress& reporter) { stage->render(request, *shot, reporter); }, progress);
   return shot;
 }
 

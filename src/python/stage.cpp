@@ -179,7 +179,7 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
   return *look;
 }
 
-void Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress) {
+void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
   if (!session_) throw Error(ErrorCode::usage, "the renderer is closed");
   ChosenTechnique& look = look_for(request);
   shot.camera = request.camera.value_or(first_view(stand_.pose, request.width, request.height));
@@ -187,12 +187,12 @@ void Stage::render(gl::Context& context, const ShotRequest& request, Shot& shot,
     throw Error(ErrorCode::usage, "size: a panorama is twice as wide as high: (" +
                                       std::to_string(2 * shot.camera.height) + ", " +
                                       std::to_string(shot.camera.height) + ")");
-  const int limit = context.limits().max_texture_size;
+  constexpr int limit = Renderer::largest_side;
   if (shot.camera.width > limit || shot.camera.height > limit)
     throw Error(ErrorCode::usage, std::to_string(shot.camera.width) + "x" +
                                       std::to_string(shot.camera.height) +
-                                      " is beyond the largest picture of this driver (" +
-                                      std::to_string(limit) + " px a side): give a smaller size");
+                                      " is beyond the largest picture (" + std::to_string(limit) +
+                                      " px a side): give a smaller size");
   if (request.light_from) fix_light(look.settings, *request.light_from, stand_.pose.upright.up);
   progress.update(0, "rendering " + look.name);
   shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)

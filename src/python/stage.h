@@ -66,7 +66,7 @@ class Stage final : public OnGl {
             const std::optional<Stand>& stand, Progress& progress);
   void set_color(const ColorSettings& color);
   void clear() override;
-  void render(gl::Context& context, const ShotRequest& request, Shot& shot, Progress& progress);
+  void render(const ShotRequest& request, Shot& shot, Progress& progress);
 
   /// The cloud's; once `open`.
   const Stand& stand() const { return stand_; }

@@ -287,6 +287,14 @@ RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants
   return out;
 }
 
+RenderOutput Session::render_rows(Look& look, const Camera& camera, const RenderWants& wants,
+                                  const RowSink& sink, Progress& progress) {
+  RenderOutput out =
+      renderer_.render_rows(settle(look, progress), camera, look.settings, wants, sink, progress);
+  name_notes(out, look);
+  return out;
+}
+
 RenderOutput Session::render_panorama(Look& look, const Camera& camera, const RenderWants& wants,
                                       Progress& progress) {
   RenderOutput out = sfumato::render_panorama(renderer_, settle(look, progress), camera,

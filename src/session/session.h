@@ -66,6 +66,12 @@ class Session {
   /// in `look.settings`.
   RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {},
                       Progress& progress = no_progress());
+  /// The same row by row (techniques/renderer.h), for pictures that are too large for the memory. The output
+  /// that is returned has no images.
+  RenderOutput render_rows(Look& look, const Camera& camera, const RenderWants& wants, const RowSink& sink,
+                           Progress& progress = no_progress());
+  /// Whether such a picture is drawn in tiles.
+  bool is_tiled(const Camera& camera) const { return renderer_.is_tiled(camera); }
   /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who
   /// calls pictures off more often than this takes.
   void complete(const Look& look, Progress& progress = no_progress());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/error.h"
 #include "passes/finish.h"
@@ -9,6 +10,7 @@
 #include "passes/merge.h"
 #include "passes/screen_pass.h"
 #include "passes/shadows.h"
+#include "techniques/tiles.h"
 
 namespace sfumato {
 namespace {
@@ -40,11 +42,16 @@ Camera jittered(const Camera& camera, int sample, int samples) {
   const double y =
       (inverse < 0.5 ? inverse : inverse - 1) + 0.5 / samples;  // half a turn: no two on a diagonal
   Camera out = camera;
-  Intrinsics inside = camera.intrinsics();
+  Intrinsics inside = camera.whole_intrinsics();
   inside.cx += x;
   inside.cy += y;
   out.custom_intrinsics = inside;
   return out;
+}
+
+/// Whether what is shown is a picture that light and outlines belong to.
+bool is_shaded(const RenderSettings& settings) {
+  return settings.shading == Shading::lit || settings.shading == Shading::albedo;
 }
 
 /// What depth is resolved for: everything within a hundred diagonals of most points, so that one stray point
@@ -54,6 +61,39 @@ Bounds depth_bounds(const PointCloud& cloud) {
   const double reach = 100 * most.diagonal();
   if (reach == 0) return all;  // most points in one place have no size to measure by
   return {glm::max(all.min, most.min - reach), glm::min(all.max, most.max + reach)};
+}
+
+bool has_edl(std::span<const Item> items, const RenderSettings& settings) {
+  bool is_wanted = false;
+  for (const Item& item : items) is_wanted = is_wanted || item.technique->wants_edl();
+  Auto<bool> edl = settings.edl;
+  return edl.resolve(is_wanted) && is_shaded(settings);
+}
+
+/// Rows [0, height) of `part` to those of `picture` from (x, y) on, `width` px of each from `from_x` on.
+template <class T>
+void paste(const Image<T>& part, int from_x, int from_y, int width, int height, Image<T>& picture, int x,
+           int y) {
+  if (part.empty()) return;
+  for (int row = 0; row < height; ++row)
+    std::copy_n(&part.at(from_x, from_y + row), width, &picture.at(x, y + row));
+}
+
+RenderOutput empty_images(int width, int height, const RenderWants& wants) {
+  RenderOutput out;
+  if (wants.color) out.rgba8 = Image<Rgba8>(width, height);
+  if (wants.color_linear) out.color_linear = Image<vec4>(width, height);
+  if (wants.depth) out.depth = Image<float>(width, height);
+  if (wants.normal) out.normal = Image<vec3>(width, height);
+  return out;
+}
+
+void paste(const RenderOutput& part, int from_x, int from_y, int width, int height, RenderOutput& picture,
+           int x, int y) {
+  paste(part.rgba8, from_x, from_y, width, height, picture.rgba8, x, y);
+  paste(part.color_linear, from_x, from_y, width, height, picture.color_linear, x, y);
+  paste(part.depth, from_x, from_y, width, height, picture.depth, x, y);
+  paste(part.normal, from_x, from_y, width, height, picture.normal, x, y);
 }
 
 }  // namespace
@@ -93,6 +133,9 @@ struct Renderer::State {
                  const Target* behind);
   /// Adds the target's colour, a share of the whole.
   void average(int sample, int samples, gl::Timers& timers);
+  /// How far a pixel of the finished picture sees. `camera`: as `prepare` gives it.
+  int reach_px(std::span<const Item> items, const Camera& camera, const RenderSettings& settings);
+  std::uint64_t points_seen(std::span<const Item> items, const Camera& camera);
 };
 
 void Renderer::State::average(int sample, int samples, gl::Timers& timers) {
@@ -132,6 +175,27 @@ Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked
   const dvec3 looked_at = glm::clamp(camera.target, all.min, all.max);
   camera.fit_depth_range({glm::min(near.min, looked_at), glm::max(near.max, looked_at)});
   return camera;
+}
+
+int Renderer::State::reach_px(std::span<const Item> items, const Camera& camera,
+                              const RenderSettings& settings) {
+  int reach = 0;
+  for (const Item& item : items)
+    reach = std::max(reach, item.technique->reach_px(*cloud_of(item).gpu, camera));
+  // See-through items look at what opaque ones left.
+  if (items.size() > 1) reach *= 2;
+  if (has_edl(items, settings)) reach += int(std::ceil(6 * settings.edl_radius)) + 1;
+  if (settings.smooth_outlines.value() && is_shaded(settings)) reach += 16;  // smooth_outlines.glsl
+  return reach;
+}
+
+std::uint64_t Renderer::State::points_seen(std::span<const Item> items, const Camera& camera) {
+  std::uint64_t count = 0;
+  for (const Item& item : items) {
+    Cloud& cloud = cloud_of(item);
+    count += cloud.gpu->cull(View(camera, cloud.prepared.cloud.origin));
+  }
+  return count;
 }
 
 Ground Renderer::State::ground_below_all() const {
@@ -285,8 +349,88 @@ RenderOutput Renderer::render(Technique& technique, const Camera& camera, const 
   return render({&item, 1}, camera, settings, wants, progress);
 }
 
-RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked,
+bool Renderer::is_tiled(const Camera& camera) const {
+  const int side = std::max(camera.width, camera.height);
+  if (const int wanted = gl::preferences().tile_side; wanted > 0) return side > wanted;
+  return side > state_->context.limits().max_texture_size / 2 ||
+         std::int64_t(camera.width) * camera.height > most_pixels;
+}
+
+RenderOutput Renderer::render(std::span<const Item> items, const Camera& camera,
                               const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
+  if (!is_tiled(camera)) return render_at_once(items, camera, settings, wants, progress);
+  RenderOutput picture = empty_images(camera.width, camera.height, wants);
+  RenderOutput out = render_rows(
+      items, camera, settings, wants,
+      [&](RenderOutput& rows, int first_row) {
+        const int height = std::max(
+            {rows.rgba8.height(), rows.color_linear.height(), rows.depth.height(), rows.normal.height()});
+        paste(rows, 0, 0, camera.width, height, picture, 0, first_row);
+      },
+      progress);
+  out.rgba8 = std::move(picture.rgba8);
+  out.color_linear = std::move(picture.color_linear);
+  out.depth = std::move(picture.depth);
+  out.normal = std::move(picture.normal);
+  return out;
+}
+
+RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& asked,
+                                   const RenderSettings& settings, const RenderWants& wants,
+                                   const RowSink& sink, Progress& progress) {
+  RenderOutput out;
+  if (!is_tiled(asked)) {
+    RenderOutput picture = render_at_once(items, asked, settings, wants, progress);
+    sink(picture, 0);
+    out.timings = std::move(picture.timings);
+    out.total_ms = picture.total_ms;
+    out.points_drawn = picture.points_drawn;
+    out.notes = std::move(picture.notes);
+    return out;
+  }
+  if (std::max(asked.width, asked.height) > largest_side)
+    throw Error(ErrorCode::usage, std::to_string(asked.width) + "x" + std::to_string(asked.height) +
+                                      " is beyond the largest picture (" + std::to_string(largest_side) +
+                                      " px a side): ask for a smaller one");
+  State& s = *state_;
+  const gl::Context::Use use(s.context);
+  const Camera camera = s.prepare(items, asked);
+  const int overlap = s.reach_px(items, camera, settings);
+  const int wanted = gl::preferences().tile_side, side = wanted > 0 ? wanted : 2048;
+  const std::vector<TileSpan> columns = tile_spans(camera.width, side, overlap),
+                              rows = tile_spans(camera.height, side, overlap);
+  std::size_t done = 0;
+  for (const TileSpan& row : rows) {
+    RenderOutput strip = empty_images(camera.width, row.last - row.first, wants);
+    for (const TileSpan& column : columns) {
+      progress.check();
+      progress.update(double(done++) / double(columns.size() * rows.size()), "rendering tiles");
+      const Camera tile =
+          asked.tile(column.drawn_first, row.drawn_first, column.drawn_last - column.drawn_first,
+                     row.drawn_last - row.drawn_first);
+      const RenderOutput part = render_at_once(items, tile, settings, wants, progress);
+      paste(part, column.first - column.drawn_first, row.first - row.drawn_first, column.last - column.first,
+            row.last - row.first, strip, column.first, 0);
+      out.total_ms += part.total_ms;
+      for (const PassTiming& pass : part.timings) {
+        const auto same = std::find_if(out.timings.begin(), out.timings.end(),
+                                       [&](const PassTiming& each) { return each.name == pass.name; });
+        if (same == out.timings.end())
+          out.timings.push_back(pass);
+        else
+          same->ms += pass.ms;
+      }
+      add_tile_notes(out.notes, part.notes);
+    }
+    sink(strip, row.first);
+  }
+  out.points_drawn = s.points_seen(items, camera);
+  return out;
+}
+
+RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera& asked,
+                                      const RenderSettings& settings, const RenderWants& wants,
+                                      Progress& progress) {
   State& s = *state_;
   const gl::Context::Use use(s.context);
   for (const Item& item : items)
@@ -302,11 +446,6 @@ RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked,
   gl::Timers timers(wants.timings);
   glFinish();
   const auto start = std::chrono::steady_clock::now();
-  const bool plain = settings.shading != Shading::lit && settings.shading != Shading::albedo;
-  bool wants_edl = false;
-  for (const Item& item : items) wants_edl = wants_edl || item.technique->wants_edl();
-  Auto<bool> edl = settings.edl;
-  const bool with_edl = edl.resolve(wants_edl) && !plain;
   const int samples = std::max(1, settings.samples);
   if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
 
@@ -315,8 +454,8 @@ RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked,
             settings,
             timers,
             progress,
-            with_edl,
-            settings.smooth_outlines.value() && !plain};
+            has_edl(items, settings),
+            settings.smooth_outlines.value() && is_shaded(settings)};
   std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();
   });
@@ -352,11 +491,9 @@ RenderOutput Renderer::render(std::span<const Item> items, const Camera& asked,
   }
   if (wants.depth) out.depth = s.target.depth.download<float>();
   if (wants.normal) out.normal = s.target.normal.download<vec3>();
-  for (const Item& item : items) {
-    State::Cloud& cloud = s.cloud_of(item);
-    out.points_drawn += cloud.gpu->cull(View(camera, cloud.prepared.cloud.origin));
+  out.points_drawn = s.points_seen(items, camera);
+  for (const Item& item : items)
     for (const std::string& note : item.technique->notes()) out.notes.push_back(note);
-  }
   return out;
 }
 

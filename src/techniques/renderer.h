@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +53,10 @@ struct ColoredCloud {
   std::vector<Rgba8> colors;
 };
 
+/// Takes rows of a picture from `first_row` on, as wide as the picture, from top to bottom. May take the
+/// images.
+using RowSink = std::function<void(RenderOutput& rows, int first_row)>;
+
 class Renderer {
  public:
   explicit Renderer(gl::Context& context);
@@ -79,10 +84,24 @@ class Renderer {
   /// Several clouds in one picture: opaque items meet by depth, see-through ones are blended over them.
   /// Light, shadows, ground, eye-dome lighting, outlines, samples and background are those of `settings`;
   /// shadows fall from every item on every other. An item without points draws nothing.
+  /// A picture that is larger than one canvas (`is_tiled`) is drawn in tiles.
   RenderOutput render(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
                       const RenderWants& wants = {}, Progress& progress = no_progress());
+  /// The same, row by row: of a picture in tiles no more is in memory than a row of tiles. Returns the rest
+  /// of the output, without images.
+  RenderOutput render_rows(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
+                           const RenderWants& wants, const RowSink& sink, Progress& progress = no_progress());
+  /// Whether a picture of this size is drawn in tiles: wider or higher than half of what the driver allows
+  /// (filters draw past the border), or of more than `most_pixels`, of which each takes up to 250 bytes
+  /// (surface). Preferences::tile_side decides first.
+  bool is_tiled(const Camera& camera) const;
+  /// The largest side of a picture: beyond it floats no longer tell places of 1/128 px apart.
+  static constexpr int largest_side = 65536;
+  static constexpr std::int64_t most_pixels = std::int64_t(1) << 25;  ///< 7680 x 4320 in one go
 
  private:
+  RenderOutput render_at_once(std::span<const Item> items, const Camera& camera,
+                              const RenderSettings& settings, const RenderWants& wants, Progress& progress);
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -40,9 +40,16 @@ class Technique {
   /// Draws into `frame.target`: linear premultiplied colour (coverage in alpha, no background), eye depth and
   /// world normal. Returns true when the image is final; false asks to be called again with the same frame.
   virtual bool render(Frame& frame) = 0;
+  /// How far around itself a pixel of such a picture may see, px: tiles of it overlap by so much. The camera
+  /// is that of the whole picture, fitted to the cloud. Nothing for what sees its own pixel only.
+  virtual int reach_px(const GpuCloud&, const Camera&) const { return 0; }
   /// Lines worth telling the user after a render: automatic values, shares, overflow counts. May be empty.
   virtual std::vector<std::string> notes() const { return {}; }
 };
+
+/// What a length (scene units) spans in the picture where it is nearest, px, at most 512: so much do tiles
+/// overlap before they cost more than they share.
+int nearest_px(double length, const Camera& camera);
 
 struct TechniqueInfo {
   std::string name;

@@ -154,6 +154,57 @@ TEST_F(RenderTest, ExrHoldsColourDepthAndNormals) {
   EXPECT_EQ(green.at(0, 0), 1.0f) << "white background";
 }
 
+// Pictures that are larger than a canvas are drawn and written in tiles; the files are the same.
+TEST_F(RenderTest, TilesWriteTheSameFiles) {
+  const auto pictures = [&](const std::string& name) {
+    for (const std::vector<std::string>& outputs :
+         {std::vector<std::string>{"-o", name + ".png", "--output-depth", name + "_depth.npy",
+                                   "--output-normal", name + "_normal.npy", "--output-camera",
+                                   name + ".json"},
+          {"-o", name + ".exr", "--output-depth", name + "_depth.png"},
+          {"-o", name + ".npy", "--output-depth", name + "_depth.exr"},
+          {"-o", name + ".jpg", "--quality", "90"}}) {
+      std::vector<std::string> words{"cube.ply", "--resolution", "300x210",   "--edl",
+                                     "true",     "--color-by",   "elevation", "--quiet"};
+      if (outputs[1].ends_with("g")) words.push_back("--legend");
+      words.insert(words.end(), outputs.begin(), outputs.end());
+      const Outcome outcome = run(words);
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+      EXPECT_EQ(outcome.err, "");
+    }
+  };
+  pictures("whole");
+  ::setenv("SFUMATO_TILE", "64", 1);
+  pictures("tiles");
+  const Outcome blank = run({"cube.ply", "-o", "sky.png", "--resolution", "200x100", "--camera-position",
+                             "0,0,50", "--camera-direction", "0,0,1"});
+  ::unsetenv("SFUMATO_TILE");
+  EXPECT_THAT(blank.err, HasSubstr("the picture is empty"));
+  for (const char* ending : {"_depth.npy", "_normal.npy", ".json", ".npy", ".jpg"})
+    EXPECT_EQ(text(std::string("tiles") + ending), text(std::string("whole") + ending)) << ending;
+  // Those keep the command.
+  const Image<Rgba8> whole = read_png("whole.png"), tiles = read_png("tiles.png");
+  for (std::size_t i = 0; i < whole.size(); ++i) ASSERT_EQ(tiles.data()[i], whole.data()[i]) << i;
+  for (const char* name : {".exr", "_depth.exr"}) {
+    const auto planes = [&](const std::string& file_name) {
+      Imf::InputFile file(path(file_name).c_str());
+      std::vector<float> all;
+      for (auto channel = file.header().channels().begin(); channel != file.header().channels().end();
+           ++channel) {
+        Image<float> plane(300, 210);
+        Imf::FrameBuffer buffer;
+        buffer.insert(channel.name(),
+                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(plane.data()), 4, 4 * 300));
+        file.setFrameBuffer(buffer);
+        file.readPixels(0, 209);
+        all.insert(all.end(), plane.begin(), plane.end());
+      }
+      return all;
+    };
+    EXPECT_EQ(planes(std::string("tiles") + name), planes(std::string("whole") + name)) << name;
+  }
+}
+
 TEST_F(RenderTest, CameraFileAndSingleOptions) {
   write_front_camera();
   auto camera = [&](std::vector<std::string> words) {

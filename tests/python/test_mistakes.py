@@ -29,7 +29,7 @@ XYZ = np.random.default_rng(1).uniform(size=(100, 3)).astype(np.float32)
     ({"camera": 5}, "give a Camera"),
     ({"camera": {"elevation": 100}}, r"outside \[-90, 90\]"),
     ({"size": (0, 10)}, "at least 1"),
-    ({"size": (10**6, 10)}, "beyond the largest picture of this driver"),
+    ({"size": (10**6, 10)}, "beyond the largest picture"),
     ({"outputs": ["dept"]}, "did you mean 'depth'?"),
     ({"up": "Q"}, "not one of auto"),
     ({"color": "red", "color_by": "rgb"}, "contradict each other"),

@@ -1,5 +1,6 @@
 // Contracts that every registered technique keeps, without being named here.
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -393,6 +394,54 @@ std::vector<std::string> names() {
   std::vector<std::string> list;
   for (const TechniqueInfo& info : all_techniques()) list.push_back(info.name);
   return list;
+}
+
+/// A sphere on a floor that comes near the camera, so that spacings on the screen differ by a factor of ten.
+PointCloud sphere_on_floor() {
+  PointCloud cloud = sphere_cloud(20000);
+  for (int i = 0; i < 40000; ++i) {  // a lattice without rows
+    const double u = std::fmod(0.7548776662466927 * i, 1.0), v = std::fmod(0.5698402909980532 * i, 1.0);
+    cloud.positions.push_back(vec3(float(8 * u - 4), float(7 * v - 3), -1));
+    cloud.normals.push_back({0, 0, 1});
+    cloud.colors.push_back({std::uint8_t(80 + 100 * u), 120, std::uint8_t(60 + 120 * v), 255});
+  }
+  return cloud;
+}
+
+template <class T>
+std::size_t count_differences(const Image<T>& a, const Image<T>& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += std::memcmp(a.data() + i, b.data() + i, sizeof(T)) != 0;
+  return count;
+}
+
+TEST_P(EveryTechnique, TilesMakeThePictureInOneGo) {
+  Renderer renderer(context());
+  auto technique = make();
+  show(renderer, sphere_on_floor(), technique->needs());
+  for (const int variant : {0, 1}) {
+    SCOPED_TRACE(variant);
+    // Wide enough for tiles that share nothing with the first.
+    Camera camera = front_camera(variant == 0 ? 900 : 300, variant == 0 ? 200 : 260);
+    RenderSettings s = settings();
+    s.edl.user = true;
+    s.smooth_outlines.user = variant == 0;
+    if (variant == 1) {
+      s.samples = 2, s.shadows = Shadows::hard, s.ground = true;
+      camera.projection = Projection::orthographic, camera.height_world = 4;
+    }
+    const RenderOutput whole = renderer.render(*technique, camera, s, all_outputs());
+    const WithPreference tiles(&gl::Preferences::tile_side, 128);
+    ASSERT_TRUE(renderer.is_tiled(camera));
+    const RenderOutput tiled = renderer.render(*technique, camera, s, all_outputs());
+    ASSERT_EQ(tiled.rgba8.width(), camera.width);
+    ASSERT_EQ(tiled.rgba8.height(), camera.height);
+    EXPECT_EQ(count_differences(tiled.rgba8, whole.rgba8), 0u);
+    EXPECT_EQ(count_differences(tiled.color_linear, whole.color_linear), 0u);
+    EXPECT_EQ(count_differences(tiled.depth, whole.depth), 0u);
+    EXPECT_EQ(count_differences(tiled.normal, whole.normal), 0u);
+    EXPECT_EQ(tiled.points_drawn, whole.points_drawn);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryTechnique, ::testing::ValuesIn(names()),

@@ -89,12 +89,13 @@ RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
 }
 
 void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
-  const int limit = context_->limits().max_texture_size;
-  if (camera.width > limit || camera.height > limit)
-    throw Error(ErrorCode::usage,
-                fmt::format("{}x{} is beyond the largest picture of this driver ({} px a side): "
-                            "lower --resolution",
-                            camera.width, camera.height, limit));
+  if (std::max(camera.width, camera.height) > Renderer::largest_side)
+    throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture ({} px a side): "
+                                              "lower --resolution",
+                                              camera.width, camera.height, Renderer::largest_side));
+  const bool is_one = choice_.techniques.size() == 1 && options_.output_panels.empty() &&
+                      !options_.camera.panorama && !is_video(options_.output);
+  if (is_one && session_.is_tiled(camera)) return shoot_rows(camera, n, watch);
   std::vector<labels::Panel> panels;
   RenderOutput out;
   bool blank = true;
@@ -104,7 +105,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
     console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
     out = render(chosen, camera);
     report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.notes};
-    blank = blank && (out.points_drawn == 0 || (wants_.color && is_blank(out.rgba8)));
+    blank = blank && (out.points_drawn == 0 || (wants_.color && is_blank(out.rgba8, out.rgba8.at(0, 0))));
     if (choice_.techniques.size() > 1)
       panels.push_back({chosen.name, std::move(out.rgba8)});
     else if (!options_.output_panels.empty())
@@ -125,11 +126,99 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("write");
 }
 
+/// The files of one picture, written as its rows come. Formats that need all of it get it at the end.
+struct Studio::Rows {
+  std::optional<io::PngRows> png;
+  std::optional<io::ExrRows> exr, depth_exr;
+  std::optional<io::NpyRows> npy, depth_npy, normal_npy;
+  std::string whole_name, depth_name;
+  Image<Rgba8> whole;
+  Image<float> depth;
+  std::optional<Rgba8> corner;  ///< of what there is no more than one colour
+  bool is_blank = true;
+};
+
+void Studio::open(Rows& rows, const Camera& camera, int n) {
+  const int width = camera.width, height = camera.height;
+  if (!options_.output.empty()) {
+    const std::string name = name_of(options_.output, n), extension = extension_of(name);
+    if (extension == ".exr")
+      rows.exr.emplace(name, width, height, true, true, true, command_);
+    else if (extension == ".npy")
+      rows.npy.emplace(name, width, height, 4);
+    else if (extension == ".jpg" || extension == ".jpeg" || extension == ".webp")
+      rows.whole_name = name, rows.whole = Image<Rgba8>(width, height);
+    else
+      rows.png.emplace(name, width, height, options_.no_background, texts_of(camera));
+  }
+  if (!options_.output_depth.empty()) {
+    const std::string name = name_of(options_.output_depth, n), extension = extension_of(name);
+    if (extension == ".exr")
+      rows.depth_exr.emplace(name, width, height, false, true, false, command_);
+    else if (extension == ".png")
+      rows.depth_name = name, rows.depth = Image<float>(width, height);
+    else
+      rows.depth_npy.emplace(name, width, height, 1);
+  }
+  if (!options_.output_normal.empty())
+    rows.normal_npy.emplace(name_of(options_.output_normal, n), width, height, 3);
+}
+
+void Studio::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera) {
+  const std::size_t place = std::size_t(first_row) * std::size_t(camera.width);
+  if (rows.is_blank && !strip.rgba8.empty()) {
+    if (!rows.corner) rows.corner = strip.rgba8.at(0, 0);
+    rows.is_blank = is_blank(strip.rgba8, *rows.corner);
+  }
+  if (options_.legend && !strip.rgba8.empty())
+    labels::draw_legend(strip.rgba8, first_row, camera.height, session_.coloring(), session_.background());
+  if (rows.png) rows.png->write(strip.rgba8);
+  if (rows.exr) rows.exr->write(strip.color_linear, strip.depth, strip.normal);
+  if (rows.npy) rows.npy->write(strip.color_linear);
+  if (!rows.whole.empty()) std::copy(strip.rgba8.begin(), strip.rgba8.end(), rows.whole.data() + place);
+  if (rows.depth_exr) rows.depth_exr->write({}, strip.depth, {});
+  if (rows.depth_npy) rows.depth_npy->write(strip.depth);
+  if (!rows.depth.empty()) std::copy(strip.depth.begin(), strip.depth.end(), rows.depth.data() + place);
+  if (rows.normal_npy) rows.normal_npy->write(strip.normal);
+}
+
+void Studio::close(Rows& rows, const Camera& camera) {
+  if (rows.png) rows.png->finish();
+  for (auto* exr : {&rows.exr, &rows.depth_exr})
+    if (*exr) (*exr)->finish();
+  for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.normal_npy})
+    if (*npy) (*npy)->finish();
+  if (!rows.whole.empty()) write_picture(rows.whole_name, rows.whole, camera);
+  if (!rows.depth.empty()) write_depth(rows.depth_name, rows.depth);
+}
+
+/// A picture in tiles: rows of them are written as soon as they are drawn, and forgotten.
+void Studio::shoot_rows(const Camera& camera, int n, Stopwatch& watch) {
+  Rows rows;
+  open(rows, camera, n);
+  ChosenTechnique& chosen = *choice_.techniques.front();
+  console_.check();
+  const RenderOutput out = session_.render_rows(
+      chosen, camera, wants_,
+      [&](RenderOutput& strip, int first_row) {
+        watch.lap("render");
+        add(rows, strip, first_row, camera);
+        watch.lap("write");
+      },
+      console_);
+  watch.lap("render");
+  report_.techniques.front() = {out.timings, out.total_ms, out.points_drawn, out.notes};
+  report_.blank_pictures += out.points_drawn == 0 || (wants_.color && rows.is_blank);
+  close(rows, camera);
+  if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
+  watch.lap("write");
+}
+
 /// Nothing but background: points may lie in the view and yet be too small or too far to be seen.
-bool Studio::is_blank(const Image<Rgba8>& image) const {
+bool Studio::is_blank(const Image<Rgba8>& image, const Rgba8& corner) const {
   if (options_.no_background)
     return std::all_of(image.begin(), image.end(), [](const Rgba8& c) { return c.a == 0; });
-  return std::all_of(image.begin(), image.end(), [&](const Rgba8& c) { return c == image.at(0, 0); });
+  return std::all_of(image.begin(), image.end(), [&](const Rgba8& c) { return c == corner; });
 }
 
 std::string Studio::name_of(const std::string& pattern, int n, const std::string& technique) {
@@ -142,10 +231,13 @@ void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, c
   const std::string extension = extension_of(name);
   if (extension == ".jpg" || extension == ".jpeg") return io::write_jpeg(name, image, options_.quality);
   if (extension == ".webp") return io::write_webp(name, image, options_.no_background, options_.quality);
-  io::write_png(name, image, options_.no_background,
-                {{"Software", std::string("sfumato ") + version()},
-                 {"Command", command_},
-                 {"Camera", io::camera_to_json(camera)}});
+  io::write_png(name, image, options_.no_background, texts_of(camera));
+}
+
+io::PngTexts Studio::texts_of(const Camera& camera) const {
+  return {{"Software", std::string("sfumato ") + version()},
+          {"Command", command_},
+          {"Camera", io::camera_to_json(camera)}};
 }
 
 void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {

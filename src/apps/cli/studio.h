@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "console.h"
+#include "io/image_png.h"
 #include "labels/contact_sheet.h"
 #include "parameters.h"
 #include "render_options.h"
@@ -48,7 +49,13 @@ class Studio {
   void write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n);
   void write_depth(const std::string& name, const Image<float>& depth);
   void write(const RenderOutput& out, const Camera& camera, int n);
-  bool is_blank(const Image<Rgba8>& image) const;
+  struct Rows;
+  void shoot_rows(const Camera& camera, int n, Stopwatch& watch);
+  void open(Rows& rows, const Camera& camera, int n);
+  void add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera);
+  void close(Rows& rows, const Camera& camera);
+  io::PngTexts texts_of(const Camera& camera) const;
+  bool is_blank(const Image<Rgba8>& image, const Rgba8& corner) const;
 
   const RenderOptions& options_;
   Choice& choice_;

@@ -123,6 +123,13 @@ class Denoise final : public Technique {
     set_casters(cloud, opacity, key);
   }
 
+  int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
+    // agree.glsl looks two splats around in every round, and splat_accumulate.frag two pixels.
+    float radius = cloud.median_radius();
+    if (!(radius < INFINITY)) radius = cloud.median_spacing();
+    return 4 + nearest_px(2.0 * agree_rounds * parameters_.radius_scale * radius, camera);
+  }
+
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;

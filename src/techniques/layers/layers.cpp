@@ -115,6 +115,12 @@ class Layers final : public Technique {
                 key);
   }
 
+  int reach_px(const GpuCloud& cloud, const Camera&) const override {
+    // The extent looks past its border by itself, but for points of 64 px; image_normal.glsl as far as it
+    // may.
+    return cloud.has_normals() ? 33 : 33 + 128;
+  }
+
   bool render(Frame& frame) override {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
@@ -175,7 +181,7 @@ class Layers final : public Technique {
   /// Automatic values and what follows from the view.
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
-    const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera);
+    const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera.whole_picture());
     // Points scattered at random leave one place in exp(pi) free between discs of two spacings, and a few of
     // the gaps are several pixels wide: 6M points of tori had 35 pixels in which the next layer stood out
     // with one iteration less.
@@ -194,8 +200,8 @@ class Layers final : public Technique {
 
     // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
     const int last = std::max(parameters_.show_layer, parameters_.layers);
-    const int reach =
-        std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3, 64);
+    const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3,
+                               layers::ScreenExtent::most_reach);
     return {prepared, frame.camera, parameters_.point_size, reach};
   }
 

@@ -58,9 +58,12 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
     count = std::min((end - first + 63) / 64 * 64, most - least);
     first = std::min(first, most - count);
   };
-  part(lo_x, hi_x, picture.width, x, camera.width);
-  part(lo_y, hi_y, picture.height, y, camera.height);
-  camera.custom_intrinsics = Intrinsics{k.fx, k.fy, k.cx - x, k.cy - y};
+  int width = 0, height = 0;
+  part(lo_x, hi_x, picture.width, x, width);
+  part(lo_y, hi_y, picture.height, y, height);
+  // Counted from a corner that no extent lies before: moving places by whole pixels towards 0 rounds nothing,
+  // so that those of tiles are those of the whole picture.
+  camera = picture.with_guard_band(most_reach).tile(x + most_reach, y + most_reach, width, height);
 }
 
 void ScreenExtent::copy(const gl::Texture& part, const gl::Texture& picture) const {

@@ -17,6 +17,7 @@ ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera
 /// The part of the picture that the cloud can reach, and what screen operators see beyond its border. Passes
 /// over this part alone give the same picture.
 struct ScreenExtent {
+  static constexpr int most_reach = 64;
   Camera camera;     ///< the view of this part
   int x = 0, y = 0;  ///< its first pixel, counted in the picture: negative in the guard band
 

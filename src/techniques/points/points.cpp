@@ -27,10 +27,14 @@ class Points final : public Technique {
 
   bool wants_edl() const override { return true; }
 
+  int reach_px(const GpuCloud&, const Camera&) const override {
+    return 33;  // half the largest point: batches whose centres are beyond the border are not visited
+  }
+
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     // 8 px of 720, so that a picture looks the same in every size.
-    footprint_.wide_px = std::max(4.0f, float(frame.camera.height) / 90);
+    footprint_.wide_px = std::max(4.0f, float(frame.camera.whole_height()) / 90);
     to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
 
     // Resolve straight into the target; only what has to be shaded takes the way through another texture.

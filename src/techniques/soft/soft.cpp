@@ -166,6 +166,8 @@ class Soft final : public Technique {
     set_casters(cloud, opacity, key);
   }
 
+  int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // splat_accumulate.frag
+
   bool render(Frame& frame) override {
     update_field(frame.cloud);
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
@@ -266,7 +268,10 @@ class Soft final : public Technique {
     settings.field_threshold = parameters_.field_threshold.value();
     settings.modulation_threshold = parameters_.modulation_threshold.value();
     if (!parameters_.modulation_opacity.user) settings.cone_factor = modulation_factor;
-    return haze_depth(frame.cloud.prepared().cloud, points_.places(), field_.values, view, settings);
+    const PointCloud& cloud = frame.cloud.prepared().cloud;
+    if (!frame.camera.whole) return haze_depth(cloud, points_.places(), field_.values, view, settings);
+    const View whole(frame.camera.whole_picture(), cloud.origin);
+    return haze_depth(cloud, points_.places(), field_.values, whole, settings);
   }
 
   void draw_soft(Frame& frame, const View& view, SplatShape shape) {

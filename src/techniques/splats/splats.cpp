@@ -55,6 +55,8 @@ class Splats final : public Technique {
 
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
 
+  int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // splat_accumulate.frag
+
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;

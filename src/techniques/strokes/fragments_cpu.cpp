@@ -94,6 +94,8 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
   const double near = 1e-4 * camera.far_plane;
   near_ = float(near);
   const int width = view.width(), height = view.height();
+  const glm::dvec2 whole_low = -glm::dvec2(camera.tile_origin());
+  const glm::dvec2 whole_high = whole_low + glm::dvec2(camera.whole_width(), camera.whole_height());
   if (heads_.width() != width || heads_.height() != height) heads_ = Image<std::uint32_t>(width, height);
   quads_.assign(order_.size(), {});
   if (quads_.empty()) return;
@@ -128,7 +130,7 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
     }
     quad.too_near = low.z < near;
     if (high.z < near) return;
-    if (quad.too_near && !orthographic) low = dvec3(0), high = dvec3(width, height, 0);
+    if (quad.too_near && !orthographic) low = dvec3(whole_low, 0), high = dvec3(whole_high, 0);
     const glm::dvec2 size(width, height);
     quad.x0 = int(std::clamp(std::floor(low.x), 0.0, size.x)),
     quad.y0 = int(std::clamp(std::floor(low.y), 0.0, size.y));
@@ -136,6 +138,8 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
     quad.y1 = int(std::clamp(std::ceil(high.y), 0.0, size.y)) - 1;
     if (quad.y1 < quad.y0) quad.x1 = quad.x0 - 1;
     if (quad.x1 < quad.x0) return;
+    const glm::dvec2 base = glm::clamp(glm::floor(glm::dvec2(low)), whole_low, whole_high);
+    quad.base_x = int(base.x), quad.base_y = int(base.y);
 
     // The ray of a pixel is origin + depth * slope, both linear in the pixel; it meets the plane where
     // depth = n . (center - origin) / n . slope, at u = (origin + depth * slope - center) . along /
@@ -143,7 +147,7 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
     const dvec3 n = glm::cross(along, across);
     const dvec3 columns[3] = {{1 / k.fx, 0, 0},
                               {0, -1 / k.fy, 0},
-                              {(quad.x0 + 0.5 - k.cx) / k.fx, (k.cy - quad.y0 - 0.5) / k.fy, 0}};
+                              {(quad.base_x + 0.5 - k.cx) / k.fx, (k.cy - quad.base_y - 0.5) / k.fy, 0}};
     const double plane = glm::dot(n, center), sign = orthographic ? (n.z > 0 ? -1 : 1) : (plane < 0 ? -1 : 1);
     for (int c = 0; c < 3; ++c) {
       const double one = c == 2;
@@ -185,11 +189,11 @@ void FragmentsCpu::list_strip(std::uint32_t strip, int first_row, int last_row, 
   for (std::uint32_t e = starts_[strip]; e < starts_[strip + 1]; ++e) {
     const Quad& quad = quads_[entries_[e]];
     for (int y = std::max(quad.y0, top); y <= std::min(quad.y1, bottom); ++y) {
-      const float down = float(y - quad.y0);
+      const float down = float(y - quad.base_y);
       const float row_u = quad.u.y * down + quad.u.z, row_v = quad.v.y * down + quad.v.z;
       const float row_w = quad.w.y * down + quad.w.z;
       // |u| <= reach w and |v| <= reach w: four half lines.
-      float from = 0, to = float(quad.x1 - quad.x0);
+      float from = float(quad.x0 - quad.base_x), to = float(quad.x1 - quad.base_x);
       auto keep_below = [&](float slope, float at_zero) {
         if (slope > 0)
           to = std::min(to, -at_zero / slope);
@@ -203,7 +207,7 @@ void FragmentsCpu::list_strip(std::uint32_t strip, int first_row, int last_row, 
       keep_below(quad.v.x - quad.reach.y * quad.w.x, row_v - quad.reach.y * row_w);
       keep_below(-quad.v.x - quad.reach.y * quad.w.x, -row_v - quad.reach.y * row_w);
       if (!(from <= to)) continue;
-      const int left = quad.x0 + int(std::ceil(from)), right = quad.x0 + int(to);
+      const int left = quad.base_x + int(std::ceil(from)), right = quad.base_x + int(to);
       const std::size_t row = std::size_t(y - top);
       for (int word = left >> 6; word <= right >> 6; ++word) {
         std::uint64_t open = ~closed[row * words + std::size_t(word)];
@@ -211,7 +215,7 @@ void FragmentsCpu::list_strip(std::uint32_t strip, int first_row, int last_row, 
         if (right < word * 64 + 63) open &= ~std::uint64_t(0) >> (63 - (right & 63));
         for (; open; open &= open - 1) {
           const int x = word * 64 + std::countr_zero(open);
-          const float step = float(x - quad.x0), w = quad.w.x * step + row_w;
+          const float step = float(x - quad.base_x), w = quad.w.x * step + row_w;
           if (!(w > 0)) continue;
           const vec2 at = vec2(quad.u.x * step + row_u, quad.v.x * step + row_v) / w;
           if (quad.too_near && !(quad.depth.x + at.x * quad.depth.y + at.y * quad.depth.z >= near_)) continue;

@@ -29,13 +29,15 @@ class FragmentsCpu {
   const std::vector<std::uint32_t>& row_counts() const { return row_counts_; }
 
  private:
-  /// A stroke on the screen. Places on it are (u . p, v . p) / (w . p) of p = (x - x0, y - y0, 1), x and y
-  /// whole pixels.
+  /// A stroke on the screen. Places on it are (u . p, v . p) / (w . p) of p = (x - base_x, y - base_y, 1), x
+  /// and y whole pixels: the first of the whole picture that it may touch, so that a tile computes what the
+  /// whole does.
   struct Quad {
     vec3 u, v, w;
     vec2 reach;                    // of the paint, -1 to 1
     int x0, y0, x1 = -1, y1 = -1;  // first and last pixel; nothing of it is seen where x1 < x0
-    std::uint32_t key, stroke;     // bits of a positive float sort like it
+    int base_x, base_y;
+    std::uint32_t key, stroke;  // bits of a positive float sort like it
     int tile_x, tile_y, level;
     float between_levels, inset, opacity;
     bool too_near;  // parts of it

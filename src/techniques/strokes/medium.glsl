@@ -44,7 +44,7 @@ bool filter_pixel(ivec2 pixel) {
   vec4 here = texelFetch(paint, pixel, 0);
   out_0 = here;
   if (here.a <= 0.0) return true;
-  vec2 at = (vec2(pixel) + 0.5) / scale;
+  vec2 at = (vec2(pixel) + frame.tile_origin + 0.5) / scale;
   vec3 color = here.rgb / here.a;
   float depth = texelFetch(depths, pixel, 0).x;
   if (medium == 0) {

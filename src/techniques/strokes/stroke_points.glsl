@@ -29,7 +29,7 @@ StrokeSize stroke_size(int i, float depth) {
   float area = 0.5 * s * s;  // of surface per point: a square grid of spacing h has s = sqrt(2) h
   // The painted half of a stroke is about sqrt(share) of its quad's.
   float painted = sqrt(stroke_share), to_spacing = area / (4.0 * stroke_share);
-  float wanted = max(least_length * frame.image_size.y / pixels_at(depth), sqrt(coverage * to_spacing * stroke_aspect));
+  float wanted = max(least_length * frame.picture_size.y / pixels_at(depth), sqrt(coverage * to_spacing * stroke_aspect));
   float extent = uintBitsToFloat(traits.z);
   vec2 reach = s * unpackHalf2x16(traits.w);  // room, detail
   // A cluster smaller than a stroke is painted with smaller ones (dos Anjos 2017, Sec. 3.2.1), and so are borders of

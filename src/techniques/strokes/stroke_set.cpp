@@ -24,7 +24,7 @@ unsigned show_batches(GpuCloud& cloud, GpuCloud::Chunk& chunk, const View& view,
         -(view.eye_from_cloud() * glm::dvec4(middle, 1)).z + 0.5 * glm::length(batch.box_max - batch.box_min);
     const double pixel =
         (view.camera().orthographic() ? 1 : std::max(away, 0.0)) / view.camera().pixels_per_unit();
-    const vec3 reach(std::max(16 * batch.spacing, float(2 * least_length * view.height() * pixel)));
+    const vec3 reach(std::max(16 * batch.spacing, float(2 * least_length * view.picture_height() * pixel)));
     if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
     ranges.emplace_back(batch.first - chunk.first, batch.count);
   }

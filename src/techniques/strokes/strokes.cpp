@@ -12,6 +12,7 @@
 // shared shading pass.
 
 #include <algorithm>
+#include <cmath>
 
 #include "gl/state.h"
 #include "passes/bindings.h"
@@ -48,6 +49,12 @@ class Strokes final : public Technique {
 
   Attributes needs() const override { return Attribute::normal | Attribute::cluster; }
   bool has_soft_edges() const override { return true; }  // of brushes
+
+  int reach_px(const GpuCloud&, const Camera& camera) const override {
+    // underpaint.glsl, then the wider ring of medium.glsl; or both ways of blur.glsl.
+    const int ring = int(std::ceil(2.0 * camera.whole_height() / 720));
+    return 24 + std::max(ring, int(std::ceil(2.5f * parameters_.blur_radius))) + 1;
+  }
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
@@ -146,7 +153,8 @@ class Strokes final : public Technique {
     gl::ensure(under_albedo_, "underpainted albedo", GL_RGBA32F, width, height);
     gl::ensure(under_depth_, "underpainted depth", GL_R32F, width, height);
     gl::ensure(under_normal_, "underpainted normals", GL_RGBA32F, width, height);
-    const float stroke_width = 0.01f * look_.length_percent * float(height) / std::max(look_.aspect, 1.0f);
+    const float stroke_width =
+        0.01f * look_.length_percent * float(view.picture_height()) / std::max(look_.aspect, 1.0f);
     underpaint_.set("reach", std::clamp(int(std::lround(stroke_width)), 3, 12));
     underpaint_.set("spacing", frame.cloud.median_spacing());
     view.bind();
@@ -174,7 +182,7 @@ class Strokes final : public Technique {
     gl::ensure(on_ground_, "painting on its ground", GL_RGBA32F, view.width(), view.height());
     const vec3 ground = frame.settings.transparent ? vec3(1) : frame.settings.background;
     medium_.set("medium", int(look_.medium) - int(Medium::paint)).set("canvas", look_.canvas);
-    medium_.set("scale", float(view.height()) / 720).set("ground", ground);
+    medium_.set("scale", float(view.picture_height()) / 720).set("ground", ground);
     view.bind();
     medium_.run({&frame.target.color, &frame.target.depth}, {&on_ground_});
     std::swap(frame.target.color, on_ground_);
@@ -239,7 +247,7 @@ class Strokes final : public Technique {
     gl::ensure(blurred_albedo_, "blurred albedo", GL_RGBA32F, view.width(), view.height());
     gl::ensure(blurred_normal_, "blurred normals", GL_RGBA32F, view.width(), view.height());
     // Within half a stroke in depth two strokes may be of one surface.
-    const float reach = std::max(0.005f * look_.length_percent * float(view.height()), 2.0f);
+    const float reach = std::max(0.005f * look_.length_percent * float(view.picture_height()), 2.0f);
     blur_.set("sigma", parameters_.blur_radius).set("reach", reach);
     blur_.set("direction", ivec2(1, 0));
     blur_.run({&albedo_, &frame.target.normal, &frame.target.depth}, {&blurred_albedo_, &blurred_normal_});

@@ -107,6 +107,23 @@ class SurfaceTechnique final : public Technique {
 
   bool shows(Shading shading) const override { return shading != Shading::weight; }
 
+  int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
+    // Hidden point removal looks at nine squares of up to 64 px, and at levels beside its own; then
+    // planes.glsl and the discs themselves. Pull-push mixes in what is ever farther away, and ever less of
+    // it.
+    constexpr int removal = 192;
+    if (filling_ == Filling::pull_push) return 512;
+    const double planes = std::max(2 * normal_scale_, removal_.gap_scale);
+    const double discs = std::max(2 * discs_options_.disc_scale, removal_.gap_scale);
+    float spacing = cloud.median_spacing();
+    if (point_spacing_.is_auto())
+      for (const Batch& batch : cloud.prepared().batches)
+        spacing = std::max(spacing, std::exp2(batch.most_log2_spacing));
+    else
+      spacing = point_spacing_.value();
+    return removal + nearest_px((planes + discs) * spacing, camera);
+  }
+
   bool render(Frame& frame) override {
     removal_.removal_scale = removal_scale_.resolve(filling_ == Filling::discs ? 4.0f : 10.0f);
     const dvec3& origin = frame.cloud.prepared().cloud.origin;

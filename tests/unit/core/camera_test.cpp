@@ -44,6 +44,38 @@ TEST(Camera, ProjectionAgreesWithIntrinsics) {
   }
 }
 
+TEST(Camera, ATileSeesItsPartOfThePicture) {
+  for (Projection projection : {Projection::perspective, Projection::orthographic})
+    for (bool custom : {false, true}) {
+      Camera camera;
+      camera.projection = projection;
+      camera.position = {1, -5, 2};
+      camera.width = 640;
+      camera.height = 480;
+      camera.height_world = 3;
+      if (custom) camera.custom_intrinsics = Intrinsics{500, 510, 300, 250};
+      const Camera tile = camera.tile(128, 64, 200, 100), part = tile.tile(10, -20, 30, 40);
+      const dvec3 p{0.3, 0.2, 0.7};
+      const glm::dvec2 px = project(camera, p);
+      // The projection of a tile goes over its own width, and its intrinsics are in its own pixels.
+      const auto expect_moved = [&](const Camera& moved, int x, int y) {
+        const glm::dvec2 place = project(moved, p);
+        EXPECT_NEAR(place.x, px.x - x, 1e-9);
+        EXPECT_NEAR(place.y, px.y - y, 1e-9);
+        EXPECT_NEAR(moved.intrinsics().cx, camera.intrinsics().cx - x, 1e-9);
+        EXPECT_EQ(moved.intrinsics().fy, camera.intrinsics().fy);
+      };
+      expect_moved(tile, 128, 64);
+      expect_moved(part, 138, 44);
+      // A guard band begins before the tile; the whole one of the picture does so before the picture.
+      expect_moved(tile.with_guard_band(16), 112, 48);
+      EXPECT_EQ(tile.with_guard_band(16).tile_origin(), glm::ivec2(128, 64));
+      EXPECT_EQ(part.whole_height(), 480);
+      EXPECT_EQ(part.whole_picture().width, 640);
+      EXPECT_EQ(project(part.whole_picture(), p), px);
+    }
+}
+
 TEST(Camera, FrameHoldsEveryCorner) {
   const Bounds box{{100, 200, 5}, {140, 210, 12}};
   for (UpAxis up : {UpAxis::pos_z, UpAxis::pos_y, UpAxis::neg_x})
