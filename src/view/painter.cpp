@@ -192,7 +192,7 @@ void Painter::do_scene(Easel& easel, SceneJob job, Watch& watch) {
       ready.choice = job.settle(suggest());
       technique = ready.choice.technique;
     }
-    if (technique.empty()) return Attributes();
+    if (technique.empty() || !job.measures) return Attributes();
     return easel.look_of(technique, job.parameters_of(technique)).technique->needs();
   };
   easel.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);

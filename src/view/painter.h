@@ -33,7 +33,8 @@ struct SceneJob {
   std::string color_key;
   std::string technique;  ///< empty: `settle` chooses it
   std::function<NamesAndValues(const std::string&)> parameters_of;
-  Settle settle;  ///< may be empty: then nothing is chosen, and nothing analysed for it
+  bool measures = true;  ///< what the technique needs; else its first picture does
+  Settle settle;         ///< may be empty: then nothing is chosen, and nothing analysed for it
 };
 
 struct PictureJob {

@@ -269,7 +269,7 @@ void Workbench::follow_view() {
   loader_->load(std::move(job));
 }
 
-void Workbench::send_scene(Loaded& loaded) {
+void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
   const auto job_of = [&](scene::Scene scene) {
     SceneJob job;
     job.id = next_id_++;
@@ -285,7 +285,7 @@ void Workbench::send_scene(Loaded& loaded) {
   };
   sample_ready_ = whole_ready_ = sample_failed_ = false;
   refinement_.set_whole_ready(false);
-  refinement_.forget();
+  if (!is_another_view) refinement_.forget();
   in_flight_ = 0;
   refinement_.called_off();
   SceneJob sample = job_of(std::move(loaded.sample));
@@ -296,6 +296,9 @@ void Workbench::send_scene(Loaded& loaded) {
   SceneJob whole = job_of(std::move(loaded.whole));
   whole_scene_id_ = whole.id;
   if (!loaded.is_coarse) whole.settle = start_.settle;
+  // The view is shown before the technique has measured its points.
+  whole.measures = !is_another_view;
+  stand_in_is_due_ = is_another_view && wishes_.technique != "points";
   whole_->show(std::move(whole));
 }
 
@@ -347,7 +350,7 @@ void Workbench::take_loaded(Loaded loaded) {
                                        " points, while the files are read"
                                  : std::to_string(loaded.points_shown) + " points are read",
                 false});
-  send_scene(loaded);
+  send_scene(loaded, is_another_view);
   scene_ = std::move(loaded);
   // The picture of the view stays until there is a better one.
   if (!is_another_view || refinement_.moving(now_ms_)) touched();
@@ -487,8 +490,9 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
 void Workbench::ask() {
   if (width_ <= 0 || !can_draw()) return;
   refinement_.set_subject(wishes_.technique);
-  const auto quality = refinement_.next(now_ms_);
+  auto quality = refinement_.next(now_ms_);
   if (!quality) return;
+  if (*quality == Refinement::ladder[0] && std::exchange(stand_in_is_due_, false)) quality->stand_in = true;
   PictureJob job = job_for(*quality, width_, height_);
   job.id = in_flight_ = next_id_++;
   in_flight_quality_ = *quality;

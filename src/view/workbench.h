@@ -167,7 +167,7 @@ class Workbench {
   bool is_coarser_than_wanted() const;
   void follow_view();
   void paint_shot(int width, int height);
-  void send_scene(Loaded& loaded);
+  void send_scene(Loaded& loaded, bool is_another_view);
   PictureJob job_for(const Quality& quality, int width, int height) const;
   void ask();
   void touched();
@@ -207,6 +207,7 @@ class Workbench {
   std::uint64_t profile_id_ = 0;
   std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
   bool reading_view_ = false;
+  bool stand_in_is_due_ = false;          ///< `points` of a view that the technique has yet to measure
   std::optional<SeenView> delayed_shot_;  ///< until its points are here
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;

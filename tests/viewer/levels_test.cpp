@@ -144,6 +144,32 @@ TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
   EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
 }
 
+TEST_F(LevelsTest, PointsShowAViewUntilTheTechniqueHasMeasuredIt) {
+  Start with_splats = start();
+  with_splats.wishes.technique = "splats";
+  Workbench bench(with_splats);
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  bench.move("zoom", [](Navigator& navigator) {
+    ViewCamera near = navigator.camera();
+    near.position = near.target + 0.2 * (near.position - near.target);
+    navigator.set_camera(near);
+  });
+  std::shared_ptr<const Picture> last = bench.picture();
+  std::vector<std::string> whole;  // techniques of the pictures in full size, one after the other
+  ASSERT_TRUE(wait(bench, [&] {
+    if (bench.picture() != last && bench.shown_quality().whole_cloud &&
+        bench.picture()->image.width() == width)
+      whole.push_back(bench.picture()->technique);
+    last = bench.picture();
+    return bench.settled();
+  }));
+  ASSERT_GE(whole.size(), 2u);
+  EXPECT_EQ(whole[whole.size() - 2], "points");
+  EXPECT_EQ(whole.back(), "splats");
+  EXPECT_EQ(last->camera.position, bench.camera().position);
+}
+
 TEST_F(LevelsTest, ChosenPointsStayWhenTheViewChanges) {
   Workbench bench(start());
   bench.set_size(width, height);
