@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench eval-denoise eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
+.PHONY: release command python demo test bench eval-denoise eval-layers eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -42,6 +42,10 @@ bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
 eval-denoise: release  ## denoise against the truth of synthetic scenes and clean scans; ARGS=--quick for a short look
 	@cmake --build build/release --target eval_denoise
 	@build/release/bin/eval_denoise --data "$(SFUMATO_TEST_DATA)" $(ARGS)
+
+eval-layers: release  ## layers against every crossing of every ray through nested tori
+	@cmake --build build/release --target eval_layers
+	@build/release/bin/eval_layers $(ARGS)
 
 eval-shadows: release  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows

@@ -16,10 +16,14 @@ namespace {
 
 using Options = std::vector<std::pair<const char*, const char*>>;
 
-const Options paper{{"background_iterations", "1"}, {"occluded_iterations", "1"}, {"point_size", "0.01"}};
+const Options paper{{"point_shape", "round"},
+                    {"background_iterations", "1"},
+                    {"occluded_iterations", "1"},
+                    {"point_size", "0.01"}};
 const Options bare{{"background_iterations", "0"}, {"occluded_iterations", "0"},
                    {"smoothing_iterations", "0"},  {"antialias", "false"},
-                   {"scale_by_angle", "false"},    {"point_size", "0.01"}};
+                   {"scale_by_angle", "false"},    {"point_shape", "round"},
+                   {"point_size", "0.01"}};
 
 std::filesystem::path data_folder() {
   const char* folder = std::getenv("SFUMATO_TEST_DATA");

@@ -1,11 +1,15 @@
 // One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit
 // (WRITE_INDEX) the lowest source index among the points of that depth. Both compute the same depth bit for
 // bit (`precise`).
+//   ORIENTED      points with a normal are discs in its plane, at the depths at which rays meet it
 //   CASTERS       only points that stop a share of the light within `caster_range`
 //   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked
 //                 downwards
 #include "frame.glsl"
 #include "cloud.glsl"
+#ifdef ORIENTED
+#include "splat.glsl"
+#endif
 
 layout(local_size_x = 128) in;
 layout(r32ui, binding = 0) uniform uimage2D depth_image;
@@ -22,6 +26,10 @@ uniform float largest_spacing;  // scene units; adaptive sizes where points are 
 uniform float wide_px;      // adaptive sizes above it grow with their root; 0: no
 uniform float min_gap;      // scene units behind the reference
 
+#ifdef ORIENTED
+uniform float least_px;     // least radius, half the diagonal of a pixel: no disc falls between their centres
+uniform float dense_px;     // discs of a smaller diameter are many in each pixel
+#endif
 #ifdef CASTERS
 uniform vec2 caster_range;
 #endif
@@ -67,6 +75,28 @@ void cover(ivec2 pixel, float depth, int i) {
 #endif
 }
 
+#ifdef ORIENTED
+// A disc in the plane of its normal, where the rays through the centres of pixels meet it.
+// `only_own`: no pixel but the one its centre falls into, and that only where the disc covers its centre.
+void cover_oriented(int i, vec3 eye, vec3 normal, float radius, bool only_own) {
+  float depth = -eye.z;
+  ivec2 lo = ivec2(floor(pixel_from_eye(eye))), hi = lo;
+  if (only_own && (any(lessThan(lo, ivec2(0))) || any(greaterThanEqual(lo, ivec2(frame.image_size))))) return;
+  if (!only_own && !splat_pixels(Splat(eye, normal, radius), lo, hi)) return;
+  for (int y = lo.y; y <= hi.y; ++y)
+    for (int x = lo.x; x <= hi.x; ++x) {
+      // Measured from the centre, where float is exact. Edge-on: infinite or not a number, hence a miss.
+      vec2 pixel = vec2(x, y) + 0.5;
+      precise vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(pixel, 1.0);
+      precise vec2 across = eye_from_pixel(pixel, depth).xy - eye.xy;
+      precise float beyond = -dot(normal.xy, across) / dot(normal, slope);
+      precise vec3 offset = vec3(across, 0.0) + beyond * slope;
+      precise float hit = depth + beyond;
+      if (dot(offset, offset) <= radius * radius && hit >= frame.near_plane) cover(ivec2(x, y), hit, i);
+    }
+}
+#endif
+
 void main() {
   Batch batch = visible_batch(gl_WorkGroupID.y);
   int k = int(gl_GlobalInvocationID.x);
@@ -91,6 +121,14 @@ void main() {
     diameter *= min(spacing_in(gl_WorkGroupID.y, batch, position), largest_spacing) * pixels_at(depth);
   if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = sqrt(diameter * wide_px);
   if (size_mode == 2) diameter *= pixels_at(depth);
+#ifdef ORIENTED
+  precise vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
+  if (dot(normal, normal) > 0.25) {
+    precise float radius = max(0.5 * min(diameter, max_footprint_px), least_px) / pixels_at(depth);
+    cover_oriented(i, eye, normal, radius, diameter < dense_px);
+    return;
+  }
+#endif
   if (diameter > 1.0) {
     float radius = 0.5 * min(diameter, max_footprint_px);
     // A disc is a paraboloid as deep as its radius, so that neighbours meet halfway instead of one covering

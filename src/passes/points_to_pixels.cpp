@@ -10,14 +10,16 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
                            gl::Texture& depth_bits, gl::Texture* index, const gl::Texture* reference,
                            float min_gap, const CasterRange* casters, bool lists) {
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
+  const bool oriented = footprint.oriented && cloud.has_normals() && !single;
   gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) +
-                                   (lists ? 8 : 0) + (casters ? 16 : 0)];
+                                   (lists ? 8 : 0) + (casters ? 16 : 0) + (oriented ? 32 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
     if (single) defines.push_back("SINGLE_PIXEL");
     if (reference) defines.push_back("DEPTH_REFERENCE");
     if (casters) defines.push_back("CASTERS");
+    if (oriented) defines.push_back("ORIENTED");
     if (lists) defines.push_back("LIST_LENGTH " + std::to_string(list_length));
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
@@ -25,13 +27,15 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   program.set("wide_px", footprint.wide_px);
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   if (lists && !index) program.set("inverse_bin", inverse_bin_);
+  if (oriented) program.set("least_px", 0.71f).set("dense_px", 1.5f);
   if (casters) program.set("caster_range", vec2(casters->from, casters->below));
   view.bind();
   depth_bits.bind_image(0, GL_READ_WRITE);
   if (index) index->bind_image(1, GL_READ_WRITE);
   if (reference) reference->bind(binding::input);
-  for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
+  for (GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
+    if (oriented) cloud.bind_normals(chunk);
     if (casters) cloud.bind_casters(chunk);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }

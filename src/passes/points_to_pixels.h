@@ -24,6 +24,8 @@ struct Footprint {
   /// Discs wider than this grow with the root of what they would be; 0: no. Points that far apart are no
   /// surface any more to whoever looks, and discs that close it would hide what shape there is. px
   float wide_px = 0;
+  /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
+  bool oriented = false;
 };
 
 /// Only points that stop this share of the light (GpuCloud::set_casters): `from` <= share < `below`.
@@ -85,7 +87,7 @@ class PointsToPixels {
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap, const CasterRange* casters,
              bool lists = false);
-  gl::Program programs_[32];
+  gl::Program programs_[64];
   float inverse_bin_ = 0;
   /// Runs a resolve once for each chunk; binds its geometry and colours.
   void for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,

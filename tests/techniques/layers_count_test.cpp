@@ -21,18 +21,20 @@ class LayersCountTest : public GlTest {
                0;  ///< of the pixels with the right count: 2 px and more from a change of it, and everywhere
   };
 
-  static Share counted(int points, bool with_normals) {
+  static Share counted(int points, bool with_normals, const char* shape = "auto", float noise = 0) {
     const synth::Scene scene = synth::make_scene("tori");
     synth::SampleOptions options;
     options.points = points;
     options.seed = 7;
+    options.sigma = noise;
     options.normals.user = with_normals;
     PointCloud cloud = synth::sample(scene, options);
     Camera camera = frame(bounds(cloud), cloud.up, 640, 480, glm::radians(-45.0), glm::radians(30.0));
     Renderer renderer(context());
-    show(renderer, std::move(cloud), {});
     // Twelve layers of opacity 0.2: a count of k leaves 0.8^k of the page.
     const auto technique = find_technique("layers").create();
+    set_parameter(*technique, "point_shape", shape);
+    show(renderer, std::move(cloud), technique->needs());
     for (const auto& [name, value] : {std::pair("layers", "13"),
                                       {"opacity", "0.2"},
                                       {"antialias", "false"},
@@ -73,18 +75,32 @@ class LayersCountTest : public GlTest {
   }
 };
 
-// Measured: away from silhouettes 0.983 and 0.968 (sparse, with and without normals), 0.997 and 0.992
-// (dense); everywhere 0.818, 0.811, 0.896, 0.881. With d_min of 3 spacings or 3 px they were 0.932, 0.814,
-// 0.988, 0.953 and 0.806, 0.607, 0.897, 0.765: a third to a half of all pixels of this view lie within 2 px
-// of a silhouette.
+// A third to a half of all pixels of this view lie within 2 px of a silhouette. The goals are 92 % of all
+// pixels at 300k points, 93 % at 3M, and 97 % away from silhouettes, with normals that are known or computed.
 TEST_F(LayersCountTest, OfNestedTori) {
   for (bool with_normals : {true, false}) {
     const Share sparse = counted(300'000, with_normals), dense = counted(3'000'000, with_normals);
-    EXPECT_GE(dense.away, 0.97) << with_normals;
-    EXPECT_GE(sparse.away, 0.96) << with_normals;
-    EXPECT_GE(dense.all, 0.87) << with_normals;
-    EXPECT_GE(sparse.all, 0.80) << with_normals;
+    EXPECT_GE(dense.away, 0.99) << with_normals;
+    EXPECT_GE(sparse.away, 0.99) << with_normals;
+    EXPECT_GE(dense.all, 0.93) << with_normals;
+    EXPECT_GE(sparse.all, 0.92) << with_normals;
   }
+}
+
+// Measured with round points, that know nothing of the surface: away from silhouettes 0.973 and 0.992,
+// everywhere 0.816 and 0.881. With d_min of 3 spacings or 3 px they were 0.814, 0.953, 0.607, 0.765.
+TEST_F(LayersCountTest, OfNestedToriWithRoundPoints) {
+  const Share sparse = counted(300'000, false, "round"), dense = counted(3'000'000, false, "round");
+  EXPECT_GE(dense.away, 0.97);
+  EXPECT_GE(sparse.away, 0.96);
+  EXPECT_GE(dense.all, 0.87);
+  EXPECT_GE(sparse.all, 0.80);
+}
+
+// Noise of a spacing: as good as round points, which it is drawn with. Discs would have 0.63 (round: 0.93).
+TEST_F(LayersCountTest, OfNoisyTori) {
+  const Share noisy = counted(3'000'000, false, "auto", 0.005f);
+  EXPECT_GE(noisy.away, 0.91);
 }
 
 // Points ten pixels apart are discs of twenty: a plane through 5 x 5 pixels would be a piece of one disc.

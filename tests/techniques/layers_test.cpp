@@ -122,6 +122,7 @@ TEST_F(LayersTest, PictureIsThatOfTheOracle) {
                         {"smoothing_iterations", std::to_string(o.smoothing_iterations)},
                         {"scale_by_angle", o.scale_by_angle ? "true" : "false"},
                         {"antialias", o.antialias ? "true" : "false"},
+                        {"point_shape", "round"},
                         {"point_size", "0.01"}});
     int differ = 0, depths_differ = 0, covered = 0;
     for (int y = 0; y < camera.height; ++y)
@@ -403,13 +404,17 @@ TEST_F(LayersTest, SteepSurfaceIsOneLayer) {
   camera.position = {0, -4 * std::sin(angle), 4 * std::cos(angle)};
   camera.up = {0, 0, 1};
   camera.height_world = 0.3;
-  auto second = [&](const char* scale) {
-    const RenderOutput out = render(camera, {{"show_layer", "2"}, {"scale_by_angle", scale}});
+  auto second = [&](const char* shape, const char* scale) {
+    const RenderOutput out =
+        render(camera, {{"show_layer", "2"}, {"scale_by_angle", scale}, {"point_shape", shape}});
     return std::count_if(out.depth.begin(), out.depth.end(), [](float d) { return !std::isinf(d); });
   };
   // A pixel of 0.3 / 64 sees 0.022 of the surface along the view, a disc of two spacings (0.008) 0.08.
-  EXPECT_GT(second("false"), 64 * 64 / 4);
-  EXPECT_EQ(second("true"), 0);
+  EXPECT_GT(second("round", "false"), 64 * 64 / 4);
+  EXPECT_EQ(second("round", "true"), 0);
+  // Discs in the surface lie at its depths.
+  EXPECT_EQ(second("disc", "false"), 0);
+  EXPECT_EQ(second("disc", "true"), 0);
 }
 
 TEST_F(LayersTest, NormalsComeFromTheImageWhereTheCloudHasNone) {

@@ -5,9 +5,10 @@
 // Layer by layer: the points nearest behind the previous layer become pixels, filters on the image make a
 // surface of them, and the surfaces are blended front to back.
 //
-// Ours differs where pictures or numbers asked for it (docs/techniques/layers.md): a point is as large as the
-// spacing on the screen asks for; the occluded-pixel filter has its minus sign; layers that the filters
-// pulled forward do not bring back what was peeled; several layers come out of one visit of the points.
+// Ours differs where pictures or numbers asked for it (docs/techniques/layers.md): a point is a disc in the
+// plane of its normal, as large as the spacing asks for; the occluded-pixel filter has its minus sign; layers
+// that the filters pulled forward do not bring back what was peeled; several layers come out of one visit of
+// the points.
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,7 @@
 #include "passes/merge.h"
 #include "passes/shade.h"
 #include "techniques/casters.h"
+#include "techniques/denoise/noise.h"
 #include "techniques/layers/opacity.h"
 #include "techniques/layers/peel.h"
 #include "techniques/layers/screen_extent.h"
@@ -29,6 +31,7 @@ namespace sfumato {
 namespace {
 
 enum class Peeling { automatic, cascade, passes };
+enum class PointShape { automatic, disc, round };
 
 struct Parameters {
   int layers = 4;
@@ -39,7 +42,8 @@ struct Parameters {
   bool scale_by_angle = true;
   Peeling peeling = Peeling::automatic;
   int show_layer = 0;
-  float point_size = 2;
+  PointShape point_shape = PointShape::automatic;
+  Auto<float> point_size;
   Auto<int> background_iterations, occluded_iterations;
   int smoothing_iterations = 1;
   bool antialias = true;
@@ -62,8 +66,10 @@ struct Parameters {
         .at_least(0)
         .unit("scene units")
         .help(
-            "points closer than this behind a layer belong to it (auto: 3 median spacings and a px for "
-            "each iteration of filling)")
+            "points closer than this behind a layer belong to it (auto: 2 median spacings, or 5 times the "
+            "noise "
+            "where that is more, and a px; of round points 3 spacings and a px for each iteration of "
+            "filling)")
         .paper("d_min");
     p.add("scale_by_angle", scale_by_angle)
         .help("min_layer_distance / |n.v|: a layer seen edge-on is thicker along the view");
@@ -74,21 +80,28 @@ struct Parameters {
     p.add("show_layer", show_layer)
         .range(0, 32)
         .help("only this layer, opaque, counted from 1 at the front; 0: all");
+    p.add("point_shape", point_shape, {"auto", "disc", "round"})
+        .help(
+            "disc: in the plane of its normal, which is computed where the cloud has none; round: facing the "
+            "camera, as in the paper; auto: discs, but round where noise is more than 0.75 median spacings");
     p.add("point_size", point_size)
         .range(0.01, 1e6)
         .unit("point spacings")
-        .help("diameter of a point, at least 1 px; 0.01 is the paper's one pixel a point");
+        .help(
+            "diameter of a point, at least 1 px (auto: 3, round 2); round and 0.01 is the paper's one pixel "
+            "a point");
     p.add("background_iterations", background_iterations)
         .range(0, 16)
         .help(
-            "times that pixels without a point are filled (auto: two more than the point spacing in px, 2 or "
-            "3)")
+            "times that pixels without a point are filled (auto: 1, of round points two more than the point "
+            "spacing in px, 2 or 3)")
         .paper("n_b");
     p.add("occluded_iterations", occluded_iterations)
         .range(0, 16)
         .help(
             "times that pixels showing something behind the layer are filled (auto: as "
-            "background_iterations)")
+            "background_iterations, "
+            "of discs 2 where points are half a pixel apart or more)")
         .paper("n_o");
     p.add("smoothing_iterations", smoothing_iterations)
         .range(0, 16)
@@ -101,6 +114,10 @@ struct Parameters {
 class Layers final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
+
+  Attributes needs() const override {
+    return parameters_.point_shape == PointShape::round ? Attributes() : Attributes(Attribute::normal);
+  }
 
   Transparency transparency() const override { return Transparency::layers; }
 
@@ -172,9 +189,12 @@ class Layers final : public Technique {
   }
 
   std::vector<std::string> notes() const override {
-    return {std::to_string(peeled_) + (peeled_ == 1 ? " layer, " : " layers, ") +
-            std::to_string(peel_.visits()) + (peel_.visits() == 1 ? " visit" : " visits") +
-            " of the points (" + (cascade_ ? "cascade" : "passes") + ")"};
+    std::vector<std::string> lines{std::to_string(peeled_) + (peeled_ == 1 ? " layer, " : " layers, ") +
+                                   std::to_string(peel_.visits()) +
+                                   (peel_.visits() == 1 ? " visit" : " visits") + " of the points (" +
+                                   (cascade_ ? "cascade" : "passes") + ")"};
+    if (is_noisy_) lines.push_back("the points are too noisy for discs in the surface: drawn round");
+    return lines;
   }
 
  private:
@@ -182,19 +202,31 @@ class Layers final : public Technique {
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera.whole_picture());
-    // Points scattered at random leave one place in exp(pi) free between discs of two spacings, and a few of
-    // the gaps are several pixels wide: 6M points of tori had 35 pixels in which the next layer stood out
-    // with one iteration less.
-    const int iterations = std::clamp(2 + int(std::lround(std::min(spacing.median_px, 100.0f))), 2, 3);
+    const bool discs = draws_discs(frame.cloud);
+    const float point_size = parameters_.point_size.resolve(discs ? 3.0f : 2.0f);
+    footprint_ = {SizeMode::adaptive, point_size};
+    footprint_.oriented = discs;
+    if (!discs && spacing.largest_px * point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
+    // Points scattered at random leave one place in exp(pi) free between round discs of two spacings, and a
+    // few of the gaps are several pixels wide: 6M points of tori had 35 pixels in which the next layer stood
+    // out with one iteration less. Between discs in the surface of three spacings it is one place in exp(9 pi
+    // / 4).
+    const int iterations =
+        discs ? 1 : std::clamp(2 + int(std::lround(std::min(spacing.median_px, 100.0f))), 2, 3);
     n_background_ = parameters_.background_iterations.resolve(iterations);
-    n_occluded_ = parameters_.occluded_iterations.resolve(n_background_);
-    // What a pixel shows of one slanted surface lies apart by a disc in front (one spacing) and one behind,
-    // which bulges by its radius, and by as far as filling brings a depth from.
-    d_min_ = parameters_.min_layer_distance.resolve(3 * frame.cloud.median_spacing() +
-                                                    float(n_background_ + n_occluded_) * spacing.pixel);
+    // Scans are no random samples: where points are about as far apart as pixels, a second iteration closes
+    // most of the gaps that one leaves.
+    const bool is_sparse = spacing.median_px >= 0.5f;
+    n_occluded_ = parameters_.occluded_iterations.resolve(discs && is_sparse ? 2 : n_background_);
+    // What a pixel shows of one slanted surface lies apart by a round disc in front (one spacing) and one
+    // behind, which bulges by its radius, and by as far as filling brings a depth from. Discs in the surface
+    // lie at its own depths: what is left is its bend within a disc, and noise, from two sigma in front to
+    // three behind.
+    const float thickness = discs ? std::max(2 * frame.cloud.median_spacing(), 5 * residual(frame.cloud))
+                                  : 3 * frame.cloud.median_spacing();
+    const float pixels = discs ? 1 : float(n_background_ + n_occluded_);
+    d_min_ = parameters_.min_layer_distance.resolve(thickness + pixels * spacing.pixel);
     bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
-    footprint_ = {SizeMode::adaptive, parameters_.point_size};
-    if (spacing.largest_px * parameters_.point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
     cascade_ = parameters_.peeling == Peeling::cascade;
     choose_opacities(frame);
 
@@ -202,7 +234,24 @@ class Layers final : public Technique {
     const int last = std::max(parameters_.show_layer, parameters_.layers);
     const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3,
                                layers::ScreenExtent::most_reach);
-    return {prepared, frame.camera, parameters_.point_size, reach};
+    return {prepared, frame.camera, point_size, reach};
+  }
+
+  /// How far points are from the surface, scene units; measured once for a cloud.
+  float residual(const GpuCloud& cloud) {
+    if (residual_of_ != cloud.serial()) residual_ = denoise::plane_residual(cloud.prepared());
+    residual_of_ = cloud.serial();
+    return residual_;
+  }
+
+  /// Noise as large as the spacing tilts normals and scatters discs along the view: they would lie behind one
+  /// another.
+  bool draws_discs(const GpuCloud& cloud) {
+    is_noisy_ = false;
+    if (parameters_.point_shape == PointShape::round || !cloud.has_normals()) return false;
+    is_noisy_ = parameters_.point_shape == PointShape::automatic &&
+                residual(cloud) > most_noise * cloud.median_spacing();
+    return !is_noisy_;
   }
 
   std::vector<float> opacity_list() {
@@ -276,7 +325,8 @@ class Layers final : public Technique {
     if (!has_list_)
       pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
     if (!cloud.has_normals())
-      pass.set("d_min", d_min_).set("spacing", 0.5f * parameters_.point_size * cloud.median_spacing());
+      pass.set("d_min", d_min_)
+          .set("spacing", 0.5f * parameters_.point_size.value() * cloud.median_spacing());
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
     cloud.bind_places();
@@ -369,6 +419,10 @@ class Layers final : public Technique {
 
   Parameters parameters_;
   float d_min_ = 0, bin_ = 0;
+  static constexpr float most_noise = 0.75f;  ///< spacings
+  bool is_noisy_ = false;
+  float residual_ = 0;
+  std::uint64_t residual_of_ = 0;
   int n_background_ = 1, n_occluded_ = 1, peeled_ = 0;
   Footprint footprint_;
   bool cascade_ = false, has_list_ = false;
