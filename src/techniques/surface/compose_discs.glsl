@@ -56,7 +56,11 @@ bool filter_pixel(ivec2 pixel) {
   vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(center, 1.0);
   float depth = normal_t.w / length(slope);
   vec3 albedo = sum.rgb * inverse;
-  float shadow = has_shadow ? texelFetch(shadow_sum, pixel, 0).x * inverse : 1.0;
+  float shadow = 1.0;
+  if (has_shadow) {
+    vec2 factors = texelFetch(shadow_sum, pixel, 0).xy;
+    if (factors.y > 0.0) shadow = factors.x / factors.y;
+  }
   // Where points are as dense as pixels, each keeps its own colour.
   vec4 own = texelFetch(points, pixel + offset, 0);
   float share = clamp(2.0 - own.w * pixels_at(depth), 0.0, 1.0);

@@ -6,6 +6,10 @@ layout(binding = UNIT_INPUT + 3) uniform sampler2D nearest_t;
 
 const float epsilon = 1.2;  // how far behind the nearest hit a disc is of the same surface, radii
 
+#ifdef WITH_SHADOW
+uniform float shadow_depth;  // share of epsilon within which shadow factors count
+#endif
+
 flat in vec3 center;
 flat in vec4 orientation;
 flat in vec4 color;
@@ -14,17 +18,21 @@ flat in vec4 clip;
 layout(location = 0) out vec4 color_sum;   // w rgb, w
 layout(location = 1) out vec4 normal_sum;  // w n (eye, facing the camera), w t
 #ifdef WITH_SHADOW
-layout(location = 2) out vec4 shadow_sum;  // w m
+layout(location = 2) out vec4 shadow_sum;  // v m, v
 #endif
 
 void main() {
   SplatHit hit;
   if (!hit_disc(Splat(center, orientation.xyz, orientation.w), clip, gl_FragCoord.xy, hit)) discard;
-  if (!(hit.t <= texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x + epsilon * orientation.w)) discard;
+  float behind = (hit.t - texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x) / (epsilon * orientation.w);
+  if (!(behind <= 1.0)) discard;
   float w = splat_weight(hit.rho);
   color_sum = vec4(w * color.rgb, w);
   normal_sum = vec4(w * orientation.xyz, w * hit.t);
 #ifdef WITH_SHADOW
-  shadow_sum = vec4(w * color.a);
+  // A disc a little behind stands for points that the surface in front keeps in the dark: a thousandth at its
+  // rear end. A mean over both would be grey.
+  float rest = max(1.0 - behind / shadow_depth, 0.0), v = w * (rest * rest + 1e-3);
+  shadow_sum = vec4(v * color.a, v, 0.0, 0.0);
 #endif
 }

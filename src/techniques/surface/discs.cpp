@@ -11,6 +11,10 @@ namespace {
 
 /// Half the diagonal of a pixel: no disc falls between the pixels' centres.
 constexpr float least_radius_px = 0.71f;
+/// How far behind the nearest point of a square, and the nearest disc of a pixel, shadow factors count: point
+/// spacings, and a share of what still counts as the surface. Points farther behind are in the shadow of
+/// those in front.
+constexpr float lit_depth = 1, shadow_depth = 0.5f;
 
 }  // namespace
 
@@ -37,6 +41,7 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
     coarser_ = ScreenPass("techniques/surface/clusters.glsl", {GL_RGBA32F, GL_RG32F});
     planes_ = ScreenPass("techniques/surface/planes.glsl", {GL_RGBA32F, GL_RGBA32F});
   }
+  first_.set("lit_depth", lit_depth);
   first_.run(squares.tiles(), {&pyramid.level(0), &squares.visible(), &shadowed},
              {&clusters_[0], &about_[0], &colors_}, {vec4(0), vec4(0), vec4(0)});
   for (std::size_t l = 1; l < std::size_t(levels); ++l) {
@@ -90,6 +95,7 @@ void Discs::draw(const View& view, const Options& options) {
   program.set("splat_prefilter_px", least_radius_px)
       .set("columns", columns)
       .set("ambient_occlusion", options.ambient_occlusion);
+  if (options.with_shadow) program.set("shadow_depth", shadow_depth);
   about_[openness_level].bind(binding::input + 7);
   nearest_t_.bind(binding::input + 3);
   const auto run = [&](const gl::Framebuffer& framebuffer) {
@@ -99,7 +105,7 @@ void Discs::draw(const View& view, const Options& options) {
     glDrawArrays(GL_POINTS, 0, columns * rows);
   };
   if (options.with_shadow) {
-    gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);
+    gl::ensure(shadow_sum_, "sum of shadow factors", GL_RG32F, width, height);
     shadow_sum_.clear(vec4(0));
     run(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}));
   } else {

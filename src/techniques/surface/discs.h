@@ -42,7 +42,7 @@ class Discs {
   const gl::Texture& nearest() const { return nearest_t_; }          ///< R32F: ray distance
   const gl::Texture& color_sum() const { return color_sum_; }        ///< RGBA32F: w rgb, w
   const gl::Texture& normal_sum() const { return normal_sum_; }      ///< RGBA32F: w n, w t
-  const gl::Texture& shadow_sum() const { return shadow_sum_; }      ///< R32F: w m
+  const gl::Texture& shadow_sum() const { return shadow_sum_; }      ///< RG32F: v m, v
 
  private:
   void allocate(int width, int height);

@@ -6,8 +6,11 @@ layout(binding = UNIT_INPUT) uniform sampler2D points;    // eye position and sp
 layout(binding = UNIT_INPUT + 1) uniform sampler2D visible;   // of squares: depth, openness, spacing, visible
 layout(binding = UNIT_INPUT + 2) uniform sampler2D shadowed;  // colour and shadow factor of every pixel
 
+uniform float lit_depth;  // point spacings behind the nearest point within which shadow factors count
+
 bool filter_pixel(ivec2 square) {
   vec4 nearest = texelFetch(visible, square, 0), sum = vec4(0.0), color = vec4(0.0);
+  vec2 factors = vec2(0.0);
   float behind = cluster_edge(-nearest.x, nearest.z, 2.0);
   float spacing = 0.0;
   for (int k = 0; k < 4; ++k) {
@@ -16,11 +19,13 @@ bool filter_pixel(ivec2 square) {
     if (nearest.w <= 0.0 || point.w <= 0.0 || point.z < behind) continue;
     sum += vec4(point.xyz, 1.0);
     spacing += point.w;
-    color += texelFetch(shadowed, at, 0);
+    vec4 own = texelFetch(shadowed, at, 0);
+    color += own;
+    if (point.z >= -nearest.x - lit_depth * nearest.z) factors += vec2(own.a, 1.0);
   }
   float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;
   out_0 = vec4(sum.xyz * scale, sum.w);
   out_1 = vec4(nearest.y, spacing * scale, 0.0, 0.0);
-  out_2 = color * scale;
+  out_2 = vec4(color.rgb * scale, factors.y > 0.0 ? factors.x / factors.y : 1.0);
   return true;
 }
