@@ -6,6 +6,7 @@
 #include "io/io.h"
 #include "reference/gl_fixture.h"
 #include "synth/synth.h"
+#include "techniques/soft/field.h"
 #include "techniques/soft/nearby.h"
 #include "unit/io/truth.h"
 
@@ -166,6 +167,84 @@ TEST_F(SoftScans, NothingIsSoftWhereNothingIsUncertain) {
         EXPECT_TRUE(says(out, "nothing is uncertain")) << scene << " " << noise;
         EXPECT_TRUE(says(out, "0.0 % of the points are soft")) << scene << " " << noise;
       }
+}
+
+// The room from two known places, normals known: F by the lidar equation, in double and from the scene's own
+// surfaces.
+TEST_F(SoftScans, SensorKnowsRangeAngleAndReturns) {
+  synth::SampleOptions options;
+  options.points = 40000;
+  options.scanner_position = {1.0f, 1.2f, 1.5f, 3.2f, 2.4f, 1.2f};
+  options.noise = synth::NoiseModel::tof;
+  options.normals.user = true;
+  const synth::Scene scene = synth::make_scene("room");
+  PointCloud cloud = synth::sample(scene, options);
+  ASSERT_FALSE(cloud.scanners.empty());
+  ScalarField returns{"number_of_returns", 0, std::vector<float>(cloud.size(), 1)};
+  for (std::size_t i = 0; i < cloud.size(); i += 3) returns.values[i] = 2;
+  cloud.set_scalar(returns);
+  const PreparedCloud prepared = analysis::prepare(cloud, technique_->needs(), {});
+  const PointCloud& points = prepared.cloud;
+  const ScalarField &which = *points.scalar("scanner"), &shared = *points.scalar("number_of_returns");
+
+  std::vector<double> sigma(points.size()), error(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const dvec3 from = points.scanners[std::size_t(which.value(i))], way = points.world(i) - from;
+    const double range = glm::length(way);
+    const auto hit = scene.intersect({from, way / range});
+    ASSERT_TRUE(hit.has_value());
+    error[i] = std::abs(range - hit->t);
+    const double cosine = std::max(std::abs(glm::dot(dvec3(points.normals[i]), way / range)), 0.1);
+    sigma[i] = range * range / cosine * shared.value(i);
+  }
+  std::vector<double> sorted = sigma;
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  const double median = sorted[sorted.size() / 2];
+
+  soft::FieldSettings settings;
+  settings.field = "sensor";
+  soft::Nearby nearby;
+  const soft::Field field = soft::evaluate(prepared, settings, nearby);
+  double soft_sum = 0, solid_sum = 0, wrong = 0;
+  std::size_t soft_count = 0, solid_count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    wrong = std::max(wrong, std::abs(field.values[i] - (1 - 1 / std::max(sigma[i] / median, 1.0))));
+    if (shared.value(i) > 1) continue;  // made up: the scanner of the scene measured all alike
+    (field.values[i] > 0.5f ? soft_sum : solid_sum) += error[i];
+    ++(field.values[i] > 0.5f ? soft_count : solid_count);
+  }
+  EXPECT_LT(wrong, 1e-3);  // the median of an even number, normals in float
+  EXPECT_GE(field.threshold, 0.5f);
+  // What is called uncertain is worse measured: the noise of the synthetic scanner grows as its light fails.
+  ASSERT_GT(soft_count, 500u);
+  EXPECT_GT(soft_sum / double(soft_count), 2 * solid_sum / double(solid_count));
+}
+
+TEST_F(SoftScans, SensorNeedsAFileThatKnowsIt) {
+  PointCloud cloud = sphere_cloud(2000);
+  PreparedCloud prepared = analysis::prepare(cloud, technique_->needs(), {});
+  soft::FieldSettings settings;
+  settings.field = "sensor";
+  soft::Nearby nearby;
+  EXPECT_THROW(soft::evaluate(prepared, settings, nearby), Error);
+
+  // The scanner alone, in the middle of a sphere: all alike, nothing is soft.
+  cloud.scanners.push_back(dvec3(0));
+  prepared = analysis::prepare(cloud, technique_->needs(), {});
+  const soft::Field alike = soft::evaluate(prepared, settings, nearby);
+  EXPECT_LT(*std::max_element(alike.values.begin(), alike.values.end()), 0.05f);
+  EXPECT_GE(alike.threshold, 0.5f);
+
+  // Returns alone, as from the air: of three of them each point has three times the noise of a single one.
+  cloud.scanners.clear();
+  ScalarField returns{"number_of_returns", 0, std::vector<float>(cloud.size(), 1)};
+  returns.values[7] = 3;
+  cloud.set_scalar(returns);
+  prepared = analysis::prepare(cloud, technique_->needs(), {});
+  const soft::Field shared = soft::evaluate(prepared, settings, nearby);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    EXPECT_FLOAT_EQ(shared.values[i],
+                    prepared.cloud.scalar("number_of_returns")->value(i) == 3 ? 2.0f / 3 : 0);
 }
 
 // Where leaves stand over flat ground the leaves are what is soft, in patches.

@@ -7,6 +7,7 @@
 
 #include "analysis/quantiles.h"
 #include "core/error.h"
+#include "techniques/soft/sensor.h"
 
 namespace sfumato::soft {
 namespace {
@@ -28,7 +29,7 @@ dvec3 parse_vector(const std::string& name, const std::string& text) {
 // By view: g++ 13 and later take a reference to a temporary name for one that the result refers to.
 const ScalarField& scalar_of(const PointCloud& cloud, std::string_view name) {
   if (const ScalarField* scalar = cloud.scalar(name)) return *scalar;
-  std::vector<std::string> names{"uncertainty", "class", "distance"};
+  std::vector<std::string> names{"uncertainty", "sensor", "class", "distance"};
   for (const ScalarField& scalar : cloud.scalars) names.push_back(scalar.name);
   std::string list;
   for (const std::string& one : names) list += (list.empty() ? "" : ", ") + one;
@@ -99,7 +100,9 @@ std::vector<float> scalar_values(const PreparedCloud& prepared, const std::strin
 
 void FieldSettings::describe(ParamList& p) {
   p.add("field", field)
-      .help("what makes a point soft: uncertainty, class, distance, or a scalar of the cloud by name")
+      .help(
+          "what makes a point soft: uncertainty, sensor (range, incidence angle, number of returns), class, "
+          "distance, or a scalar of the cloud by name")
       .paper("Seemann 2018, F");
   p.add("field_classes", classes).help("field = class: classification codes that are soft (6 is building)");
   p.add("field_distance", distance_to, {"axis", "plane", "point", "box"}).help("field = distance: from what");
@@ -127,6 +130,8 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& n
     field.values = classes(cloud, settings.classes);
   else if (settings.field == "distance")
     field.values = distances(cloud, settings);
+  else if (settings.field == "sensor")
+    field.values = sensor_uncertainty(prepared, field.notes);
   else if (measured) {
     if (nearby.size() != cloud.size()) nearby = Nearby(cloud.positions, progress);
     field.values = scale_free_uncertainty(prepared, nearby);
@@ -146,6 +151,11 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& n
   } else if (settings.field == "distance") {
     field.threshold = 0.5f;
     field.modulation_threshold = 0.75f;
+  } else if (settings.field == "sensor" && !settings.invert) {
+    // Twice the standard deviation of an ordinary point, and four times.
+    field.threshold = std::max(field.threshold, 0.5f);
+    field.modulation_threshold = std::max(field.modulation_threshold, 0.75f);
+    if (*most <= field.threshold) field.notes.push_back("nothing is uncertain: every point is solid");
   } else if (measured && !settings.invert) {
     field.threshold = std::max(field.threshold, uncertain_from);
     field.modulation_threshold = std::max(field.modulation_threshold, fully_uncertain);

@@ -19,6 +19,8 @@ struct FieldSettings {
   std::string origin = "auto", direction = "auto", size = "auto";
   Auto<float> range;
   bool invert = false;
+  /// Not something that the user chose to see through.
+  bool is_uncertainty() const { return field == "uncertainty" || field == "sensor"; }
   void describe(ParamList& p);
 };
 

@@ -128,7 +128,7 @@ struct Parameters {
 
   /// Up to 0.3 Express stays within 0.033 of Base. Uncertain patches of one surface should not look like
   /// holes.
-  float plain_opacity() const { return opacity.user.value_or(field.field == "uncertainty" ? 0.3f : 0.15f); }
+  float plain_opacity() const { return opacity.user.value_or(field.is_uncertainty() ? 0.3f : 0.15f); }
   /// The same, less where the haze of a view is deep: `depth` of it (haze_depth.h) lets `least_transmittance`
   /// through.
   float resolve_opacity(double depth) {
@@ -187,7 +187,7 @@ class Soft final : public Technique {
       blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
       one_layer_.draw(frame, view, shape, blend, opacity);
     } else {
-      solid_.update(frame.cloud, field_.values, shape.field_threshold, p.field.field != "uncertainty",
+      solid_.update(frame.cloud, field_.values, shape.field_threshold, !p.field.is_uncertainty(),
                     p.clamp_radius, nearby_.size() == field_.values.size() ? &nearby_ : nullptr,
                     frame.progress);
       blend.epsilon = p.epsilon.resolve(2 * solid_.spacing());
