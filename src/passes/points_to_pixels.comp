@@ -23,7 +23,7 @@ layout(binding = UNIT_INPUT) uniform sampler2D reference_depth;
 uniform int size_mode;      // 0 adaptive, 1 pixels, 2 world
 uniform float point_size;   // factor, px, scene units
 uniform float largest_spacing;  // scene units; adaptive sizes where points are sparser stay at it
-uniform float wide_px;      // adaptive sizes above it grow with their root; 0: no
+uniform float wide_px;      // adaptive sizes above it grow with their fourth root; 0: no
 uniform float min_gap;      // scene units behind the reference
 
 #ifdef ORIENTED
@@ -119,7 +119,7 @@ void main() {
   float diameter = point_size;
   if (size_mode == 0)
     diameter *= min(spacing_in(gl_WorkGroupID.y, batch, position), largest_spacing) * pixels_at(depth);
-  if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = sqrt(diameter * wide_px);
+  if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = wide_px * sqrt(sqrt(diameter / wide_px));
   if (size_mode == 2) diameter *= pixels_at(depth);
 #ifdef ORIENTED
   precise vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);

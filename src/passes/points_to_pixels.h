@@ -21,8 +21,8 @@ struct Footprint {
   float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
   /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more.
   float largest_medians = 4;
-  /// Discs wider than this grow with the root of what they would be; 0: no. Points that far apart are no
-  /// surface any more to whoever looks, and discs that close it would hide what shape there is. px
+  /// Discs wider than this grow with the fourth root of what they would be; 0: no. Points that far apart are
+  /// no surface any more to whoever looks, and discs that close it would hide what shape there is. px
   float wide_px = 0;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;

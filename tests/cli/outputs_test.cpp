@@ -56,6 +56,21 @@ TEST_F(CommandTest, InputsAreNoOutputsAndNoFileIsWrittenTwice) {
   EXPECT_EQ(files(), (std::vector<std::string>{"c.json", "cube.ply", "link.ply", "p.json"}));
 }
 
+TEST_F(CommandTest, PicturesOfRoomsThatAreCutOpenSaySo) {
+  ASSERT_EQ(run({"synth", "room", "--points", "60k", "-o", "room.ply", "--quiet"}).code, 0);
+  const auto description = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"room.ply",     "-t",    "points", "-o", "room.png",
+                                      "--resolution", "64x48", "--up",   "+Z"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return png_texts("room.png")["Description"];
+  };
+  EXPECT_THAT(description({}), HasSubstr("--whole"));
+  EXPECT_EQ(description({"--whole"}), "");
+  EXPECT_EQ(description({"--camera-position", "2,2,1.5", "--camera-focal-point", "3,3,1.5"}), "") << "within";
+}
+
 TEST_F(CommandTest, StandardInputAndOutputAreFiles) {
   write_cube("cube.ply", 10);
   const Outcome picture = run({"cube.ply", "-t", "points", "-o", "-", "--resolution", "40x30", "--quiet"});

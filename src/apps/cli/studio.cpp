@@ -235,9 +235,15 @@ void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, c
 }
 
 io::PngTexts Studio::texts_of(const Camera& camera) const {
-  return {{"Software", std::string("sfumato ") + version()},
-          {"Command", command_},
-          {"Camera", io::camera_to_json(camera)}};
+  io::PngTexts texts = {{"Software", std::string("sfumato ") + version()},
+                        {"Command", command_},
+                        {"Camera", io::camera_to_json(camera)}};
+  // What the console says does not travel with the picture.
+  const std::optional<Room>& room = session_.pose().subject.room;
+  if (room && !walls_before(*room, camera).empty())
+    texts.emplace_back("Description",
+                       "A room without its ceiling and the walls before the camera; --whole draws them.");
+  return texts;
 }
 
 void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {

@@ -1,0 +1,41 @@
+// How large the dots of `points` are.
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+/// The diameter of a dot in a picture of 720 rows that shows points of a square grid so many px apart, from
+/// the area that 9 x 9 of them cover; where they overlap, of a disc of the area that each has left.
+double diameter_px(double apart_px) {
+  PointCloud cloud;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) cloud.positions.push_back({float(x - 19.5), float(y - 19.5), 0});
+  Renderer renderer(context());
+  const auto technique = find_technique("points").create();
+  show(renderer, cloud, technique->needs());
+  Camera camera = camera_at({0, 0, 100}, 720, 720);
+  camera.projection = Projection::orthographic;
+  camera.height_world = 720 / apart_px;
+  RenderSettings settings;
+  settings.transparent = true;
+  const RenderOutput out = renderer.render(*technique, camera, settings, all_outputs());
+  const int half = int(4.5 * apart_px);
+  int covered = 0;
+  for (int y = 360 - half; y < 360 + half; ++y)
+    for (int x = 360 - half; x < 360 + half; ++x) covered += std::isfinite(out.depth.at(x, y));
+  return 2 * std::sqrt(covered / 81.0 / std::acos(-1.0));
+}
+
+TEST(Points, DotsFarApartStayDots) {
+  // R_8 of a square grid is sqrt(2) steps, its spacing sqrt(2) sqrt(pi / 8) = 0.886 steps (docs/analysis.md),
+  // a dot two of those: 1.77 steps wide. Above 8 px it grows with the fourth root. 0.7: half a pixel each
+  // side of a disc of few pixels, and the plane that batches put through their spacings.
+  for (double apart : {20.0, 40.0}) {
+    const double whole = 1.772 * apart, expected = 8 * std::pow(whole / 8, 0.25);
+    EXPECT_NEAR(diameter_px(apart), expected, 0.7) << apart;
+  }
+}
+
+}  // namespace
