@@ -26,6 +26,9 @@ constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
 
 /// In median radii: the largest disc in clutter, before it shrinks.
 constexpr float most_in_clutter = 1.5f;
+/// And where the neighbours do not clearly lie in a plane, whatever surrounds them: a trunk of few points is
+/// no club. Sparse ground has larger discs.
+constexpr float most_unless_flat = most_in_clutter;
 
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
@@ -132,20 +135,20 @@ class Completion {
     }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
-    if (shrink) shrink_in_clutter(std::move(flatness), narrow, new_radii);
+    if (shrink) shrink_in_clutter(flatness, narrow, new_radii);
     if (normals) cloud_.normals = std::move(new_normals);
     if (radii) cloud_.radii = std::move(new_radii);
   }
 
  private:
-  void shrink_in_clutter(std::vector<float> flatness, const std::vector<float>& narrow,
+  void shrink_in_clutter(const std::vector<float>& flatness, const std::vector<float>& narrow,
                          std::vector<float>& radii) {
     const auto less = [](float f) { return f < 1; };
     if (std::none_of(flatness.begin(), flatness.end(), less) &&
         std::none_of(narrow.begin(), narrow.end(), less))
       return;
-    const std::vector<float> surface =
-        surface_shares(cloud_.positions, std::move(flatness), int(k_), progress_);
+    const std::vector<float> surface = surface_shares(cloud_.positions, flatness, int(k_), progress_);
+    const bool tells = tells_clutter(radii.size(), k_);
     prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -154,6 +157,8 @@ class Completion {
         // A stray point is as far from its neighbours as they are from anything, which is no size.
         const float stray = most_in_clutter * prepared_.median_radius / radii[i];
         if (stray < 1) shrunk *= std::lerp(stray, 1.0f, surface[i]);
+        if (tells && (flatness[i] < 1 || narrow[i] < 1 || surface[i] < 1))
+          shrunk = std::min(shrunk, most_unless_flat * prepared_.median_radius / radii[i]);
         prepared_.shrunk[i] = shrunk;
         radii[i] *= shrunk;
       }

@@ -16,6 +16,9 @@ namespace sfumato::analysis {
 float flatness_of(std::span<const vec3> positions, std::uint32_t point,
                   std::span<const std::uint32_t> neighbors, const LocalFrame& frame, float reach);
 
+/// Fewer points do not tell what surrounds them: nothing is clutter.
+inline bool tells_clutter(std::size_t points, std::size_t neighbors) { return points / 8 > neighbors; }
+
 /// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge
 /// from a leaf, nor noise from grass, but what surrounds it and what is seen from farther away do. A point is
 /// on a surface when most of those around it are flat, or some and itself, or when the wider neighbourhoods

@@ -178,6 +178,39 @@ TEST(Support, UncertaintyIsTheSameWhoeverAsksFirst) {
   EXPECT_EQ(later.cloud.scalar("uncertainty")->values, at_once.cloud.scalar("uncertainty")->values);
 }
 
+TEST(Support, OnlyFlatPlacesHaveLargeDiscs) {
+  // Dense ground, and above it a box with a tenth of its points per area, whose discs are three times as
+  // large: within a face they close it, across an edge they would stand out.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<vec3> points;
+  for (int i = 0; i < 40'000; ++i) points.push_back({20 * uniform(random), 20 * uniform(random), 0});
+  for (int i = 0; i < 2'160; ++i) {
+    vec3 p(6 * uniform(random), 6 * uniform(random), 6 * uniform(random));
+    p[i % 3] = i % 2 ? 6.0f : 0.0f;
+    points.push_back(p + vec3(7, 7, 3));
+  }
+  const PreparedCloud prepared = prepare(cloud_of(points), Attribute::normal | Attribute::radius, {});
+  int edge = 0, edge_large = 0, face = 0, face_large = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (prepared.cloud.source_index[i] < 40'000) continue;
+    vec3 to_side;  // the second smallest is the way to an edge
+    for (int k = 0; k < 3; ++k) {
+      const float at =
+          prepared.cloud.positions[i][k] + float(prepared.cloud.origin[k]) - (k == 2 ? 3.0f : 7.0f);
+      to_side[k] = std::min(std::abs(at), std::abs(6 - at));
+    }
+    std::sort(&to_side.x, &to_side.x + 3);
+    const float medians = prepared.cloud.radii[i] / prepared.median_radius;
+    if (to_side.y < 0.15f) ++edge, edge_large += medians > 1.51f;
+    if (to_side.y > 1.5f) ++face, face_large += medians > 2;
+  }
+  ASSERT_GT(edge, 100);
+  ASSERT_GT(face, 300);
+  EXPECT_LT(edge_large, 0.1 * edge);
+  EXPECT_GT(face_large, 0.9 * face);
+}
+
 TEST(Support, TooFewPointsAreNoClutter) {
   EXPECT_EQ(share_below(shrunk(uniform_cube(150)), 0.999f), 0);
   EXPECT_GT(share_below(shrunk(uniform_cube(5000)), 0.5f), 0.95);
