@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/order.h"
+
 namespace sfumato::analysis {
 namespace {
 
@@ -95,9 +97,7 @@ class Plan {
     std::vector<int> ceilings;
     for (const Column& column : columns_)
       if (column.is_roofed) ceilings.push_back(column.high);
-    const auto low = ceilings.begin() + std::ptrdiff_t(ceilings.size() / 5);
-    std::nth_element(ceilings.begin(), low, ceilings.end());
-    const double ceiling = (double(*low) - 0.5) / layers;
+    const double ceiling = (double(nth_value(ceilings, ceilings.size() / 5)) - 0.5) / layers;
     Room room;
     const bool down = glm::dot(up, dvec3(1)) < 0;
     const double height =
@@ -155,12 +155,8 @@ class Plan {
       const dvec3 out = direction(best + side * glm::half_pi<double>());
       std::vector<double> along;
       for (const dvec3& p : walls) along.push_back(glm::dot(p, out));
-      const auto quantile = [&](double q) {
-        const auto nth = along.begin() + std::ptrdiff_t(q * double(along.size() - 1));
-        std::nth_element(along.begin(), nth, along.end());
-        return *nth;
-      };
-      const double low = quantile(0.005), high = quantile(0.998), bin = (high - low) / wall_bins;
+      const double low = value_at_share(along, 0.005), high = value_at_share(along, 0.998),
+                   bin = (high - low) / wall_bins;
       if (!(bin > 0)) continue;
       const std::vector<double> counts = histogram(walls, out, low, high, wall_bins);
       for (int k = wall_bins - 1; k >= int((1 - wall_reach) * wall_bins); --k) {

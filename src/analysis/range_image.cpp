@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "analysis/quantiles.h"
+#include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -205,8 +206,7 @@ std::optional<Lines> find_lines(std::vector<double> values) {
   for (std::size_t i = 1; i < n; ++i)
     if (const double gap = values[i] - values[i - 1]; gap * most_lines > range) gaps.push_back(gap);
   if (gaps.size() < std::size_t(least_lines)) return std::nullopt;
-  std::nth_element(gaps.begin(), gaps.begin() + std::ptrdiff_t(gaps.size() / 2), gaps.end());
-  const double wide = 0.4 * gaps[gaps.size() / 2];
+  const double wide = 0.4 * median(gaps);
   std::vector<double> lines, steps;
   for (std::size_t first = 0; first < n;) {
     std::size_t last = first + 1;
@@ -217,9 +217,7 @@ std::optional<Lines> find_lines(std::vector<double> values) {
   }
   for (std::size_t k = 1; k < lines.size(); ++k) steps.push_back(lines[k] - lines[k - 1]);
   if (steps.size() < std::size_t(least_lines)) return std::nullopt;
-  std::vector<double> sorted = steps;
-  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-  const double pitch = sorted[sorted.size() / 2];
+  const double pitch = median(std::vector<double>(steps));
   // A line through the places of lines, by least squares: the pitch to a thousandth is not enough for 640 of
   // them.
   double number = 0, count = 0, sum_k = 0, sum_kk = 0, sum_v = 0, sum_kv = 0;

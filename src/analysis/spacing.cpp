@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "core/order.h"
+
 namespace sfumato::analysis {
 namespace {
 
@@ -66,9 +68,7 @@ float spacing_at(const NeighborTree& tree, std::size_t i) {
 float median_of_positive(std::vector<float>& spacings) {
   std::erase_if(spacings, [](float s) { return !(s > 0) || !std::isfinite(s); });
   if (spacings.empty()) return 0;
-  const auto middle = spacings.begin() + std::ptrdiff_t(spacings.size() / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  return median(spacings);
 }
 
 /// A plane through the logarithms of spacings over the places they were measured at, weighted so that a lone

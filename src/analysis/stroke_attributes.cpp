@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "analysis/normals.h"
+#include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -23,12 +24,6 @@ float smooth(float low, float high, float x) {
 
 /// 0 where points are a surface, 1 where they fill space. Scanned stone stays below 0.3, creases reach 0.5.
 float fills_space(float non_planarity) { return smooth(0.4f, 0.7f, non_planarity); }
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// r and eps_r of every cluster: mean and standard deviation over its points of their mean distances to K
 /// neighbours (dos Anjos 2017, Sec. 3.2.1 and 3.2.2: "the estimated cluster resolution").
@@ -341,11 +336,9 @@ void add_clusters_in_order(PreparedCloud& prepared, const StrokeOptions& options
                    stroke_rooms(graph, cluster.values, normals, size.values, shapes, progress),
                    StoredType::float32};
   // As fine as the denser parts allow: a scanner sees near things at a tenth of the median spacing.
-  std::vector<float> sorted = size.values;
-  const auto dense = sorted.begin() + std::ptrdiff_t(sorted.size() / 10);
-  std::nth_element(sorted.begin(), dense, sorted.end());
+  const float dense = nth_value(std::vector<float>(size.values), size.values.size() / 10);
   const std::vector<float> lengths = detail_lengths(cloud.positions, cloud.colors, normals, cloud.origin,
-                                                    *dense / std::sqrt(2.0f), options.detail, progress);
+                                                    dense / std::sqrt(2.0f), options.detail, progress);
   ScalarField detail{"stroke_detail", 0, even_details(graph, lengths, shapes, size.values),
                      StoredType::float32};
   cloud.normals = std::move(normals);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "analysis/neighbors.h"
+#include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -66,15 +67,12 @@ Scale::Layer layer_of(std::span<const vec3> positions, std::uint32_t center,
   if (count == 0) return {};
   for (std::size_t k = 0; k < count; ++k)
     heights[k] = glm::dot(positions[ids[k]] - positions[center], normal);
-  const auto middle = heights.begin() + std::ptrdiff_t(count / 2),
-             end = heights.begin() + std::ptrdiff_t(count);
-  std::nth_element(heights.begin(), middle, end);
-  const float level = *middle;
-  for (std::size_t k = 0; k < count; ++k) heights[k] = std::abs(heights[k] - level);
-  std::nth_element(heights.begin(), middle, end);
+  const std::span there(heights.data(), count);
+  const float level = median(there);
+  for (float& height : there) height = std::abs(height - level);
   // 1.48 medians are a deviation of what is spread normally.
   return {normal, level + glm::dot(positions[center], normal),
-          std::max(layer_deviations * 1.48f * *middle, layer_bend * reach)};
+          std::max(layer_deviations * 1.48f * median(there), layer_bend * reach)};
 }
 
 float belongs(const vec3& position, const Scale::Layer& layer) {

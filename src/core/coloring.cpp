@@ -9,6 +9,7 @@
 #include "core/colormap.h"
 #include "core/error.h"
 #include "core/param.h"
+#include "core/order.h"
 
 namespace sfumato {
 namespace {
@@ -58,10 +59,8 @@ std::array<double, 2> stretch(const ScalarField& field, bool is_height) {
   for (std::size_t i = 0; i < field.values.size(); i += stride)
     if (std::isfinite(field.values[i])) sample.push_back(field.values[i]);
   if (sample.empty()) return {field.offset, field.offset + 1};
-  auto quantile = [&](double q) {
-    const auto nth = sample.begin() + std::ptrdiff_t(std::lround(q * double(sample.size() - 1)));
-    std::nth_element(sample.begin(), nth, sample.end());
-    return double(*nth);
+  const auto quantile = [&](double q) {
+    return double(nth_value(sample, std::size_t(std::lround(q * double(sample.size() - 1)))));
   };
   double low = quantile(0.02), high = quantile(0.98);
   if (low == high) {
@@ -169,9 +168,7 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
   std::vector<std::uint8_t> strongest;
   for (std::size_t i = 0; i < colors.size(); i += stride)
     strongest.push_back(std::max({colors[i].r, colors[i].g, colors[i].b}));
-  const auto nth = strongest.begin() + std::ptrdiff_t(0.9 * double(strongest.size() - 1));
-  std::nth_element(strongest.begin(), nth, strongest.end());
-  const float light = linear_from_srgb(*nth);
+  const float light = linear_from_srgb(value_at_share(strongest, 0.9));
   if (!(light > 0) || light >= light_enough) return 1;
   return std::min(most_exposure, light_enough * (1 - light) / (light * (1 - light_enough)));
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/subsample.h"
+#include "core/order.h"
 
 namespace sfumato {
 
@@ -77,13 +78,8 @@ Bounds robust_bounds(const PointCloud& cloud, double low, double high) {
   for (int k = 0; k < 3; ++k) {
     axis.clear();
     for (std::size_t i = 0; i < cloud.size(); i += stride) axis.push_back(cloud.positions[i][k]);
-    auto quantile = [&](double q) {
-      auto nth = axis.begin() + std::ptrdiff_t(q * double(axis.size() - 1));
-      std::nth_element(axis.begin(), nth, axis.end());
-      return double(*nth);
-    };
-    box.min[k] = cloud.origin[k] + quantile(low);
-    box.max[k] = cloud.origin[k] + quantile(high);
+    box.min[k] = cloud.origin[k] + double(value_at_share(axis, low));
+    box.max[k] = cloud.origin[k] + double(value_at_share(axis, high));
   }
   return box;
 }

@@ -8,6 +8,7 @@
 #include "io/columns.h"
 #include "io/large_vector.h"
 #include "io/parallel.h"
+#include "core/order.h"
 
 namespace sfumato::io {
 namespace {
@@ -314,12 +315,8 @@ std::pair<double, double> middle_of(const std::vector<dvec3>& points, int axis) 
   for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 10'000)
     sample.push_back(points[i][axis]);
   if (sample.empty()) return {0, 0};
-  const auto quantile = [&](std::size_t place) {
-    std::nth_element(sample.begin(), sample.begin() + std::ptrdiff_t(place), sample.end());
-    return sample[place];
-  };
   const std::size_t last = sample.size() - 1;
-  return {quantile(last / 50), quantile(last - last / 50)};
+  return {nth_value(sample, last / 50), nth_value(sample, last - last / 50)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "io/large_vector.h"
+#include "core/order.h"
 
 namespace sfumato::io::las {
 namespace {
@@ -292,8 +293,7 @@ std::int32_t PointCollector::median_step(int axis) const {
   std::vector<std::int32_t> sample;
   for (std::size_t i = 0; i < positions_.size(); i += 1 + positions_.size() / 10'000)
     sample.push_back(std::bit_cast<std::int32_t>(positions_[i][axis]));
-  std::nth_element(sample.begin(), sample.begin() + std::ptrdiff_t(sample.size() / 2), sample.end());
-  return sample[sample.size() / 2];
+  return median(sample);
 }
 
 void PointCollector::place_points(ReadResult& result, const Stats& total, Progress& progress) {

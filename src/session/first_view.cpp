@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/param.h"
+#include "core/order.h"
 
 namespace sfumato {
 
@@ -210,12 +211,8 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
     const dvec3 way = cloud.world(i) - middle;
     distances.push_back(glm::length(way - glm::dot(way, up) * up));
   }
-  const auto quantile = [&](double q) {
-    const auto nth = distances.begin() + std::ptrdiff_t(q * double(distances.size() - 1));
-    std::nth_element(distances.begin(), nth, distances.end());
-    return *nth;
-  };
-  const double half = quantile(0.5), most = quantile(0.85), all = quantile(0.99);
+  const double half = value_at_share(distances, 0.5), most = value_at_share(distances, 0.85),
+               all = value_at_share(distances, 0.99);
   return half < 0.48 * most && all > 2 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
 }
 

@@ -8,6 +8,7 @@
 #include "analysis/attributes.h"
 #include "analysis/neighbors.h"
 #include "analysis/quantiles.h"
+#include "core/order.h"
 #include "core/symmetric3.h"
 
 namespace sfumato::denoise {
@@ -114,10 +115,9 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
   for (std::size_t i = 0; i < n; ++i) {
     std::array<float, k> around;
     for (std::size_t j = 0; j < k; ++j) around[j] = reach[neighbors_of[i][j]];
-    std::nth_element(around.begin(), around.begin() + k / 2, around.end());
     const float own = std::max(reach[i], std::numeric_limits<float>::min());
     const float among_all = std::min(1.0f, enough / own),
-                among_near = std::min(1.0f, 1.5f * around[k / 2] / own);
+                among_near = std::min(1.0f, 1.5f * median(around) / own);
     support[i] = std::max(isolated_support, std::pow(among_all * among_all * among_all * among_near, 4.0f));
   }
   return support;

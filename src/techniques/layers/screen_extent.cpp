@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "passes/view.h"
+#include "core/order.h"
 
 namespace sfumato::layers {
 
@@ -20,11 +21,6 @@ ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera
     px.push_back(batch.spacing / pixels.back());
   }
   if (px.empty()) return {};
-  auto median = [](std::vector<float>& values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
   return {median(px), *std::max_element(px.begin(), px.end()), median(pixels)};
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "analysis/neighbors.h"
+#include "core/order.h"
 
 namespace sfumato::soft {
 namespace {
@@ -51,10 +52,9 @@ std::vector<float> Nearby::expected_radii(std::span<const vec3> positions,
       size[k] = radii[j];
       distance2[k] = glm::dot(away, away);
     }
-    std::nth_element(size.begin(), size.begin() + middle, size.end());
-    std::nth_element(distance2.begin(), distance2.begin() + sixth, distance2.end());
-    const float own = 2 * std::sqrt(distance2[sixth] / float(sixth + 1));
-    if (size[middle] > 0) result[i] = size[middle];
+    const float usual = nth_value(size, middle);
+    const float own = 2 * std::sqrt(nth_value(distance2, sixth) / float(sixth + 1));
+    if (usual > 0) result[i] = usual;
     // Six points vary: that they lie in a quarter of their usual radius is what three in a million do at
     // random. 0: coincident points, which say nothing.
     if (own > 0) result[i] = std::min(result[i], 2 * own);

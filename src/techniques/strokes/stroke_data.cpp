@@ -10,6 +10,7 @@
 #include "analysis/stroke_attributes.h"
 #include "core/symmetric3.h"
 #include "passes/bindings.h"
+#include "core/order.h"
 
 namespace sfumato::strokes {
 namespace {
@@ -114,10 +115,7 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, double quantum, Progre
         tangent == Tangent::covariance ? widest_directions(points.positions, progress) : std::vector<vec3>();
     // What has no support was capped (analysis/stroke_attributes.h). Sparse ends of a scan: eight times the
     // median still closes what is 64 times as sparse.
-    std::vector<float> sorted = sizes;
-    const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const float most = 8 * *middle;
+    const float most = 8 * median(std::vector<float>(sizes));
     std::vector<vec4> tangents;
     std::vector<glm::uvec4> traits;
     for (const GpuCloud::Chunk& chunk : cloud.chunks()) {
