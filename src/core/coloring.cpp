@@ -8,8 +8,8 @@
 #include "core/color.h"
 #include "core/colormap.h"
 #include "core/error.h"
-#include "core/param.h"
 #include "core/order.h"
+#include "core/param.h"
 
 namespace sfumato {
 namespace {

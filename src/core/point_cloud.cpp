@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/subsample.h"
 #include "core/order.h"
+#include "core/subsample.h"
 
 namespace sfumato {
 

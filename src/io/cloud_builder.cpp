@@ -5,10 +5,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/order.h"
 #include "io/columns.h"
 #include "io/large_vector.h"
 #include "io/parallel.h"
-#include "core/order.h"
 
 namespace sfumato::io {
 namespace {

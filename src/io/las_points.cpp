@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 
-#include "io/large_vector.h"
 #include "core/order.h"
+#include "io/large_vector.h"
 
 namespace sfumato::io::las {
 namespace {

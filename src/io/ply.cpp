@@ -1,7 +1,9 @@
 // Stanford PLY (Turk 1994). Any property order and type; lists are walked over; ascii and both byte orders.
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "io/columns.h"
 #include "io/file.h"
@@ -149,6 +151,26 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
 
 }  // namespace
 
+namespace {
+
+/// Files of 3D Gaussian splats hold colours as spherical harmonics. The constant term, the same from every
+/// side: 1/2 + f_dc / sqrt(4 pi), in sRGB (Kerbl et al. 2023, whose program stores it so).
+void color_by_harmonics(ReadResult& result) {
+  PointCloud& cloud = result.cloud;
+  const ScalarField* terms[] = {cloud.scalar("f_dc_0"), cloud.scalar("f_dc_1"), cloud.scalar("f_dc_2")};
+  if (!cloud.colors.empty() || !terms[0] || !terms[1] || !terms[2]) return;
+  const auto byte = [&](const ScalarField& term, std::size_t i) {
+    const double value = 0.5 + term.value(i) / std::sqrt(4 * std::numbers::pi);
+    return std::uint8_t(std::lround(255 * std::clamp(std::isnan(value) ? 0.5 : value, 0.0, 1.0)));
+  };
+  cloud.colors.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.colors[i] = {byte(*terms[0], i), byte(*terms[1], i), byte(*terms[2], i), 255};
+  result.report.notes.push_back("Gaussian splats: their centres are drawn, in their mean colours (f_dc)");
+}
+
+}  // namespace
+
 ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places,
                              Progress& progress) {
   ReadResult result;
@@ -156,6 +178,7 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
   result.cloud.crs = result.report.crs = header.crs;
   if (header.ascii) {
     read_lines(file, header, keep_places, progress, result);
+    color_by_harmonics(result);
     return result;
   }
   PlyWalker walker(file, header.big_endian, header.data_begin);
@@ -164,6 +187,7 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
     read_walked(file, header, walker.position(), keep_places, progress, result);
   else
     read_records(file, header, walker.position(), keep_places, progress, result);
+  color_by_harmonics(result);
   return result;
 }
 

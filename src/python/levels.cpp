@@ -177,8 +177,7 @@ void bind_levels(py::module_& module) {
       .def_property_readonly("file", [](const Levels& self) { return self.file; })
       // From the coarse levels, as the command does.
       .def("stand",
-           [](const Levels& self, const std::optional<std::string>& up, bool whole,
-              const py::object& progress) {
+           [](Levels& self, const std::optional<std::string>& up, bool whole, const py::object& progress) {
              const std::optional<UpAxis> asked = up_axis(up);
              Stand stand;
              run(

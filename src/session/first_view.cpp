@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "core/error.h"
-#include "core/param.h"
 #include "core/order.h"
+#include "core/param.h"
 
 namespace sfumato {
 

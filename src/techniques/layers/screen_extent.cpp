@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "passes/view.h"
 #include "core/order.h"
+#include "passes/view.h"
 
 namespace sfumato::layers {
 

@@ -8,9 +8,9 @@
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/stroke_attributes.h"
+#include "core/order.h"
 #include "core/symmetric3.h"
 #include "passes/bindings.h"
-#include "core/order.h"
 
 namespace sfumato::strokes {
 namespace {

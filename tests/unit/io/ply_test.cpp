@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -10,6 +11,8 @@
 namespace sfumato {
 namespace {
 
+using ::testing::Contains;
+using ::testing::HasSubstr;
 using test::bytes_of;
 using test::reversed_bytes_of;
 using test::temp_file;
@@ -118,6 +121,23 @@ TEST(PlyTest, ColorsOfEveryRangeBecomeBytes) {
   EXPECT_EQ(color_of("ushort", "65535 256 255"), (Rgba8{255, 1, 0, 255}));  // >> 8
   EXPECT_EQ(color_of("ushort", "255 12 0"), (Rgba8{255, 12, 0, 255}));      // 8 bit in 16
   EXPECT_EQ(color_of("uchar", "1 1 1"), (Rgba8{1, 1, 1, 255}));             // bytes are never fractions
+}
+
+TEST(PlyTest, GaussianSplatsHaveTheColoursOfTheirConstantTerms) {
+  const std::string terms = "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n";
+  const std::string bytes = header("ascii", "element vertex 3\n" + xyz + terms) +
+                            "0 0 0 0 1.7724539 -1.7724539\n1 1 1 0.8862269 9 -9\n2 2 2 nan 0 0\n";
+  const io::ReadResult result = io::read(write_file("a.ply", bytes));
+  // 1.7724539 is sqrt(pi): by 1 / sqrt(4 pi) half the range.
+  EXPECT_EQ(result.cloud.colors,
+            (std::vector<Rgba8>{{128, 255, 0, 255}, {191, 255, 0, 255}, {128, 128, 128, 255}}));
+  EXPECT_THAT(result.report.notes, Contains(HasSubstr("Gaussian splats")));
+  // Colours of their own win.
+  const std::string both =
+      header("ascii", "element vertex 1\n" + xyz + terms +
+                          "property uchar red\nproperty uchar green\nproperty uchar blue\n") +
+      "0 0 0 0 0 0 1 2 3\n";
+  EXPECT_EQ(io::read(write_file("b.ply", both)).cloud.colors.at(0), (Rgba8{1, 2, 3, 255}));
 }
 
 TEST(PlyTest, AnIncompleteGroupIsScalars) {
