@@ -143,7 +143,9 @@ TEST_F(Levels, ThePictureIsThatOfAllPoints) {
       }
     // Points less than a pixel from others are left out: which of them shows changes textures and lit edges,
     // and the outline, here some 5 % of the pixels, by a point's width. A node that lacks would open a hole.
-    EXPECT_LT(uncovered, 0.02 * covered) << technique;
+    // Discs of `layers` end where their points' share of the surface ends: the outline moves by up to the 0.7
+    // pixels that nodes are chosen by. Others draw points of a pixel at least in both pictures.
+    EXPECT_LT(uncovered, (technique == std::string("layers") ? 0.05 * 0.7 : 0.02) * covered) << technique;
     EXPECT_LT(difference / covered, 12) << technique;
   }
 }

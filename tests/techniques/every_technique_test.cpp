@@ -205,8 +205,8 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
   }
 }
 
-/// A noisy sphere over a floor, with normals that point outwards, with strays and a colour that changes:
-/// something for every parameter.
+/// A noisy sphere over a floor, with normals that point outwards, with strays and a colour that changes,
+/// before a wall of few points: something for every parameter.
 PointCloud rich_scene() {
   PointCloud cloud;
   std::mt19937 random(4);
@@ -224,6 +224,12 @@ PointCloud rich_scene() {
   }
   for (int i = 0; i < 4000; ++i) add({uniform(random), uniform(random), -1.1f});
   for (int i = 0; i < 150; ++i) add({uniform(random), uniform(random), uniform(random)});
+  // Eight times as sparse as the floor: beyond the largest disc that `clamp_radius` lets through.
+  for (int row = 0; row < 15; ++row)
+    for (int column = 0; column < 15; ++column) {
+      add({-3.5f + 0.5f * float(column), 2.5f, -1 + 0.5f * float(row)});
+      cloud.normals.back() = {0, -1, 0};
+    }
   ScalarField classes;
   classes.name = "classification";
   for (const vec3& p : cloud.positions) classes.values.push_back(p.z < -1.05f ? 2 : p.x < 0 ? 5 : 6);
