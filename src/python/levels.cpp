@@ -194,13 +194,20 @@ void bind_levels(py::module_& module) {
              return cloud_of(
                  self, [&](Progress& reporter) { return self.scene.coarse(count, reporter); }, progress);
            })
-      .def("read", [](const Levels& self, const std::vector<Camera>& cameras, bool panorama, bool has_shadows,
-                      const py::object& progress) {
+      .def("read",
+           [](const Levels& self, const std::vector<Camera>& cameras, bool panorama, bool has_shadows,
+              const py::object& progress) {
+             std::vector<copc::View> views;
+             for (const Camera& camera : cameras) views.push_back({camera, panorama});
+             return cloud_of(
+                 self, [&](Progress& reporter) { return self.scene.read(views, has_shadows, reporter); },
+                 progress);
+           })
+      // Whether one cloud within the budget holds what all of these cameras show.
+      .def("holds", [](const Levels& self, const std::vector<Camera>& cameras, bool has_shadows) {
         std::vector<copc::View> views;
-        for (const Camera& camera : cameras) views.push_back({camera, panorama});
-        return cloud_of(
-            self, [&](Progress& reporter) { return self.scene.read(views, has_shadows, reporter); },
-            progress);
+        for (const Camera& camera : cameras) views.push_back({camera, false});
+        return self.scene.select(views, has_shadows).is_complete();
       });
   module.def("read", &read);
   module.def("open", &open);

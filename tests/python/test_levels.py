@@ -46,11 +46,12 @@ def test_every_picture_reads_what_it_shows(leveled):
         assert len(whole) > 190_000
 
 
-def test_a_path_reads_once_for_all(command, tmp_path, leveled):
-    command(leveled, "-t", "points", "--memory", "3M", "--path", "orbit", "--frames", "3", *RESOLUTION, "-o", tmp_path / "f{n}.png")
+@pytest.mark.parametrize("memory", ["3M", "15M"])  # too little for one cloud of all frames, and enough
+def test_a_path_reads_what_its_frames_show(command, tmp_path, leveled, memory):
+    command(leveled, "-t", "points", "--memory", memory, "--path", "orbit", "--frames", "3", *RESOLUTION, "-o", tmp_path / "f{n}.png")
     from png import read_png
 
-    with sfumato.Renderer(leveled, technique="points", memory="3M") as renderer:
+    with sfumato.Renderer(leveled, technique="points", memory=memory) as renderer:
         for n, picture in enumerate(renderer.frames(renderer.orbit(3, size=SIZE))):
             equal(picture, read_png(tmp_path / f"f{n}.png"))
 

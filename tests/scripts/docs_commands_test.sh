@@ -27,6 +27,10 @@ sfumato convert scan.ply -o columns.csv --quiet
 sed '1s/scanner/confidence/' columns.csv >named.csv
 cut -d , -f 1-3 columns.csv | tail -n +2 | tr , ' ' >scan.xyz
 sfumato convert named.csv -o scan.ply --quiet
+{ # a scanner over a floor: columns, rows, its place and axes, the pose, then a point and its intensity each
+  printf '60\n60\n0 0 2\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 2 1\n'
+  awk 'BEGIN { for (c = 0; c < 60; c++) for (r = 0; r < 60; r++) print (c - 30) / 5, (r - 30) / 5, -2 + (c % 7) / 99, 0.5 }'
+} >scan.ptx
 for name in tower hull engine mesh frame_0 frame_1 frame_2; do cp scan.ply "$name.ply"; done
 sfumato scan.ply --output-camera camera.json --save-preset look.json -t points -o x.png --resolution 32x24 --quiet
 cp camera.json C.json

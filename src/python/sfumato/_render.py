@@ -372,12 +372,17 @@ class Renderer:
         settings = settings_of(parameters, _KEYWORDS)
         report = _progress.callback(progress)
         total = len(cameras) if hasattr(cameras, "__len__") else None
-        first = None
-        if self._levels is not None:  # read once, for all of them
+        first, at_once = None, True
+        if self._levels is not None:  # read once for all of them, as far as memory holds that
             cameras = [self._camera(camera, None) or self._stand.first_view(1280, 720) for camera in cameras]
-            self._read(cameras, False, settings)
+            shadows = _engine.has_shadows(self._wanted["technique"], self._settings, self._wishes, settings)
+            at_once = len(cameras) == 1 or self._levels.holds(cameras, shadows)
+            if at_once:
+                self._read(cameras, False, settings)
         for number, camera in enumerate(cameras):
             camera = self._camera(camera, None) or self._stand.first_view(1280, 720)
+            if not at_once:
+                self._read([camera], False, settings)
             # A single picture has the light of single pictures.
             first = first or (camera if total != 1 else None)
             yield self._render(camera, None, technique, outputs, first, None, settings)

@@ -11,12 +11,12 @@
 namespace sfumato {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using test::bytes_of;
 using test::reversed_bytes_of;
 using test::temp_file;
 using test::write_file;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 const float nan = std::numeric_limits<float>::quiet_NaN();
 
