@@ -22,7 +22,7 @@ std::vector<ClassShare> classes_of(const PointCloud& cloud) {
 }
 
 /// Nodes as they were decoded may take this part of the memory of the points, beside the points themselves.
-constexpr std::uint64_t share_of_nodes = 8;
+constexpr std::uint64_t share_of_nodes = 16;
 /// Spacing of the first picture of a view, in pixels, and the points that are worth waiting for without it.
 constexpr double coarse_px = 3;
 constexpr std::uint64_t least_coarse = 2'000'000;
