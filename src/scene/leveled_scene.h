@@ -50,6 +50,8 @@ class LeveledScene {
 
 /// What a point takes in memory from file to picture, for most techniques.
 inline constexpr std::uint64_t memory_of_point = 100;
+/// And on the graphics card: place, normal, colour, radius, and a number each for field, shadow and order.
+inline constexpr std::uint64_t gpu_memory_of_point = 48;
 /// What the points of COPC files may take unless the user says so; the others are read whole.
 inline constexpr std::uint64_t default_memory = 4'000'000'000;
 

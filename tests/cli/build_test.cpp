@@ -111,6 +111,13 @@ TEST_F(Levels, ReadsWhatTheViewShowsAndTheBudgetHolds) {
   EXPECT_LT(some["levels"]["points_read"], points_);
   EXPECT_EQ(some["points_read"], some["levels"]["points_read"]);
 
+  // The graphics card may have less room than the machine: a point takes 48 bytes there.
+  const nlohmann::json on_card =
+      nlohmann::json::parse(picture("card.png", {"-t", "points", "--gpu-memory", "2880000", "--json"}).out);
+  EXPECT_LE(on_card["levels"]["points_read"], 60000);
+  EXPECT_GT(on_card["levels"]["points_needed"], on_card["levels"]["points_read"]);
+  EXPECT_EQ(picture("card.png", {"-t", "points", "--gpu-memory", "none"}).code, 1);
+
   // And less is said to be left out.
   const Outcome less = picture("less.png", {"-t", "points", "--max-points", "60k", "--json"});
   ASSERT_EQ(less.code, 0) << less.err;

@@ -74,6 +74,8 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--memory", memory_text, "BYTES",
             "what the points of COPC files may take; beyond it, or --max-points, only what the view shows is "
             "read (4G)");
+  line.text("--gpu-memory", gpu_memory_text, "BYTES",
+            "the same on the graphics card (as much as --memory allows)");
   line.group("Colour");
   line.text("--color-by", color.color_by, "NAME",
             "auto, rgb, intensity, classification, elevation, normal, file, any scalar");
@@ -192,6 +194,12 @@ void RenderOptions::check(std::size_t technique_count) {
   camera.check();
   input.check();
   memory = std::uint64_t(parse_whole("--memory", memory_text, 1));
+  if (!gpu_memory_text.empty()) {
+    // One budget: that of the points that both have room for.
+    const auto points =
+        std::uint64_t(parse_whole("--gpu-memory", gpu_memory_text, 1)) / scene::gpu_memory_of_point;
+    memory = std::min(memory, std::max<std::uint64_t>(1, points) * scene::memory_of_point);
+  }
   if (sequence && each) refuse("--sequence and --each contradict each other: give one of them");
   if ((sequence || each) && !path.empty())
     refuse(std::string(sequence ? "--sequence shows its files from one camera"

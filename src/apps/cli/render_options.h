@@ -35,7 +35,7 @@ struct RenderOptions {
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
   std::string path, frames, degrees, preset, save_preset, scene, save_scene, shader_folder,
-      memory_text = "4G";
+      memory_text = "4G", gpu_memory_text;
   Words transforms;  ///< "N: 16 numbers"
   Words draw;        ///< "SELECTION: TECHNIQUE [name=value ...]"
 
