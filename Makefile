@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench eval-denoise eval-layers eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
+.PHONY: release command python demo test bench bench-scale eval-denoise eval-layers eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -38,6 +38,13 @@ test:  ## warnings as errors, then every test
 bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
 	@cmake --build build/release --target sfumato_benchmarks
 	@/usr/bin/python3 bench/run.py $(BENCH)
+
+SCAN ?= $(SFUMATO_TEST_DATA)/autzen_full.laz
+TILES ?= 10
+bench-scale: release  ## TILES copies of SCAN (LAS or LAZ) built to one COPC file, drawn, and moved in a window
+	@test -e "$(SCAN)" || { echo "bench-scale: SCAN=$(SCAN) is not there; name a LAS or LAZ file"; exit 1; }
+	@cmake --build build/release --target sfumato_benchmarks
+	@/usr/bin/python3 bench/scale.py "$(SCAN)" $(TILES) out/scale build/release
 
 eval-denoise: release  ## denoise against the truth of synthetic scenes and clean scans; ARGS=--quick for a short look
 	@cmake --build build/release --target eval_denoise
