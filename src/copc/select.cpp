@@ -119,6 +119,12 @@ NodeSelection empty_selection(std::span<const Tree> trees) {
 
 }  // namespace
 
+std::vector<View> views_of(std::span<const Camera> cameras, bool panorama) {
+  std::vector<View> views;
+  for (const Camera& camera : cameras) views.push_back({camera, panorama});
+  return views;
+}
+
 NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> views,
                            const SelectOptions& options) {
   std::vector<Projector> projectors;

@@ -20,6 +20,8 @@ struct View {
   bool panorama = false;  ///< everything around the camera's position
 };
 
+std::vector<View> views_of(std::span<const Camera> cameras, bool panorama = false);
+
 struct SelectOptions {
   std::uint64_t budget = 20'000'000;  ///< points
   double least_px = 0.7;

@@ -10,8 +10,9 @@
 
 namespace sfumato::io {
 
-/// Of one file or several: keys are theirs. What was asked for longest ago makes room for what is new. Safe
-/// from several threads.
+/// Of one file or several: keys are theirs. What was asked for longest ago makes room for what is new, but
+/// nothing that this read asked for: a read of more than there is room for would push out its own first
+/// chunks, the coarse ones that every next view needs, and the next one find none. Safe from several threads.
 class ChunkCache {
  public:
   using Records = std::shared_ptr<const std::vector<std::uint8_t>>;
@@ -23,9 +24,11 @@ class ChunkCache {
   /// `room`: bytes of all records together.
   explicit ChunkCache(std::uint64_t room) : room_(room) {}
 
+  /// What was asked for until now may make room.
+  void begin_read();
   /// Null when it is not there.
   Records find(const Key& key);
-  /// Nothing happens to records that are larger than all the room.
+  /// Nothing happens to records for which there is no room.
   void keep(const Key& key, std::vector<std::uint8_t> records);
   std::uint64_t bytes() const;
 
@@ -38,10 +41,11 @@ class ChunkCache {
   struct Entry {
     Key key;
     Records records;
+    std::uint64_t read = 0;  ///< that asked for them last
   };
 
   mutable std::mutex mutex_;
-  std::uint64_t room_, bytes_ = 0;
+  std::uint64_t room_, bytes_ = 0, read_ = 0;
   std::list<Entry> entries_;  ///< asked for last, first
   std::unordered_map<Key, std::list<Entry>::iterator, KeyHash> places_;
 };

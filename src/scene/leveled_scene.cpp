@@ -74,6 +74,7 @@ Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Pr
 }
 
 Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progress) const {
+  if (kept_) kept_->begin_read();
   const auto read_one = [&](std::size_t i) {
     io::ReadResult result =
         copc::read_nodes(trees_[i], selection.nodes[i], progress, io::KeptChunks{kept_.get(), i});

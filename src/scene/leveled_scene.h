@@ -35,6 +35,7 @@ class LeveledScene {
                              double least_px = copc::SelectOptions{}.least_px) const;
   Scene read(const copc::NodeSelection& selection, Progress& progress = no_progress()) const;
   /// Nodes are looked for there before they are decoded. Of these very files, in their order.
+  /// See `share_of_kept_nodes`.
   void keep_nodes(std::shared_ptr<io::ChunkCache> kept) { kept_ = std::move(kept); }
 
   const std::vector<copc::Tree>& trees() const { return trees_; }
@@ -52,6 +53,8 @@ class LeveledScene {
 inline constexpr std::uint64_t memory_of_point = 100;
 /// And on the graphics card: place, normal, colour, radius, and a number each for field, shadow and order.
 inline constexpr std::uint64_t gpu_memory_of_point = 48;
+/// Nodes as they were decoded may take this part of the memory of the points, beside the points themselves.
+inline constexpr std::uint64_t share_of_kept_nodes = 16;
 /// What the points of COPC files may take unless the user says so; the others are read whole.
 inline constexpr std::uint64_t default_memory = 4'000'000'000;
 
