@@ -108,7 +108,7 @@ void extend(std::vector<T>& a, std::size_t a_size, const std::vector<T>& b, std:
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
   PointCloud out;
   out.origin = cloud.origin;
-  out.up = cloud.up;
+  out.up = cloud.up, out.up_is_known = cloud.up_is_known;
   out.crs = cloud.crs;
   out.las = cloud.las;
   out.scanners = cloud.scanners;

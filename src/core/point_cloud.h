@@ -80,7 +80,8 @@ struct PointCloud {
   std::vector<Grid> grids;
   std::vector<dvec3> scanners;  ///< world positions of scanners the file knows; scalar `scanner` picks one
   UpAxis up = UpAxis::pos_z;
-  std::string crs;  ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
+  bool up_is_known = false;  ///< the file or the user says so; else it is the custom of the format
+  std::string crs;           ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
   std::optional<LasScaling> las;
 
   std::size_t size() const { return positions.size(); }

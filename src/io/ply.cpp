@@ -175,6 +175,7 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
                              Progress& progress) {
   ReadResult result;
   result.cloud.up = header.up;
+  result.cloud.up_is_known = header.says_up;
   result.cloud.crs = result.report.crs = header.crs;
   if (header.ascii) {
     read_lines(file, header, keep_places, progress, result);

@@ -87,8 +87,11 @@ void parse_comment(std::istringstream& words, PlyHeader& header) {
   std::string key, value;
   words >> key >> std::ws;
   std::getline(words, value);
-  if (key == "up")
-    if (const std::optional<UpAxis> up = parse_up_axis(value)) header.up = *up;
+  if (key == "up" || key == "usual_up")
+    if (const std::optional<UpAxis> up = parse_up_axis(value)) {
+      header.up = *up;
+      header.says_up = key == "up";
+    }
   if (key == "crs") header.crs = value;
 }
 

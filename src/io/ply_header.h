@@ -33,6 +33,7 @@ struct PlyHeader {
   std::uint64_t data_begin = 0;  ///< byte behind end_header's line
   std::size_t lines = 0;         ///< lines of the header
   UpAxis up = UpAxis::pos_y;
+  bool says_up = false;
   std::string crs;
 };
 

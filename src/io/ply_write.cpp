@@ -35,7 +35,9 @@ WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud
   std::vector<StoredType> types;
   for (const ScalarField& field : cloud.scalars) types.push_back(smallest_type(field, cloud.size()));
 
-  std::string header = "ply\nformat binary_little_endian 1.0\ncomment up " + to_string(cloud.up) + "\n";
+  // What nobody said is no more certain afterwards: whoever draws the file looks for it in the points.
+  std::string header = std::string("ply\nformat binary_little_endian 1.0\ncomment ") +
+                       (cloud.up_is_known ? "up " : "usual_up ") + to_string(cloud.up) + "\n";
   if (!cloud.crs.empty()) header += "comment crs " + without(cloud.crs, "\r\n") + "\n";
   header += "element vertex " + std::to_string(cloud.size()) + "\n";
   const auto property = [&](const std::string& type, const std::string& name) {

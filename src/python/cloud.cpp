@@ -58,7 +58,7 @@ CloudPtr from_columns(const std::vector<std::tuple<std::string, py::array, bool>
         scene.points_read = result.report.points;
         scene.cloud = std::move(result.cloud);
         scene.cloud.crs = crs;
-        if (cloud->up) scene.cloud.up = *cloud->up;
+        if (cloud->up) scene.cloud.up = *cloud->up, scene.cloud.up_is_known = true;
         cloud->kept = std::move(result.kept);
       },
       progress);
@@ -67,6 +67,7 @@ CloudPtr from_columns(const std::vector<std::tuple<std::string, py::array, bool>
 
 std::vector<std::string> write(Cloud& cloud, const std::string& file, const py::object& progress) {
   std::vector<std::string> notes;
+  if (cloud.up) cloud.points().up = *cloud.up, cloud.points().up_is_known = true;
   run([&](Progress& reporter) { notes = io::write(file, cloud.points(), reporter).notes; }, progress);
   return notes;
 }

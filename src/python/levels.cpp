@@ -63,7 +63,7 @@ io::ReadResult result_of(const Cloud& cloud, const std::string& name) {
   io::ReadResult result;
   result.cloud = cloud.scene.cloud;
   result.cloud.source_index = {};
-  if (cloud.up) result.cloud.up = *cloud.up;
+  if (cloud.up) result.cloud.up = *cloud.up, result.cloud.up_is_known = true;
   result.report.file = name;
   result.report.points = result.report.points_finite = result.cloud.size();
   return result;
@@ -197,17 +197,14 @@ void bind_levels(py::module_& module) {
       .def("read",
            [](const Levels& self, const std::vector<Camera>& cameras, bool panorama, bool has_shadows,
               const py::object& progress) {
-             std::vector<copc::View> views;
-             for (const Camera& camera : cameras) views.push_back({camera, panorama});
+             const std::vector<copc::View> views = copc::views_of(cameras, panorama);
              return cloud_of(
                  self, [&](Progress& reporter) { return self.scene.read(views, has_shadows, reporter); },
                  progress);
            })
       // Whether one cloud within the budget holds what all of these cameras show.
       .def("holds", [](const Levels& self, const std::vector<Camera>& cameras, bool has_shadows) {
-        std::vector<copc::View> views;
-        for (const Camera& camera : cameras) views.push_back({camera, false});
-        return self.scene.select(views, has_shadows).is_complete();
+        return self.scene.select(copc::views_of(cameras), has_shadows).is_complete();
       });
   module.def("read", &read);
   module.def("open", &open);

@@ -124,7 +124,8 @@ bool Stage::has_shadows(const Settings& parameters) const {
   bool any = false;
   for (const auto& [name, value] : all) {
     const std::size_t dot = name.find('.');
-    if (name.substr(dot == std::string::npos ? 0 : dot + 1) == "shadows") any = value != "off";
+    if (name.substr(dot == std::string::npos ? 0 : dot + 1) == "shadows")
+      any = value != "off" && value != "stored";
   }
   return any;
 }

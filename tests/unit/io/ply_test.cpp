@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "io/says_up.h"
 #include "unit/io/files.h"
 #include "unit/io/truth.h"
 
@@ -157,6 +158,22 @@ TEST(PlyTest, HonoursUpAndCrsComments) {
   EXPECT_EQ(result.cloud.up, UpAxis::pos_z);
   EXPECT_EQ(result.report.crs, "EPSG:25832");
   EXPECT_EQ(result.cloud.size(), 1u);
+}
+
+TEST(PlyTest, WhatNobodySaidAboutUpIsNotSaidByWriting) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}};
+  cloud.up = UpAxis::pos_z;  // the custom of LAS, say
+  const auto file = std::filesystem::path(testing::TempDir()) / "up.ply";
+  for (const bool known : {false, true}) {
+    cloud.up_is_known = known;
+    io::write(file, cloud);
+    EXPECT_EQ(io::says_up(file), known);
+    const PointCloud back = io::read(file).cloud;
+    EXPECT_EQ(back.up, UpAxis::pos_z) << "not +Y, which is the custom of PLY files from elsewhere";
+    EXPECT_EQ(back.up_is_known, known);
+    EXPECT_EQ(select(back, {0}).up_is_known, known);
+  }
 }
 
 TEST(PlyTest, LargeCoordinatesKeepTheirDigits) {
