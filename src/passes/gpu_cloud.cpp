@@ -212,6 +212,7 @@ void GpuCloud::bind_casters(const Chunk& chunk) const { chunk.casters.bind(bindi
 
 void GpuCloud::set_shadow(std::span<const float> values) {
   has_shadow_ = !values.empty();
+  has_stored_shadow_ = false;
   for (Chunk& chunk : chunks_)
     chunk.shadow =
         has_shadow_ ? gl::TextureBuffer("shadow factors", GL_R32F, values.subspan(chunk.first, chunk.count))
@@ -242,8 +243,18 @@ void GpuCloud::exchange(Shapes& shapes) {
   }
 }
 
+void GpuCloud::set_stored_shadow() {
+  std::vector<float> factors(size(), 1.0f);
+  if (const ScalarField* stored = prepared_.cloud.scalar("shadow"))
+    for (std::size_t i = 0; i < factors.size(); ++i)
+      if (const double value = stored->value(i); !std::isnan(value))
+        factors[i] = float(std::clamp(value, 0.0, 1.0));
+  set_shadow(factors);
+  has_stored_shadow_ = true;
+}
+
 void GpuCloud::begin_shadow() {
-  has_shadow_ = true;
+  has_shadow_ = true, has_stored_shadow_ = false;
   for (Chunk& chunk : chunks_) gl::grow(chunk.shadow, "shadow factors", GL_R32F, chunk.count * sizeof(float));
 }
 

@@ -93,6 +93,9 @@ class GpuCloud {
   /// `Chunk::shadow`).
   void begin_shadow();
   bool has_shadow() const { return has_shadow_; }
+  /// Shadow factors from the scalar `shadow`; points without it are lit.
+  void set_stored_shadow();
+  bool has_stored_shadow() const { return has_stored_shadow_; }
   /// Normals and radii for part of a picture, uploaded; no normals: the cloud's own.
   struct Shapes {
     std::vector<gl::TextureBuffer> normals, radii;  ///< of each chunk; empty: nothing to exchange
@@ -102,6 +105,18 @@ class GpuCloud {
   Shapes make_shapes(std::span<const vec3> normals, std::span<const float> radii) const;
   /// Puts them in place of those the cloud has, which they then hold: the second time undoes the first.
   void exchange(Shapes& shapes);
+  /// While it lives the cloud has those.
+  class InPlace {
+   public:
+    InPlace(GpuCloud& cloud, Shapes& shapes) : cloud_(cloud), shapes_(shapes) { cloud_.exchange(shapes_); }
+    ~InPlace() { cloud_.exchange(shapes_); }
+    InPlace(const InPlace&) = delete;
+    InPlace& operator=(const InPlace&) = delete;
+
+   private:
+    GpuCloud& cloud_;
+    Shapes& shapes_;
+  };
   /// Forgets uploaded normals and radii after the prepared cloud was completed or changed.
   void attributes_changed();
 
@@ -111,7 +126,7 @@ class GpuCloud {
   Bounds bounds_;
   std::vector<Chunk> chunks_;
   gl::TextureBuffer places_;
-  bool has_shadow_ = false;
+  bool has_shadow_ = false, has_stored_shadow_ = false;
   std::string field_key_;
   std::uint64_t field_stamp_ = 0;
   std::string casters_key_;

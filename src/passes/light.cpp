@@ -69,11 +69,10 @@ void RenderSettings::describe(ParamList& p) {
           "strength of highlights (auto: 0.1; 0 where colours stand for values, as highlights are no value)")
       .paper("k_s");
   p.add("shininess", phong.shininess).range(1, 1000).help("sharpness of highlights");
-  p.add("shadows", shadows, {"off", "hard", "soft"})
+  p.add("shadows", shadows, {"off", "hard", "soft", "stored"})
       .help(
           "shadows between points; a headlight then moves to the upper left, where its shadows can be seen, "
-          "and stays "
-          "there on a path")
+          "and stays there on a path; stored: the scalar `shadow` of the points (convert --shadows)")
       .paper("Dobrev 2010, Sec. 4");
   p.add("light_size", light_size)
       .at_least(0)

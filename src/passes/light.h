@@ -34,7 +34,10 @@ struct Phong {
 /// A light over the left shoulder of whoever looks through `camera`, high along `up`.
 Light key_light(const Camera& camera, UpAxis up);
 
-enum class Shadows { off, hard, soft };
+/// `stored`: the points bring their shadow factors as the scalar `shadow`.
+enum class Shadows { off, hard, soft, stored };
+/// Whether shadows are found by looking from the light.
+inline bool casts_shadows(Shadows shadows) { return shadows == Shadows::hard || shadows == Shadows::soft; }
 struct RenderSettings;
 
 /// With shadows, a headlight becomes the key light of `camera` and stays where it is: call it with the first

@@ -81,7 +81,20 @@ void main() {
     bool is_inside = all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)));
     if (is_inside && depth >= VIEW.near_plane) {
       ivec2 texel = ivec2(pixel);
-      float lit = depth < texelFetch(light_maps[k], texel, 0).x + offset ? 1.0 : 0.0;
+      float map_here = texelFetch(light_maps[k], texel, 0).x, lit = depth < map_here + offset ? 1.0 : 0.0;
+      // Without a normal the map knows where the surface is steeper: by how much it recedes across a texel, on the
+      // flatter side of each axis, as an outline has the background on one side. (A loop of none costs nothing on
+      // software GL, a branch does.)
+      float rise = 0.0;
+      int axes = lit <= 0.0 && !has_normal && depth < map_here + d_min / c_min ? 2 : 0;
+      for (int axis = 0; axis < axes; ++axis) {
+        ivec2 along = ivec2(1 - axis, axis);
+        float after = texelFetch(light_maps[k], min(texel + along, size - 1), 0).x;
+        float before = texelFetch(light_maps[k], max(texel - along, ivec2(0)), 0).x;
+        rise += min(abs(after - map_here), abs(before - map_here));
+      }
+      if (rise > 0.0) offset = clamp(d_min + 2.0 * rise, offset, d_min / c_min);
+      lit = depth < map_here + offset ? 1.0 : 0.0;
       // A texel that a caster only touches is dark as a whole. Who stands behind the caster's rim, in the light, has
       // a neighbour in which the light sees the same surface; what else lies behind the rim says nothing about it.
       int taps = lit > 0.0 ? 0 : 25;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 
+#include "core/error.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
 
@@ -117,6 +118,22 @@ float ShadowMaps::d_min_of(const GpuCloud& cloud, const RenderSettings& settings
   RenderSettings own = settings;
   resolve_shadow_sizes(own, cloud.bounds(), cloud.median_spacing());
   return own.shadow_distance.value();
+}
+
+void ShadowMaps::use_stored(Clouds clouds) {
+  const auto is_loaded = [](const GpuCloud* cloud) {
+    return cloud->size() == 0 || cloud->has_stored_shadow();
+  };
+  if (std::all_of(clouds.begin(), clouds.end(), is_loaded)) return;
+  if (std::none_of(clouds.begin(), clouds.end(),
+                   [](const GpuCloud* cloud) { return cloud->prepared().cloud.scalar("shadow"); }))
+    throw Error(
+        ErrorCode::usage,
+        "--shadows stored: no point has the scalar `shadow`; sfumato convert IN --shadows soft -o OUT "
+        "writes it");
+  clear(clouds);
+  for (GpuCloud* cloud : clouds)
+    if (cloud->size() > 0) cloud->set_stored_shadow();
 }
 
 void ShadowMaps::clear(Clouds clouds) {

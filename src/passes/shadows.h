@@ -38,6 +38,9 @@ class ShadowMaps {
   void update(Clouds clouds, const RenderSettings& settings, const Light& light, gl::Timers& timers,
               Progress& progress, const View* ground_view = nullptr, const Ground& ground = {},
               gl::Texture* ground_factor = nullptr);
+  /// Gives the clouds the factors that their points bring (the scalar `shadow`). Throws Error(usage) when
+  /// none of them has any.
+  void use_stored(Clouds clouds);
   /// Takes the factors off the clouds and gives the memory of the maps back.
   void clear(Clouds clouds);
 

@@ -6,11 +6,22 @@
 #include "cloud.h"
 #include "core/error.h"
 #include "run.h"
+#include "session/shadow_factors.h"
 
 namespace sfumato::python {
 namespace {
 
 using CloudPtr = std::shared_ptr<Cloud>;
+
+void set_all(ParamList& parameters, const Settings& settings, const std::string& whose) {
+  std::vector<std::string> names;
+  for (const Param& param : parameters.all()) names.push_back(param.name);
+  for (const auto& [name, value] : settings) {
+    Param* param = parameters.find(name);
+    if (!param) refuse_name(whose, name, names);
+    param->set(value);
+  }
+}
 
 /// A copy of the points with their own numbers, sorted and measured.
 PreparedCloud prepare(const Cloud& cloud, Attributes needs, Attributes anew, const Settings& settings,
@@ -18,13 +29,7 @@ PreparedCloud prepare(const Cloud& cloud, Attributes needs, Attributes anew, con
   analysis::PrepareOptions options;
   ParamList parameters;
   options.describe(parameters);
-  std::vector<std::string> names;
-  for (const Param& param : parameters.all()) names.push_back(param.name);
-  for (const auto& [name, value] : settings) {
-    Param* param = parameters.find(name);
-    if (!param) refuse_name("the analysis has no parameter", name, names);
-    param->set(value);
-  }
+  set_all(parameters, settings, "the analysis has no parameter");
   PointCloud points = cloud.scene.cloud;
   if (points.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points");
   points.source_index = {};
@@ -104,6 +109,18 @@ py::object clusters(const CloudPtr& cloud, const py::dict& wishes, const py::obj
                                 [&](std::size_t i, py::ssize_t) { return std::int32_t(found.label[i]); });
 }
 
+py::object shadow_factors(const CloudPtr& cloud, const Settings& settings, const py::object& progress) {
+  RenderSettings shared;
+  ParamList parameters;
+  shared.describe(parameters);
+  set_all(parameters, settings, "light and shadows have no parameter");
+  std::vector<float> factors;
+  run_gl([&](gl::Context& context,
+             Progress& p) { factors = sfumato::shadow_factors(context, cloud->scene.cloud, shared, p); },
+         progress);
+  return py::array_t<float>(py::ssize_t(factors.size()), factors.data());
+}
+
 }  // namespace
 
 void bind_analysis(py::module_& module) {
@@ -111,6 +128,7 @@ void bind_analysis(py::module_& module) {
   module.def("uncertainty", &uncertainty);
   module.def("spacing", &spacing);
   module.def("clusters", &clusters);
+  module.def("shadow_factors", &shadow_factors);
 }
 
 }  // namespace sfumato::python

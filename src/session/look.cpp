@@ -44,8 +44,10 @@ std::vector<std::pair<std::string, std::string>> Look::changed() const {
 
 void Look::check() const {
   Light::parse(settings.light_text);
-  if (settings.ground && settings.shadows == Shadows::off)
-    throw Error(ErrorCode::usage, "--ground shows the shadow that falls on it: add --shadows soft, or hard");
+  if (settings.ground && !casts_shadows(settings.shadows))
+    throw Error(ErrorCode::usage,
+                "--ground shows the shadow that falls on it: add --shadows soft, or hard" +
+                    std::string(settings.shadows == Shadows::stored ? "; stored are those on points" : ""));
 }
 
 const char* kind_name(ParamKind kind) {

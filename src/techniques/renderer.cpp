@@ -234,24 +234,26 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     is_empty = is_empty && all.back()->size() == 0;
   }
   const bool has_shadows = settings.shadows != Shadows::off && !is_empty;
+  const bool has_ground = settings.ground && has_shadows && casts_shadows(settings.shadows);
   Light light = Light::parse(settings.light_text);
   Ground ground_plane;
-  if (has_shadows) {
-    // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
-    if (light.kind == Light::Kind::headlight) light = key_light(camera, first.up);
+  // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
+  if (has_shadows && light.kind == Light::Kind::headlight) light = key_light(camera, first.up);
+  if (has_shadows && settings.shadows == Shadows::stored) {
+    shadows.use_stored(all);
+  } else if (has_shadows) {
     for (const Item& item : shot.items) item.technique->cast(*cloud_of(item).gpu, shot.progress);
-    const bool on_ground = settings.ground;
-    if (on_ground) {
+    if (has_ground) {
       ground_plane = ground_below_all();
       gl::ensure(ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
     }
-    shadows.update(all, settings, light, shot.timers, shot.progress, on_ground ? &view : nullptr,
-                   ground_plane, on_ground ? &ground_factor : nullptr);
+    shadows.update(all, settings, light, shot.timers, shot.progress, has_ground ? &view : nullptr,
+                   ground_plane, has_ground ? &ground_factor : nullptr);
   } else {
     shadows.clear(all);
   }
 
-  const bool is_followed = shot.with_edl || shot.with_smooth_outlines || (has_shadows && settings.ground);
+  const bool is_followed = shot.with_edl || shot.with_smooth_outlines || has_ground;
   shot.may_finish = shot.may_finish && !is_followed && shot.items.size() == 1;
   draw_item(shot, shot.items.front(), camera, light, target, nullptr);
   for (const Item& item : std::span(shot.items).subspan(1)) {
@@ -269,7 +271,7 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     }
   }
 
-  if (has_shadows && settings.ground) {
+  if (has_ground) {
     auto timing = shot.timers.scope("ground");
     gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);

@@ -100,6 +100,14 @@ TEST_F(ShadowTest, ATiltedPlaneIsFullyLit) {
     const std::vector<float> m = factors(cloud, hard(text));
     EXPECT_EQ(std::count_if(m.begin(), m.end(), [](float v) { return v < 1; }), 0) << text;
   }
+  // So it is where nobody knows the normals: the map knows how steep its surface is (81 degrees).
+  PointCloud bare = cloud;
+  bare.normals.clear();
+  for (const char* text : {"dir:0,0,1", "dir:1,0,1", "dir:0.5,1,0.25", "dir:0.9,0.4,0.15"}) {
+    const std::vector<float> m = factors(bare, hard(text));
+    EXPECT_EQ(std::count_if(m.begin(), m.end(), [](float v) { return v < 1; }), 0) << text << ", no normals";
+  }
+  factors(cloud, hard("dir:0,0,1"));  // `prepared_` has them again
   // A texel spans up to texel / tan(elevation) in depth: without the scaling, with d_min of one spacing,
   // there is acne.
   RenderSettings tight = hard("dir:0.5,1,0.25");

@@ -212,3 +212,39 @@ def test_analysis_answers_row_by_row(sphere):
     found = sfumato.analysis.normals(xyz)
     assert found.shape == (10_000, 3) and np.isnan(found[10]).all() and np.isfinite(np.delete(found, 10, 0)).all()
     assert sfumato.analysis.clusters(xyz)[10] == -1
+
+
+def test_shadow_factors_are_drawn_as_stored():
+    rng = np.random.default_rng(11)
+    floor = np.column_stack([rng.uniform(-2, 2, (20_000, 2)), np.zeros(20_000)])
+    table = np.column_stack([rng.uniform(-1, 1, (20_000, 2)), np.ones(20_000)])
+    xyz = np.concatenate([floor, table])
+    xyz[7] = np.nan
+    factors = sfumato.analysis.shadow_factors(xyz, "dir:0,0,1", shadows="hard")
+    assert factors.dtype == np.float32 and np.isnan(factors[7])
+    edge = np.abs(xyz[:20_000, :2]).max(1)
+    # Spacings of the table are 0.014, of the floor 0.028: the outline is off by a few of them.
+    assert (factors[:20_000][edge < 0.9] == 0).all() and (factors[:20_000][edge > 1.1] == 1).all()
+    assert (factors[20_000:] == 1).all()
+    cloud = sfumato.Cloud(xyz)
+    cloud.scalars["shadow"] = sfumato.analysis.shadow_factors(cloud, (3, 1, 4), light_samples=4)
+    look = dict(technique="splats", light=(3, 1, 4), size=(96, 72), outputs=["rgba"])
+    found = sfumato.render(cloud, shadows="soft", light_samples=4, **look)
+    assert (sfumato.render(cloud, shadows="stored", **look).rgba == found.rgba).all()
+    assert not (sfumato.render(cloud, **look).rgba == found.rgba).all()
+    with pytest.raises(sfumato.Error, match="light_size"):
+        sfumato.analysis.shadow_factors(cloud, "dir:0,0,1", light_sice=3)
+    with pytest.raises(sfumato.Error, match="stands somewhere"):
+        sfumato.analysis.shadow_factors(cloud, "headlight")
+
+
+def test_stored_shadows_darken_where_they_are_zero(sphere):
+    cloud = sfumato.Cloud(sphere[0])
+    look = dict(technique="splats", light="dir:0,-1,1", size=(64, 48), outputs=["rgba"])
+    lit = sfumato.render(cloud, **look).rgba
+    with pytest.raises(sfumato.Error, match="no point has the scalar `shadow`"):
+        sfumato.render(cloud, shadows="stored", **look)
+    cloud.scalars["shadow"] = np.ones(len(cloud))
+    assert (sfumato.render(cloud, shadows="stored", **look).rgba == lit).all()
+    cloud.scalars["shadow"] = np.zeros(len(cloud))
+    assert sfumato.render(cloud, shadows="stored", **look).rgba.mean() < lit.mean()

@@ -1,5 +1,5 @@
 // sfumato convert: between the formats that can be written, several files into one, and only the points
-// wanted.
+// wanted; with shadow factors where they are asked for.
 #include "commands.h"
 #include "common_options.h"
 #include "console.h"
@@ -7,6 +7,9 @@
 #include "input_options.h"
 #include "io/file_names.h"
 #include "io/io.h"
+#include "parameters.h"
+#include "session/session.h"
+#include "session/shadow_factors.h"
 
 namespace sfumato::cli {
 namespace {
@@ -17,6 +20,56 @@ std::string written_extensions() {
     if (format.can_write) list += (list.empty() ? "" : " ") + format.extensions;
   return list;
 }
+
+/// The light whose shadows are written with the points: the parameters of rendering, by their names.
+class ShadowOptions {
+ public:
+  ShadowOptions() { settings_.describe(parameters_); }
+
+  void declare(CommandLine& line) {
+    line.group("Shadow factors: the scalar `shadow`, 0 dark to 1 lit, for pictures with --shadows stored");
+    line.text("--shadows", wanted_, "off|hard|soft (off)", "how much of the light each point sees");
+    for (const char* name : {"light", "light_size", "light_samples", "shadow_distance"}) {
+      const Param& param = *parameters_.find(name);
+      declare_parameter(line, param, "--" + with_dashes(name), false, [this, name](const std::string& text) {
+        parameters_.find(name)->set(text);
+        last_of_light_ = "--" + with_dashes(name);
+      });
+    }
+  }
+
+  /// Throws Error(usage) for what can be wrong before a file is opened.
+  void check() {
+    if (wanted_ == "stored")
+      throw Error(ErrorCode::usage, "--shadows stored is of rendering: say which to find, hard or soft");
+    parameters_.find("shadows")->set(wanted_);
+    Light::parse(settings_.light_text);
+    if (!is_asked() && !last_of_light_.empty())
+      throw Error(ErrorCode::usage, last_of_light_ + " is of shadows: add --shadows soft, or hard");
+  }
+
+  bool is_asked() const { return settings_.shadows != Shadows::off; }
+
+  /// Gives the points the scalar `shadow` and says of which light.
+  void add(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& up,
+           gl::Context& context, Console& console) {
+    if (Light::parse(settings_.light_text).kind == Light::Kind::headlight) {
+      const UpAxis as_read = scene.cloud.up;  // a guess is of no concern to what is written
+      const Pose pose = stand_upright(scene, file, up);
+      fix_light(settings_, first_view(pose, 1280, 720), scene.cloud.up);
+      scene.cloud.up = as_read;
+    }
+    std::vector<float> factors = shadow_factors(context, scene.cloud, settings_, console);
+    scene.cloud.set_scalar({"shadow", 0, std::move(factors), StoredType::float32});
+    console.say("shadow: " + wanted_ + ", the light is " + settings_.light_text +
+                "; draw it with --shadows stored --light " + settings_.light_text);
+  }
+
+ private:
+  RenderSettings settings_;
+  ParamList parameters_;
+  std::string wanted_ = "off", last_of_light_;
+};
 
 }  // namespace
 
@@ -31,8 +84,10 @@ int convert_command(const Words& words) {
       "scalar `file` tells them apart.");
   line.positionals("IN", inputs, "point clouds, folders or patterns; - is standard input");
   line.text("-o,--output", output, "OUT", "the file to write: " + written_extensions());
+  ShadowOptions shadows;
   common.declare(line);
   input.declare(line);
+  shadows.declare(line);
   line.usage("sfumato convert IN... -o OUT");
   if (!line.parse(words)) return 0;
   common.apply();
@@ -41,6 +96,7 @@ int convert_command(const Words& words) {
                 std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
                     "; usage: sfumato convert IN... -o OUT");
   input.check();
+  shadows.check();
   if (output.ends_with(".copc.laz"))
     throw Error(ErrorCode::usage, "-o " + output + ": levels are built by sfumato build IN... -o " + output +
                                       "; convert writes a .laz without .copc");
@@ -52,15 +108,19 @@ int convert_command(const Words& words) {
   for (const std::string& file : inputs)
     if (file != "-") names.input("the input", file);
   names.output("-o", output);
+  // Without OpenGL that should not cost the time of reading a large scan.
+  std::unique_ptr<gl::Context> context;
+  if (shadows.is_asked()) context = gl::Context::create_headless();
   Console console(common);
   input.scene.read.every_attribute = true;
-  const scene::Scene scene = scene::read_scene(inputs, input.scene, console);
+  scene::Scene scene = scene::read_scene(inputs, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())
     console.say("sfumato: " + note);
+  if (context) shadows.add(scene, inputs.front(), input.scene.up, *context, console);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
     console.say("sfumato: " + output + ": " + note);
   if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))

@@ -52,7 +52,7 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
     if (!levels.is_complete())
       console.say(
           fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
-                      "--memory or --max-points are used up",
+                      "--memory, --gpu-memory or --max-points are used up",
                       levels.points_needed - levels.points, levels.points_needed, levels.widest_px));
   }
   return scene;
@@ -144,21 +144,24 @@ struct Sight {
 
 bool has_shadows(const Choice& choice) {
   return std::any_of(choice.techniques.begin(), choice.techniques.end(),
-                     [](const auto& chosen) { return chosen->settings.shadows != Shadows::off; });
-}
-
-std::vector<copc::View> views_of(const std::vector<Camera>& cameras, const RenderOptions& options) {
-  std::vector<copc::View> views;
-  for (const Camera& camera : cameras) views.push_back({camera, options.camera.panorama});
-  return views;
+                     [](const auto& chosen) { return casts_shadows(chosen->settings.shadows); });
 }
 
 /// Of files with levels, what these cameras need.
 scene::Scene read_seen(const scene::LeveledScene& leveled, const std::vector<Camera>& cameras,
                        const RenderOptions& options, const Choice& choice, RenderReport& report,
                        Console& console) {
-  return tell_reading(leveled.read(views_of(cameras, options), has_shadows(choice), console), options, report,
-                      console);
+  return tell_reading(
+      leveled.read(copc::views_of(cameras, options.camera.panorama), has_shadows(choice), console), options,
+      report, console);
+}
+
+/// Files for a view that is known.
+scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderOptions& options,
+                      const Choice& choice, RenderReport& report, Console& console) {
+  const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
+  return leveled ? read_seen(*leveled, {seen}, options, choice, report, console)
+                 : read(files, options, report, console);
 }
 
 /// The view follows from the points, of files with levels from the coarse ones; what is read of those follows
@@ -174,10 +177,12 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
   if (!leveled) return sight;
   sight.scene = {};
   std::vector<Camera> first = sight.cameras;
-  if (first.size() > 1 && !leveled->select(views_of(first, options), has_shadows(choice)).is_complete()) {
+  if (first.size() > 1 &&
+      !leveled->select(copc::views_of(first, options.camera.panorama), has_shadows(choice)).is_complete()) {
     first.resize(1);
     sight.by_camera = std::move(leveled);
-    sight.by_camera->keep_nodes(std::make_shared<io::ChunkCache>(options.memory / 8));
+    sight.by_camera->keep_nodes(
+        std::make_shared<io::ChunkCache>(options.memory / scene::share_of_kept_nodes));
   }
   sight.scene =
       read_seen(sight.by_camera ? *sight.by_camera : *leveled, first, options, choice, report, console);
@@ -396,22 +401,16 @@ int render_command(const Words& words) {
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
-    if (by_camera && n > 0) {
-      scene::Scene next = read_seen(*by_camera, {cameras[std::size_t(n)]}, options, choice, report, console);
+    const Camera& seen = options.sequence ? camera : cameras[std::size_t(n)];
+    if (n > 0 && (by_camera || options.sequence)) {
+      scene::Scene next =
+          by_camera ? read_seen(*by_camera, {seen}, options, choice, report, console)
+                    : read_for(seen, {options.placed(std::size_t(n))}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
     }
-    if (options.sequence && n > 0) {
-      const SceneFiles file{options.placed(std::size_t(n))};
-      const auto leveled = scene::LeveledScene::open(file, options.input.scene, options.memory);
-      scene::Scene next = leveled ? read_seen(*leveled, {camera}, options, choice, report, console)
-                                  : read(file, options, report, console);
-      next.cloud.up = pose.upright.up;
-      studio.set_scene(std::move(next), pose);
-      watch.lap("prepare");
-    }
-    studio.shoot(options.sequence ? camera : cameras[std::size_t(n)], n, watch);
+    studio.shoot(seen, n, watch);
   }
   studio.finish();
   std::optional<Camera> kept = preset.camera;

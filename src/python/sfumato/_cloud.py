@@ -56,7 +56,8 @@ class Cloud:
     normals : array (N, 3), optional
         Of any length; zero where unknown.
     scalars : dict of arrays (N,), optional
-        Any numbers by name. `intensity`, `classification` (ASPRS codes) and `uncertainty` mean something to rendering.
+        Any numbers by name. `intensity`, `classification` (ASPRS codes), `uncertainty` and `shadow` (0 dark to 1 lit, drawn with
+        ``shadows="stored"``) mean something to rendering.
     radii : array (N,), optional
         Scene units.
     up : "+Z", "-Y" ..., optional

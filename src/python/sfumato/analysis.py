@@ -1,4 +1,4 @@
-"""What is computed from the neighbours of points: normals, spacing, uncertainty, clusters.
+"""What is computed from the neighbours of points: normals, spacing, uncertainty, clusters; and how much of a light they see.
 
 Every function takes what `sfumato.render` takes as points, and returns values in their order; rows that are not finite get NaN,
 or -1 as a cluster.
@@ -7,7 +7,7 @@ from . import _engine, _progress
 from ._cloud import as_cloud
 from ._techniques import text_of
 
-__all__ = ["normals", "spacing", "uncertainty", "clusters"]
+__all__ = ["normals", "spacing", "uncertainty", "clusters", "shadow_factors"]
 
 
 def _in_rows(cloud, values, points, nothing):
@@ -73,3 +73,15 @@ def clusters(points, neighbors=30, min_size=100, point_threshold=6.0, region_thr
     if gap is not None:
         wishes["gap"] = float(gap)
     return _in_rows(cloud, _engine.clusters(cloud._engine, wishes, _progress.callback(progress)), points, -1)
+
+
+def shadow_factors(points, light, shadows="soft", progress=None, **parameters):
+    """How much of the light each point sees, float32 (N,): 0 dark to 1 lit. As the scalar `shadow` of a cloud, rendering with
+    `shadows="stored"` draws them: ``cloud.scalars["shadow"] = shadow_factors(cloud, "dir:1,0,2")``.
+
+    `light` is "X,Y,Z" (a place, world coordinates) or "dir:X,Y,Z" (where it comes from), `shadows` "hard" or "soft"; other
+    parameters are those of rendering: light_size, light_samples, shadow_distance.
+    """
+    cloud = as_cloud(points, progress)
+    settings = _settings({"light": light, "shadows": shadows, **parameters})
+    return _in_rows(cloud, _engine.shadow_factors(cloud._engine, settings, _progress.callback(progress)), points, float("nan"))
