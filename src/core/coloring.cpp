@@ -161,6 +161,8 @@ std::uint8_t code_of(float linear) {
 
 /// A scan of which a tenth is lighter than this is light enough: sRGB 135 of its strongest channel.
 constexpr float light_enough = 0.24f, most_exposure = 4;
+/// Nobody sees less, and the file's own colours are worth more.
+constexpr float least_exposure = 1.1f;
 
 /// Brings the colour that a tenth of the points exceed to `light_enough`.
 double automatic_exposure(const std::vector<Rgba8>& colors) {
@@ -170,7 +172,8 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
     strongest.push_back(std::max({colors[i].r, colors[i].g, colors[i].b}));
   const float light = linear_from_srgb(value_at_share(strongest, 0.9));
   if (!(light > 0) || light >= light_enough) return 1;
-  return std::min(most_exposure, light_enough * (1 - light) / (light * (1 - light_enough)));
+  const float exposure = light_enough * (1 - light) / (light * (1 - light_enough));
+  return exposure < least_exposure ? 1 : std::min(most_exposure, exposure);
 }
 
 /// m becomes e m / (1 + (e - 1) m): e times as much near black, 1 stays 1.
@@ -228,7 +231,7 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     out.exposure = settings.exposure.value_or(automatic_exposure(out.colors));
     if (out.exposure != 1) expose(out.colors, out.exposure);
     if (out.exposure != 1 && !settings.exposure) {
-      std::string times = std::to_string(out.exposure);
+      std::string times = std::to_string(std::round(10 * out.exposure) / 10);
       times.resize(times.find('.') + 2);
       out.notes.push_back("the file's colours are dark and drawn up to " + times +
                           " times as bright; --exposure 1 draws them as they are");

@@ -194,6 +194,10 @@ TEST(Coloring, DarkColoursOfAFileAreRaisedAndOthersAreKept) {
   const std::vector<Rgba8> light(10, Rgba8{40, 140, 90, 255});
   cloud.colors = light;
   EXPECT_EQ(color_points(cloud, {}).colors, light);
+  // A twentieth darker than that: 1.05 times as bright would be seen by nobody, and said to everybody.
+  cloud.colors.assign(10, Rgba8{40, 132, 90, 255});
+  EXPECT_EQ(color_points(cloud, {}).colors, cloud.colors);
+  EXPECT_TRUE(color_points(cloud, {}).notes.empty());
   cloud.colors.assign(10, Rgba8{26, 80, 52, 255});
   cloud.colors[0] = {255, 255, 255, 255}, cloud.colors[1] = {0, 0, 0, 255};
   const Coloring raised = color_points(cloud, {});
