@@ -1,11 +1,16 @@
 #include "view/loader.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <map>
+#include <mutex>
 #include <new>
 
 #include "core/error.h"
+#include "io/record_tap.h"
 #include "scene/assemble.h"
 
 namespace sfumato::view {
@@ -21,8 +26,6 @@ std::vector<ClassShare> classes_of(const PointCloud& cloud) {
   return shares;
 }
 
-/// Nodes as they were decoded may take this part of the memory of the points, beside the points themselves.
-constexpr std::uint64_t share_of_nodes = 16;
 /// Spacing of the first picture of a view, in pixels, and the points that are worth waiting for without it.
 constexpr double coarse_px = 3;
 constexpr std::uint64_t least_coarse = 2'000'000;
@@ -39,23 +42,74 @@ std::string key_of(const LoadJob& job) {
   return key;
 }
 
+/// How long a closed window's program waits for a read to notice.
+constexpr std::chrono::seconds patience{2};
+std::atomic<bool> left_work = false;
+
 }  // namespace
 
-class Loader::Watch final : public Progress {
+class Loader::Work {
  public:
-  explicit Watch(Loader& loader) : loader_(loader) {}
+  explicit Work(std::function<void()> wake) : wake_(std::move(wake)) {}
+  void run();
+  void stop();
+  /// Whether `run` came to its end.
+  bool ends_within(std::chrono::seconds time);
+
+  void load(LoadJob job);
+  void call_off();
+  std::optional<Loaded> take();
+  Activity activity() const;
+
+ private:
+  class Watch;
+  void serve();
+  Loaded read(const LoadJob& job, Watch& watch);
+  Loaded read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch);
+  void give_sample(const LoadJob& job, Watch& watch);
+  void give_more(const LoadJob& job);
+  Loaded sample_of(const LoadJob& job, scene::Scene scene);
+  void give(Loaded loaded);
+  /// Shares, sample and words about a scene that is selected and stands upright.
+  Loaded finish(scene::Scene scene, Loaded out);
+  void wake() {
+    if (!stop_) wake_();
+  }
+
+  std::function<void()> wake_;
+  mutable std::mutex mutex_;
+  std::condition_variable work_, end_;
+  std::optional<LoadJob> job_;
+  std::deque<Loaded> loaded_;
+  Activity activity_;
+  std::atomic<bool> stop_{false}, cancel_{false};
+  bool ended_ = false;
+  std::optional<scene::Scene> kept_;  ///< of the thread alone
+  std::string kept_key_;
+  // Of files with levels, of the thread alone.
+  std::shared_ptr<io::ChunkCache> nodes_;
+  std::string nodes_key_;
+  PointCloud first_sample_;  ///< some of it, until the file is read
+  std::optional<UpAxis> sample_up_;
+  std::unique_ptr<io::RecordTap> tap_;
+};
+
+class Loader::Work::Watch final : public Progress {
+ public:
+  explicit Watch(Work& work) : work_(work) {}
   void update(double fraction, std::string_view text) override {
-    std::unique_lock lock(loader_.mutex_);
-    loader_.activity_ = {fraction, std::string(text)};
-    if (const auto now = std::chrono::steady_clock::now();
-        now - last_wake_ > std::chrono::milliseconds(100)) {
-      last_wake_ = now;
-      loader_.wake_();
+    bool is_due = false;
+    {
+      const std::lock_guard lock(work_.mutex_);
+      work_.activity_ = {fraction, std::string(text)};
+      const auto now = std::chrono::steady_clock::now();
+      is_due = now - last_wake_ > std::chrono::milliseconds(100);
+      if (is_due) last_wake_ = now;
     }
-    lock.unlock();
+    if (is_due) work_.wake();
     more(fraction);
   }
-  bool cancelled() const override { return loader_.stop_ || loader_.cancel_; }
+  bool cancelled() const override { return work_.stop_ || work_.cancel_; }
 
   /// Called now and then while points are read, from a thread that reads them.
   std::function<void()> on_more;
@@ -73,19 +127,11 @@ class Loader::Watch final : public Progress {
   static constexpr std::chrono::milliseconds more_pause{1500};
   std::mutex more_mutex_;
   std::chrono::steady_clock::time_point last_more_ = std::chrono::steady_clock::now();
-  Loader& loader_;
+  Work& work_;
   std::chrono::steady_clock::time_point last_wake_{};
 };
 
-Loader::Loader(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { run(); }) {}
-
-Loader::~Loader() {
-  stop_ = true;
-  work_.notify_all();
-  thread_.join();
-}
-
-void Loader::load(LoadJob job) {
+void Loader::Work::load(LoadJob job) {
   const std::lock_guard lock(mutex_);
   job_ = std::move(job);
   loaded_.clear();
@@ -93,14 +139,14 @@ void Loader::load(LoadJob job) {
   work_.notify_all();
 }
 
-void Loader::call_off() {
+void Loader::Work::call_off() {
   const std::lock_guard lock(mutex_);
   job_.reset();
   loaded_.clear();
   cancel_ = true;
 }
 
-std::optional<Loaded> Loader::take() {
+std::optional<Loaded> Loader::Work::take() {
   const std::lock_guard lock(mutex_);
   if (loaded_.empty()) return std::nullopt;
   Loaded first = std::move(loaded_.front());
@@ -108,22 +154,22 @@ std::optional<Loaded> Loader::take() {
   return first;
 }
 
-Activity Loader::activity() const {
+Activity Loader::Work::activity() const {
   const std::lock_guard lock(mutex_);
   return activity_;
 }
 
-void Loader::give(Loaded loaded) {
+void Loader::Work::give(Loaded loaded) {
   {
     const std::lock_guard lock(mutex_);
     if (job_) return;  // nobody waits for this one any more
     loaded_.push_back(std::move(loaded));
     activity_ = {};
   }
-  wake_();
+  wake();
 }
 
-Loaded Loader::sample_of(const LoadJob& job, scene::Scene scene) {
+Loaded Loader::Work::sample_of(const LoadJob& job, scene::Scene scene) {
   Loaded out;
   out.id = job.id;
   out.is_sample = true;
@@ -140,7 +186,7 @@ Loaded Loader::sample_of(const LoadJob& job, scene::Scene scene) {
   return out;
 }
 
-void Loader::give_sample(const LoadJob& job, Watch& watch) {
+void Loader::Work::give_sample(const LoadJob& job, Watch& watch) {
   std::optional<scene::Scene> sample = scene::read_sample(job.files, job.options, most_sample, watch);
   if (!sample) return;
   first_sample_ = subsample(sample->cloud, most_sample / 4);  // room for what comes by
@@ -150,7 +196,7 @@ void Loader::give_sample(const LoadJob& job, Watch& watch) {
 }
 
 /// What is read so far, with the first sample.
-void Loader::give_more(const LoadJob& job) {
+void Loader::Work::give_more(const LoadJob& job) {
   try {
     std::optional<io::ReadResult> more = tap_->so_far();
     if (!more) return;
@@ -167,9 +213,9 @@ void Loader::give_more(const LoadJob& job) {
 
 /// Too much to hold: what a view needs, the coarse levels before there is one. What was decoded for the last
 /// views is not decoded again.
-Loaded Loader::read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch) {
+Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch) {
   if (const std::string key = key_of(job); job.anew || !nodes_ || nodes_key_ != key) {
-    nodes_ = std::make_shared<io::ChunkCache>(job.memory / share_of_nodes);
+    nodes_ = std::make_shared<io::ChunkCache>(job.memory / scene::share_of_kept_nodes);
     nodes_key_ = key;
   }
   files.keep_nodes(nodes_);
@@ -208,7 +254,7 @@ Loaded Loader::read_levels(const LoadJob& job, scene::LeveledScene files, Watch&
   return with(files.read(fine, watch), fine, false);
 }
 
-Loaded Loader::read(const LoadJob& job, Watch& watch) {
+Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was called off
   Loaded out;
   out.id = job.id;
@@ -248,12 +294,15 @@ Loaded Loader::read(const LoadJob& job, Watch& watch) {
   return finish(std::move(scene), std::move(out));
 }
 
-Loaded Loader::finish(scene::Scene scene, Loaded out) {
+Loaded Loader::Work::finish(scene::Scene scene, Loaded out) {
   if (out.classes.empty()) out.classes = classes_of(scene.cloud);
   if (out.box.diagonal() == 0) out.box = bounds(scene.cloud);
   for (const ScalarField& field : scene.cloud.scalars) out.scalars.push_back(field.name);
   out.notes = scene.notes;
   out.notes.insert(out.notes.end(), scene.damage.begin(), scene.damage.end());
+  if (out.pose.subject.room)
+    out.notes.push_back(
+        "a room: ceiling and walls before it are left out; 'whole room' under Scene draws them");
   if (scene.levels && !scene.levels->is_complete())
     out.notes.push_back("too many points to hold: views are coarser than the screen shows (--memory)");
   out.points_read = scene.points_read;
@@ -271,7 +320,7 @@ Loaded Loader::finish(scene::Scene scene, Loaded out) {
   return out;
 }
 
-void Loader::run() {
+void Loader::Work::serve() {
   while (!stop_) {
     LoadJob job;
     {
@@ -303,5 +352,43 @@ void Loader::run() {
     give(std::move(loaded));
   }
 }
+
+void Loader::Work::run() {
+  serve();
+  const std::lock_guard lock(mutex_);
+  ended_ = true;
+  end_.notify_all();
+}
+
+void Loader::Work::stop() {
+  const std::lock_guard lock(mutex_);
+  stop_ = true;
+  work_.notify_all();
+}
+
+bool Loader::Work::ends_within(std::chrono::seconds time) {
+  std::unique_lock lock(mutex_);
+  return end_.wait_for(lock, time, [&] { return ended_; });
+}
+
+Loader::Loader(std::function<void()> wake)
+    : work_(std::make_shared<Work>(std::move(wake))), thread_([work = work_] { work->run(); }) {}
+
+Loader::~Loader() {
+  work_->stop();
+  if (work_->ends_within(patience)) {
+    thread_.join();
+  } else {
+    thread_.detach();
+    left_work = true;
+  }
+}
+
+bool Loader::has_left_work() { return left_work; }
+
+void Loader::load(LoadJob job) { work_->load(std::move(job)); }
+void Loader::call_off() { work_->call_off(); }
+std::optional<Loaded> Loader::take() { return work_->take(); }
+Activity Loader::activity() const { return work_->activity(); }
 
 }  // namespace sfumato::view

@@ -1,18 +1,13 @@
 // Reads scenes on a thread of its own, and selects again from what it read without reading it twice.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "io/record_tap.h"
 #include "scene/leveled_scene.h"
 #include "session/session.h"
 #include "view/painter.h"
@@ -62,10 +57,17 @@ struct Loaded {
 
 class Loader {
  public:
+  /// `wake` is called from the thread when there is news, and never after the loader is gone.
   explicit Loader(std::function<void()> wake);
+  /// Stops what is being read. A read that hangs, as from a network path that is gone, is left to the end of
+  /// the process: a window that is closed is closed.
   ~Loader();
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
+
+  /// Whether the thread of one that is gone may still run: then the process ends by std::_Exit, without
+  /// taking apart what that thread uses.
+  static bool has_left_work();
 
   /// The newest wins.
   void load(LoadJob job);
@@ -82,32 +84,8 @@ class Loader {
   static constexpr std::size_t most_kept = 4'000'000;
 
  private:
-  class Watch;
-  void run();
-  Loaded read(const LoadJob& job, Watch& watch);
-  Loaded read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch);
-  void give_sample(const LoadJob& job, Watch& watch);
-  void give_more(const LoadJob& job);
-  Loaded sample_of(const LoadJob& job, scene::Scene scene);
-  void give(Loaded loaded);
-  /// Shares, sample and words about a scene that is selected and stands upright.
-  Loaded finish(scene::Scene scene, Loaded out);
-
-  std::function<void()> wake_;
-  mutable std::mutex mutex_;
-  std::condition_variable work_;
-  std::optional<LoadJob> job_;
-  std::deque<Loaded> loaded_;
-  Activity activity_;
-  std::atomic<bool> stop_{false}, cancel_{false};
-  std::optional<scene::Scene> kept_;  ///< of the thread alone
-  std::string kept_key_;
-  // Of files with levels, of the thread alone.
-  std::shared_ptr<io::ChunkCache> nodes_;
-  std::string nodes_key_;
-  PointCloud first_sample_;  ///< some of it, until the file is read
-  std::optional<UpAxis> sample_up_;
-  std::unique_ptr<io::RecordTap> tap_;
+  class Work;
+  std::shared_ptr<Work> work_;  ///< the thread's as well, which may outlive the loader
   std::thread thread_;
 };
 

@@ -143,6 +143,11 @@ void Interface::scene_panel() {
                    thousands(scene->points_shown),
                    bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
   note(fmt::format("up {} ({})", to_string(scene->pose.upright.up), scene->pose.upright.reason));
+  if (bool whole = bench_.wishes().whole; scene->pose.subject.room || whole) {
+    if (ImGui::Checkbox("whole room", &whole))
+      bench_.change("whole room", [&](view::Wishes& next) { next.whole = whole; });
+    tooltip("with its ceiling and the walls before the camera, as --whole");
+  }
   if (!scene->crs.empty()) note(scene->crs.substr(0, 120));
   ImGui::Checkbox("read again when files change", &bench_.watch);
   note("drop files on the window to open them, with Ctrl beside these");

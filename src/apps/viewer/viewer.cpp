@@ -1,6 +1,8 @@
 #include "viewer.h"
 
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 
 #include "../cli/console.h"
@@ -59,9 +61,7 @@ class Teller {
   std::string last_;
 };
 
-}  // namespace
-
-int run(view::Start start, const Settings& settings) {
+int show(view::Start start, const Settings& settings) {
   now_ms();
   cli::Console interrupts(true);
   Window window(settings.width, settings.height, title_of(start.wishes.files));
@@ -95,6 +95,15 @@ int run(view::Start start, const Settings& settings) {
     if (bench.wishes().files != shown_files) window.set_title(title_of(shown_files = bench.wishes().files));
   }
   return interrupts.cancelled() ? int(ErrorCode::interrupted) : 0;
+}
+
+}  // namespace
+
+int run(view::Start start, const Settings& settings) {
+  const int code = show(std::move(start), settings);
+  if (!view::Loader::has_left_work()) return code;
+  std::fflush(nullptr);
+  std::_Exit(code);
 }
 
 }  // namespace sfumato::viewer

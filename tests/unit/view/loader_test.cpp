@@ -1,8 +1,10 @@
 // What the thread that reads gives, and in which order.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "view/loader.h"
@@ -128,6 +130,26 @@ TEST(Loader, ForgetsWhatANewerJobReplaces) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   FAIL() << "nothing came";
+}
+
+TEST(Loader, IsGoneThoughAReadHangs) {
+  // What hangs here is the call that tells of news, in the thread that reads: a system call could as well.
+  std::promise<void> hangs, release;
+  const auto released = release.get_future().share();
+  std::atomic<int> calls = 0;
+  {
+    Loader loader([&hangs, &calls, released] {
+      if (++calls > 1) return;
+      hangs.set_value();
+      released.wait();
+    });
+    loader.load(job_of(write_sheet("d.ply", many), false));
+    hangs.get_future().wait();
+  }  // a test that waits for ever fails here
+  EXPECT_TRUE(Loader::has_left_work());
+  release.set_value();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(calls, 1) << "called by a loader that is gone";
 }
 
 }  // namespace
