@@ -29,6 +29,10 @@ constexpr float most_in_clutter = 1.5f;
 /// And where the neighbours do not clearly lie in a plane, whatever surrounds them: a trunk of few points is
 /// no club. Sparse ground has larger discs.
 constexpr float most_unless_flat = most_in_clutter;
+/// The share of surfaces among what surrounds a point, up to which it is foliage with branches, and from
+/// which on it may be a wall or ground with trees: 0 to 0.3 around branches of forests, 0.9 on the ground
+/// below them, on statues and in rooms; but 0.5 on a tower of few points.
+constexpr float most_in_crown = 0.5f, crown = 0.3f, grove = 0.5f;
 
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
@@ -147,18 +151,23 @@ class Completion {
     if (std::none_of(flatness.begin(), flatness.end(), less) &&
         std::none_of(narrow.begin(), narrow.end(), less))
       return;
-    const std::vector<float> surface = surface_shares(cloud_.positions, flatness, int(k_), progress_);
+    const SurfaceShares shares = surface_shares(cloud_.positions, flatness, int(k_), progress_);
     const bool tells = tells_clutter(radii.size(), k_);
     prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const float least = options_.clutter_radius;
-        float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, surface[i]), narrow[i]));
+        float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, shares.own[i]), narrow[i]));
         // A stray point is as far from its neighbours as they are from anything, which is no size.
         const float stray = most_in_clutter * prepared_.median_radius / radii[i];
-        if (stray < 1) shrunk *= std::lerp(stray, 1.0f, surface[i]);
-        if (tells && (flatness[i] < 1 || narrow[i] < 1 || surface[i] < 1))
+        if (stray < 1) shrunk *= std::lerp(stray, 1.0f, shares.own[i]);
+        if (tells && (flatness[i] < 1 || narrow[i] < 1 || shares.own[i] < 1))
           shrunk = std::min(shrunk, most_unless_flat * prepared_.median_radius / radii[i]);
+        // The few points of branches that a scanner saw between leaves are flat by chance, far apart, and
+        // planks when drawn as large as that.
+        const float twig = std::max(least, most_in_crown * prepared_.median_radius / radii[i]);
+        if (twig < 1)
+          shrunk = std::min(shrunk, std::lerp(twig, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
         prepared_.shrunk[i] = shrunk;
         radii[i] *= shrunk;
       }

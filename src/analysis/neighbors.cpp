@@ -31,41 +31,6 @@ struct Box {
   }
 };
 
-std::uint64_t sort_key(float distance2, std::uint32_t id) {
-  return std::uint64_t(std::bit_cast<std::uint32_t>(distance2)) << 32 | id;
-}
-float distance2_of(std::uint64_t key) { return std::bit_cast<float>(std::uint32_t(key >> 32)); }
-
-/// The k nearest points of a place, as a heap with the farthest on top.
-class KNearest {
- public:
-  static constexpr bool merges_coincident = false;
-  explicit KNearest(std::size_t k) : k_(k) { heap_.reserve(k); }
-  void start(std::uint32_t except) {
-    except_ = except;
-    limit_ = std::numeric_limits<float>::infinity();
-    heap_.clear();
-  }
-  float limit() const { return limit_; }
-  void add(std::uint32_t id, float distance2) {
-    if (id == except_) return;
-    if (heap_.size() == k_) {
-      std::pop_heap(heap_.begin(), heap_.end());
-      heap_.pop_back();
-    }
-    heap_.push_back(sort_key(distance2, id));
-    std::push_heap(heap_.begin(), heap_.end());
-    if (heap_.size() == k_) limit_ = distance2_of(heap_.front());
-  }
-  const std::vector<std::uint64_t>& heap() const { return heap_; }
-
- private:
-  std::size_t k_;
-  std::uint32_t except_ = 0;
-  float limit_ = 0;
-  std::vector<std::uint64_t> heap_;
-};
-
 // The loops over candidates, compiled twice where the processor may have wider registers. Neither version
 // fuses multiplications with additions, so both give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)

@@ -70,6 +70,45 @@ class NeighborTree {
   std::vector<std::vector<Octet>> levels_;  // levels_[0] holds the boxes of leaves; the last has one octet
 };
 
+/// A squared distance and an index as one number that sorts by distance, then by index.
+inline std::uint64_t sort_key(float distance2, std::uint32_t id) {
+  return std::uint64_t(std::bit_cast<std::uint32_t>(distance2)) << 32 | id;
+}
+inline float distance2_of(std::uint64_t key) { return std::bit_cast<float>(std::uint32_t(key >> 32)); }
+inline std::uint32_t id_of(std::uint64_t key) { return std::uint32_t(key); }
+
+/// What `NeighborTree::search` finds: the k nearest points of a place.
+class KNearest {
+ public:
+  static constexpr bool merges_coincident = false;
+  explicit KNearest(std::size_t k) : k_(k) { heap_.reserve(k); }
+  /// Forgets what it found. `except`: a point that does not count.
+  void start(std::uint32_t except) {
+    except_ = except;
+    limit_ = std::numeric_limits<float>::infinity();
+    heap_.clear();
+  }
+  float limit() const { return limit_; }
+  void add(std::uint32_t id, float distance2) {
+    if (id == except_) return;
+    if (heap_.size() == k_) {
+      std::pop_heap(heap_.begin(), heap_.end());
+      heap_.pop_back();
+    }
+    heap_.push_back(sort_key(distance2, id));
+    std::push_heap(heap_.begin(), heap_.end());
+    if (heap_.size() == k_) limit_ = distance2_of(heap_.front());
+  }
+  /// `sort_key`s as a heap, the farthest on top.
+  const std::vector<std::uint64_t>& heap() const { return heap_; }
+
+ private:
+  std::size_t k_;
+  std::uint32_t except_ = std::numeric_limits<std::uint32_t>::max();
+  float limit_ = std::numeric_limits<float>::infinity();
+  std::vector<std::uint64_t> heap_;
+};
+
 /// Called for every point: its index, the indices of its neighbours and their squared distances. The
 /// neighbours come in no order, but the last is the farthest. Called from several threads, for different
 /// points.

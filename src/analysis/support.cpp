@@ -35,11 +35,6 @@ constexpr float chance_low = 0.22f, chance_high = 0.42f, region_low = 0.3f, regi
 /// leaves.
 constexpr float agree_low = 0.7f, agree_high = 0.85f, sole_low = 0.12f, sole_high = 0.24f;
 
-float smooth_step(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
 /// How far from a place's plane a point still is of what lies there: in deviations of the place's own points,
 /// as its median tells them, and in shares of its reach, for surfaces bend. A tree on a lawn is many
 /// deviations off the lawn.
@@ -77,20 +72,27 @@ Scale::Layer layer_of(std::span<const vec3> positions, std::uint32_t center,
 
 float belongs(const vec3& position, const Scale::Layer& layer) {
   const float off = std::abs(glm::dot(position, layer.normal) - layer.offset);
-  return 1 - smooth_step(0.7f, 1.3f, off / layer.thickness);
+  return 1 - glm::smoothstep(0.7f, 1.3f, off / layer.thickness);
 }
 
-/// `surroundings`: a place is on a surface where those around it are.
+/// Of the points that each of `count` places stands for.
+std::vector<float> means_along(const std::vector<float>& values, std::size_t every, std::size_t count) {
+  std::vector<float> means(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t first = i * every, last = std::min(first + every, values.size());
+    for (std::size_t j = first; j < last; ++j) means[i] += values[j] / float(last - first);
+  }
+  return means;
+}
+
+/// `by_region`: a place is on a surface where those around it are.
 Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::vector<float>& flatness,
-            int neighbors, bool surroundings, Progress& progress) {
+            int neighbors, bool by_region, Progress& progress) {
   Scale scale{every, {}, {}, {}, {}};
   for (std::size_t i = every / 2; i < positions.size(); i += every) scale.positions.push_back(positions[i]);
   const std::size_t count = scale.positions.size();
-  std::vector<float> own(surroundings ? count : 0);
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    const std::size_t first = i * every, last = std::min(first + every, flatness.size());
-    for (std::size_t j = first; j < last; ++j) own[i] += flatness[j] / float(last - first);
-  }
+  std::vector<float> own;
+  if (by_region) own = means_along(flatness, every, count);
   scale.surface.resize(count);
   scale.layers.resize(count);
   const NeighborTree tree(scale.positions);
@@ -122,19 +124,19 @@ Scale widen(const std::vector<vec3>& positions, std::size_t every, const std::ve
   std::vector<float> agreed, region, within;
   mean(agreed, [&](std::size_t i, std::uint32_t j) {
     const float turn = std::abs(glm::dot(scale.layers[i].normal, scale.layers[j].normal));
-    return own[j] * smooth_step(agree_low, agree_high, turn);
+    return own[j] * glm::smoothstep(agree_low, agree_high, turn);
   });
-  for (std::size_t i = 0; i < count; ++i) own[i] *= smooth_step(sole_low, sole_high, agreed[i]);
+  for (std::size_t i = 0; i < count; ++i) own[i] *= glm::smoothstep(sole_low, sole_high, agreed[i]);
   mean(region, [&](std::size_t, std::uint32_t j) { return own[j]; });
   mean(within,
        [&](std::size_t i, std::uint32_t j) { return own[j] * belongs(scale.positions[i], scale.layers[j]); });
   scale.trust.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    scale.trust[i] = smooth_step(chance_low, chance_high, region[i]);
-    const float member = smooth_step(sole_low, sole_high, within[i]);
+    scale.trust[i] = glm::smoothstep(chance_low, chance_high, region[i]);
+    const float member = glm::smoothstep(sole_low, sole_high, within[i]);
     scale.surface[i] *= scale.trust[i] * member;
-    const float lifted = smooth_step(region_low, region_high, region[i]) * member;
-    if (surroundings) scale.surface[i] = std::max(scale.surface[i], lifted);
+    const float lifted = glm::smoothstep(region_low, region_high, region[i]) * member;
+    if (by_region) scale.surface[i] = std::max(scale.surface[i], lifted);
   }
   return scale;
 }
@@ -152,6 +154,33 @@ std::size_t place_near(const Scale& scale, const vec3& position, std::size_t i) 
   return nearest;
 }
 
+/// How far a point lies on what the places next to it on the curve have of a surface. All of them, since at
+/// an edge the nearest may be of the other side.
+float on_surface_of(const Scale& scale, const vec3& position, std::size_t i) {
+  float most = 0;
+  const std::size_t own = std::min(i / scale.every, scale.positions.size() - 1);
+  for (std::size_t j = own - std::min<std::size_t>(own, 1); j < std::min(own + 2, scale.positions.size());
+       ++j)
+    most = std::max(most, scale.surface[j] * belongs(position, scale.layers[j]));
+  return most;
+}
+
+/// The mean of `values` over each place of a scale and its neighbours.
+std::vector<float> means_around(const Scale& scale, const std::vector<float>& values, int neighbors,
+                                Progress& progress) {
+  const std::vector<float> means = means_along(values, scale.every, scale.positions.size());
+  std::vector<float> around = means;
+  const NeighborTree tree(scale.positions);
+  for_each_neighborhood(
+      tree, neighbors,
+      [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float>) {
+        for (std::uint32_t j : ids) around[i] += means[j];
+        around[i] /= float(ids.size() + 1);
+      },
+      "surfaces", progress);
+  return around;
+}
+
 }  // namespace
 
 float flatness_of(std::span<const vec3> positions, std::uint32_t point,
@@ -161,44 +190,54 @@ float flatness_of(std::span<const vec3> positions, std::uint32_t point,
   for (std::uint32_t j : neighbors) middle += positions[j] - positions[point];
   const float aside = glm::length(middle) / (float(neighbors.size()) * reach);
   if (aside >= aside_high) return 0;
-  const float among = 1 - smooth_step(aside_low, aside_high, aside);
+  const float among = 1 - glm::smoothstep(aside_low, aside_high, aside);
   const float wide = std::sqrt(frame.variance.y * frame.variance.z);
-  const float flat = wide > 0 ? 1 - smooth_step(flat_scatter, rough_scatter, frame.variance.x / wide) : 1;
+  const float flat = wide > 0 ? 1 - glm::smoothstep(flat_scatter, rough_scatter, frame.variance.x / wide) : 1;
   if (flat >= 1) return among;
   std::size_t inside = 0;
   for (std::uint32_t j : neighbors)
     inside += std::abs(glm::dot(positions[j] - positions[point], frame.normal)) < sheet_layer * reach;
-  return among * std::max(flat, smooth_step(sheet_low, sheet_high, float(inside) / float(neighbors.size())));
+  return among *
+         std::max(flat, glm::smoothstep(sheet_low, sheet_high, float(inside) / float(neighbors.size())));
 }
 
-std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness,
-                                  int neighbors, Progress& progress) {
+SurfaceShares surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
+                             Progress& progress) {
   std::vector<Scale> scales;
   for (std::size_t every : {8, 64}) {
     if (positions.size() / every <= std::size_t(neighbors)) break;
     // The region is that of 192 points: of more, a lone tree on a lawn would be lawn.
     scales.push_back(widen(positions, every, flatness, neighbors, scales.empty(), progress));
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, flatness.size(), 65'536), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      float around = 0;
-      for (const Scale& scale : scales) {
-        const std::size_t place = place_near(scale, positions[i], i);
-        if (&scale == &scales.front()) flatness[i] *= scale.trust[place];
-        if (flatness[i] >= 1) continue;
-        // At an edge the next place may be of the other side.
-        const std::size_t own = std::min(i / scale.every, scale.positions.size() - 1);
-        for (std::size_t j = own - std::min<std::size_t>(own, 1);
-             j < std::min(own + 2, scale.positions.size()); ++j) {
-          around = std::max(around, scale.surface[j] * belongs(positions[i], scale.layers[j]));
-        }
-      }
-      flatness[i] = std::max(flatness[i], around);
-    }
-  });
+  SurfaceShares shares{std::move(flatness), std::vector<float>(positions.size(), 1.0f)};
   // Too few points to know what surrounds them: nothing is clutter.
-  if (scales.empty()) std::fill(flatness.begin(), flatness.end(), 1.0f);
-  return flatness;
+  if (scales.empty()) {
+    std::fill(shares.own.begin(), shares.own.end(), 1.0f);
+    return shares;
+  }
+  const auto for_all = [&](auto&& visit) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 65'536), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
+    });
+  };
+  for_all([&](std::size_t i) {
+    float& own = shares.own[i];
+    float around = 0;
+    for (const Scale& scale : scales) {
+      if (&scale == &scales.front()) own *= scale.trust[place_near(scale, positions[i], i)];
+      if (own >= 1) continue;
+      around = std::max(around, on_surface_of(scale, positions[i], i));
+    }
+    own = std::max(own, around);
+  });
+  if (scales.size() < 2) return shares;
+  const Scale& wide = scales.back();
+  const std::vector<float> regions = means_around(wide, shares.own, neighbors, progress);
+  for_all([&](std::size_t i) {
+    shares.around[i] =
+        std::max(regions[place_near(wide, positions[i], i)], on_surface_of(wide, positions[i], i));
+  });
+  return shares;
 }
 
 }  // namespace sfumato::analysis

@@ -19,13 +19,22 @@ float flatness_of(std::span<const vec3> positions, std::uint32_t point,
 /// Fewer points do not tell what surrounds them: nothing is clutter.
 inline bool tells_clutter(std::size_t points, std::size_t neighbors) { return points / 8 > neighbors; }
 
+/// Of every point, from 1 to 0.
+struct SurfaceShares {
+  std::vector<float> own;
+  /// How far there are surfaces around it at all: the mean of `own` over 1536 points, or whether those lie on
+  /// one surface together with it. A few points within a crown that are flat among themselves are a branch at
+  /// most.
+  std::vector<float> around;
+};
+
 /// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge
 /// from a leaf, nor noise from grass, but what surrounds it and what is seen from farther away do. A point is
 /// on a surface when most of those around it are flat, or some and itself, or when the wider neighbourhoods
 /// of every 8th or every 64th point are flat, which reach as far as 192 and 1536 of all points, and the point
 /// lies in what is flat there. Flat neighbourhoods that no other one agrees with are chance, and do not
 /// count.
-std::vector<float> surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness,
-                                  int neighbors, Progress& progress);
+SurfaceShares surface_shares(const std::vector<vec3>& positions, std::vector<float> flatness, int neighbors,
+                             Progress& progress);
 
 }  // namespace sfumato::analysis

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/quantiles.h"
 #include "analysis/support.h"
+#include "core/symmetric3.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -63,6 +65,19 @@ Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::u
           near && near->variance.y < line * near->variance.z};
 }
 
+double residual_around(std::span<const vec3> positions, const KNearest& nearest) {
+  const double share = 1 / double(nearest.heap().size());
+  dvec3 mean(0);
+  for (const std::uint64_t key : nearest.heap()) mean += dvec3(positions[id_of(key)]) * share;
+  Symmetric3 m;
+  for (const std::uint64_t key : nearest.heap()) {
+    const dvec3 d = dvec3(positions[id_of(key)]) - mean;
+    m.xx += d.x * d.x, m.xy += d.x * d.y, m.xz += d.x * d.z;
+    m.yy += d.y * d.y, m.yz += d.y * d.z, m.zz += d.z * d.z;
+  }
+  return std::sqrt(std::max(0.0, eigenvalues(m).z) * share);
+}
+
 }  // namespace
 
 Survey survey(const NeighborTree& tree) {
@@ -83,6 +98,20 @@ Survey survey(const NeighborTree& tree) {
   double flat = 0, lines = 0;
   for (const Seen& s : seen) flat += s.flat, lines += s.line;
   return {float(flat / double(count)), float(lines / double(count))};
+}
+
+float plane_residual(std::span<const vec3> positions) {
+  constexpr std::size_t samples = 500, around = 64;
+  if (positions.size() < 4) return 0;
+  const NeighborTree tree(positions);
+  std::vector<float> residuals;
+  const std::size_t step = std::max<std::size_t>(1, positions.size() / samples);
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    KNearest nearest(around);
+    tree.search(positions[i], nearest);
+    residuals.push_back(float(residual_around(positions, nearest)));
+  }
+  return quantile(residuals, 0.5);
 }
 
 }  // namespace sfumato::analysis

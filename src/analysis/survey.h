@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "analysis/neighbors.h"
 #include "analysis/prepare.h"
@@ -17,6 +18,10 @@ struct Survey {
 
 /// From 2048 places of a cloud in Morton order.
 Survey survey(const NeighborTree& tree);
+
+/// Median over some 500 points of the standard deviation of their 64 nearest neighbours from their common
+/// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.
+float plane_residual(std::span<const vec3> positions);
 
 /// What a cloud that is sorted and measured needs besides, when only its shape tells; the tree is over its
 /// positions.

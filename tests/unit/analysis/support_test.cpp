@@ -139,6 +139,37 @@ TEST(Support, FoliageShrinksAndTheGroundDoesNot) {
   }
 }
 
+TEST(Support, FewFlatPointsWithinACrownAreABranch) {
+  // A hollow crown over land. What a scanner saw in the hollow are 400 points that happen to lie in a plane,
+  // farther apart than leaves. The land has points as far apart, and discs that close it.
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<vec3> points;
+  while (points.size() < 60'000) {
+    const vec3 p = 10.0f * vec3(unit(random), unit(random), unit(random));
+    if (glm::length(p) > 5.7f && glm::length(p) < 10) points.push_back(p);
+  }
+  const std::size_t leaves = points.size();
+  for (int i = 0; i < 400; ++i) points.push_back({4 * unit(random), 4 * unit(random), 0});
+  const std::size_t branches = points.size();
+  for (int i = 0; i < 8000; ++i) points.push_back({16 * unit(random), 16 * unit(random), -20});
+  const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});
+  std::vector<float> land, branch;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t source = prepared.cloud.source_index[i];
+    const float radius = prepared.cloud.radii[i] / prepared.median_radius;
+    if (source >= branches)
+      land.push_back(radius);
+    else if (source >= leaves)
+      branch.push_back(radius);
+  }
+  std::sort(branch.begin(), branch.end());
+  EXPECT_LT(branch[branch.size() * 9 / 10], 0.6f);  // two medians and more by Eq. 20
+  std::sort(land.begin(), land.end());
+  // Of 8000 points on 32 x 32: 2 / sqrt(24) sqrt(24 / (7.8 pi)) = 0.4 scene units, less at the border.
+  EXPECT_GT(land[land.size() / 50] * prepared.median_radius, 0.3f);
+}
+
 TEST(Support, StraysAreNoDiscs) {
   // 200 stray points over a plane of 40,000: each is many spacings from anything.
   std::mt19937 random(7);
