@@ -20,8 +20,8 @@ double overlap(double a, double b, int cell) {
 
 }  // namespace
 
-double haze_depth(const PointCloud& cloud, std::span<const std::uint32_t> soft, std::span<const float> field,
-                  const View& view, const HazeSettings& s) {
+double haze_depth(const HazeSpheres& spheres, const View& view, const HazeSettings& s) {
+  const auto& [positions, radii, soft, field] = spheres;
   const Camera& camera = view.camera();
   const Intrinsics k = camera.intrinsics();
   const double cell_px = std::max(view.width(), view.height()) / double(columns);
@@ -31,11 +31,11 @@ double haze_depth(const PointCloud& cloud, std::span<const std::uint32_t> soft, 
   const dmat4& eye_from_cloud = view.eye_from_cloud();
   for (std::size_t slot = step / 2; slot < soft.size(); slot += step) {
     const std::uint32_t i = soft[slot];
-    const dvec3 p(eye_from_cloud * glm::dvec4(dvec3(cloud.positions[i]), 1));
+    const dvec3 p(eye_from_cloud * glm::dvec4(dvec3(positions[i]), 1));
     if (!(-p.z > 1e-4 * camera.far_plane)) continue;
     const double scale = camera.orthographic() ? k.fx : k.fx / -p.z;
     const double x = (p.x * scale + k.cx) / cell_px, y = (k.cy - p.y * scale) / cell_px;
-    const double radius = std::min(cloud.radii[i], s.radius_limit) * s.radius_scale * scale / cell_px;
+    const double radius = std::min(radii[i], s.radius_limit) * s.radius_scale * scale / cell_px;
     double weight = 1;
     if (s.modulation_threshold > s.field_threshold)
       weight =
@@ -56,10 +56,15 @@ double haze_depth(const PointCloud& cloud, std::span<const std::uint32_t> soft, 
   // Cells count by the share of their rays that meet a sphere, were these placed at random.
   std::sort(depths.begin(), depths.end());
   auto met = [](double depth) { return 1 - std::exp(-depth / mean_depth); };
-  double all = 0, below = 0;
+  double all = 0, below = 0, last = 0;
   for (double depth : depths) all += met(depth);
-  for (double depth : depths)
-    if ((below += met(depth)) >= share_of_rays * all) return depth;
+  for (double depth : depths) {
+    // Between two cells, so that nothing jumps from the depth of one to that of the next.
+    if (below + met(depth) >= share_of_rays * all && met(depth) > 0)
+      return std::lerp(last, depth, (share_of_rays * all - below) / met(depth));
+    below += met(depth);
+    last = depth;
+  }
   return 0;
 }
 

@@ -1,10 +1,11 @@
 // How deep the haze of a view is: what an automatic opacity follows.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 
-#include "core/point_cloud.h"
+#include "core/vec.h"
 #include "passes/view.h"
 
 namespace sfumato::soft {
@@ -15,9 +16,15 @@ struct HazeSettings {
   float cone_factor = 1;  ///< opacity of a soft point at the field threshold over that of one beyond (Eq. 22)
 };
 
+struct HazeSpheres {
+  std::span<const vec3> positions;      ///< of the prepared cloud, as the radii and the field
+  std::span<const float> radii;         ///< scene units
+  std::span<const std::uint32_t> soft;  ///< places of the soft points
+  std::span<const float> field;
+};
+
 /// Optical depth of the haze in units of a lone soft point's through its centre, along the rays that meet
 /// haze: nineteen in twenty of them see less. Follows the camera without steps.
-double haze_depth(const PointCloud& cloud, std::span<const std::uint32_t> soft, std::span<const float> field,
-                  const View& view, const HazeSettings& settings);
+double haze_depth(const HazeSpheres& spheres, const View& view, const HazeSettings& settings);
 
 }  // namespace sfumato::soft

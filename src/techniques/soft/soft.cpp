@@ -252,7 +252,7 @@ class Soft final : public Technique {
       return;
     }
     shape.part = SplatPart::not_above;
-    const SolidPart::InPlace in_place(frame.cloud, solid_);
+    const GpuCloud::InPlace in_place(frame.cloud, solid_.shapes());
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
                   frame.timers);
     auto timing = frame.timers.scope("shade");
@@ -269,9 +269,9 @@ class Soft final : public Technique {
     settings.modulation_threshold = parameters_.modulation_threshold.value();
     if (!parameters_.modulation_opacity.user) settings.cone_factor = modulation_factor;
     const PointCloud& cloud = frame.cloud.prepared().cloud;
-    if (!frame.camera.whole) return haze_depth(cloud, points_.places(), field_.values, view, settings);
-    const View whole(frame.camera.whole_picture(), cloud.origin);
-    return haze_depth(cloud, points_.places(), field_.values, whole, settings);
+    const HazeSpheres spheres{cloud.positions, points_.radii(), points_.places(), field_.values};
+    if (!frame.camera.whole) return haze_depth(spheres, view, settings);
+    return haze_depth(spheres, View(frame.camera.whole_picture(), cloud.origin), settings);
   }
 
   void draw_soft(Frame& frame, const View& view, SplatShape shape) {
@@ -286,6 +286,7 @@ class Soft final : public Technique {
     look.concentric_count = p.concentric_count.user.value_or(0);
     look.concentric_spacing_px = p.concentric_spacing_px;
     look.shape = shape;
+    const GpuCloud::InPlace in_place(frame.cloud, points_.own_radii());
     {
       auto timing = frame.timers.scope("soft points");
       points_.update(frame, view, look, surface_.nearest_t());

@@ -43,8 +43,17 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
   chosen_anew_ = true;
   sorted_ = false;
   axis_orders_ = {};
+  if (!same_field) {
+    radii_ = points.radii;
+    const std::vector<float>& shrunk = cloud.prepared().shrunk;
+    // No more than two medians: along a wire Eq. 20 has the size of the gaps, not of anything there.
+    const float most = 2 * cloud.prepared().median_radius;
+    for (std::size_t i = 0; i < shrunk.size(); ++i)
+      radii_[i] = std::max(radii_[i], std::min(radii_[i] / shrunk[i], most));
+    own_radii_ = shrunk.empty() ? GpuCloud::Shapes() : cloud.make_shapes({}, radii_);
+  }
   std::vector<float> radii;
-  for (std::uint32_t i : places_) radii.push_back(points.radii[i]);
+  for (std::uint32_t i : places_) radii.push_back(radii_[i]);
   radius_limit_ = std::max(2 * analysis::quantile(radii, 0.5), analysis::quantile(radii, 0.9));
 
   gl::require(count() <= std::uint64_t(gl::limits().max_texture_buffer_size),

@@ -20,18 +20,8 @@ class SolidPart {
               bool clamp, const Nearby* all, Progress& progress);
   /// Spacing of the solid points, scene units; the cloud's unless measured among themselves.
   float spacing() const { return spacing_; }
-  /// While it lives the cloud has the normals and radii of the solid part.
-  class InPlace {
-   public:
-    InPlace(GpuCloud& cloud, SolidPart& part) : cloud_(cloud), part_(part) { cloud_.exchange(part_.shapes_); }
-    ~InPlace() { cloud_.exchange(part_.shapes_); }
-    InPlace(const InPlace&) = delete;
-    InPlace& operator=(const InPlace&) = delete;
-
-   private:
-    GpuCloud& cloud_;
-    SolidPart& part_;
-  };
+  /// Normals and radii of the solid part, for `GpuCloud::InPlace`.
+  GpuCloud::Shapes& shapes() { return shapes_; }
 
  private:
   std::uint64_t serial_ = 0, stamp_ = 0;
