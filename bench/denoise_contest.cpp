@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "set_parameter.h"
+#include "passes/splat_raster.h"
 #include "techniques/denoise/noise.h"
 
 namespace sfumato::bench {
@@ -27,22 +29,10 @@ double structural_similarity(const Image<vec4>& a, const Image<vec3>& b) {
   return windows ? sum / windows : 1;
 }
 
-void set(Technique& technique, const std::string& name, const std::string& value) {
-  ParamList params;
-  technique.describe(params);
-  params.find(name)->set(value);
-}
 std::string get(Technique& technique, const std::string& name) {
   ParamList params;
   technique.describe(params);
   return params.find(name)->resolved();
-}
-
-bool any_near(const Image<std::uint8_t>& flags, int x, int y, int margin) {
-  for (int v = std::max(0, y - margin); v <= std::min(flags.height() - 1, y + margin); ++v)
-    for (int u = std::max(0, x - margin); u <= std::min(flags.width() - 1, x + margin); ++u)
-      if (flags.at(u, v)) return true;
-  return false;
 }
 
 }  // namespace
@@ -87,20 +77,21 @@ Errors compare(const RenderOutput& out, const synth::Truth& truth, double bin_si
   return e;
 }
 
-Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, int margin) {
+Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, const Image<int>& margin) {
   const int width = depth.width(), height = depth.height();
-  Image<std::uint8_t> edge(width, height, 0), inside(width, height, 0);
+  Image<std::uint8_t> inside(width, height, 1);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const float z = depth.at(x, y);
-      bool found = std::isinf(z);
+      bool edge = std::isinf(z);
       for (auto [u, v] : {std::pair{x - 1, y}, {x + 1, y}, {x, y - 1}, {x, y + 1}})
         if (u >= 0 && u < width && v >= 0 && v < height)
-          found = found || !(std::abs(depth.at(u, v) - z) <= 5 * bin_size);
-      edge.at(x, y) = found;
+          edge = edge || !(std::abs(depth.at(u, v) - z) <= 5 * bin_size);
+      if (!edge) continue;
+      const int reach = margin.at(x, y);
+      for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
+        for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) inside.at(u, v) = 0;
     }
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) inside.at(x, y) = !any_near(edge, x, y, margin);
   return inside;
 }
 
@@ -164,6 +155,30 @@ double Contest::radius_px(const Camera& camera) {
   const double depth = glm::dot(bounds(prepared.cloud).center() - camera.position, camera.direction());
   return 1.5 * prepared.median_radius * camera.pixels_per_unit() /
          (camera.orthographic() ? 1 : std::max(depth, 1e-9));
+}
+
+Image<int> Contest::rims(const Camera& camera, const Image<float>& depth) {
+  const PreparedCloud& prepared = whole_.prepared();
+  const int width = depth.width(), height = depth.height();
+  const dmat4 eye_from_cloud = camera.view(prepared.cloud.origin);
+  const Intrinsics k = camera.intrinsics();
+  Image<int> margin(width, height, 1 + int(std::ceil(radius_px(camera))));
+  for (std::size_t i = 0; i < prepared.cloud.size(); ++i) {
+    const dvec3 eye = dvec3(eye_from_cloud * glm::dvec4(dvec3(prepared.cloud.positions[i]), 1));
+    const double z = -eye.z, by = camera.orthographic() ? 1 : z;
+    if (!(z > 0)) continue;
+    const int x = int(std::floor(k.fx * eye.x / by + k.cx)), y = int(std::floor(-k.fy * eye.y / by + k.cy));
+    if (x < 0 || x >= width || y < 0 || y >= height) continue;
+    // What is hidden makes no silhouette.
+    if (!(z <= depth.at(x, y) + bin_size_)) continue;
+    const double limit = double(largest_disc) * prepared.median_radius;
+    const double radius = 1.5 * std::min(double(prepared.cloud.radii[i]), limit) * k.fy / by;
+    const int reach = 1 + int(std::ceil(radius));
+    for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
+      for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u)
+        margin.at(u, v) = std::max(margin.at(u, v), reach);
+  }
+  return margin;
 }
 
 RenderOutput Contest::splats(const Camera& camera, bool opaque, bool prefilter) {

@@ -25,9 +25,9 @@ double srgb(double linear);
 
 Errors compare(const RenderOutput& out, const synth::Truth& truth, double bin_size);
 
-/// Pixels with no depth edge, and nothing uncovered, within `margin` pixels: a step of five bins from one
-/// pixel to the next is an edge.
-Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, int margin);
+/// Pixels with no depth edge, and nothing uncovered, within `margin` pixels of that: a step of five bins from
+/// one pixel to the next is an edge. `margin`: px, at the pixels on both sides of each edge.
+Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, const Image<int>& margin);
 
 /// Pixels of `among` that show something more than five bins behind `reference`, or nothing at all.
 struct TooDeep {
@@ -52,6 +52,10 @@ class Contest {
   double bin_size() const { return bin_size_; }
   /// Of a splat at the middle of the cloud.
   double radius_px(const Camera& camera);
+  /// How far discs reach over the silhouettes of `depth`, a picture of `splats`, where both answers are
+  /// right: a pixel more than the radius of the largest disc there, which a scan's farther parts have larger.
+  /// px
+  Image<int> rims(const Camera& camera, const Image<float>& depth);
   double left_out() const { return left_out_; }  ///< share of the points that the prefilter takes
 
   RenderOutput splats(const Camera& camera, bool opaque, bool prefilter = false);

@@ -18,6 +18,7 @@
 #include "core/error.h"
 #include "denoise_contest.h"
 #include "frame_difference.h"
+#include "io/camera_json.h"
 #include "io/image_png.h"
 #include "io/io.h"
 
@@ -70,7 +71,9 @@ void clean_row(Contest& contest, CleanRow row, const Arguments& arguments) {
   const double bin = contest.bin_size(), radius_px = contest.radius_px(row.camera);
   // Discs reach over the silhouette by their radius, where both answers are right.
   const Image<float>& reference = row.truth ? *row.truth : splats.depth;
-  const Image<std::uint8_t> inside = interior(reference, bin, row.truth ? 3 : 1 + int(std::ceil(radius_px)));
+  const Image<std::uint8_t> inside = interior(reference, bin,
+                                              row.truth ? Image<int>(row.camera.width, row.camera.height, 3)
+                                                        : contest.rims(row.camera, splats.depth));
   const TooDeep by_splats = too_deep(splats.depth, reference, inside, bin),
                 ours = too_deep(out.depth, reference, inside, bin);
   std::printf("| %s | %s | %zu | %.1f | %.3f (%zu) | %.3f (%zu) | %.2f |\n", row.name.c_str(),
@@ -81,6 +84,7 @@ void clean_row(Contest& contest, CleanRow row, const Arguments& arguments) {
   const std::string base = arguments.maps + "/clean_" + row.name;
   io::write_png(base + ".png", out.rgba8, false);
   io::write_png(base + "_errors.png", error_map(out.depth, reference, bin), false);
+  io::write_camera(base + "_camera.json", row.camera);
 }
 
 void clean_table(Contest& contest, const Arguments& arguments) {

@@ -213,6 +213,31 @@ TEST_F(Denoise, ThresholdZeroEqualsSplats) {
   }
 }
 
+// Where the points thin out, too: discs of both have one limit.
+TEST_F(Denoise, StrictnessZeroEqualsSplatsOnSparseParts) {
+  PointCloud cloud;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> across(-1, 1);
+  for (int i = 0; i < 20'000; ++i) {  // on the right a ninth of the points, of three times the radius
+    const vec3 p(across(random), 0, across(random));
+    if (p.x > 0 && i % 9 != 0) continue;
+    cloud.positions.push_back(p);
+    cloud.normals.push_back({0, -1, 0});
+    cloud.colors.push_back({std::uint8_t(i % 200), 80, 80, 255});
+  }
+  auto splats = find_technique("splats").create();
+  auto denoise = find_technique("denoise").create();
+  set_parameter(*splats, "epsilon", "0.1");
+  set_parameter(*denoise, "bin_size", "0.1");
+  set_parameter(*denoise, "strictness", "0");
+  const Camera camera = front_camera(96, 64);
+  const RenderOutput a = render(*splats, cloud, camera), b = render(*denoise, cloud, camera);
+  for (std::size_t i = 0; i < a.depth.size(); ++i) {
+    ASSERT_EQ(a.color_linear.data()[i], b.color_linear.data()[i]) << i;
+    ASSERT_EQ(a.depth.data()[i], b.depth.data()[i]) << i;
+  }
+}
+
 TEST_F(Denoise, HashedEqualsDenseWithoutOverflow) {
   const PointCloud cloud = noisy_sphere(3000, 0.05f, 600, 4);
   for (const char* threshold : {"0.3", "1.5", "auto"}) {

@@ -8,7 +8,7 @@
 
 layout(binding = UNIT_INPUT + 1) uniform sampler2D choice;
 
-uniform float splat_reach;  // usual radius of a splat, scene units
+uniform float splat_reach;  // radius of a splat, scene units: the usual one, or that of the larger ones in a last round
 uniform float reach_least_px;
 uniform int peak_bins;      // bins this close in front of the chosen one are noise of one surface (choose.glsl)
 

@@ -106,13 +106,13 @@ void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& 
 }
 
 void BinTable::agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options,
-                     const View& view) {
+                     const View& view, float reach) {
   ScreenPass& agree = agree_[variant(options)];
   if (!agree) agree = ScreenPass("techniques/denoise/agree.glsl", {GL_RGBA32F}, defines(options));
   gl::ensure(agreed_, "agreed bin", GL_RGBA32F, view.width(), view.height());
   set_uniforms(agree.program(), options, view);
   agree.set("peak_bins", options.peak_bins);
-  agree.set("splat_reach", options.splat_reach).set("reach_least_px", std::max(shape.prefilter_px, 1.0f));
+  agree.set("splat_reach", reach).set("reach_least_px", std::max(shape.prefilter_px, 1.0f));
   bind_after(2, weights_);
   if (keys_) bind_after(3, keys_);
   agree.run({&nearest_t, &choice_}, {&agreed_});
@@ -197,7 +197,9 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
     bind_after(2, weights_);
     if (keys_) bind_after(3, keys_);
     choose.run({&nearest_t, &first_bin_}, {&choice_});
-    for (int round = 0; round < options.agree_rounds; ++round) agree(shape, nearest_t, options, view);
+    for (int round = 0; round < options.agree_rounds; ++round)
+      agree(shape, nearest_t, options, view, options.splat_reach);
+    if (options.wide_reach > 0) agree(shape, nearest_t, options, view, options.wide_reach);
     if (!farthest_) farthest_ = ScreenPass("techniques/denoise/farthest.glsl", {GL_R32F});
     gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8,
                (view.height() + 7) / 8);

@@ -44,6 +44,7 @@ struct BinOptions {
   bool heaviest_bin = false;  ///< where no bin counts the heaviest one does
   int agree_rounds = 0;       ///< weak bins count where the pixels around agree on them (agree.glsl)
   float splat_reach = 0;      ///< usual radius of a splat, scene units
+  float wide_reach = 0;       ///< of a last round, scene units; 0: none
 };
 
 /// (Fibonacci hashing, Knuth): the first slot of bin `b` in a table of 2^bits, bits >= 1; as in bins.glsl.
@@ -85,7 +86,7 @@ class BinTable {
                       const gl::Texture& nearest_t, const BinOptions& options);
   bool grow(BinOptions& options, const View& view);
   void agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options,
-             const View& view);
+             const View& view, float reach);
   gl::Defines defines(const BinOptions& options) const;
   gl::Program& small_program(std::map<int, gl::Program>& programs, int key, const char* file,
                              gl::Defines list, const SplatShape& shape) const;

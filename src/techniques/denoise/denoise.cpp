@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/survey.h"
+#include "analysis/quantiles.h"
 #include "gl/context.h"
 #include "passes/shade.h"
 #include "techniques/casters.h"
@@ -38,6 +40,10 @@ constexpr float surface_share = 0.2f;  // of the mean weight of a surface that t
 constexpr float peak_share = 0.3f;  // of the largest weight within `peak_bins`: noise in front of its surface
 constexpr int peak_bins = 3;
 constexpr int agree_rounds = 2;  // a dip between dips is closed by the second
+// Where a scan thins out discs are larger than usual, and so are dips between them: one more round asks as
+// far away as those reach. Clouds of even density are within `uneven` and need none.
+constexpr double large_share = 0.95;  // of the discs are smaller
+constexpr float uneven = 1.75f;       // in usual radii
 // Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge,
 // the rim of a splat) the heaviest one is shown.
 using denoise::least_support;
@@ -95,7 +101,7 @@ struct Parameters {
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
     p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
-        .help("limit radii to twice their median, so that isolated points do not become big discs");
+        .help("limit radii to four times their median, so that isolated points do not become big discs");
   }
 };
 
@@ -127,14 +133,17 @@ class Denoise final : public Technique {
     // agree.glsl looks two splats around in every round, and splat_accumulate.frag two pixels.
     float radius = cloud.median_radius();
     if (!(radius < INFINITY)) radius = cloud.median_spacing();
-    return 4 + nearest_px(2.0 * agree_rounds * parameters_.radius_scale * radius, camera);
+    const float limit = parameters_.clamp_radius ? largest_disc * radius : INFINITY;
+    const float rounds =
+        2.0f * agree_rounds * radius + 2 * wide_disc(cloud.prepared().cloud.radii, radius, limit);
+    return 4 + nearest_px(double(rounds) * parameters_.radius_scale, camera);
   }
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
-    if (parameters_.clamp_radius) shape.radius_limit = 2 * frame.cloud.median_radius();
+    if (parameters_.clamp_radius) shape.radius_limit = largest_disc * frame.cloud.median_radius();
     const bool prefilter = parameters_.prefilter.resolve(automatic());
     measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
     if (parameters_.antialias) shape.prefilter_px = 1;
@@ -188,12 +197,20 @@ class Denoise final : public Technique {
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
   }
 
+  /// Radius of the larger discs as they are drawn, scene units; 0 where they are hardly larger than `usual`.
+  static float wide_disc(std::vector<float> radii, float usual, float limit) {
+    if (radii.empty()) return 0;
+    for (float& each : radii) each = std::min(each, limit);
+    const float large = analysis::quantile(radii, large_share);
+    return large > uneven * std::min(usual, limit) ? large : 0;
+  }
+
   /// Measures a cloud that was not seen before. `radius_limit`: scene units, infinite for none.
   void measure(GpuCloud& cloud, float radius_limit, bool prefilter, Progress& progress) {
     const PreparedCloud& prepared = cloud.prepared();
     const bool seen = field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
     if (!seen) {
-      residual_ = denoise::plane_residual(prepared);
+      residual_ = analysis::plane_residual(prepared.cloud.positions);
       support_.clear();
     }
     if (seen && radius_limit == field_limit_ && prefilter == field_prefilter_) return;
@@ -201,6 +218,7 @@ class Denoise final : public Technique {
     const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
     cloud.set_field(
         denoise::splat_worth(prepared, prefilter ? support_ : all_alike, least_support, radius_limit));
+    wide_disc_ = wide_disc(prepared.cloud.radii, prepared.median_radius, radius_limit);
     field_stamp_ = cloud.field_stamp();
     field_limit_ = radius_limit, field_prefilter_ = prefilter;
   }
@@ -234,13 +252,14 @@ class Denoise final : public Technique {
       options.surface_share = surface_share * parameters_.strictness;
       options.agree_rounds = agree_rounds;
       options.splat_reach = shape.radius_scale * std::min(frame.cloud.median_radius(), shape.radius_limit);
+      options.wide_reach = shape.radius_scale * wide_disc_;
     }
     return options;
   }
 
   Parameters parameters_;
   std::uint64_t field_stamp_ = 0;  ///< of the cloud that was measured last
-  float field_limit_ = 0, residual_ = 0;
+  float field_limit_ = 0, residual_ = 0, wide_disc_ = 0;
   bool field_prefilter_ = false;
   std::vector<float> support_;
   SplatSurface surface_;

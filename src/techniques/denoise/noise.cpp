@@ -9,49 +9,12 @@
 #include "analysis/neighbors.h"
 #include "analysis/quantiles.h"
 #include "core/order.h"
-#include "core/symmetric3.h"
 
 namespace sfumato::denoise {
 namespace {
 
 constexpr std::size_t samples = 500;
 constexpr float most_worth = 100;  // some forty of these fill a bin (bins.glsl)
-
-/// The nearest points of a place as the tree offers them.
-struct Nearest {
-  static constexpr bool merges_coincident = false;
-  std::size_t neighbors;
-  struct One {
-    float distance2;
-    std::uint32_t point;
-    bool operator<(const One& other) const { return distance2 < other.distance2; }
-  };
-  std::vector<One> heap;  // the farthest on top
-  float limit() const {
-    return heap.size() < neighbors ? std::numeric_limits<float>::infinity() : heap.front().distance2;
-  }
-  void add(std::uint32_t point, float distance2) {
-    if (heap.size() == neighbors) {
-      std::pop_heap(heap.begin(), heap.end());
-      heap.pop_back();
-    }
-    heap.push_back({distance2, point});
-    std::push_heap(heap.begin(), heap.end());
-  }
-};
-
-double residual_around(const std::vector<vec3>& positions, const Nearest& nearest) {
-  dvec3 mean(0);
-  for (const Nearest::One& one : nearest.heap)
-    mean += dvec3(positions[one.point]) / double(nearest.heap.size());
-  Symmetric3 m;
-  for (const Nearest::One& one : nearest.heap) {
-    const dvec3 d = dvec3(positions[one.point]) - mean;
-    m.xx += d.x * d.x, m.xy += d.x * d.y, m.xz += d.x * d.z;
-    m.yy += d.y * d.y, m.yz += d.y * d.z, m.zz += d.z * d.z;
-  }
-  return std::sqrt(std::max(0.0, eigenvalues(m).z) / double(nearest.heap.size()));
-}
 
 /// Radical inverse (Halton 1960): points in [0, 1) that fill it evenly.
 double radical_inverse(std::size_t i, std::size_t base) {
@@ -72,28 +35,14 @@ float empty_reach(const std::vector<vec3>& positions, const analysis::NeighborTr
   std::vector<float> reach;
   for (std::size_t i = 1; i <= samples; ++i) {
     const vec3 at(radical_inverse(i, 2), radical_inverse(i, 3), radical_inverse(i, 5));
-    Nearest nearest{k, {}};
+    analysis::KNearest nearest(k);
     tree.search(low + at * (high - low), nearest);
-    reach.push_back(std::sqrt(nearest.heap.front().distance2));
+    reach.push_back(std::sqrt(analysis::distance2_of(nearest.heap().front())));
   }
   return analysis::quantile(reach, 0.5);
 }
 
 }  // namespace
-
-float plane_residual(const PreparedCloud& prepared) {
-  const std::vector<vec3>& positions = prepared.cloud.positions;
-  if (positions.size() < 4) return 0;
-  const analysis::NeighborTree tree(positions);
-  std::vector<float> residuals;
-  const std::size_t step = std::max<std::size_t>(1, positions.size() / samples);
-  for (std::size_t i = 0; i < positions.size(); i += step) {
-    Nearest nearest{64, {}};
-    tree.search(positions[i], nearest);
-    residuals.push_back(float(residual_around(positions, nearest)));
-  }
-  return analysis::quantile(residuals, 0.5);
-}
 
 std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progress) {
   constexpr std::size_t k = 8;

@@ -8,11 +8,6 @@
 
 namespace sfumato::denoise {
 
-/// Median over a fixed sample of points of the standard deviation of their 64 nearest neighbours from their
-/// common plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both
-/// count.
-float plane_residual(const PreparedCloud& prepared);
-
 constexpr float isolated_support = 1.0f / 64;
 constexpr float least_support = 0.1f;  ///< points with less are left out
 

@@ -15,11 +15,6 @@
 namespace sfumato {
 namespace {
 
-/// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
-/// beside than on the ground around it: of twice the median ground 4 m off was riddled with holes. Strays are
-/// smaller than this by themselves (analysis/attributes.cpp).
-constexpr float largest = 4;
-
 struct Parameters {
   Auto<float> epsilon;
   SplatKernel kernel = SplatKernel::wendland;
@@ -61,7 +56,7 @@ class Splats final : public Technique {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
-    if (parameters_.clamp_radius) shape.radius_limit = largest * frame.cloud.median_radius();
+    if (parameters_.clamp_radius) shape.radius_limit = largest_disc * frame.cloud.median_radius();
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
