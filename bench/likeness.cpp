@@ -41,15 +41,22 @@ Image<vec4> blurred(const Image<Rgba8>& picture, const Image<std::uint8_t>& coun
 
 float lightness(const vec4& c) { return 0.299f * c.x + 0.587f * c.y + 0.114f * c.z; }
 
-/// Pixels whose square of 2 `reach` + 1 is covered (`all`), or some of it is.
-Image<std::uint8_t> grown(const Image<Rgba8>& picture, int reach, bool all) {
-  const int width = picture.width(), height = picture.height();
+Image<std::uint8_t> covered_by(const Image<Rgba8>& picture) {
+  Image<std::uint8_t> mask(picture.width(), picture.height());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = covers(picture.data()[i]);
+  return mask;
+}
+
+/// Pixels whose square of 2 `reach` + 1 is marked (`all`), or some of it is. `outside`: what lies around the
+/// picture counts as marked.
+Image<std::uint8_t> grown(const Image<std::uint8_t>& mask, int reach, bool all, bool outside = false) {
+  const int width = mask.width(), height = mask.height();
   Image<std::uint8_t> rows(width, height), out(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       bool every = true, any = false;
       for (int k = -reach; k <= reach; ++k) {
-        const bool covered = x + k >= 0 && x + k < width && covers(picture.at(x + k, y));
+        const bool covered = x + k >= 0 && x + k < width ? bool(mask.at(x + k, y)) : outside;
         every &= covered, any |= covered;
       }
       rows.at(x, y) = all ? every : any;
@@ -58,7 +65,7 @@ Image<std::uint8_t> grown(const Image<Rgba8>& picture, int reach, bool all) {
     for (int x = 0; x < width; ++x) {
       bool every = true, any = false;
       for (int k = -reach; k <= reach; ++k) {
-        const bool covered = y + k >= 0 && y + k < height && rows.at(x, y + k);
+        const bool covered = y + k >= 0 && y + k < height ? bool(rows.at(x, y + k)) : outside;
         every &= covered, any |= covered;
       }
       out.at(x, y) = all ? every : any;
@@ -90,13 +97,19 @@ std::size_t groups_of(Image<std::uint8_t> marked) {
 
 }  // namespace
 
-Likeness likeness(const Image<Rgba8>& painting, const Image<Rgba8>& picture, float sigma) {
+Likeness likeness(const Image<Rgba8>& painting, const Image<Rgba8>& picture, const Image<Rgba8>& measured,
+                  float sigma) {
   const int width = picture.width(), height = picture.height();
-  if (painting.width() != width || painting.height() != height)
-    throw Error(ErrorCode::usage, "a painting and its picture must have one size");
+  for (const Image<Rgba8>* other : {&painting, &measured})
+    if (other->width() != width || other->height() != height)
+      throw Error(ErrorCode::usage, "a painting and its pictures must have one size");
   Likeness out;
   Image<std::uint8_t> both(width, height), specks(width, height);
-  const Image<std::uint8_t> closed = grown(picture, 3, true), near = grown(picture, 1, false);
+  const Image<std::uint8_t> surface = covered_by(picture), near = grown(surface, 1, false);
+  const Image<std::uint8_t> scanned = grown(grown(covered_by(measured), 5, false), 5, true, true);
+  Image<std::uint8_t> closed = surface;
+  for (std::size_t i = 0; i < closed.size(); ++i) closed.data()[i] &= scanned.data()[i];
+  closed = grown(closed, 3, true);
   std::size_t covered = 0, beyond = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "passes/screen_pass.h"
 #include "reference/stroke_scenes.h"
 #include "techniques/strokes/tangent.h"
 
@@ -372,6 +373,47 @@ TEST_F(StrokesTest, UnderpaintingClosesSlitsBesideNearThings) {
   EXPECT_EQ(slit_open, 0);
   EXPECT_LT(slit_red, 0) << "by the wall, not by what stands before it";
   EXPECT_GT(middle_row(4).first, 8);
+}
+
+// Beside a near thing the far wall ends in a ragged line: rows whose slit is no wider than a stroke alternate
+// with rows whose slit is. The first pass leaves a comb, the second hardly anything of it; a wide shadow
+// stays open.
+TEST_F(StrokesTest, UnderpaintingLeavesNoCombs) {
+  constexpr int size = 40, near_end = 10;
+  struct Surface {
+    gl::Texture color{"color", GL_RGBA32F, size, size}, depth{"depth", GL_R32F, size, size},
+        normal{"normal", GL_RGBA32F, size, size};
+  } one, two;
+  ScreenPass pass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+  pass.set("reach", 7).set("spacing", 0.0f);
+  const View view(front_camera(size, size), dvec3(0));
+  view.bind();
+  auto paint = [&](bool teeth, const Surface& from, const Surface& to) {
+    pass.set("teeth", teeth)
+        .run({&from.color, &from.depth, &from.normal}, {&to.color, &to.depth, &to.normal});
+    const Image<vec4> picture = to.color.download<vec4>();
+    int open = 0;
+    for (int y = 4; y < size - 4; ++y)
+      for (int x = near_end; x < near_end + 12; ++x) open += picture.at(x, y).a < 0.5f;
+    return open;
+  };
+  auto passes = [&](int narrow, int wide) {  // px of the shadow, in two rows of four and in the others
+    Image<vec4> color(size, size, vec4(0)), normal(size, size, vec4(0, 0, 1, 1));
+    Image<float> depth(size, size, std::numeric_limits<float>::infinity());
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x)
+        if (x < near_end)
+          color.at(x, y) = {1, 0, 0, 1}, depth.at(x, y) = 2;
+        else if (x >= near_end + (y % 4 < 2 ? narrow : wide))
+          color.at(x, y) = {0, 0, 1, 1}, depth.at(x, y) = 20;
+    one.color.upload(color), one.depth.upload(depth), one.normal.upload(normal);
+    const int first = paint(false, one, two);
+    return std::pair{first, paint(true, two, one)};
+  };
+  const auto [comb, left] = passes(7, 12);
+  EXPECT_GT(comb, 80);
+  EXPECT_LE(left, 20) << "where the comb meets the near thing";
+  EXPECT_EQ(passes(20, 20), (std::pair{12 * (size - 8), 12 * (size - 8)}));
 }
 
 // The same points in another file, some of them at the same places in other colours.

@@ -51,9 +51,9 @@ class Strokes final : public Technique {
   bool has_soft_edges() const override { return true; }  // of brushes
 
   int reach_px(const GpuCloud&, const Camera& camera) const override {
-    // underpaint.glsl, then the wider ring of medium.glsl; or both ways of blur.glsl.
+    // underpaint.glsl twice, then the wider ring of medium.glsl; or both ways of blur.glsl.
     const int ring = int(std::ceil(2.0 * camera.whole_height() / 720));
-    return 24 + std::max(ring, int(std::ceil(2.5f * parameters_.blur_radius))) + 1;
+    return 24 + 3 + std::max(ring, int(std::ceil(2.5f * parameters_.blur_radius))) + 1;
   }
 
   bool render(Frame& frame) override {
@@ -158,11 +158,14 @@ class Strokes final : public Technique {
     underpaint_.set("reach", std::clamp(int(std::lround(stroke_width)), 3, 12));
     underpaint_.set("spacing", frame.cloud.median_spacing());
     view.bind();
-    underpaint_.run({&albedo_, &frame.target.depth, &frame.target.normal},
-                    {&under_albedo_, &under_depth_, &under_normal_});
-    std::swap(albedo_, under_albedo_);
-    std::swap(frame.target.depth, under_depth_);
-    std::swap(frame.target.normal, under_normal_);
+    for (bool teeth : {false, true}) {
+      underpaint_.set("teeth", teeth);
+      underpaint_.run({&albedo_, &frame.target.depth, &frame.target.normal},
+                      {&under_albedo_, &under_depth_, &under_normal_});
+      std::swap(albedo_, under_albedo_);
+      std::swap(frame.target.depth, under_depth_);
+      std::swap(frame.target.normal, under_normal_);
+    }
   }
 
   void shade(Frame& frame, const View& view) {

@@ -1,10 +1,15 @@
 // What strokes leave open within a surface: paint around it on opposite sides, in a line that goes on in depth. Beyond an
 // outline there is paint on one side only, so outlines stay where they are.
+//
+// A second pass (`teeth`) closes what the first leaves between places that it closed: along the ragged end of a surface
+// every other row has a slit too wide for it, and a comb shows worse than the slit. It looks for gaps of up to three pixels in
+// paint that goes on in depth, on two lines.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D albedo;   // premultiplied
 layout(binding = UNIT_INPUT + 1) uniform sampler2D depths;
 layout(binding = UNIT_INPUT + 2) uniform sampler2D normals;
+uniform bool teeth;
 uniform int reach;            // px: half the width of a stroke
 uniform float spacing;        // of the points, scene units: sparse ones leave larger gaps
 const int most_reach = 24;
@@ -54,12 +59,14 @@ bool filter_pixel(ivec2 pixel) {
     Side b = look(pixel, -direction, size);
     if (b.away == 0 || (a.away < 0 && b.away < 0)) continue;
     whole = whole || (a.away > 0 && b.away > 0);
+    if (teeth && min(a.away, b.away) < 0) continue;
     if (a.away < 0) a = b;
     if (b.away < 0) b = a;
     // Steeper than 4 to 1 is another surface; a slit of less than 4 pixels is hardly ever a gap between two. One no wider than
     // a stroke, which two lines cross, is closed by the farther side: what is painted first goes on behind what stands
     // before it. In a corner only one line is short.
     float steepness = abs(a.depth - b.depth) * pixels_at(min(a.depth, b.depth)) / float(a.away + b.away);
+    if (teeth && (a.away + b.away > 4 || steepness > 4.0)) continue;
     bool slit = a.away + b.away <= 4 && steepness < 16.0, narrow = a.away + b.away <= reach + 1;
     if (steepness > 4.0 && !slit && !narrow) continue;
     closed += slit ? 3 : 1;
@@ -71,7 +78,7 @@ bool filter_pixel(ivec2 pixel) {
     depth += wa * a.depth + wb * b.depth;
     sum += wa + wb;
   }
-  if ((closed < 3 && short_lines < 2) || !whole) return true;
+  if (teeth ? closed < 6 : (closed < 3 && short_lines < 2) || !whole) return true;
   vec4 under = color / sum;
   if (out_0.a <= 0.0) {
     out_1 = vec4(depth / sum);
