@@ -115,6 +115,48 @@ TEST_F(Pyramids, PullPushIsThatOfTheEquations) {
   }
 }
 
+// Two walls side by side, 200 units apart along the view, and a gap between them: with a depth edge every
+// filled pixel is one wall or the other, in depth and colour alike, and where the gap ends stays so; without,
+// the gap is filled with what is neither.
+TEST_F(Pyramids, NothingIsMixedAcrossADepthEdge) {
+  constexpr int side = 64;
+  Image<vec4> depths(side, side), colors(side, side);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      if ((x >= 27 && x < 38) || uniform(random) > 0.5) continue;
+      depths.at(x, y) = x < 27 ? vec4(2, 0, 0, 1) : vec4(202, 0, 0, 1);
+      colors.at(x, y) = vec4(x < 27 ? 0.2f : 0.8f, 0, 0, 0);
+    }
+  gl::Texture a("a", GL_RGBA32F, side, side), b("b", GL_RGBA32F, side, side);
+  a.upload(depths);
+  b.upload(colors);
+  const View view(test_camera(side, side, Projection::orthographic), dvec3(0));
+  view.bind();
+  PullPush pull_push;
+  const auto neither = [&](float depth_edge) {
+    pull_push.run(a, b, depth_edge);
+    const auto filled = pull_push.filled()[0].a.download<vec4>(),
+               color = pull_push.filled()[0].b.download<vec4>();
+    int count = 0;
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const float depth = filled.at(x, y).x, shade = color.at(x, y).x;
+        // Sums of some tens of floats.
+        const bool is_near = std::abs(depth - 2) < 1e-4f && std::abs(shade - 0.2f) < 1e-5f,
+                   is_far = std::abs(depth - 202) < 1e-2f && std::abs(shade - 0.8f) < 1e-5f;
+        count += !is_near && !is_far;
+        if (depth_edge > 0 && x < 27) EXPECT_TRUE(is_near) << x << "," << y;
+        if (depth_edge > 0 && x >= 38) EXPECT_TRUE(is_far) << x << "," << y;
+      }
+    return count;
+  };
+  // The coarsest square is a picture wide, 3 units, and 4 x 6 times that are less than 200.
+  EXPECT_EQ(neither(6), 0);
+  EXPECT_GT(neither(0), side * 11 / 2);
+}
+
 TEST_F(Pyramids, PullPushKeepsConstantsAndSamples) {
   Weighted constant = sampled_field(100, 80, 0.01);
   for (double& v : constant.value) v = v != 0 ? 0.7 : 0;

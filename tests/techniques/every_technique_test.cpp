@@ -172,7 +172,9 @@ TEST_P(EveryTechnique, FurnaceKeepsTheOneColour) {
 TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
   Renderer renderer(context());
   auto technique = make();
-  show(renderer, sphere_cloud(3000), technique->needs());
+  PointCloud cloud = sphere_cloud(3000);
+  cloud.set_scalar({"shadow", 0, std::vector<float>(cloud.size(), 0.5f)});  // of `shadows = stored`
+  show(renderer, cloud, technique->needs());
   ParamList params;
   RenderSettings s = settings();
   technique->describe(params);
@@ -193,8 +195,7 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
       SCOPED_TRACE(param.name + " = " + value);
       param.set(value);
       const PreparedCloud& prepared = renderer.prepared();
-      if (!technique->needs().without(prepared.available).empty())
-        show(renderer, sphere_cloud(3000), technique->needs());
+      if (!technique->needs().without(prepared.available).empty()) show(renderer, cloud, technique->needs());
       if (technique->shows(s.shading))
         expect_finite(renderer.render(*technique, front_camera(40, 30), s, all_outputs()));
       else

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 
 #include "io/io.h"
 #include "reference/gl_fixture.h"
@@ -49,9 +50,9 @@ class LitSideTest : public GlTest {
   }
 
   /// The techniques that close a surface, parallel and point light, on `cloud`.
-  /// `most_of_discs`: for the default filling of `surface`.
-  static void expect_lit(const std::string& name, PointCloud cloud, double most, double most_of_discs,
-                         const synth::Scene* scene = nullptr) {
+  /// `missed`: what some of them reach instead of the goal, 0.2 %.
+  static void expect_lit(const std::string& name, PointCloud cloud, const synth::Scene* scene = nullptr,
+                         const std::map<std::string, double>& missed = {}) {
     const PreparedCloud whole =
         analysis::prepare(std::move(cloud), Attribute::normal | Attribute::radius, {});
     const std::pair<const char*, const char*> ways[] = {
@@ -74,7 +75,8 @@ class LitSideTest : public GlTest {
             compare(renderer.render(*technique, camera, settings, all_outputs()), lit,
                     scene ? synth::truth(*scene, camera).depth : Image<float>(), 3 * whole.median_spacing);
         EXPECT_GT(found.covered, 640 * 480 / 20) << name << " " << technique_name;
-        EXPECT_LE(found.share(), std::string(filling) == "discs" ? most_of_discs : most)
+        const std::string way = *filling ? filling : technique_name;
+        EXPECT_LE(found.share(), missed.contains(way) ? missed.at(way) : 0.002)
             << name << " " << technique_name << " " << filling << " light " << light << ": " << found.darkened
             << " of " << found.covered;
         RecordProperty(std::string(technique_name) + light[0], std::to_string(100 * found.share()));
@@ -98,9 +100,8 @@ TEST_F(LitSideTest, ClosedShapesSampledAtRandom) {
   for (bool with_normals : {true, false})
     for (const auto& [name, points] : {std::pair("tori", 200'000), {"spheres", 100'000}}) {
       const synth::Scene scene = synth::make_scene(name);
-      // Without normals every surface counts as tilted by 60 degrees, and a few of the steeper ones darken.
       expect_lit(std::string(name) + (with_normals ? " normals" : ""), sampled(scene, points, with_normals),
-                 with_normals ? 0.002 : 0.003, 0.002, &scene);
+                 &scene);
     }
 }
 
@@ -108,12 +109,13 @@ class LitSideOfScanTest : public LitSideTest, public ::testing::WithParamInterfa
 
 TEST_P(LitSideOfScanTest, IsLit) {
   SFUMATO_NEEDS_REAL_SCAN(GetParam());
-  // The goal is 0.2 %. The depth steps of the range camera of office1, seen from beside, are larger than
-  // d_min: a noisy scan misses it in `splats` and in the paper's filling, and by a little do `layers` and
-  // the paper's filling of the armadillo (0.26 %).
-  const std::string scan = GetParam();
-  const bool noisy = scan == "office1.pcd";
-  expect_lit(scan, io::read(test::data_folder() / scan).cloud, noisy ? 0.012 : 0.003, 0.002);
+  // The depth steps of the range camera of office1, seen from beside, are larger than d_min: `splats` and the
+  // paper's filling miss the goal. Between the armadillo's fingers the light map's texels are wider than the
+  // gap, and each of the few points that darken there is a disc of three spacings in `layers`.
+  std::map<std::string, double> missed;
+  if (std::string(GetParam()) == "office1.pcd") missed = {{"splats", 0.004}, {"pull_push", 0.005}};
+  if (std::string(GetParam()) == "armadillo.obj") missed = {{"layers", 0.003}};
+  expect_lit(GetParam(), io::read(test::data_folder() / GetParam()).cloud, nullptr, missed);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, LitSideOfScanTest,

@@ -15,13 +15,13 @@
 #include <map>
 #include <string>
 
+#include "analysis/survey.h"
 #include "core/error.h"
 #include "passes/bindings.h"
 #include "passes/fill.h"
 #include "passes/merge.h"
 #include "passes/shade.h"
 #include "techniques/casters.h"
-#include "techniques/denoise/noise.h"
 #include "techniques/layers/opacity.h"
 #include "techniques/layers/peel.h"
 #include "techniques/layers/screen_extent.h"
@@ -239,7 +239,8 @@ class Layers final : public Technique {
 
   /// How far points are from the surface, scene units; measured once for a cloud.
   float residual(const GpuCloud& cloud) {
-    if (residual_of_ != cloud.serial()) residual_ = denoise::plane_residual(cloud.prepared());
+    if (residual_of_ != cloud.serial())
+      residual_ = analysis::plane_residual(cloud.prepared().cloud.positions);
     residual_of_ = cloud.serial();
     return residual_;
   }
