@@ -171,7 +171,11 @@ void Workbench::pick(double x_px, double y_px, bool add) {
 }
 
 void Workbench::shoot(int width, int height) {
-  if (!whole_ready_) return say("the picture is not there yet: wait until everything is loaded", true);
+  if (scene_failed_ || wishes_.files.empty()) return say("there is no picture to save", true);
+  if (is_loading_wishes()) {
+    shot_after_loading_ = ivec2(width, height);
+    return say("the picture is saved once everything is loaded");
+  }
   if (follows_view()) {
     delayed_shot_ = wanted_view();
     delayed_shot_->width = width, delayed_shot_->height = height;
@@ -185,6 +189,18 @@ void Workbench::paint_shot(int width, int height) {
   job.id = next_id_++;
   waiting_shots_.emplace_back(job.id, Shot{{}, wishes_.words(width, height), wishes_.legend});
   whole_->paint_for_keeps(std::move(job));
+}
+
+/// The scene that is drawn is not yet the one that is wished for.
+bool Workbench::is_loading_wishes() const {
+  return loading_ || (!whole_ready_ && !follows_view()) || wishes_.scene_key() != loaded_key_;
+}
+
+/// Saves what was asked for while files were read.
+void Workbench::shoot_what_is_loaded() {
+  if (!shot_after_loading_ || is_loading_wishes()) return;
+  const auto size = *std::exchange(shot_after_loading_, std::nullopt);
+  shoot(size.x, size.y);
 }
 
 std::size_t Workbench::frame() const {
@@ -231,7 +247,9 @@ void Workbench::load(bool anew) {
 Workbench::SeenView Workbench::wanted_view() const {
   if (delayed_shot_) return *delayed_shot_;
   const auto shadows = wishes_.shared.find("shadows");
-  return {wishes_.camera, width_, height_, shadows != wishes_.shared.end() && shadows->second != "off"};
+  const bool casts =
+      shadows != wishes_.shared.end() && shadows->second != "off" && shadows->second != "stored";
+  return {wishes_.camera, width_, height_, casts};
 }
 
 bool Workbench::is_coarser_than_wanted() const {
@@ -309,6 +327,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.is_shown) return;
   if (loaded.failure) {
     loading_ = false;
+    shot_after_loading_.reset();
     if (!scene_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
     if (has_sample_only()) say("what is shown is a sample of what could be read");
@@ -436,6 +455,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     } else if (of_scene) {
       loading_ = false;
       scene_failed_ = true;
+      shot_after_loading_.reset();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;
       refinement_.failed();
@@ -592,6 +612,7 @@ void Workbench::tick(double now_ms) {
   }
   if (wanted_key_ != loaded_key_ && now_ms - key_changed_ms_ >= reload_rest_ms && !wishes_.files.empty())
     load(false);
+  shoot_what_is_loaded();
   follow_view();
   ask();
 

@@ -120,11 +120,11 @@ class Workbench {
   void set_timings(bool on) { timings_ = on; }
   void repaint();
 
-  /// A picture of the present view for keeps; it comes to `take_shots`. Of files with levels, what it shows
-  /// is read before.
+  /// A picture of the present view for keeps; it comes to `take_shots`, once everything is loaded. Of files
+  /// with levels, what it shows is read before.
   void shoot(int width, int height);
   std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
-  bool shooting() const { return delayed_shot_ || !waiting_shots_.empty(); }
+  bool shooting() const { return shot_after_loading_ || delayed_shot_ || !waiting_shots_.empty(); }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -166,6 +166,8 @@ class Workbench {
   SeenView wanted_view() const;
   bool is_coarser_than_wanted() const;
   void follow_view();
+  bool is_loading_wishes() const;
+  void shoot_what_is_loaded();
   void paint_shot(int width, int height);
   void send_scene(Loaded& loaded, bool is_another_view);
   PictureJob job_for(const Quality& quality, int width, int height) const;
@@ -207,8 +209,9 @@ class Workbench {
   std::uint64_t profile_id_ = 0;
   std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
   bool reading_view_ = false;
-  bool stand_in_is_due_ = false;          ///< `points` of a view that the technique has yet to measure
-  std::optional<SeenView> delayed_shot_;  ///< until its points are here
+  bool stand_in_is_due_ = false;             ///< `points` of a view that the technique has yet to measure
+  std::optional<ivec2> shot_after_loading_;  ///< its size in pixels
+  std::optional<SeenView> delayed_shot_;     ///< until its points are here
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;
