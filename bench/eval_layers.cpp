@@ -14,10 +14,12 @@
 #include "core/error.h"
 #include "io/io.h"
 #include "io/image_png.h"
+#include "set_parameter.h"
 #include "synth/synth.h"
 #include "techniques/renderer.h"
 
 using namespace sfumato;
+using sfumato::bench::set;
 
 namespace {
 
@@ -27,14 +29,6 @@ struct Arguments {
   std::string map;
   float noise = 0;  ///< standard deviation along the normal, scene units
 };
-
-void set(Technique& technique, const std::string& name, const std::string& value) {
-  ParamList params;
-  technique.describe(params);
-  Param* param = params.find(name);
-  if (!param) throw Error(ErrorCode::usage, "no parameter " + name);
-  param->set(value);
-}
 
 constexpr int most_layers = 13;
 

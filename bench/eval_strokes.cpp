@@ -73,6 +73,7 @@ void coherence(Renderer& renderer, const PointCloud& cloud, Camera camera, int f
       {"points", "points", "", "", false, {}},
       {"splats", "splats", "", "", false, {}},
       {"strokes, a_buffer", "strokes", "", "", false, {}},
+      {"strokes, a_buffer, detail 0", "strokes", "detail", "0", false, {}},
       {"strokes, a_buffer by fragment", "strokes", "stroke_order", "fragment", false, {}},
       {"strokes, blur", "strokes", "blend", "blur", false, {}},
       {"strokes over the picture of points", "points", "", "", true, {}},
@@ -110,14 +111,15 @@ void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& c
   const float sigma = 0.5f * like_ours(camera).width_px;
   const Image<Rgba8> unlit = picture_of("splats", nullptr, Shading::albedo);
   const Image<Rgba8> lit = picture_of("splats", nullptr, Shading::lit);
+  const Image<Rgba8> points = picture_of("points", nullptr, Shading::albedo);
   std::printf("| style | gradients | structure | colour | lightness | specks (groups) | overshoot |\n");
   auto row = [&](const char* style, const Image<Rgba8>& painting, const Image<Rgba8>& picture) {
-    const bench::Likeness l = bench::likeness(painting, picture, sigma);
+    const bench::Likeness l = bench::likeness(painting, picture, points, sigma);
     std::printf("| %s | %.3f | %.3f | %.1f | %+.1f | %zu (%zu) | %.2f %% |\n", style, l.gradients,
                 l.structure, l.color, l.lightness, l.specks, l.speck_groups, 100 * l.overshoot);
     std::fflush(stdout);
   };
-  row("points", picture_of("points", nullptr, Shading::albedo), unlit);
+  row("points", points, unlit);
   for (const char* style : {"oil", "impressionist", "pointillist", "watercolor", "charcoal", "figure_4b",
                             "figure_4c", "figure_4d"})
     row(style, picture_of("strokes", style, Shading::lit), cloud.colors.empty() ? lit : unlit);

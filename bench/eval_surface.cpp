@@ -16,10 +16,12 @@
 #include "analysis/prepare.h"
 #include "core/error.h"
 #include "io/io.h"
+#include "set_parameter.h"
 #include "synth/synth.h"
 #include "techniques/renderer.h"
 
 using namespace sfumato;
+using sfumato::bench::set;
 
 namespace {
 
@@ -29,14 +31,6 @@ struct Arguments {
   std::vector<std::pair<std::string, std::string>> values;
   bool wants(const char* name) const { return part == "all" || part == name; }
 };
-
-void set(Technique& technique, const std::string& name, const std::string& value) {
-  ParamList params;
-  technique.describe(params);
-  Param* param = params.find(name);
-  if (!param) throw Error(ErrorCode::usage, "no parameter " + name);
-  param->set(value);
-}
 
 /// One technique over one cloud after the other.
 class Picture {

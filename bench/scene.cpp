@@ -54,10 +54,4 @@ void time_frames(benchmark::State& state, Technique& technique, std::size_t coun
         1e-3 * renderer.render(technique, tori_camera(++frame, width, height), settings).total_ms);
 }
 
-void set(Technique& technique, const std::string& name, const std::string& value) {
-  ParamList params;
-  technique.describe(params);
-  params.find(name)->set(value);
-}
-
 }  // namespace sfumato::bench

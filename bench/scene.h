@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/camera.h"
+#include "set_parameter.h"
 #include "techniques/renderer.h"
 
 namespace sfumato::bench {
@@ -31,8 +32,5 @@ RenderSettings plain_settings(Shading shading = Shading::albedo, bool edl = fals
 /// (manual time), without reading back.
 void time_frames(benchmark::State& state, Technique& technique, std::size_t count,
                  const RenderSettings& settings, int width = 1024, int height = 1024);
-
-/// Sets a parameter of a technique by its command-line spelling.
-void set(Technique& technique, const std::string& name, const std::string& value);
 
 }  // namespace sfumato::bench
