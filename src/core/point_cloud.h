@@ -80,12 +80,14 @@ struct PointCloud {
   std::vector<Grid> grids;
   std::vector<dvec3> scanners;  ///< world positions of scanners the file knows; scalar `scanner` picks one
   UpAxis up = UpAxis::pos_z;
-  bool up_is_known = false;  ///< the file or the user says so; else it is the custom of the format
+  bool up_is_known = false;  ///< else it is the custom of the format, or a guess
   std::string crs;           ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
   std::optional<LasScaling> las;
 
   std::size_t size() const { return positions.size(); }
   bool empty() const { return positions.empty(); }
+  /// The user or the file says which way is up.
+  void set_up(UpAxis axis) { up = axis, up_is_known = true; }
   dvec3 world(std::size_t i) const { return origin + dvec3(positions[i]); }
   const ScalarField* scalar(std::string_view name) const;
   ScalarField* scalar(std::string_view name);

@@ -111,7 +111,7 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
         // points.
         scene::Scene scene = take ? std::move(cloud->scene) : cloud->scene;
         try {
-          stage->open(context, std::move(scene), cloud->file, stand, reporter);
+          stage->open(context, std::move(scene), stand, reporter);
         } catch (...) {
           stage->clear();
           throw;

@@ -58,7 +58,7 @@ CloudPtr from_columns(const std::vector<std::tuple<std::string, py::array, bool>
         scene.points_read = result.report.points;
         scene.cloud = std::move(result.cloud);
         scene.cloud.crs = crs;
-        if (cloud->up) scene.cloud.up = *cloud->up, scene.cloud.up_is_known = true;
+        if (cloud->up) scene.cloud.set_up(*cloud->up);
         cloud->kept = std::move(result.kept);
       },
       progress);
@@ -67,7 +67,7 @@ CloudPtr from_columns(const std::vector<std::tuple<std::string, py::array, bool>
 
 std::vector<std::string> write(Cloud& cloud, const std::string& file, const py::object& progress) {
   std::vector<std::string> notes;
-  if (cloud.up) cloud.points().up = *cloud.up, cloud.points().up_is_known = true;
+  if (cloud.up) cloud.points().set_up(*cloud.up);
   run([&](Progress& reporter) { notes = io::write(file, cloud.points(), reporter).notes; }, progress);
   return notes;
 }
@@ -268,7 +268,10 @@ void bind_cloud(py::module_& module) {
           [](Cloud& self) -> std::optional<std::string> {
             return self.up ? std::optional(to_string(*self.up)) : std::nullopt;
           },
-          [](Cloud& self, const std::optional<std::string>& text) { self.up = up_axis(text); })
+          [](Cloud& self, const std::optional<std::string>& text) {
+            self.up = up_axis(text);
+            if (!self.up) self.points().up_is_known = false;  // what was said before is taken back
+          })
       .def_property(
           "crs", [](Cloud& self) { return self.points().crs; },
           [](Cloud& self, const std::string& text) { self.points().crs = text; })

@@ -63,7 +63,7 @@ io::ReadResult result_of(const Cloud& cloud, const std::string& name) {
   io::ReadResult result;
   result.cloud = cloud.scene.cloud;
   result.cloud.source_index = {};
-  if (cloud.up) result.cloud.up = *cloud.up, result.cloud.up_is_known = true;
+  if (cloud.up) result.cloud.set_up(*cloud.up);
   result.report.file = name;
   result.report.points = result.report.points_finite = result.cloud.size();
   return result;
@@ -183,7 +183,7 @@ void bind_levels(py::module_& module) {
              run(
                  [&](Progress& reporter) {
                    scene::Scene scene = self.scene.overview(reporter);
-                   stand.pose = stand_upright(scene, self.file, asked, !whole);
+                   stand.pose = stand_upright(scene, asked, !whole);
                    stand.place = place_inside(scene.cloud);
                  },
                  progress);

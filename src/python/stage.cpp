@@ -64,8 +64,8 @@ Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(optio
   for (const auto& look : choice_.techniques) look->check();
 }
 
-void Stage::open(gl::Context& context, scene::Scene scene, const std::string& file,
-                 const std::optional<Stand>& stand, Progress& progress) {
+void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<Stand>& stand,
+                 Progress& progress) {
   if (scene.cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
   notes_ = scene.notes;
   if (options_.selection) {
@@ -87,7 +87,7 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::string& fi
     stand_ = *stand;
     scene.cloud.up = stand_.pose.upright.up;
   } else {
-    stand_.pose = stand_upright(scene, file, options_.up, !options_.whole);
+    stand_.pose = stand_upright(scene, options_.up, !options_.whole);
     stand_.place = place_inside(scene.cloud);
   }
   const Pose& pose = stand_.pose;

@@ -62,8 +62,7 @@ class Stage final : public OnGl {
 
   // All of these on the thread of the context.
   /// `stand`: how the scene presents itself, where that is known already.
-  void open(gl::Context& context, scene::Scene scene, const std::string& file,
-            const std::optional<Stand>& stand, Progress& progress);
+  void open(gl::Context& context, scene::Scene scene, const std::optional<Stand>& stand, Progress& progress);
   void set_color(const ColorSettings& color);
   void clear() override;
   void render(const ShotRequest& request, Shot& shot, Progress& progress);

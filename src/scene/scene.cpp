@@ -68,7 +68,7 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     throw Error(
         ErrorCode::bad_input,
         files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
-  if (options.up) scene.cloud.up = *options.up, scene.cloud.up_is_known = true;
+  if (options.up) scene.cloud.set_up(*options.up);
   return scene;
 }
 

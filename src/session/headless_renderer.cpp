@@ -72,7 +72,7 @@ void HeadlessRenderer::open(const SceneWishes& wishes, Progress& progress) {
   const std::vector<std::string> files = scene::expand_inputs(wishes.files);
   if (files.empty()) throw Error(ErrorCode::usage, "a scene needs a file: name one in SceneWishes::files");
   scene::Scene scene = scene::read_scene(files, reading, progress);
-  Pose pose = stand_upright(scene, files.front(), wishes.up);
+  Pose pose = stand_upright(scene, wishes.up);
   state_->show(std::move(scene), std::move(pose), options, progress);
 }
 
@@ -81,7 +81,7 @@ void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
   scene::Scene scene;
   scene.cloud = std::move(cloud);
   // What the caller says is up is up.
-  Pose pose = stand_upright(scene, "", scene.cloud.up);
+  Pose pose = stand_upright(scene, scene.cloud.up);
   state_->show(std::move(scene), std::move(pose), {{}, coloring, {}}, progress);
 }
 

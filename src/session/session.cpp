@@ -7,19 +7,17 @@
 #include "analysis/survey.h"
 #include "core/color.h"
 #include "core/error.h"
-#include "io/says_up.h"
 #include "passes/shadows.h"
 #include "session/standpoint.h"
 #include "techniques/panorama.h"
 
 namespace sfumato {
 
-Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked,
-                   bool cutaway) {
+Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool cutaway) {
   analysis::Upright upright;
   if (asked)
     upright = {*asked, "--up"};
-  else if (!file.empty() && io::says_up(file))
+  else if (scene.cloud.up_is_known)
     upright = {scene.cloud.up, "the file says so"};
   else
     upright = analysis::guess_upright(scene.cloud);

@@ -36,10 +36,8 @@ struct Pose {
 };
 
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
-/// `file` is the first of the scene, empty for points from elsewhere. `cutaway`: rooms are seen without the
-/// walls before them.
-Pose stand_upright(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& asked = {},
-                   bool cutaway = true);
+/// `cutaway`: rooms are seen without the walls before them.
+Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {}, bool cutaway = true);
 /// The view from the side that suits the scan, which shows all but stray points.
 Camera first_view(const Pose& pose, int width, int height);
 

@@ -51,7 +51,7 @@ PointCloud sample(const Scene& scene, const SampleOptions& asked, Progress& prog
     options.sampling = options.scanner_position.empty() ? scene.natural : Sampling::scanners;
   options.normals.resolve(options.sampling != Sampling::cameras);
   const auto finished = [&](PointCloud cloud) {
-    cloud.up = scene.up, cloud.up_is_known = true;
+    cloud.set_up(scene.up);
     return cloud;
   };
   if (options.sampling == Sampling::airborne) return finished(sample_airborne(scene, options, progress));

@@ -175,8 +175,7 @@ Loaded Loader::Work::sample_of(const LoadJob& job, scene::Scene scene) {
   out.is_sample = true;
   out.is_first = !sample_up_;
   // Later samples stand as the first does.
-  out.pose =
-      stand_upright(scene, job.files.front().name, sample_up_ ? sample_up_ : job.options.up, job.cutaway);
+  out.pose = stand_upright(scene, sample_up_ ? sample_up_ : job.options.up, job.cutaway);
   sample_up_ = out.pose.upright.up;
   scene.levels.reset();
   out = finish(std::move(scene), std::move(out));
@@ -231,7 +230,7 @@ Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, 
   } else {
     overview = files.overview(watch);
     known.overview = overview.overview;
-    known.pose = stand_upright(overview, job.files.front().name, job.options.up, job.cutaway);
+    known.pose = stand_upright(overview, job.options.up, job.cutaway);
   }
   const auto with = [&](scene::Scene scene, const copc::NodeSelection& nodes, bool is_coarse) {
     scene.cloud.up = known.pose.upright.up;
@@ -288,8 +287,7 @@ Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   out.classes = classes_of(scene.cloud);
   out.box = bounds(scene.cloud);
   scene::narrow(scene, job.files, job.options);
-  out.pose =
-      stand_upright(scene, job.files.empty() ? "" : job.files.front().name, job.options.up, job.cutaway);
+  out.pose = stand_upright(scene, job.options.up, job.cutaway);
   watch.check();
   return finish(std::move(scene), std::move(out));
 }

@@ -16,7 +16,7 @@ namespace {
 Pose pose_of(PointCloud cloud) {
   scene::Scene scene;
   scene.cloud = std::move(cloud);
-  return stand_upright(scene, "", UpAxis::pos_z);
+  return stand_upright(scene, UpAxis::pos_z);
 }
 
 PointCloud box_of(const dvec3& size, int points = 20'000) {
@@ -204,7 +204,7 @@ TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
   EXPECT_FALSE(pose_of(sheets).subject.room) << "three sheets";
   scene::Scene whole;
   whole.cloud = scan("room", synth::Sampling::area, 100'000);
-  EXPECT_FALSE(stand_upright(whole, "", UpAxis::pos_z, false).subject.room);
+  EXPECT_FALSE(stand_upright(whole, UpAxis::pos_z, false).subject.room);
 }
 
 }  // namespace

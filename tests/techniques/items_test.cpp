@@ -228,7 +228,7 @@ TEST_F(ItemsTest, RulesWithNoneLeavePointsOutAndOthersKeepTheirPlaceInTheFile) {
   const PointCloud all = scene.cloud;
   SessionOptions options;
   options.draw = {DrawRule::parse("z ..0: none"), DrawRule::parse("x 0..: splats")};
-  Pose pose = stand_upright(scene, "", UpAxis::pos_z);
+  Pose pose = stand_upright(scene, UpAxis::pos_z);
   Session session(context());
   session.set_scene(std::move(scene), pose, options, [](const auto&) { return Attributes(); });
   ASSERT_EQ(session.parts().size(), 2u);

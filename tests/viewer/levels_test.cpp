@@ -65,7 +65,7 @@ class LevelsTest : public testing::Test {
     auto leveled = scene::LeveledScene::open(scene::files_of({scan().string()}), options, memory);
     EXPECT_TRUE(leveled);
     scene::Scene scene = leveled->overview();
-    Pose pose = stand_upright(scene, scan().string());
+    Pose pose = stand_upright(scene);
     scene = leveled->read(std::vector<copc::View>{{camera, false}}, false);
     scene.cloud.up = pose.upright.up;
     const auto context = gl::Context::create_headless();

@@ -23,7 +23,7 @@ class PainterTest : public ::testing::Test {
     job.id = 1;
     for (int i = 0; i < 4000; ++i)
       job.scene.cloud.positions.push_back({float(i % 63), float(i / 63), float(i % 7)});
-    job.pose = stand_upright(job.scene, "");
+    job.pose = stand_upright(job.scene);
     pose_ = job.pose;
     painter_.show(std::move(job));
     EXPECT_TRUE(std::holds_alternative<SceneReady>(next()));

@@ -51,11 +51,10 @@ class ShadowOptions {
   bool is_asked() const { return settings_.shadows != Shadows::off; }
 
   /// Gives the points the scalar `shadow` and says of which light.
-  void add(scene::Scene& scene, const std::string& file, const std::optional<UpAxis>& up,
-           gl::Context& context, Console& console) {
+  void add(scene::Scene& scene, const std::optional<UpAxis>& up, gl::Context& context, Console& console) {
     if (Light::parse(settings_.light_text).kind == Light::Kind::headlight) {
       const UpAxis as_read = scene.cloud.up;  // a guess is of no concern to what is written
-      const Pose pose = stand_upright(scene, file, up);
+      const Pose pose = stand_upright(scene, up);
       fix_light(settings_, first_view(pose, 1280, 720), scene.cloud.up);
       scene.cloud.up = as_read;
     }
@@ -120,7 +119,7 @@ int convert_command(const Words& words) {
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())
     console.say("sfumato: " + note);
-  if (context) shadows.add(scene, inputs.front(), input.scene.up, *context, console);
+  if (context) shadows.add(scene, input.scene.up, *context, console);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
     console.say("sfumato: " + output + ": " + note);
   if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))

@@ -66,10 +66,9 @@ scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderR
 }
 
 /// Which way is up, and from where to look, unless the user or the file says so.
-Pose pose_of(scene::Scene& scene, const std::string& file, const RenderOptions& options, RenderReport& report,
-             Console& console) {
+Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& report, Console& console) {
   const UpAxis custom = scene.cloud.up;
-  Pose pose = stand_upright(scene, file, options.input.scene.up, !options.camera.whole);
+  Pose pose = stand_upright(scene, options.input.scene.up, !options.camera.whole);
   const analysis::Upright& upright = pose.upright;
   if (upright.up != custom)
     console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason,
@@ -170,7 +169,7 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
           Console& console) {
   auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
-  sight.pose = pose_of(sight.scene, files[0].name, options, report, console);
+  sight.pose = pose_of(sight.scene, options, report, console);
   sight.camera = first_camera(options, sight.pose, sight.scene.cloud);
   sight.cameras = options.sequence || options.each ? std::vector{sight.camera}
                                                    : cameras_of(options, sight.camera, sight.scene.cloud.up);
