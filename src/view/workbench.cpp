@@ -172,6 +172,8 @@ void Workbench::pick(double x_px, double y_px, bool add) {
 
 void Workbench::shoot(int width, int height) {
   if (scene_failed_ || wishes_.files.empty()) return say("there is no picture to save", true);
+  if (has_sample_only() && !loading_)
+    return say("only a sample could be read: there is no picture of the whole to save", true);
   if (is_loading_wishes()) {
     shot_after_loading_ = ivec2(width, height);
     return say("the picture is saved once everything is loaded");
