@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "analysis/memory.h"
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
@@ -19,10 +20,6 @@
 
 namespace sfumato::analysis {
 namespace {
-
-/// Neighbours that two steps need are kept up to this size; beyond it they are found a second time, which
-/// takes longer but does not fill the memory.
-constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
 
 /// In median radii: the largest disc in clutter, before it shrinks.
 constexpr float most_in_clutter = 1.5f;

@@ -9,13 +9,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/memory.h"
 #include "analysis/normals.h"
 #include "analysis/stoppable_sort.h"
 
 namespace sfumato::analysis {
 namespace {
-
-constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
 
 /// Sets that grow together from several threads; the lowest index is the root, whatever the order of the
 /// calls.

@@ -9,8 +9,8 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t sample_size = 200'000;
-constexpr int most_cells = 48, layers = 40;
+constexpr std::size_t most_sampled = 200'000;
+constexpr int most_cells = 48, height_layers = 40;
 /// The share of all columns with points that have a floor and a ceiling with open space between, and of those
 /// pairs of them a twelfth of the room apart that agree on the heights of both.
 constexpr double roofed_least = 0.3, level_least = 0.6;
@@ -29,7 +29,7 @@ constexpr int wall_bins = 100;
 constexpr double wall_share = 0.03, wall_reach = 0.3;
 
 struct Column {
-  int low = layers, high = -1,
+  int low = height_layers, high = -1,
       between = 0;  ///< layers of lowest and highest points; occupied ones between them
   bool is_roofed = false, is_thin = false;
 };
@@ -39,12 +39,12 @@ class Plan {
   explicit Plan(const PointCloud& cloud) : up_(int(cloud.up) / 2), u_((up_ + 1) % 3), v_((up_ + 2) % 3) {
     const bool down = int(cloud.up) % 2 == 1;
     box_ = robust_bounds(cloud, 0.005, 0.995);
-    const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + sample_size - 1) / sample_size);
+    const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + most_sampled - 1) / most_sampled);
     // Enough points in each column to see floor, ceiling and what is between.
-    cells_ = std::clamp(int(std::sqrt(double(std::min(cloud.size(), sample_size))) / 8), 12, most_cells);
+    cells_ = std::clamp(int(std::sqrt(double(std::min(cloud.size(), most_sampled))) / 8), 12, most_cells);
     const double wide = std::max({box_.size()[u_], box_.size()[v_], 1e-300}),
                  high = std::max(box_.size()[up_], 1e-300);
-    std::vector<std::array<unsigned char, layers>> counts(std::size_t(cells_ * cells_));
+    std::vector<std::array<unsigned char, height_layers>> counts(std::size_t(cells_ * cells_));
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
       const dvec3 p = cloud.world(i);
       points_.push_back(p);
@@ -53,18 +53,18 @@ class Plan {
       heights_.push_back(z);
       if (!(x >= 0 && y >= 0 && x < cells_ && y < cells_)) continue;
       unsigned char& count = counts[std::size_t(int(x) * cells_ + int(y))]
-                                   [std::size_t(std::clamp(int(z * layers), 0, layers - 1))];
+                                   [std::size_t(std::clamp(int(z * height_layers), 0, height_layers - 1))];
       count = static_cast<unsigned char>(std::min(255, count + 1));
     }
     columns_.resize(counts.size());
     for (std::size_t c = 0; c < counts.size(); ++c) {
       Column& column = columns_[c];
-      for (int layer = 0; layer < layers; ++layer)
+      for (int layer = 0; layer < height_layers; ++layer)
         if (counts[c][std::size_t(layer)] > 1) column.low = std::min(column.low, layer), column.high = layer;
       for (int layer = column.low + 2; layer <= column.high - 2; ++layer)
         column.between += counts[c][std::size_t(layer)] > 0;
       const int open = column.high - column.low - 3;
-      column.is_roofed = open > 0.25 * layers && column.between < 0.5 * open;
+      column.is_roofed = open > 0.25 * height_layers && column.between < 0.5 * open;
       column.is_thin = column.is_roofed && counts[c][std::size_t(column.high - 3)] <= 1 &&
                        counts[c][std::size_t(column.high - 4)] <= 1 &&
                        counts[c][std::size_t(column.high - 5)] <= 1;
@@ -97,7 +97,7 @@ class Plan {
     std::vector<int> ceilings;
     for (const Column& column : columns_)
       if (column.is_roofed) ceilings.push_back(column.high);
-    const double ceiling = (double(nth_value(ceilings, ceilings.size() / 5)) - 0.5) / layers;
+    const double ceiling = (double(nth_value(ceilings, ceilings.size() / 5)) - 0.5) / height_layers;
     Room room;
     const bool down = glm::dot(up, dvec3(1)) < 0;
     const double height =

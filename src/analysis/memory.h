@@ -10,6 +10,10 @@
 
 namespace sfumato::analysis {
 
+/// Neighbours that two steps need are kept up to this size; beyond it they are found a second time, which
+/// takes longer but does not fill the memory.
+inline constexpr std::size_t most_kept_bytes = std::size_t(1) << 30;
+
 /// `count` values that are not set: the memory is first touched where it is first written, by all threads
 /// that write, and in large pages where the system has them. Clearing a vector would touch it on one thread.
 template <class T>

@@ -35,14 +35,14 @@ struct Entry {
   std::uint32_t id;
 };
 
-struct Box {
+struct Extent {
   vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
 };
 
-Box box_of(std::span<const std::uint32_t> ids, const std::vector<vec3>& positions) {
+Extent box_of(std::span<const std::uint32_t> ids, const std::vector<vec3>& positions) {
   return tbb::parallel_reduce(
-      Range(0, ids.size(), grain), Box(),
-      [&](const Range& range, Box box) {
+      Range(0, ids.size(), grain), Extent(),
+      [&](const Range& range, Extent box) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
           const vec3 p = positions[ids[i]];
           box.min = glm::min(box.min, p);
@@ -50,8 +50,8 @@ Box box_of(std::span<const std::uint32_t> ids, const std::vector<vec3>& position
         }
         return box;
       },
-      [](const Box& a, const Box& b) {
-        return Box{glm::min(a.min, b.min), glm::max(a.max, b.max)};
+      [](const Extent& a, const Extent& b) {
+        return Extent{glm::min(a.min, b.min), glm::max(a.max, b.max)};
       });
 }
 
@@ -66,7 +66,7 @@ constexpr std::array<std::uint32_t, 128> spread = [] {
 /// The cells of a box: 2^21 along its longest side.
 class Cells {
  public:
-  explicit Cells(const Box& box) : low_(box.min) {
+  explicit Cells(const Extent& box) : low_(box.min) {
     const dvec3 size = dvec3(box.max) - dvec3(box.min);
     scale_ = float(double(1 << bits_per_axis) / std::max({size.x, size.y, size.z}));
   }
@@ -143,7 +143,7 @@ class CurveSort {
 
   /// Sorts `ids`, which come in the order that coincident points keep. First into buckets by the first bits
   /// of their keys, on all threads, then each bucket within the cache of one thread.
-  void sort(Ids ids, const Box& box) const {
+  void sort(Ids ids, const Extent& box) const {
     const Cells cells(box);
     if (!cells.any()) return;
     const std::size_t n = ids.size();
@@ -289,7 +289,7 @@ std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progr
     tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return source[a] != source[b] ? source[a] < source[b] : a < b;
     });
-  const Box box = box_of(order, cloud.positions);
+  const Extent box = box_of(order, cloud.positions);
   if (n > 0 && glm::distance(dvec3(box.min), dvec3(box.max)) > largest_extent)
     throw Error(ErrorCode::bad_input,
                 "the points spread over more than 1e18 units: some coordinates are damaged, filter them out");

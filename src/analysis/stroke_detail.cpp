@@ -17,16 +17,16 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr int values = 9, levels = 9;  // colour and the six of n n^T; cells of 4 to 1024 spacings
-constexpr float finest_spacings = 2;   // of the parts of the smallest cells: some four points
+constexpr int value_count = 9, levels = 9;  // colour and the six of n n^T; cells of 4 to 1024 spacings
+constexpr float finest_spacings = 2;        // of the parts of the smallest cells: some four points
 constexpr float most_spacings = 1000;
 
-using Sample = std::array<float, values>;
+using Values = std::array<float, value_count>;
 
 struct Cell {
   std::uint64_t key = 0;
   double count = 0;
-  std::array<double, values> sum{};
+  std::array<double, value_count> sum{};
   double squares = 0;  ///< of all values of all points
 };
 
@@ -39,7 +39,7 @@ double mean_square(const Cell& c) {
 /// One grid: its cells from fine to coarse, and the least length from coarse to fine.
 class Grid {
  public:
-  Grid(const std::vector<vec3>& positions, const std::vector<Sample>& samples, const dvec3& corner,
+  Grid(const std::vector<vec3>& positions, const std::vector<Values>& samples, const dvec3& corner,
        double size, const Progress& progress)
       : progress_(progress) {
     order_.resize(positions.size());
@@ -58,7 +58,7 @@ class Grid {
       if (cells_[0].empty() || cells_[0].back().key != key) cells_[0].push_back({key});
       Cell& cell = cells_[0].back();
       cell.count += 1;
-      for (int k = 0; k < values; ++k) {
+      for (int k = 0; k < value_count; ++k) {
         const double v = samples[i][std::size_t(k)];
         cell.sum[std::size_t(k)] += v;
         cell.squares += v * v;
@@ -84,7 +84,7 @@ class Grid {
         double of_means = 0, inside = 0, freedom = 0;
         for (end = first; end < parts.size() && parts[end].key >> 3 == cell.key; ++end) {
           cell.count += parts[end].count;
-          for (std::size_t k = 0; k < values; ++k) cell.sum[k] += parts[end].sum[k];
+          for (std::size_t k = 0; k < value_count; ++k) cell.sum[k] += parts[end].sum[k];
           cell.squares += parts[end].squares;
           of_means += parts[end].count * mean_square(parts[end]);
           inside += within[end], freedom += free[end];
@@ -134,7 +134,7 @@ std::vector<float> detail_lengths(const std::vector<vec3>& positions, const std:
                                   const DetailOptions& options, Progress& progress) {
   std::vector<float> lengths(positions.size(), most_spacings * spacing);
   if (positions.empty() || !(spacing > 0)) return lengths;
-  std::vector<Sample> samples(positions.size());
+  std::vector<Values> samples(positions.size());
   const float color_scale = 1 / (255 * options.color_step), normal_scale = 1 / options.normal_step;
   dvec3 low(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < samples.size(); ++i) {

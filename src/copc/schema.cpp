@@ -21,7 +21,7 @@ constexpr std::size_t longest_record = 65535;
 
 bool has_wave(int format) { return format == 4 || format == 5 || format >= 9; }
 bool has_nir(int format) { return format == 8 || format == 10; }
-std::size_t color_byte(int format) { return format == 2 ? 20 : format >= 6 ? 30 : 28; }
+std::size_t color_byte_of(int format) { return format == 2 ? 20 : format >= 6 ? 30 : 28; }
 
 // Some files describe their extra bytes in several records.
 std::vector<std::uint8_t> extra_record(const Header& header) {
@@ -205,7 +205,7 @@ RecordMap::RecordMap(const Header& source, const Schema& schema)
     is_shifted_ &= is_whole(steps);
     shift_[axis] = is_shifted_ ? std::llround(steps) : 0;
   }
-  const auto color = color_byte(source.format);
+  const auto color = color_byte_of(source.format);
   if (schema.format >= 7 && io::las::has_color(source.format)) copies_.push_back({color, 30, 6});
   if (schema.format == 8 && has_nir(source.format)) copies_.push_back({36, 36, 2});
   const std::size_t from = min_record_length[std::size_t(source.format)],

@@ -29,7 +29,7 @@ std::vector<std::string_view> cut(std::string_view text, std::string_view by) {
   }
 }
 
-[[noreturn]] void refuse(const std::string& whole, const std::string& why) {
+[[noreturn]] void selects_nothing(const std::string& whole, const std::string& why) {
   throw Error(ErrorCode::usage,
               "'" + whole + "' selects nothing: " + why +
                   "; write *, \"classification 3-5\", \"intensity 10..200\", \"file 2\", \"box "
@@ -68,18 +68,18 @@ Selector::Term Selector::parse_term(std::string_view text, const std::string& wh
   if (text == "*") return term;
   const std::size_t blank = text.find(' ');
   if (blank == std::string_view::npos)
-    refuse(whole, text.empty() ? "a term is missing" : "'" + std::string(text) + "' has no range");
+    selects_nothing(whole, text.empty() ? "a term is missing" : "'" + std::string(text) + "' has no range");
   if (text.starts_with("box ")) {
     term.kind = Term::Kind::box;
     std::vector<double> numbers;
     for (std::string_view part : cut(text.substr(4), ",")) {
       const auto number = parse_real(part);
-      if (!number) refuse(whole, "'" + std::string(part) + "' is no number");
+      if (!number) selects_nothing(whole, "'" + std::string(part) + "' is no number");
       numbers.push_back(*number);
     }
-    if (numbers.size() != 6) refuse(whole, "a box has six numbers");
+    if (numbers.size() != 6) selects_nothing(whole, "a box has six numbers");
     term.box = {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
-    if (glm::any(glm::greaterThan(term.box.min, term.box.max))) refuse(whole, "its box is empty");
+    if (glm::any(glm::greaterThan(term.box.min, term.box.max))) selects_nothing(whole, "its box is empty");
     return term;
   }
   term.kind = Term::Kind::scalar;
@@ -105,12 +105,13 @@ Selector::Term Selector::parse_term(std::string_view text, const std::string& wh
                open_high = size == 2 && at != std::string_view::npos && at + 2 == part.size();
     if ((!low && !open_low) || (!high && !open_high) || (open_low && open_high)) {
       const std::string near = is_class ? nearest_class(part) : "";
-      refuse(whole, "'" + std::string(part) + "' is no number, range" + (is_class ? " or class" : "") +
-                        (near.empty() ? "" : " (did you mean '" + near + "'?)"));
+      selects_nothing(whole, "'" + std::string(part) + "' is no number, range" +
+                                 (is_class ? " or class" : "") +
+                                 (near.empty() ? "" : " (did you mean '" + near + "'?)"));
     }
     term.ranges.push_back({low.value_or(-infinite), high.value_or(infinite)});
     if (term.ranges.back().low > term.ranges.back().high)
-      refuse(whole, "the range " + std::string(part) + " is empty");
+      selects_nothing(whole, "the range " + std::string(part) + " is empty");
   }
   return term;
 }

@@ -21,7 +21,7 @@ struct Array {
   bool big_endian = false, by_column = false;
 };
 
-std::optional<StoredType> type_of(std::string_view text) {
+std::optional<StoredType> numpy_type(std::string_view text) {
   static const std::pair<std::string_view, StoredType> types[] = {
       {"f4", StoredType::float32}, {"f8", StoredType::float64}, {"u1", StoredType::uint8},
       {"i1", StoredType::int8},    {"u2", StoredType::uint16},  {"i2", StoredType::int16},
@@ -134,7 +134,7 @@ class NpyHeader {
   StoredType element(std::string_view text) {
     if (text.empty()) fail("found no type of numbers; the file is damaged");
     const bool big = text[0] == '>';
-    const auto type = type_of(text.substr(1));
+    const auto type = numpy_type(text.substr(1));
     if (!type || (big && seen_little_))
       fail("found numbers of type '" + std::string(text.substr(0, 20)) +
            "', which are not read; save floats");

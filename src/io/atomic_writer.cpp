@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "io/file.h"
 
 namespace sfumato::io {
 namespace {
@@ -24,8 +25,6 @@ namespace {
 constexpr std::size_t buffer_size = 1 << 20;
 // Short, whatever the file is called: names may have 255 bytes.
 constexpr std::string_view temporary_begin = ".sfumato-", temporary_end = ".tmp";
-
-std::string cause(int error) { return std::generic_category().message(error); }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : ".";
@@ -210,7 +209,7 @@ void AtomicWriter::copy_to_standard_output() {
 
 void AtomicWriter::fail(std::string_view what) const {
   const int error = errno;
-  throw Error(ErrorCode::io, path_.string() + ": " + std::string(what) + " (" + cause(error) +
+  throw Error(ErrorCode::io, path_.string() + ": " + std::string(what) + " (" + cause_of(error) +
                                  "); check the folder, permissions and free space");
 }
 

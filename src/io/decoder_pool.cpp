@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "io/file.h"
 
 extern char** environ;
 
@@ -57,8 +58,6 @@ class Handle {
  private:
   int handle_ = -1;
 };
-
-std::string cause(int error) { return std::strerror(error); }
 
 /// Where the decoder may be; the first that is there is taken.
 std::vector<fs::path> places() {
@@ -179,7 +178,7 @@ class DecoderJob::Process {
       mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, memory_.get(), 0);
     if (mapped == MAP_FAILED)
       throw Error(ErrorCode::out_of_memory,
-                  "decoding needs " + std::to_string(size >> 20) + " MB (" + cause(errno) +
+                  "decoding needs " + std::to_string(size >> 20) + " MB (" + cause_of(errno) +
                       "); close other programs, or take fewer threads (SFUMATO_THREADS=1)");
     map_ = static_cast<std::uint8_t*>(mapped), map_size_ = size;
   }
@@ -221,7 +220,7 @@ class DecoderJob::Process {
   }
 
   [[noreturn]] static void fail(const std::string& what, int error) {
-    throw std::runtime_error(what + " (" + cause(error) + ")");
+    throw std::runtime_error(what + " (" + cause_of(error) + ")");
   }
 
   pid_t id_ = -1;

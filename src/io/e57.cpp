@@ -16,11 +16,11 @@
 namespace sfumato::io {
 namespace {
 
-constexpr int deepest = 64;
+constexpr int deepest_element = 64;
 constexpr std::size_t most_fields = 256, most_scans = 100'000;
 constexpr std::uint64_t most_points_per_byte = 64;  // fields of one constant value take no bits at all
 
-struct Field {
+struct PrototypeField {
   std::string name;
   enum class Kind { float32, float64, integer } kind = Kind::float64;
   std::int64_t low = 0;
@@ -30,23 +30,23 @@ struct Field {
   std::vector<std::byte> stream;
 };
 
-struct Scan {
+struct Data3D {
   std::uint64_t section = 0, points = 0;
-  std::vector<Field> fields;
+  std::vector<PrototypeField> fields;
   double rotation[4] = {1, 0, 0, 0};  // w x y z
   dvec3 translation{0};
   bool has_pose = false;
 };
 
-class Reader {
+class E57Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : file_(path) {}
+  explicit E57Reader(const std::filesystem::path& path) : file_(path) {}
 
   ReadResult read(Progress& progress) {
     read_xml();
     ReadResult result;
     std::uint64_t points = 0;
-    for (Scan& scan : scans_) points += scan.points;
+    for (Data3D& scan : scans_) points += scan.points;
     if (points > 0xFFFFFFFFull)
       file_.fail(0, "found " + std::to_string(points) + " points, expected at most 4294967295");
     Table table(columns(), std::size_t(points));
@@ -63,7 +63,7 @@ class Reader {
     table.build(false, progress, result);
     // Without a pose the scanner's place is the origin only where the scan is spherical, or says that it
     // stands there.
-    for (const Scan& scan : scans_) result.cloud.scanners.push_back(scan.translation);
+    for (const Data3D& scan : scans_) result.cloud.scanners.push_back(scan.translation);
     if (scans_.size() > 1) result.report.notes.push_back(std::to_string(scans_.size()) + " scans");
     result.cloud.up = UpAxis::pos_z;
     return result;
@@ -115,7 +115,7 @@ class Reader {
   void read_scan(const pugi::xml_node& node) {
     const pugi::xml_node points = node.child("points");
     if (!points) return;
-    Scan scan;
+    Data3D scan;
     scan.section = std::uint64_t(whole(points.attribute("fileOffset"), -1));
     const std::int64_t count = whole(points.attribute("recordCount"), -1);
     const pugi::xml_node prototype = points.child("prototype");
@@ -142,8 +142,8 @@ class Reader {
     scans_.push_back(std::move(scan));
   }
 
-  void read_fields(const pugi::xml_node& structure, Scan& scan, int depth) {
-    if (depth > deepest) bad_xml("is nested more than 64 deep");
+  void read_fields(const pugi::xml_node& structure, Data3D& scan, int depth) {
+    if (depth > deepest_element) bad_xml("is nested more than 64 deep");
     for (const pugi::xml_node& node : structure.children()) {
       if (node.type() != pugi::node_element) continue;
       const std::string_view type = node.attribute("type").value();
@@ -153,13 +153,14 @@ class Reader {
       }
       if (scan.fields.size() >= most_fields)
         bad_xml("names more than " + std::to_string(most_fields) + " fields of a point");
-      Field field;
+      PrototypeField field;
       field.name = node.name();
       if (type == "Float") {
-        field.kind = std::string_view(node.attribute("precision").value()) == "single" ? Field::Kind::float32
-                                                                                       : Field::Kind::float64;
+        field.kind = std::string_view(node.attribute("precision").value()) == "single"
+                         ? PrototypeField::Kind::float32
+                         : PrototypeField::Kind::float64;
       } else if (type == "Integer" || type == "ScaledInteger") {
-        field.kind = Field::Kind::integer;
+        field.kind = PrototypeField::Kind::integer;
         field.low = whole(node.attribute("minimum"), std::numeric_limits<std::int64_t>::min());
         const std::int64_t high = whole(node.attribute("maximum"), std::numeric_limits<std::int64_t>::max());
         if (high < field.low) bad_xml("gives '" + field.name + "' a maximum below its minimum");
@@ -181,17 +182,17 @@ class Reader {
   std::vector<Column> columns() const {
     std::vector<Column> all{
         {"x", StoredType::float64}, {"y", StoredType::float64}, {"z", StoredType::float64}};
-    for (const Scan& scan : scans_)
-      for (const Field& field : scan.fields) {
+    for (const Data3D& scan : scans_)
+      for (const PrototypeField& field : scan.fields) {
         if (is_coordinate(field.name)) continue;
         const bool known =
             std::any_of(all.begin(), all.end(), [&](const Column& c) { return c.name == field.name; });
-        const bool small =
-            field.kind == Field::Kind::integer && !field.is_scaled && field.low >= 0 && field.bits <= 16;
+        const bool small = field.kind == PrototypeField::Kind::integer && !field.is_scaled &&
+                           field.low >= 0 && field.bits <= 16;
         if (!known)
           all.push_back({field.name, small ? (field.bits <= 8 ? StoredType::uint8 : StoredType::uint16)
-                                     : field.kind == Field::Kind::float32 ? StoredType::float32
-                                                                          : StoredType::float64});
+                                     : field.kind == PrototypeField::Kind::float32 ? StoredType::float32
+                                                                                   : StoredType::float64});
       }
     if (scans_.size() > 1) all.push_back({"scanner", StoredType::uint32});
     assign_roles(all);
@@ -205,7 +206,7 @@ class Reader {
   }
 
   /// Collects the streams of the fields from the packets of a scan's section.
-  void read_section(Scan& scan) {
+  void read_section(Data3D& scan) {
     if (scan.points == 0) return;
     const auto word = [](const std::vector<std::byte>& bytes, std::size_t at, auto value) {
       std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -219,7 +220,7 @@ class Reader {
     left -= std::min<std::uint64_t>(left, 32);
     if (left > file_.size())
       file_.fail(scan.section + 8, "found a section larger than the file; it is damaged");
-    const auto is_complete = [&](const Field& field) {
+    const auto is_complete = [&](const PrototypeField& field) {
       return field.stream.size() >= bytes_of(field, scan.points);
     };
     while (left >= 4 && !std::all_of(scan.fields.begin(), scan.fields.end(), is_complete)) {
@@ -235,14 +236,14 @@ class Reader {
       at = file_.behind(at, size);
       left -= size;
     }
-    for (const Field& field : scan.fields)
+    for (const PrototypeField& field : scan.fields)
       if (field.stream.size() < bytes_of(field, scan.points))
         file_.fail(scan.section, "found " + std::to_string(field.stream.size()) + " bytes of '" + field.name +
                                      "', expected " + std::to_string(bytes_of(field, scan.points)) + " for " +
                                      std::to_string(scan.points) + " points; the file is damaged");
   }
 
-  void take_packet(Scan& scan, const std::vector<std::byte>& packet, std::uint64_t at) {
+  void take_packet(Data3D& scan, const std::vector<std::byte>& packet, std::uint64_t at) {
     const auto word = [&](std::size_t i) {
       std::uint16_t value;
       std::memcpy(&value, packet.data() + i, 2);
@@ -263,19 +264,19 @@ class Reader {
     }
   }
 
-  static std::uint64_t bytes_of(const Field& field, std::uint64_t points) {
-    if (field.kind == Field::Kind::float32) return 4 * points;
-    if (field.kind == Field::Kind::float64) return 8 * points;
+  static std::uint64_t bytes_of(const PrototypeField& field, std::uint64_t points) {
+    if (field.kind == PrototypeField::Kind::float32) return 4 * points;
+    if (field.kind == PrototypeField::Kind::float64) return 8 * points;
     return (points * std::uint64_t(field.bits) + 7) / 8;
   }
 
   /// The values of a field; lets go of its stream.
-  static void decode(Field& field, std::span<double> out) {
+  static void decode(PrototypeField& field, std::span<double> out) {
     std::vector<std::byte> bytes = std::move(field.stream);
     field.stream = {};
-    if (field.kind != Field::Kind::integer) {
+    if (field.kind != PrototypeField::Kind::integer) {
       for (std::size_t i = 0; i < out.size(); ++i) {
-        if (field.kind == Field::Kind::float32) {
+        if (field.kind == PrototypeField::Kind::float32) {
           float value;
           std::memcpy(&value, bytes.data() + 4 * i, 4);
           out[i] = value;
@@ -297,10 +298,10 @@ class Reader {
     }
   }
 
-  void fill(Scan& scan, Table& table, std::size_t first, Progress& progress) {
+  void fill(Data3D& scan, Table& table, std::size_t first, Progress& progress) {
     const std::size_t n = std::size_t(scan.points);
     std::map<std::string, std::vector<double>> coordinates;
-    for (Field& field : scan.fields) {
+    for (PrototypeField& field : scan.fields) {
       progress.check();
       if (is_coordinate(field.name)) {
         std::vector<double>& values = coordinates[field.name];
@@ -340,7 +341,7 @@ class Reader {
   }
 
   E57File file_;
-  std::vector<Scan> scans_;
+  std::vector<Data3D> scans_;
 };
 
 }  // namespace
@@ -348,7 +349,7 @@ class Reader {
 bool is_e57(std::string_view head) { return head.starts_with("ASTM-E57"); }
 
 ReadResult read_e57(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
-  return Reader(path).read(progress);
+  return E57Reader(path).read(progress);
 }
 
 }  // namespace sfumato::io

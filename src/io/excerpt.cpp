@@ -110,8 +110,8 @@ std::optional<Lines> lines_of(const File& file, std::uint64_t begin, std::size_t
   return lines;
 }
 
-ReadResult read_bytes(ReadFunction read, const std::string& bytes, std::uint64_t points_in_file,
-                      const ReadOptions& options, Progress& progress) {
+ReadResult read_excerpt(ReadFunction read, const std::string& bytes, std::uint64_t points_in_file,
+                        const ReadOptions& options, Progress& progress) {
   const MemoryFile file(bytes);
   ReadResult result = read(file.path(), options, progress);
   result.report.points = std::max(points_in_file, result.report.points);
@@ -141,15 +141,15 @@ std::optional<ReadResult> excerpt_laz(const std::filesystem::path& path, const l
 }
 
 /// A LAS file of these records: the head of another one, which may be compressed, with its numbers put right.
-ReadResult read_records(std::string head, const std::string& records, std::size_t record_length,
-                        std::uint64_t points_in_file, const ReadOptions& options, Progress& progress) {
+ReadResult read_las_records(std::string head, const std::string& records, std::size_t record_length,
+                            std::uint64_t points_in_file, const ReadOptions& options, Progress& progress) {
   const std::uint64_t count = records.size() / record_length;
   const auto put = [&](std::size_t at, auto value) { std::memcpy(head.data() + at, &value, sizeof value); };
   head[104] = char(head[104] & 0x7f);
   put(107, std::uint32_t(count));
   const bool has_long_count = head[25] == 4;
   if (has_long_count) put(247, count), put(243, std::uint32_t(0));  // no extended records behind them
-  return read_bytes(read_las, head + records, points_in_file, options, progress);
+  return read_excerpt(read_las, head + records, points_in_file, options, progress);
 }
 
 }  // namespace
@@ -162,8 +162,8 @@ std::optional<ReadResult> excerpt_las(const std::filesystem::path& path, std::si
   if (header.compressed) return excerpt_laz(path, file, header, points, progress);
   const std::string records =
       records_of(file, header.point_data, header.record_length, header.count, points, progress);
-  return read_records(file.read_text(0, std::size_t(header.point_data)), records, header.record_length,
-                      header.count, options, progress);
+  return read_las_records(file.read_text(0, std::size_t(header.point_data)), records, header.record_length,
+                          header.count, options, progress);
 }
 
 void RecordTap::begin(std::string head, std::size_t record_length, std::uint64_t total) {
@@ -189,7 +189,7 @@ std::optional<ReadResult> RecordTap::so_far() const {
     head = head_, records = records_, total = total_;
   }
   if (records.empty()) return std::nullopt;
-  return read_records(std::move(head), records, record_length_, total, {}, no_progress());
+  return read_las_records(std::move(head), records, record_length_, total, {}, no_progress());
 }
 
 std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::size_t points,
@@ -224,7 +224,7 @@ std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::si
       bytes += line;
     }
   }
-  return read_bytes(read_ply, bytes + body, vertex.count, options, progress);
+  return read_excerpt(read_ply, bytes + body, vertex.count, options, progress);
 }
 
 std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& path, std::size_t points,
@@ -284,7 +284,7 @@ std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& path, std::si
     return std::nullopt;  // all x, then all y, in one piece
   }
   const std::string number = std::to_string(count);
-  return read_bytes(
+  return read_excerpt(
       read_pcd, kept + "WIDTH " + number + "\nHEIGHT 1\nPOINTS " + number + "\nDATA " + data + "\n" + body,
       total, options, progress);
 }
@@ -296,7 +296,7 @@ std::optional<ReadResult> excerpt_obj(const std::filesystem::path& path, std::si
     return line.starts_with("v ") || line.starts_with("v\t");
   });
   if (!lines || lines->count == 0) return std::nullopt;
-  return read_bytes(read_obj, lines->text, 0, options, progress);
+  return read_excerpt(read_obj, lines->text, 0, options, progress);
 }
 
 std::optional<ReadResult> excerpt_text(const std::filesystem::path& path, std::size_t points,
@@ -307,7 +307,7 @@ std::optional<ReadResult> excerpt_text(const std::filesystem::path& path, std::s
   if (head.empty()) return std::nullopt;
   const auto lines = lines_of(file, head.size(), points, progress, [](std::string_view) { return true; });
   if (!lines) return std::nullopt;
-  return read_bytes(read_text, head + lines->text, 0, options, progress);
+  return read_excerpt(read_text, head + lines->text, 0, options, progress);
 }
 
 }  // namespace sfumato::io

@@ -22,9 +22,9 @@
 namespace sfumato::io {
 namespace {
 
-class Stream final : public Imf::IStream {
+class ReadStream final : public Imf::IStream {
  public:
-  explicit Stream(const File& file) : Imf::IStream(file.path().c_str()), file_(file) {}
+  explicit ReadStream(const File& file) : Imf::IStream(file.path().c_str()), file_(file) {}
   bool read(char out[], int count) override {
     if (count < 0 || std::uint64_t(count) > file_.size() - std::min(at_, file_.size()))
       throw std::runtime_error("the file ends too early");
@@ -43,9 +43,9 @@ class Stream final : public Imf::IStream {
 // OpenEXR takes memory on the word of every attribute: their sizes are checked here before it sees them, and
 // kinds whose contents have sizes of their own (previews, lists of strings, what it does not know) are
 // refused.
-class Header {
+class CheckedHeader {
  public:
-  explicit Header(const File& file) : file_(file), bytes_(file.read_text(0, largest_header)) {
+  explicit CheckedHeader(const File& file) : file_(file), bytes_(file.read_text(0, largest_header)) {
     const auto flags = number<std::uint32_t>(4);
     if ((flags & 0xFF) != 2 || (flags & ~0x4FFu) != 0)
       fail("found tiles, several parts or a newer version, expected one picture of lines (save it so)");
@@ -141,7 +141,7 @@ class Header {
 };
 
 // No compression of OpenEXR makes more than this of a byte; smaller pictures cost little anyway.
-constexpr std::uint64_t densest = 2048, trusted_bytes = 16 << 20;
+constexpr std::uint64_t densest = 2048, small_picture_bytes = 16 << 20;
 
 }  // namespace
 
@@ -150,15 +150,15 @@ ExrDepth read_exr_depth(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& what) { bad_input(path, "header", what); };
   if (!file.read_text(0, 4).starts_with("\x76\x2f\x31\x01"))
     fail("found no OpenEXR picture, expected depth as one");
-  const Header checked(file);
+  const CheckedHeader checked(file);
   try {
-    Stream stream(file);
+    ReadStream stream(file);
     Imf::InputFile in(stream, 1);
     const Imath::Box2i box = in.header().dataWindow();
     const std::int64_t width = std::int64_t(box.max.x) - box.min.x + 1,
                        height = std::int64_t(box.max.y) - box.min.y + 1;
     if (width < 1 || height < 1 || width > 65536 || height > 65536 ||
-        std::uint64_t(width * height) * sizeof(float) > std::max(trusted_bytes, densest * file.size()))
+        std::uint64_t(width * height) * sizeof(float) > std::max(small_picture_bytes, densest * file.size()))
       fail("found a picture of " + std::to_string(width) + "x" + std::to_string(height) +
            " pixels, more than its bytes can hold");
     const Imf::ChannelList& channels = in.header().channels();

@@ -15,8 +15,6 @@
 namespace sfumato::io {
 namespace {
 
-std::string cause(int error) { return std::generic_category().message(error); }
-
 /// All of standard input in memory; -1 with errno when it cannot be had. A redirected file is taken as it is.
 int take_standard_input() {
   struct stat info {};
@@ -45,6 +43,8 @@ int open_standard_input() {
 
 }  // namespace
 
+std::string cause_of(int error) { return std::generic_category().message(error); }
+
 bool is_standard_input(const std::filesystem::path& path) {
   return path == "-" || path == "/dev/stdin" || path == "/dev/fd/0" || path == "/proc/self/fd/0";
 }
@@ -54,7 +54,7 @@ File::File(const std::filesystem::path& path) : path_(path) {
                                     : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (handle_ < 0)
     throw Error(ErrorCode::io,
-                path.string() + ": cannot open (" + cause(errno) + "); check the name and permissions");
+                path.string() + ": cannot open (" + cause_of(errno) + "); check the name and permissions");
   struct stat info {};
   const bool known = ::fstat(handle_, &info) == 0;
   if (!known || !S_ISREG(info.st_mode)) {
@@ -72,7 +72,7 @@ void File::read(std::uint64_t offset, std::span<std::byte> bytes) const {
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
       throw Error(ErrorCode::io, path_.string() + ": byte " + std::to_string(offset) + ": read failed (" +
-                                     cause(errno) + "); check the disk");
+                                     cause_of(errno) + "); check the disk");
     if (got == 0)
       throw Error(ErrorCode::io,
                   path_.string() + ": byte " + std::to_string(offset) +

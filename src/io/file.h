@@ -13,6 +13,9 @@ namespace sfumato::io {
 /// `-` and /dev/stdin: what is piped into the program.
 bool is_standard_input(const std::filesystem::path& path);
 
+/// What the system says of an `errno`: "No space left on device".
+std::string cause_of(int error);
+
 /// A regular file open for reading. Reads are positional (pread), so several threads may share one File, and
 /// a file cut short under us is an error instead of the SIGBUS a mapping would give. Standard input is read
 /// to its end once and kept in memory, so that it can be opened again.

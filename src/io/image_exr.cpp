@@ -17,9 +17,9 @@ namespace sfumato::io {
 namespace {
 
 /// OpenEXR writes the table of its lines in a destructor, where no exception gets out: the first one is kept.
-class Stream final : public Imf::OStream {
+class WriteStream final : public Imf::OStream {
  public:
-  Stream(const std::string& name, AtomicWriter& writer) : Imf::OStream(name.c_str()), writer_(writer) {}
+  WriteStream(const std::string& name, AtomicWriter& writer) : Imf::OStream(name.c_str()), writer_(writer) {}
   void write(const char bytes[], int count) override {
     guarded([&] { writer_.write(std::string_view(bytes, std::size_t(count))); });
   }
@@ -53,7 +53,7 @@ struct ExrRows::State {
   std::string file;
   int width, height, done = 0;
   AtomicWriter writer;
-  Stream stream;
+  WriteStream stream;
   std::optional<Imf::OutputFile> out;  // gone before its stream
 
   State(const std::filesystem::path& path, int width_px, int height_px)

@@ -26,8 +26,6 @@ void write_bytes(png_structp png, png_bytep bytes, png_size_t count) {
   }
 }
 
-void ignore_warning(png_structp, png_const_charp) {}
-
 void fill_row(const Image<Rgba8>& image, int y, bool alpha, std::uint8_t* out) {
   for (int x = 0; x < image.width(); ++x) {
     const Rgba8& c = image.at(x, y);
@@ -129,7 +127,8 @@ PngRows::State::State(const std::filesystem::path& path, int width_px, int heigh
     entry.itxt_length = ascii ? 0 : value.size();
     entries.push_back(entry);
   }
-  png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore_warning);
+  png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr,
+                                [](png_structp, png_const_charp) {});  // warnings are no errors
   info = png ? png_create_info_struct(png) : nullptr;
   if (!info) {
     png_destroy_write_struct(&png, nullptr);

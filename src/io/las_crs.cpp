@@ -12,7 +12,7 @@ constexpr std::uint16_t key_citation = 1026, key_geographic = 2048, key_projecte
                         key_projected_citation = 3073, key_vertical = 4096;
 constexpr std::uint16_t record_keys = 34735, record_ascii = 34737, record_wkt = 2112;
 
-std::string text_of(const Vlr& vlr) {
+std::string text_in(const Vlr& vlr) {
   return {vlr.data.begin(), std::find(vlr.data.begin(), vlr.data.end(), std::uint8_t{0})};
 }
 
@@ -95,12 +95,12 @@ std::vector<std::uint8_t> key_directory(const std::vector<GeoKey>& keys) {
 std::string read_crs(const Header& header) {
   const Vlr* wkt = header.vlr("LASF_Projection", record_wkt);
   const bool wkt_bit = (header.global_encoding & 16) != 0;
-  if (wkt_bit && wkt) return text_of(*wkt);
+  if (wkt_bit && wkt) return text_in(*wkt);
   std::vector<GeoKey> keys;
   if (const Vlr* directory = header.vlr("LASF_Projection", record_keys)) keys = geo_keys(*directory);
   if (std::string epsg = epsg_text(keys); !epsg.empty()) return epsg;
-  if (wkt) return text_of(*wkt);
-  if (const Vlr* liblas = header.vlr("liblas", record_wkt)) return text_of(*liblas);
+  if (wkt) return text_in(*wkt);
+  if (const Vlr* liblas = header.vlr("liblas", record_wkt)) return text_in(*liblas);
   if (const Vlr* ascii = header.vlr("LASF_Projection", record_ascii)) return citation_text(keys, *ascii);
   return {};
 }

@@ -6,9 +6,7 @@
 namespace sfumato::io::las {
 namespace {
 
-constexpr std::uint64_t vlr_header_size = 54, evlr_header_size = 60;
-// Coordinates beyond this are no place on or near the earth, and their differences no longer fit a float.
-constexpr double largest_coordinate = 1e15;
+constexpr std::uint64_t evlr_header_size = 60;
 
 std::string fixed_text(const std::uint8_t* bytes, std::size_t size) {
   const auto* end = std::find(bytes, bytes + size, std::uint8_t{0});

@@ -36,6 +36,12 @@ struct Header {
   bool is_copc() const { return compressed && vlr("copc", 1) != nullptr; }
 };
 
+/// Bytes before the payload of a variable length record.
+inline constexpr std::uint64_t vlr_header_size = 54;
+
+/// Coordinates beyond this are no place on or near the earth, and their differences no longer fit a float.
+inline constexpr double largest_coordinate = 1e15;
+
 /// Least record length of point formats 0 to 10.
 inline constexpr std::array<std::uint16_t, 11> min_record_length{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 

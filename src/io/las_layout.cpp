@@ -10,7 +10,7 @@
 namespace sfumato::io::las {
 namespace {
 
-constexpr double int32_reach = 2147483647.0, largest_coordinate = 1e15;  // the latter as in las_header.cpp
+constexpr double int32_reach = 2147483647.0;
 
 std::string text_of(double number) {
   char text[32];

@@ -11,7 +11,7 @@ namespace sfumato::io::las {
 namespace {
 
 // Records handled at a time: the columns walk them one after the other, so that they should stay in cache.
-constexpr std::size_t batch = 4096;
+constexpr std::size_t cached_records = 4096;
 // Points per task of the passes over the whole cloud.
 constexpr std::size_t pass_size = 1 << 18;
 
@@ -217,8 +217,8 @@ void PointCollector::unpack_column(Column& column, std::size_t first, const std:
 void PointCollector::unpack(std::size_t first, const std::uint8_t* records, std::size_t count, Stats& stats) {
   const std::size_t stride = header_.record_length;
   std::vector<std::uint8_t> seen;
-  for (std::size_t begin = 0; begin < count; begin += batch) {
-    const std::size_t n = std::min(batch, count - begin);
+  for (std::size_t begin = 0; begin < count; begin += cached_records) {
+    const std::size_t n = std::min(cached_records, count - begin);
     const std::uint8_t* block = records + begin * stride;
     for (std::size_t i = 0; i < n; ++i) {
       vec3& position = positions_[first + begin + i];

@@ -26,7 +26,7 @@ std::optional<Bounds> header_bounds(const InputFile& file) {
   return box;
 }
 
-void number(std::vector<LazChunk>& chunks) {
+void number_chunks(std::vector<LazChunk>& chunks) {
   for (std::size_t i = 0; i < chunks.size(); ++i) chunks[i].number = std::uint32_t(i);
 }
 
@@ -51,13 +51,13 @@ LazChunks find_chunks(const InputFile& file, const Header& header) {
   std::string reason;
   if (auto chunks = read_chunk_table(file, header, found.layout, reason)) {
     found.chunks = std::move(*chunks);
-    number(found.chunks);
+    number_chunks(found.chunks);
     return found;
   }
   found.note = reason + "; the points were found without it";
   if (found.layout.is_layered) {
     found.chunks = walk_layered_chunks(file, header, found.layout);
-    number(found.chunks);
+    number_chunks(found.chunks);
     return found;
   }
   // Without a chunk table the chunks of point formats 0 to 5 can only be found by decoding one after the

@@ -16,8 +16,8 @@ namespace sfumato::io {
 namespace las {
 namespace {
 
-constexpr std::size_t batch = 1 << 14;
-constexpr std::uint32_t header_size = 375, vlr_header_size = 54;
+constexpr std::size_t packed_at_once = 1 << 14;
+constexpr std::uint32_t header_size = 375;
 constexpr std::size_t longest_vlr = 65535;
 const char* const software = "sfumato";
 
@@ -37,7 +37,7 @@ Summary summarize(const PointCloud& cloud, const WriteLayout& layout, Progress& 
   Summary summary;
   const ScalarField* returns = cloud.scalar("return_number");
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (i % batch == 0) progress.check();
+    if (i % packed_at_once == 0) progress.check();
     const std::array<std::int32_t, 3> steps = layout.steps(cloud, i);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       summary.low[axis] = i ? std::min(summary.low[axis], steps[axis]) : steps[axis];
@@ -138,9 +138,9 @@ std::vector<std::uint8_t> header_bytes(const laszip_header_struct& h, const std:
 void write_records(const PointCloud& cloud, const WriteLayout& layout, Progress& progress,
                    const std::function<void(std::span<const std::uint8_t>)>& sink) {
   std::vector<std::uint8_t> records;
-  for (std::size_t first = 0; first < cloud.size(); first += batch) {
+  for (std::size_t first = 0; first < cloud.size(); first += packed_at_once) {
     progress.check();
-    const std::size_t count = std::min(batch, cloud.size() - first);
+    const std::size_t count = std::min(packed_at_once, cloud.size() - first);
     records.assign(count * layout.record_length, 0);
     layout.pack(cloud, first, count, records.data());
     sink(records);

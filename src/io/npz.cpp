@@ -19,9 +19,9 @@ namespace sfumato::io {
 namespace {
 
 // Deflate makes at most 1032 bytes of one.
-constexpr std::uint64_t deflate_ratio = 1032, most_members = 256, header_size = 30, entry_size = 46,
+constexpr std::uint64_t deflate_ratio = 1032, most_members = 256, local_header_size = 30, entry_size = 46,
                         end_size = 22;
-constexpr std::uint64_t trusted_bytes = 64 << 20;
+constexpr std::uint64_t small_member_bytes = 64 << 20;
 
 struct Member {
   std::string name;
@@ -30,7 +30,7 @@ struct Member {
 };
 
 template <class T>
-T get(std::string_view bytes, std::size_t at) {
+T number_at(std::string_view bytes, std::size_t at) {
   T value{};
   if (at + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
@@ -47,12 +47,13 @@ std::vector<Member> members_of(const File& file) {
   const std::size_t end = tail.rfind("PK\5\6");
   if (end == std::string::npos || tail.size() - end < end_size)
     fail(file.size(), "found no list of arrays at the end");
-  std::uint64_t count = get<std::uint16_t>(tail, end + 10), size = get<std::uint32_t>(tail, end + 12),
-                at = get<std::uint32_t>(tail, end + 16);
+  std::uint64_t count = number_at<std::uint16_t>(tail, end + 10),
+                size = number_at<std::uint32_t>(tail, end + 12),
+                at = number_at<std::uint32_t>(tail, end + 16);
   // Files beyond 4 GB: the numbers stand in another record, 56 bytes before the 20 bytes that lead to it.
   if (at == 0xFFFFFFFF && end >= 76 && tail.compare(end - 76, 4, "PK\6\6") == 0)
-    count = get<std::uint64_t>(tail, end - 76 + 32), size = get<std::uint64_t>(tail, end - 76 + 40),
-    at = get<std::uint64_t>(tail, end - 76 + 48);
+    count = number_at<std::uint64_t>(tail, end - 76 + 32),
+    size = number_at<std::uint64_t>(tail, end - 76 + 40), at = number_at<std::uint64_t>(tail, end - 76 + 48);
   if (count > most_members || at > file.size() || size > file.size() - at || size > 1 << 20)
     fail(tail_at + end, "found a list of " + std::to_string(count) + " arrays outside the file");
   const std::string list = file.read_text(at, std::size_t(size));
@@ -61,13 +62,14 @@ std::vector<Member> members_of(const File& file) {
     if (list.compare(entry, 4, "PK\1\2") != 0 || list.size() - entry < entry_size)
       fail(at + entry, "found no array where one is listed");
     Member one;
-    const auto flags = get<std::uint16_t>(list, entry + 8), method = get<std::uint16_t>(list, entry + 10);
-    one.packed = get<std::uint32_t>(list, entry + 20);
-    one.size = get<std::uint32_t>(list, entry + 24);
-    const std::size_t name = get<std::uint16_t>(list, entry + 28),
-                      extra = get<std::uint16_t>(list, entry + 30),
-                      comment = get<std::uint16_t>(list, entry + 32);
-    one.byte = get<std::uint32_t>(list, entry + 42);
+    const auto flags = number_at<std::uint16_t>(list, entry + 8),
+               method = number_at<std::uint16_t>(list, entry + 10);
+    one.packed = number_at<std::uint32_t>(list, entry + 20);
+    one.size = number_at<std::uint32_t>(list, entry + 24);
+    const std::size_t name = number_at<std::uint16_t>(list, entry + 28),
+                      extra = number_at<std::uint16_t>(list, entry + 30),
+                      comment = number_at<std::uint16_t>(list, entry + 32);
+    one.byte = number_at<std::uint32_t>(list, entry + 42);
     if (entry + entry_size + name + extra + comment > list.size())
       fail(at + entry, "found an array outside the list");
     one.name = list.substr(entry + entry_size, name);
@@ -75,11 +77,11 @@ std::vector<Member> members_of(const File& file) {
         one.name.begin(), one.name.end(), [](unsigned char c) { return c < ' '; }, '?');
     // Numbers of 64 bits for those that are all ones, in this order.
     for (std::size_t e = entry + entry_size + name, last = e + extra; e + 4 <= last;) {
-      const std::size_t length = get<std::uint16_t>(list, e + 2);
-      if (get<std::uint16_t>(list, e) == 1) {
+      const std::size_t length = number_at<std::uint16_t>(list, e + 2);
+      if (number_at<std::uint16_t>(list, e) == 1) {
         std::size_t value = e + 4;
         for (std::uint64_t* number : {&one.size, &one.packed, &one.byte})
-          if (*number == 0xFFFFFFFF) *number = get<std::uint64_t>(list, value), value += 8;
+          if (*number == 0xFFFFFFFF) *number = number_at<std::uint64_t>(list, value), value += 8;
       }
       e += 4 + length;
     }
@@ -87,12 +89,12 @@ std::vector<Member> members_of(const File& file) {
     if ((flags & 1) || (method != 0 && method != 8))
       fail(at, "found '" + one.name + "' packed in a way that numpy does not use");
     one.is_deflated = method == 8;
-    if (one.byte > file.size() || file.size() - one.byte < header_size)
+    if (one.byte > file.size() || file.size() - one.byte < local_header_size)
       fail(at, "found '" + one.name + "' outside the file");
     // The head before the array has a name and extra bytes of its own.
-    const std::string head = file.read_text(one.byte, header_size);
+    const std::string head = file.read_text(one.byte, local_header_size);
     if (!head.starts_with("PK\3\4")) fail(one.byte, "found no array where '" + one.name + "' is listed");
-    one.byte += header_size + get<std::uint16_t>(head, 26) + get<std::uint16_t>(head, 28);
+    one.byte += local_header_size + number_at<std::uint16_t>(head, 26) + number_at<std::uint16_t>(head, 28);
     if (one.byte > file.size() || one.packed > file.size() - one.byte ||
         one.size > (one.is_deflated ? deflate_ratio : 1) * one.packed)
       fail(one.byte,
@@ -206,7 +208,7 @@ ReadResult read_npz(const std::filesystem::path& path, const ReadOptions&, Progr
     const std::string name = member.name.substr(0, member.name.size() - 4);
     // Files of zeros unpack to a thousand times their size: nobody's scan.
     taken += member.size;
-    if (taken > std::max(trusted_bytes, 64 * file.size()))
+    if (taken > std::max(small_member_bytes, 64 * file.size()))
       bad_input(path, "byte " + std::to_string(member.byte),
                 "found arrays of more than 64 times the file's size; the file is damaged");
     const Unpacked array(file, member, progress);

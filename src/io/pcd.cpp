@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t most_numbers = 4096;
 
-struct Field {
+struct PcdField {
   std::string name;
   std::size_t size = 4, count = 1;
   char type = 'F';
@@ -29,8 +29,8 @@ struct Field {
   bool is_packed_color() const { return (name == "rgb" || name == "rgba") && size == 4 && count == 1; }
 };
 
-struct Header {
-  std::vector<Field> fields;
+struct PcdHeader {
+  std::vector<PcdField> fields;
   std::uint64_t width = 0, height = 1, points = 0;
   bool has_points = false;
   dvec3 viewpoint{0};
@@ -38,7 +38,7 @@ struct Header {
   std::uint64_t data_begin = 0, lines = 0;
   std::size_t record_size() const {
     std::size_t size = 0;
-    for (const Field& field : fields) size += field.size * field.count;
+    for (const PcdField& field : fields) size += field.size * field.count;
     return size;
   }
 };
@@ -47,7 +47,7 @@ class HeaderParser {
  public:
   explicit HeaderParser(const File& file) : file_(file), text_(file.read_text(0, 1 << 16)) {}
 
-  Header parse() {
+  PcdHeader parse() {
     while (header_.data.empty()) {
       const std::size_t end = text_.find('\n', at_);
       ++header_.lines;
@@ -73,11 +73,11 @@ class HeaderParser {
     if (key == "FIELDS" || key == "COLUMNS") {
       for (std::string name; words >> name;) header_.fields.push_back({name});
     } else if (key == "SIZE") {
-      for (Field& field : header_.fields) field.size = std::size_t(number(words, "SIZE", 8));
+      for (PcdField& field : header_.fields) field.size = std::size_t(number(words, "SIZE", 8));
     } else if (key == "TYPE") {
-      for (Field& field : header_.fields) words >> field.type;
+      for (PcdField& field : header_.fields) words >> field.type;
     } else if (key == "COUNT") {
-      for (Field& field : header_.fields) field.count = std::size_t(number(words, "COUNT", 65536));
+      for (PcdField& field : header_.fields) field.count = std::size_t(number(words, "COUNT", 65536));
     } else if (key == "WIDTH") {
       header_.width = number(words, "WIDTH", std::numeric_limits<std::uint32_t>::max());
     } else if (key == "HEIGHT") {
@@ -110,7 +110,7 @@ class HeaderParser {
 
   void check() {
     if (header_.fields.empty()) fail("the header names no FIELDS; export it again");
-    for (const Field& field : header_.fields) {
+    for (const PcdField& field : header_.fields) {
       const bool known = field.type == 'F' ? field.size == 4 || field.size == 8
                                            : (field.type == 'I' || field.type == 'U') && field.size <= 8 &&
                                                  std::has_single_bit(field.size);
@@ -119,7 +119,7 @@ class HeaderParser {
              ", expected F4 F8 or I and U of 1 2 4 8 bytes; export it again");
     }
     std::size_t numbers = 0;
-    for (const Field& field : header_.fields) numbers += field.count;
+    for (const PcdField& field : header_.fields) numbers += field.count;
     if (numbers > most_numbers)
       fail("found " + std::to_string(numbers) + " numbers a point, expected at most " +
            std::to_string(most_numbers));
@@ -137,10 +137,10 @@ class HeaderParser {
   const File& file_;
   std::string text_;
   std::size_t at_ = 0;
-  Header header_;
+  PcdHeader header_;
 };
 
-StoredType type_of(const Field& field) {
+StoredType type_of(const PcdField& field) {
   if (field.type == 'F') return field.size == 4 ? StoredType::float32 : StoredType::float64;
   switch (field.size) {
     case 1: return field.type == 'U' ? StoredType::uint8 : StoredType::int8;
@@ -152,11 +152,11 @@ StoredType type_of(const Field& field) {
 
 /// Columns of binary data, records together (`points` = 0) or each field's values together. A packed colour
 /// is 0x00RRGGBB in little-endian bytes; its fourth byte is often unset and means nothing here.
-std::vector<Column> binary_columns(const Header& header, std::uint64_t points) {
+std::vector<Column> binary_columns(const PcdHeader& header, std::uint64_t points) {
   std::vector<Column> columns;
   std::size_t offset = 0;
   const std::size_t record = header.record_size();
-  for (const Field& field : header.fields) {
+  for (const PcdField& field : header.fields) {
     const std::size_t size = field.size * field.count, stride = points > 0 ? size : record;
     const StoredType type = type_of(field);
     if (field.is_packed_color()) {
@@ -173,13 +173,13 @@ std::vector<Column> binary_columns(const Header& header, std::uint64_t points) {
   return columns;
 }
 
-class PointLines final : public LineGrammar {
+class FieldLines final : public LineGrammar {
  public:
-  explicit PointLines(const Header& header) : header_(header) {}
+  explicit FieldLines(const PcdHeader& header) : header_(header) {}
   bool counts(std::string_view line) const override { return LineGrammar::counts(line) && line[0] != '#'; }
   bool parse(std::string_view line, double* row) const override {
     const char *at = line.data(), *end = at + line.size();
-    for (const Field& field : header_.fields)
+    for (const PcdField& field : header_.fields)
       for (std::size_t k = 0; k < field.count; ++k) {
         const double value = next_number(at, end, field.name);
         if (field.is_packed_color()) {
@@ -195,7 +195,7 @@ class PointLines final : public LineGrammar {
  private:
   /// Under type F programs write the float whose bits are the colour (tiny, or negative with alpha) or the
   /// colour as a whole number; no colour without alpha reaches 1 as a float.
-  static std::uint32_t bits(const Field& field, double value) {
+  static std::uint32_t bits(const PcdField& field, double value) {
     if (field.type == 'F' && value < 1) {
       const float packed = float(value);
       std::uint32_t rgb;
@@ -204,7 +204,7 @@ class PointLines final : public LineGrammar {
     }
     return value >= 0 && value < 0x1p32 ? std::uint32_t(value) : 0;  // NaN: black
   }
-  const Header& header_;
+  const PcdHeader& header_;
 };
 
 void need_positions(const File& file, std::vector<Column>& columns) {
@@ -212,7 +212,7 @@ void need_positions(const File& file, std::vector<Column>& columns) {
     bad_input(file.path(), "header", "FIELDS lacks x, y or z; export it with positions");
 }
 
-[[noreturn]] void too_short(const File& file, const Header& header, std::uint64_t held) {
+[[noreturn]] void too_short(const File& file, const PcdHeader& header, std::uint64_t held) {
   bad_input(file.path(), "byte " + std::to_string(file.size()),
             "the file ends after " + std::to_string(held) + " points, expected " +
                 std::to_string(header.points) + "; it is cut short, fetch it again");
@@ -236,7 +236,7 @@ void decode_in_parallel(CloudBuilder& builder, std::size_t count, Progress& prog
   builder.finish(cursors, result);
 }
 
-void read_binary(const File& file, const Header& header, bool organised, Progress& progress,
+void read_binary(const File& file, const PcdHeader& header, bool organised, Progress& progress,
                  ReadResult& result) {
   std::vector<Column> columns = binary_columns(header, 0);
   need_positions(file, columns);
@@ -252,7 +252,7 @@ void read_binary(const File& file, const Header& header, bool organised, Progres
                      });
 }
 
-void read_compressed(const File& file, const Header& header, bool organised, Progress& progress,
+void read_compressed(const File& file, const PcdHeader& header, bool organised, Progress& progress,
                      ReadResult& result) {
   std::vector<Column> columns = binary_columns(header, std::max<std::uint64_t>(header.points, 1));
   need_positions(file, columns);
@@ -293,11 +293,11 @@ void read_compressed(const File& file, const Header& header, bool organised, Pro
                      });
 }
 
-void read_ascii(const File& file, const Header& header, bool organised, Progress& progress,
+void read_ascii(const File& file, const PcdHeader& header, bool organised, Progress& progress,
                 ReadResult& result) {
   std::vector<Column> columns = binary_columns(header, 0);
   need_positions(file, columns);
-  const PointLines grammar(header);
+  const FieldLines grammar(header);
   const TextBlocks text = cut_lines(file, header.data_begin, header.lines + 1, grammar, progress);
   if (text.rows < header.points) too_short(file, header, text.rows);
   read_rows(file, text, 0, header.points, grammar, std::move(columns), organised, progress, result);
@@ -313,7 +313,7 @@ bool is_pcd(std::string_view head) {
 
 ReadResult read_pcd(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);
-  const Header header = HeaderParser(file).parse();
+  const PcdHeader header = HeaderParser(file).parse();
   const bool organised = header.height > 1;
   ReadResult result;
   if (header.data == "ascii")

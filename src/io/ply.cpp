@@ -15,7 +15,7 @@
 namespace sfumato::io {
 namespace {
 
-constexpr std::size_t block_bytes = 1 << 20;
+constexpr std::size_t bytes_at_once = 1 << 20;
 
 /// The scalar properties of a vertex as columns, laid out as in a binary record without lists.
 std::vector<Column> vertex_columns(const File& file, const PlyElement& vertex) {
@@ -55,7 +55,7 @@ void read_records(const File& file, const PlyHeader& header, std::uint64_t begin
   std::atomic<std::size_t> done{0};
   in_parallel(threads, [&](std::size_t t) {
     CloudBuilder::Cursor& cursor = cursors[t];
-    const std::size_t block = std::max<std::size_t>(1, block_bytes / size);
+    const std::size_t block = std::max<std::size_t>(1, bytes_at_once / size);
     std::vector<std::byte> bytes(std::min(block, cursor.end - cursor.begin) * size);
     for (std::size_t i = cursor.begin; i < cursor.end; i += block) {
       progress.check();
@@ -110,9 +110,9 @@ void read_walked(const File& file, const PlyHeader& header, std::uint64_t begin,
 }
 
 /// One vertex a line; the numbers of lists are passed over.
-class VertexLines final : public LineGrammar {
+class ElementLines final : public LineGrammar {
  public:
-  explicit VertexLines(const PlyElement& vertex) : vertex_(vertex) {}
+  explicit ElementLines(const PlyElement& vertex) : vertex_(vertex) {}
   bool parse(std::string_view line, double* row) const override {
     const char *at = line.data(), *end = at + line.size();
     for (const PlyProperty& property : vertex_.properties) {
@@ -136,7 +136,7 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
                 ReadResult& result) {
   const PlyElement& vertex = header.elements[header.vertex];
   std::vector<Column> columns = vertex_columns(file, vertex);
-  const VertexLines grammar(vertex);
+  const ElementLines grammar(vertex);
   const TextBlocks text = cut_lines(file, header.data_begin, header.lines + 1, grammar, progress);
   std::uint64_t before = 0;
   for (std::size_t i = 0; i < header.vertex; ++i) before += std::min(header.elements[i].count, text.rows);

@@ -20,7 +20,7 @@ const char* ply_name(StoredType type) {
 }
 
 /// Header words end at blanks and lines at line ends, so names and texts must not hold them.
-std::string without(std::string text, std::string_view unwanted) {
+std::string header_text(std::string text, std::string_view unwanted) {
   for (char& c : text)
     if (unwanted.find(c) != std::string_view::npos) c = unwanted.size() > 2 ? '_' : ' ';
   return text;
@@ -38,7 +38,7 @@ WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud
   // What nobody said is no more certain afterwards: whoever draws the file looks for it in the points.
   std::string header = std::string("ply\nformat binary_little_endian 1.0\ncomment ") +
                        (cloud.up_is_known ? "up " : "usual_up ") + to_string(cloud.up) + "\n";
-  if (!cloud.crs.empty()) header += "comment crs " + without(cloud.crs, "\r\n") + "\n";
+  if (!cloud.crs.empty()) header += "comment crs " + header_text(cloud.crs, "\r\n") + "\n";
   header += "element vertex " + std::to_string(cloud.size()) + "\n";
   const auto property = [&](const std::string& type, const std::string& name) {
     header += "property " + type + " " + name + "\n";
@@ -51,7 +51,7 @@ WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud
   if (alpha) property("uchar", "alpha");
   if (!cloud.radii.empty()) property("float", "radius");
   for (std::size_t k = 0; k < types.size(); ++k)
-    property(ply_name(types[k]), without(cloud.scalars[k].name, " \t\r\n"));
+    property(ply_name(types[k]), header_text(cloud.scalars[k].name, " \t\r\n"));
   header += "end_header\n";
 
   AtomicWriter out(file);

@@ -29,9 +29,9 @@ struct Scan {
   dvec3 scanner{0};
 };
 
-class Reader {
+class PtxReader {
  public:
-  explicit Reader(const std::filesystem::path& path) : file_(path), lines_(file_, 0, 1) {}
+  explicit PtxReader(const std::filesystem::path& path) : file_(path), lines_(file_, 0, 1) {}
 
   ReadResult read(Progress& progress) {
     while (read_scan(progress)) {
@@ -190,7 +190,7 @@ bool is_ptx(std::string_view head) {
 }
 
 ReadResult read_ptx(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
-  return Reader(path).read(progress);
+  return PtxReader(path).read(progress);
 }
 
 }  // namespace sfumato::io

@@ -24,7 +24,7 @@ std::pair<char, int> kind_of(StoredType type) {
   }
 }
 
-std::string without(std::string text, std::string_view unwanted) {
+std::string column_name(std::string text, std::string_view unwanted) {
   for (char& c : text)
     if (unwanted.find(c) != std::string_view::npos) c = '_';
   return text;
@@ -65,7 +65,7 @@ WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud
   std::string names, sizes, types, counts;
   for (const OutColumn& column : columns) {
     auto [type, size] = kind_of(column.type);
-    std::string name = without(column.name, " \t\r\n");
+    std::string name = column_name(column.name, " \t\r\n");
     if (column.source == Source::nx || column.source == Source::ny || column.source == Source::nz)
       name = "normal_" + name.substr(1);
     if (column.source == Source::red) {  // one float that is four bytes: what every reader of PCD knows
@@ -95,7 +95,7 @@ WriteReport write_npy_cloud(const std::filesystem::path& file, const PointCloud&
   std::string header = "{'descr': [";
   for (const OutColumn& column : columns) {
     const auto [type, size] = kind_of(column.type);
-    header += "('" + without(column.name, "'\\\r\n") + "', '" + (size == 1 ? "|" : "<") +
+    header += "('" + column_name(column.name, "'\\\r\n") + "', '" + (size == 1 ? "|" : "<") +
               std::string(1, char(std::tolower(type))) + std::to_string(size) + "'), ";
   }
   header += "], 'fortran_order': False, 'shape': (" + std::to_string(cloud.size()) + ",), }";

@@ -14,7 +14,7 @@
 namespace sfumato {
 namespace {
 
-class Flag final : public Progress {
+class CallOff final : public Progress {
  public:
   void update(double, std::string_view) override {}
   bool cancelled() const override { return is_up; }
@@ -51,7 +51,7 @@ struct EmbeddedRenderer::State {
                 answered_serial = 0;  ///< of the last request, and of the last that was answered or failed
   std::shared_ptr<const Answer> answer;
   std::exception_ptr failure;
-  Flag call_off_picture, call_off_cloud;
+  CallOff call_off_picture, call_off_cloud;
   bool ends = false;
   gl::HostCanvas canvas;
   std::thread thread;

@@ -32,7 +32,8 @@ Ray pulse(const Scene& scene, Random& random, std::size_t i) {
 }
 
 /// Adds what pulse number `i` brings back.
-void shoot(const Scene& scene, const SampleOptions& options, std::size_t i, std::vector<Sample>& found) {
+void shoot_pulse(const Scene& scene, const SampleOptions& options, std::size_t i,
+                 std::vector<Sample>& found) {
   // What stops the pulse does not depend on how well its range is measured.
   Random random(std::uint64_t(options.seed), Stream::pulse, i);
   Random error(std::uint64_t(options.seed), Stream::range, i);
@@ -61,7 +62,7 @@ std::vector<std::vector<Sample>> shoot_all(const Scene& scene, const SampleOptio
   const std::size_t block = 4096;
   std::vector<std::vector<Sample>> found((pulses + block - 1) / block);
   parallel_blocks(pulses, block, progress, "scanning", [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) shoot(scene, options, i, found[begin / block]);
+    for (std::size_t i = begin; i < end; ++i) shoot_pulse(scene, options, i, found[begin / block]);
   });
   return found;
 }

@@ -10,7 +10,7 @@ constexpr double pi = 3.14159265358979323846;
 /// Nearer to a pole than this the picture would spin.
 constexpr double steepest = 0.5 * pi - 1e-3;
 
-dvec3 turned(const dvec3& v, double angle, const dvec3& axis) {
+dvec3 rotated(const dvec3& v, double angle, const dvec3& axis) {
   return dvec3(glm::rotate(dmat4(1), angle, axis) * glm::dvec4(v, 0));
 }
 
@@ -76,7 +76,7 @@ void Navigator::rotate(double dx_px, double dy_px, int height_px, const dvec3& p
   right = glm::normalize(right);
   const double yaw = -dx_px * step;
   const double wanted = std::clamp(elevation + dy_px * step, -steepest, steepest);
-  const auto turn = [&](const dvec3& v) { return turned(turned(v, elevation - wanted, right), yaw, up); };
+  const auto turn = [&](const dvec3& v) { return rotated(rotated(v, elevation - wanted, right), yaw, up); };
   camera_.position = pivot + turn(camera_.position - pivot);
   camera_.target = pivot + turn(camera_.target - pivot);
   camera_.up = up;

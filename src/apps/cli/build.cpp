@@ -18,15 +18,6 @@ namespace {
 
 constexpr const char* usage = "sfumato build IN... -o OUT.copc.laz";
 
-Bounds parse_box(const std::string& text) {
-  const std::vector<double> v = parse_numbers("--box", text, 6);
-  for (std::size_t k = 0; k < 3; ++k)
-    if (v[k] > v[k + 3])
-      throw Error(ErrorCode::usage, "--box: '" + text + "' is empty along " + std::string(1, "xyz"[k]) +
-                                        "; write X0,Y0,Z0,X1,Y1,Z1 with the smaller numbers first");
-  return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-}
-
 Attributes parse_attributes(const std::string& text) {
   Attributes wanted;
   for (const std::string& word : split(text, ',')) {
@@ -77,7 +68,7 @@ int build_command(const Words& words) {
     throw Error(ErrorCode::usage, "-o " + output + ": build writes COPC: name a file that ends in .copc.laz");
   options.memory = std::uint64_t(parse_whole("--memory", memory, long(copc::least_memory)));
   if (max_points) options.max_points = std::uint64_t(parse_whole("--max-points", *max_points, 1));
-  if (box) options.box = parse_box(*box);
+  if (box) options.box = parse_box("--box", *box);
   if (attributes) options.attributes = parse_attributes(*attributes);
 
   inputs = scene::expand_inputs(inputs);

@@ -316,6 +316,16 @@ std::vector<double> parse_numbers(const std::string& option, std::string_view te
   return values;
 }
 
+Bounds parse_box(const std::string& option, const std::string& text) {
+  const std::vector<double> v = parse_numbers(option, text, 6);
+  const Bounds box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+  for (int k = 0; k < 3; ++k)
+    if (box.min[k] > box.max[k])
+      throw Error(ErrorCode::usage, option + ": '" + text + "' is empty along " + std::string(1, "xyz"[k]) +
+                                        "; write X0,Y0,Z0,X1,Y1,Z1 with the smaller numbers first");
+  return box;
+}
+
 std::pair<int, int> parse_resolution(const std::string& option, std::string_view text) {
   const std::size_t cut = text.find_first_of("xX,");
   const std::string shape = option + ": '" + std::string(text) + "' is not WIDTHxHEIGHT, such as 1920x1080";
@@ -337,6 +347,12 @@ Words split(std::string_view text, char separator) {
     if (cut == std::string_view::npos) return words;
     text.remove_prefix(cut + 1);
   }
+}
+
+std::string join(const Words& words, const std::string& between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
+  return text;
 }
 
 std::string quote(const Words& words) {

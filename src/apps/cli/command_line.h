@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/point_cloud.h"
+
 namespace sfumato::cli {
 
 using Words = std::vector<std::string>;
@@ -85,9 +87,12 @@ double parse_number(const std::string& option, std::string_view text);
 /// Also as 1e6, 250k or 2M.
 long parse_whole(const std::string& option, std::string_view text, long least);
 std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count);
+/// "X0,Y0,Z0,X1,Y1,Z1", the smaller numbers first.
+Bounds parse_box(const std::string& option, const std::string& text);
 /// "1280x720" or "1280,720".
 std::pair<int, int> parse_resolution(const std::string& option, std::string_view text);
 Words split(std::string_view text, char separator);
+std::string join(const Words& words, const std::string& between = " ");
 /// The words as a line that a POSIX shell reads back.
 std::string quote(const Words& words);
 

@@ -39,12 +39,6 @@ Words choices_of(const OptionInfo& option) {
   return choices;
 }
 
-std::string join(const Words& words, const std::string& between = " ") {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 struct Entry {
   std::string name;  ///< empty: rendering
   CommandHelp help;

@@ -18,7 +18,7 @@ namespace sfumato::cli {
 namespace {
 
 /// Fifteen digits: 848935.2, not 848935.2000000001.
-std::string number(double value) { return fmt::format("{:.15g}", value); }
+std::string coordinate(double value) { return fmt::format("{:.15g}", value); }
 
 std::string count(std::uint64_t value) {
   std::string text = std::to_string(value);
@@ -50,7 +50,9 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
   auto row = [&](const char* key, const std::string& value) {
     text += fmt::format("{:<16}{}\n", key, value);
   };
-  auto point = [](const dvec3& v) { return number(v.x) + ", " + number(v.y) + ", " + number(v.z); };
+  auto point = [](const dvec3& v) {
+    return coordinate(v.x) + ", " + coordinate(v.y) + ", " + coordinate(v.z);
+  };
   const dvec3 size = r.bounds_max - r.bounds_min;
   row("file", r.file.string());
   row("format", r.format);

@@ -7,16 +7,6 @@
 namespace sfumato::cli {
 namespace {
 
-Bounds parse_box(const std::string& option, const std::string& text) {
-  const std::vector<double> v = parse_numbers(option, text, 6);
-  const Bounds box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-  for (int k = 0; k < 3; ++k)
-    if (box.min[k] > box.max[k])
-      throw Error(ErrorCode::usage, option + ": '" + text + "' is empty along " + std::string(1, "xyz"[k]) +
-                                        "; write X0,Y0,Z0,X1,Y1,Z1 with the smaller numbers first");
-  return box;
-}
-
 std::vector<int> parse_classes(const std::string& option, const std::string& text) {
   std::vector<int> codes;
   for (const std::string& code : split(text, ',')) {
