@@ -2,7 +2,7 @@
 PREFIX ?= /usr/local
 JOBS := $(shell nproc)
 SFUMATO_TEST_DATA ?= ../shared/data
-CCACHE := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DSFUMATO_PRECOMPILE=OFF)
+CCACHE := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DSFUMATO_PRECOMPILE=OFF -DSFUMATO_UNITY=OFF)
 export CCACHE_BASEDIR ?= $(CURDIR)
 
 configure = cmake --preset $(1) $(CCACHE)

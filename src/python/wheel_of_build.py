@@ -26,7 +26,7 @@ def _build(config_settings):
     if not debian:
         options += [f"-DPython_EXECUTABLE={sys.executable}", "-DSFUMATO_BENCH=OFF"]
     if shutil.which("ccache"):
-        options += ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DSFUMATO_PRECOMPILE=OFF"]
+        options += ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DSFUMATO_PRECOMPILE=OFF", "-DSFUMATO_UNITY=OFF"]
     given = (config_settings or {}).get("cmake-args", "")
     options += shlex.split(given) if isinstance(given, str) else given
     subprocess.run(["cmake", "--preset", "release", "-B", folder, *options], cwd=ROOT, check=True)
