@@ -98,12 +98,20 @@ Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, const I
 TooDeep too_deep(const Image<float>& depth, const Image<float>& reference, const Image<std::uint8_t>& among,
                  double bin_size) {
   TooDeep found;
+  found.where = Image<std::uint8_t>(depth.width(), depth.height());
   for (std::size_t i = 0; i < depth.size(); ++i) {
     if (!among.data()[i]) continue;
     ++found.among;
-    found.count += !(depth.data()[i] - reference.data()[i] <= 5 * bin_size);
+    found.where.data()[i] = !(depth.data()[i] - reference.data()[i] <= 5 * bin_size);
+    found.count += found.where.data()[i];
   }
   return found;
+}
+
+std::size_t TooDeep::without(const TooDeep& other) const {
+  std::size_t own = 0;
+  for (std::size_t i = 0; i < where.size(); ++i) own += where.data()[i] && !other.where.data()[i];
+  return own;
 }
 
 Image<Rgba8> error_map(const Image<float>& depth, const Image<float>& truth, double bin_size) {

@@ -32,7 +32,10 @@ Image<std::uint8_t> interior(const Image<float>& depth, double bin_size, const I
 /// Pixels of `among` that show something more than five bins behind `reference`, or nothing at all.
 struct TooDeep {
   std::size_t count = 0, among = 0;
-  double percent() const { return 100.0 * double(count) / double(among ? among : 1); }
+  Image<std::uint8_t> where;
+  double percent(std::size_t n) const { return 100.0 * double(n) / double(among ? among : 1); }
+  /// How many of them are none of the other's.
+  std::size_t without(const TooDeep& other) const;
 };
 TooDeep too_deep(const Image<float>& depth, const Image<float>& reference, const Image<std::uint8_t>& among,
                  double bin_size);

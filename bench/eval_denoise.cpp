@@ -21,6 +21,7 @@
 #include "io/camera_json.h"
 #include "io/image_png.h"
 #include "io/io.h"
+#include "options.h"
 
 using namespace sfumato;
 using namespace sfumato::bench;
@@ -76,9 +77,11 @@ void clean_row(Contest& contest, CleanRow row, const Arguments& arguments) {
                                                         : contest.rims(row.camera, splats.depth));
   const TooDeep by_splats = too_deep(splats.depth, reference, inside, bin),
                 ours = too_deep(out.depth, reference, inside, bin);
-  std::printf("| %s | %s | %zu | %.1f | %.3f (%zu) | %.3f (%zu) | %.2f |\n", row.name.c_str(),
-              row.truth ? "truth" : "splats", ours.among, radius_px, by_splats.percent(), by_splats.count,
-              ours.percent(), ours.count, 100 * contest.left_out());
+  const std::size_t own = ours.without(by_splats);
+  std::printf("| %s | %s | %zu | %.1f | %.3f (%zu) | %.3f (%zu) | %.3f (%zu) | %.2f |\n", row.name.c_str(),
+              row.truth ? "truth" : "splats", ours.among, radius_px, by_splats.percent(by_splats.count),
+              by_splats.count, ours.percent(ours.count), ours.count, ours.percent(own), own,
+              100 * contest.left_out());
   std::fflush(stdout);
   if (arguments.maps.empty()) return;
   const std::string base = arguments.maps + "/clean_" + row.name;
@@ -92,11 +95,11 @@ void clean_table(Contest& contest, const Arguments& arguments) {
   std::printf(
       "\nClean scans, %dx%d: interior pixels that show nothing, or something more than 5 bins behind the "
       "surface, %% "
-      "(pixels); points left out by the prefilter, %%\n\n",
+      "(pixels), and those of them where splats do not; points left out by the prefilter, %%\n\n",
       width, height);
   std::printf(
-      "| scan | against | interior | radius px | splats | denoise, auto | left out "
-      "|\n|---|---|---|---|---|---|---|\n");
+      "| scan | against | interior | radius px | splats | denoise, auto | its own | left out "
+      "|\n|---|---|---|---|---|---|---|---|\n");
   auto from_scene = [&](const std::string& name, const synth::Scene& scene, synth::SampleOptions o,
                         Camera camera) {
     o.seed = arguments.choose ? 11 : 101;
@@ -489,25 +492,11 @@ void orbit_table(Contest& contest, const Arguments& arguments) {
 
 int main(int count, char** values) try {
   Arguments arguments;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = values[i];
-    if (word == "--quick")
-      arguments.quick = true;
-    else if (word == "--choose")
-      arguments.choose = true;
-    else if (word == "--part" && i + 1 < count)
-      arguments.part = values[++i];
-    else if (word == "--row" && i + 1 < count)
-      arguments.row = values[++i];
-    else if (word == "--data" && i + 1 < count)
-      arguments.data = values[++i];
-    else if (word == "--maps" && i + 1 < count)
-      arguments.maps = values[++i];
-    else if (word == "--clutter-radius" && i + 1 < count)
-      arguments.clutter_radius = values[++i];
-    else
-      throw Error(ErrorCode::usage, "eval_denoise: what is '" + word + "'?");
-  }
+  Options options;
+  options.flag("quick", arguments.quick).flag("choose", arguments.choose);
+  options.value("part", arguments.part).value("row", arguments.row).value("data", arguments.data);
+  options.value("maps", arguments.maps).value("clutter-radius", arguments.clutter_radius);
+  if (!options.parse(count, values).empty()) throw Error(ErrorCode::usage, "unexpected words");
   auto context = gl::Context::create_headless();
   Contest contest(*context);
   if (!arguments.clutter_radius.empty()) contest.set_clutter_radius(std::stof(arguments.clutter_radius));
@@ -519,6 +508,6 @@ int main(int count, char** values) try {
   if (arguments.wants("orbit")) orbit_table(contest, arguments);
   std::printf("\n%.0f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 } catch (const Error& error) {
-  std::fprintf(stderr, "%s\n", error.what());
+  std::fprintf(stderr, "eval_denoise: %s\n", error.what());
   return 1;
 }

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "io/io.h"
 #include "io/image_png.h"
+#include "options.h"
 #include "set_parameter.h"
 #include "synth/synth.h"
 #include "techniques/renderer.h"
@@ -183,21 +184,11 @@ void evaluate(Renderer& renderer, const synth::Scene& scene, int points, bool wi
 
 Arguments parse(int argc, char** argv) {
   Arguments a;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (i + 1 >= argc) throw Error(ErrorCode::usage, word + " needs a value");
-    const std::string value = argv[++i];
-    if (word == "--points")
-      a.points = {std::stoi(value)};
-    else if (word == "--noise")
-      a.noise = std::stof(value);
-    else if (word == "--map")
-      a.map = value;
-    else if (word == "--set")
-      a.values.emplace_back(value.substr(0, value.find('=')), value.substr(value.find('=') + 1));
-    else
-      throw Error(ErrorCode::usage, "unknown option " + word);
-  }
+  bench::Options options;
+  options.value("points", [&](const std::string& word) { a.points = {std::stoi(word)}; });
+  options.value("noise", [&](const std::string& word) { a.noise = std::stof(word); });
+  options.value("map", a.map).pairs("set", a.values);
+  if (!options.parse(argc, argv).empty()) throw Error(ErrorCode::usage, "unexpected words");
   return a;
 }
 

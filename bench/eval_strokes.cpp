@@ -15,6 +15,7 @@
 #include "frame_difference.h"
 #include "image_strokes.h"
 #include "likeness.h"
+#include "options.h"
 #include "io/camera_json.h"
 #include "io/image_png.h"
 #include "io/io.h"
@@ -128,24 +129,19 @@ void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& c
 
 }  // namespace
 
-int main(int count, char** words) {
-  if (count != 4 && count != 6) {
-    std::fprintf(stderr,
-                 "usage: eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]\n");
-    return 2;
-  }
-  const std::string part = count == 6 ? words[5] : "all";
-  try {
-    auto context = gl::Context::create_headless();
-    Renderer renderer(*context);
-    const PointCloud cloud = io::read(words[1]).cloud;
-    const Camera camera = io::read_camera(words[2]);
-    if (part == "figure6" || part == "all") figure_6(renderer, cloud, camera, words[3]);
-    if (part == "coherence" || part == "all") coherence(renderer, cloud, camera, 25, 0.25);
-    if (part == "likeness" || part == "all") likeness_table(renderer, cloud, camera);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "eval_strokes: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+int main(int count, char** words) try {
+  std::string part = "all";
+  const std::vector<std::string> files = bench::Options().value("part", part).parse(count, words);
+  if (files.size() != 3)
+    throw Error(ErrorCode::usage, "CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]");
+  auto context = gl::Context::create_headless();
+  Renderer renderer(*context);
+  const PointCloud cloud = io::read(files[0]).cloud;
+  const Camera camera = io::read_camera(files[1]);
+  if (part == "figure6" || part == "all") figure_6(renderer, cloud, camera, files[2]);
+  if (part == "coherence" || part == "all") coherence(renderer, cloud, camera, 25, 0.25);
+  if (part == "likeness" || part == "all") likeness_table(renderer, cloud, camera);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "eval_strokes: %s\n", error.what());
+  return 1;
 }

@@ -16,6 +16,7 @@
 #include "analysis/prepare.h"
 #include "core/error.h"
 #include "io/io.h"
+#include "options.h"
 #include "set_parameter.h"
 #include "synth/synth.h"
 #include "techniques/renderer.h"
@@ -356,23 +357,10 @@ void orbits(gl::Context& context, const Arguments& arguments) {
 
 Arguments parse(int argc, char** argv) {
   Arguments a;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (i + 1 >= argc) throw Error(ErrorCode::usage, word + " needs a value");
-    const std::string value = argv[++i];
-    if (word == "--part")
-      a.part = value;
-    else if (word == "--data")
-      a.data = value;
-    else if (word == "--scene")
-      a.scene = value;
-    else if (word == "--technique")
-      a.techniques = {value};
-    else if (word == "--set")
-      a.values.emplace_back(value.substr(0, value.find('=')), value.substr(value.find('=') + 1));
-    else
-      throw Error(ErrorCode::usage, "unknown option " + word);
-  }
+  bench::Options options;
+  options.value("part", a.part).value("data", a.data).value("scene", a.scene).pairs("set", a.values);
+  options.value("technique", [&](const std::string& word) { a.techniques = {word}; });
+  if (!options.parse(argc, argv).empty()) throw Error(ErrorCode::usage, "unexpected words");
   return a;
 }
 
