@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/survey.h"
 #include "analysis/quantiles.h"
+#include "analysis/survey.h"
 #include "gl/context.h"
 #include "passes/shade.h"
 #include "techniques/casters.h"
@@ -134,8 +134,9 @@ class Denoise final : public Technique {
     float radius = cloud.median_radius();
     if (!(radius < INFINITY)) radius = cloud.median_spacing();
     const float limit = parameters_.clamp_radius ? largest_disc * radius : INFINITY;
-    const float rounds =
-        2.0f * agree_rounds * radius + 2 * wide_disc(cloud.prepared().cloud.radii, radius, limit);
+    const bool measured = is_measured(cloud) && field_limit_ == limit;
+    const float wide = measured ? wide_disc_ : wide_disc(cloud.prepared().cloud.radii, radius, limit);
+    const float rounds = 2.0f * agree_rounds * radius + 2 * wide;
     return 4 + nearest_px(double(rounds) * parameters_.radius_scale, camera);
   }
 
@@ -205,10 +206,14 @@ class Denoise final : public Technique {
     return large > uneven * std::min(usual, limit) ? large : 0;
   }
 
+  bool is_measured(const GpuCloud& cloud) const {
+    return field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
+  }
+
   /// Measures a cloud that was not seen before. `radius_limit`: scene units, infinite for none.
   void measure(GpuCloud& cloud, float radius_limit, bool prefilter, Progress& progress) {
     const PreparedCloud& prepared = cloud.prepared();
-    const bool seen = field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
+    const bool seen = is_measured(cloud);
     if (!seen) {
       residual_ = analysis::plane_residual(prepared.cloud.positions);
       support_.clear();
