@@ -416,6 +416,47 @@ TEST_F(StrokesTest, UnderpaintingLeavesNoCombs) {
   EXPECT_EQ(passes(20, 20), (std::pair{12 * (size - 8), 12 * (size - 8)}));
 }
 
+// Outlines stay where they are: a bay between two parts that stick out lies open to the background. A hole as
+// wide, with paint all around, is closed, and so is a slit that runs along an axis.
+TEST_F(StrokesTest, UnderpaintingStaysWithinOutlines) {
+  constexpr int size = 64, top = 20;
+  struct Surface {
+    gl::Texture color{"color", GL_RGBA32F, size, size}, depth{"depth", GL_R32F, size, size},
+        normal{"normal", GL_RGBA32F, size, size};
+  } one, two;
+  ScreenPass pass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+  pass.set("reach", 7).set("spacing", 0.0f);
+  const View view(front_camera(size, size), dvec3(0));
+  view.bind();
+  /// Pixels closed of those `is_open` says, in a surface below `top`.
+  auto closed = [&](auto&& is_open) {
+    Image<vec4> color(size, size, vec4(0)), normal(size, size, vec4(0, 0, 1, 1));
+    Image<float> depth(size, size, std::numeric_limits<float>::infinity());
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x)
+        if (y >= top && !is_open(x, y)) color.at(x, y) = {1, 0, 0, 1}, depth.at(x, y) = 2;
+    one.color.upload(color), one.depth.upload(depth), one.normal.upload(normal);
+    for (bool teeth : {false, true})
+      pass.set("teeth", teeth)
+          .run({teeth ? &two.color : &one.color, teeth ? &two.depth : &one.depth,
+                teeth ? &two.normal : &one.normal},
+               {teeth ? &one.color : &two.color, teeth ? &one.depth : &two.depth,
+                teeth ? &one.normal : &two.normal});
+    const Image<vec4> picture = one.color.download<vec4>();
+    int count = 0;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) count += color.at(x, y).a == 0 && picture.at(x, y).a > 0.5f;
+    return count;
+  };
+  EXPECT_EQ(closed([](int, int) { return false; }), 0);
+  auto bay = [](int x, int y) { return x >= 28 && x < 38 && y < 50; };
+  auto hole = [](int x, int y) { return x >= 28 && x < 38 && y >= 28 && y < 38; };
+  auto slit = [](int x, int y) { return x >= 28 && x < 32 && y >= 24; };
+  EXPECT_LE(closed(bay), 8) << "in its corners";
+  EXPECT_EQ(closed(hole), 100);
+  EXPECT_EQ(closed(slit), 4 * (size - 24));
+}
+
 // The same points in another file, some of them at the same places in other colours.
 TEST_F(StrokesTest, TheOrderOfTheFileDoesNotShow) {
   PointCloud cloud = two_spheres();

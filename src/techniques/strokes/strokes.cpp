@@ -51,9 +51,9 @@ class Strokes final : public Technique {
   bool has_soft_edges() const override { return true; }  // of brushes
 
   int reach_px(const GpuCloud&, const Camera& camera) const override {
-    // underpaint.glsl twice, then the wider ring of medium.glsl; or both ways of blur.glsl.
+    // underpaint.glsl twice, then the wider ring of medium.glsl, or blur.glsl.
     const int ring = int(std::ceil(2.0 * camera.whole_height() / 720));
-    return 24 + 3 + std::max(ring, int(std::ceil(2.5f * parameters_.blur_radius))) + 1;
+    return 2 * 24 + std::max(ring, int(std::ceil(2.5f * parameters_.blur_radius))) + 1;
   }
 
   bool render(Frame& frame) override {

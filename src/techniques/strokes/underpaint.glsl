@@ -1,5 +1,6 @@
 // What strokes leave open within a surface: paint around it on opposite sides, in a line that goes on in depth. Beyond an
-// outline there is paint on one side only, so outlines stay where they are.
+// outline there is paint on one side only, so outlines stay where they are. So do bays between parts that stick out: of four
+// lines at most one may lead to the background, and that only along a slit, which two others cross within a stroke's width.
 //
 // A second pass (`teeth`) closes what the first leaves between places that it closed: along the ragged end of a surface
 // every other row has a slit too wide for it, and a comb shows worse than the slit. It looks for gaps of up to three pixels in
@@ -17,25 +18,25 @@ const int most_reach = 24;
 struct Side {
   vec4 color, normal;
   float depth;
-  int away;  // px; 0: nothing found, -1: the picture ends before
+  int away;   // px; 0: nothing near enough, -1: the picture ends before
+  bool open;  // no paint as far as one looks
 };
 
 // The nearest pixel that is mostly paint.
 Side look(ivec2 pixel, ivec2 direction, ivec2 size) {
-  Side side = Side(vec4(0.0), vec4(0.0), 0.0, 0);
+  Side side = Side(vec4(0.0), vec4(0.0), 0.0, 0, true);
   for (int k = 1; k <= most_reach; k += k < 8 ? 1 : 2) {
     ivec2 at = pixel + k * direction;
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) {
       side.away = -1;
+      side.open = false;
       return side;
     }
     vec4 color = texelFetch(albedo, at, 0);
-    if (color.a < 0.7) {
-      if (k >= reach && spacing <= 0.0) return side;
-      continue;
-    }
+    if (color.a < 0.7) continue;
+    side.open = false;
     float depth = texelFetch(depths, at, 0).x;
-    if (k <= max(reach, int(2.5 * spacing * pixels_at(depth)))) side = Side(color / color.a, texelFetch(normals, at, 0), depth, k);
+    if (k <= max(reach, int(2.5 * spacing * pixels_at(depth)))) side = Side(color / color.a, texelFetch(normals, at, 0), depth, k, false);
     return side;
   }
   return side;
@@ -52,12 +53,13 @@ bool filter_pixel(ivec2 pixel) {
   int closed = 0;  // of the four lines; one may lead outside
   int short_lines = 0;
   bool whole = false;
+  int open = 0;
   for (int k = 0; k < 4; ++k) {
     ivec2 direction = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1))[k];
-    Side a = look(pixel, direction, size);
-    if (a.away == 0) continue;
-    Side b = look(pixel, -direction, size);
-    if (b.away == 0 || (a.away < 0 && b.away < 0)) continue;
+    Side a = look(pixel, direction, size), b = look(pixel, -direction, size);
+    open += int(a.open || b.open);
+    if (open > int(!teeth)) return true;
+    if (a.away == 0 || b.away == 0 || (a.away < 0 && b.away < 0)) continue;
     whole = whole || (a.away > 0 && b.away > 0);
     if (teeth && min(a.away, b.away) < 0) continue;
     if (a.away < 0) a = b;
@@ -78,6 +80,7 @@ bool filter_pixel(ivec2 pixel) {
     depth += wa * a.depth + wb * b.depth;
     sum += wa + wb;
   }
+  if (open > 0 && short_lines < 2) return true;
   if (teeth ? closed < 6 : (closed < 3 && short_lines < 2) || !whole) return true;
   vec4 under = color / sum;
   if (out_0.a <= 0.0) {
