@@ -1,13 +1,16 @@
 // The tables and figures of the technique `denoise` against the truth of synthetic scenes: `make
 // eval-denoise`.
 //
-//   eval_denoise [--quick] [--choose] [--part clean|noise|views|dragon|orbit] [--row TEXT] [--data FOLDER]
+//   eval_denoise [--quick] [--choose] [--part clean|noise|views|dragon|delta|orbit] [--row TEXT] [--data
+//   FOLDER]
 //   [--maps FOLDER]
 //                [--clutter-radius SHARE]
 //
 // Every constant of the automatic threshold was chosen with --choose: other seeds, other views, and none of
 // the scenes that are marked `unseen` in the table. `--data` holds the scans that clean rows need; `--maps`
 // takes error maps.
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -408,6 +411,71 @@ void dragon_figures(Contest& contest, const Arguments& arguments) {
               100.0 * double(kept) / double(surface), surface, compare(out, truth, contest.bin_size()).mae);
 }
 
+/// Would thicker bins help where noise is larger, as it grows with z^2? Mean depth error with one Delta for
+/// all, the best of some, against the best of each third of the depths.
+void delta_table(Contest& contest, const Arguments& arguments) {
+  const std::vector<double> factors{0.25, 0.5, 0.71, 1, 1.41, 2, 2.83, 4};
+  const int width = arguments.quick ? 160 : 320, height = width * 3 / 4;
+  std::printf(
+      "\nOne Delta or one for each third of the depths, %dx%d; error in scene units "
+      "of pixels that all show, 5 of auto's bins at most\n\n",
+      width, height);
+  std::printf(
+      "| scene | noise | auto | error at auto | at twice auto | best of all | by thirds | best factor of "
+      "each third "
+      "|\n|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [name, scene] : noise_scenes(arguments)) {
+    if (name == "armadillo") continue;  // as far away all over
+    for (float level : {2.0f, 8.0f}) {
+      const Camera camera = judging_camera(scene, width, height);
+      const synth::Truth truth = synth::truth(scene, camera);
+      synth::SampleOptions o;
+      o.sampling = synth::Sampling::cameras;
+      o.noise = synth::NoiseModel::poisson, o.noise_level = level;
+      o.seed = 101, o.points = arguments.quick ? 60'000 : 120'000;
+      contest.take(synth::sample(scene, o), camera);
+      const double bin = contest.bin_size();
+      std::vector<float> depths;
+      for (float depth : truth.depth)
+        if (!std::isinf(depth)) depths.push_back(depth);
+      std::sort(depths.begin(), depths.end());
+      const float borders[] = {depths[depths.size() / 3], depths[2 * depths.size() / 3]};
+      std::vector<Image<float>> shown;
+      for (double factor : factors) {
+        contest.set_denoise("bin_size", std::to_string(bin * factor));
+        shown.push_back(contest.automatic(camera).depth);
+      }
+      std::vector<std::array<double, 3>> sums(factors.size());
+      double count = 0;
+      for (std::size_t i = 0; i < truth.depth.size(); ++i) {
+        const float expected = truth.depth.data()[i];
+        const bool by_all = std::ranges::none_of(
+            shown, [&](const Image<float>& depth) { return std::isinf(depth.data()[i]); });
+        if (std::isinf(expected) || !by_all) continue;
+        const std::size_t third = std::size_t(expected > borders[0]) + std::size_t(expected > borders[1]);
+        for (std::size_t f = 0; f < factors.size(); ++f)
+          sums[f][third] += std::min(5 * bin, std::abs(double(shown[f].data()[i]) - expected));
+        ++count;
+      }
+      for (std::array<double, 3>& sum : sums)
+        for (double& each : sum) each /= count;
+      contest.set_denoise("bin_size", "auto");
+      auto total = [&](std::size_t f) { return sums[f][0] + sums[f][1] + sums[f][2]; };
+      double one = total(0), each = 0, best[3];
+      for (std::size_t f = 0; f < factors.size(); ++f) one = std::min(one, total(f));
+      for (std::size_t third = 0; third < 3; ++third) {
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t f = 0; f < factors.size(); ++f)
+          if (sums[f][third] < least) least = sums[f][third], best[third] = factors[f];
+        each += least;
+      }
+      std::printf("| %s | x%g | %.3f | %.4f | %.4f | %.4f | %.4f | %g %g %g |\n", name.c_str(), double(level),
+                  bin, total(3), total(5), one, each, best[0], best[1], best[2]);
+      std::fflush(stdout);
+    }
+  }
+}
+
 /// Over the orbit of one way of drawing: how much a pixel's error changes from one frame to the next. What
 /// does not move with the surface flickers. And how much the pictures change, motion included.
 struct Flicker {
@@ -505,6 +573,7 @@ int main(int count, char** values) try {
   if (arguments.wants("noise")) noise_tables(contest, arguments);
   if (arguments.wants("views")) views_table(contest, arguments);
   if (arguments.wants("dragon")) dragon_figures(contest, arguments);
+  if (arguments.wants("delta")) delta_table(contest, arguments);
   if (arguments.wants("orbit")) orbit_table(contest, arguments);
   std::printf("\n%.0f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 } catch (const Error& error) {

@@ -56,7 +56,8 @@ bool filter_pixel(ivec2 pixel) {
   int open = 0;
   for (int k = 0; k < 4; ++k) {
     ivec2 direction = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1))[k];
-    Side a = look(pixel, direction, size), b = look(pixel, -direction, size);
+    Side a = look(pixel, direction, size), b = a;
+    if (!a.open) b = look(pixel, -direction, size);
     open += int(a.open || b.open);
     if (open > int(!teeth)) return true;
     if (a.away == 0 || b.away == 0 || (a.away < 0 && b.away < 0)) continue;
