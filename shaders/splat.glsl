@@ -2,10 +2,13 @@
 // included (Botsch, Hornung, Zwicker, Kobbelt 2005), so that it is right in the corners of a wide view too.
 // A hit's depth is THE ray distance t; eye depth and window depth are derived from it.
 //   SPLAT_PREFILTER      a splat covers at least a disc of `splat_prefilter_px` on the screen (antialiasing)
+//   SPLAT_PREFILTER_OWN  that is of each splat: set it before the functions below are called
 //   KERNEL_GAUSSIAN      the other kernel
 #include "frame.glsl"
 
-#ifdef SPLAT_PREFILTER
+#ifdef SPLAT_PREFILTER_OWN
+float splat_prefilter_px;
+#elif defined(SPLAT_PREFILTER)
 uniform float splat_prefilter_px;  // radius of the screen filter
 #endif
 

@@ -10,7 +10,7 @@ const float epsilon = 1.2;  // how far behind the nearest hit a disc is of the s
 uniform float shadow_depth;  // share of epsilon within which shadow factors count
 #endif
 
-flat in vec3 center;
+flat in vec4 center;
 flat in vec4 orientation;
 flat in vec4 color;
 flat in vec4 clip;
@@ -23,7 +23,8 @@ layout(location = 2) out vec4 shadow_sum;  // v m, v
 
 void main() {
   SplatHit hit;
-  if (!hit_disc(Splat(center, orientation.xyz, orientation.w), clip, gl_FragCoord.xy, hit)) discard;
+  splat_prefilter_px = center.w;
+  if (!hit_disc(Splat(center.xyz, orientation.xyz, orientation.w), clip, gl_FragCoord.xy, hit)) discard;
   float behind = (hit.t - texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x) / (epsilon * orientation.w);
   if (!(behind <= 1.0)) discard;
   float w = splat_weight(hit.rho);

@@ -1,6 +1,11 @@
 // The discs that planes.glsl left in a grid of squares of 2x2 px.
 #include "splat.glsl"
 
+// Px, of a disc that stands for so many pixels of its square: half the diagonal of one pixel, so that no disc falls
+// between their centres, and of the whole square when it is full. Less, and outlines of fine points lose the outer half
+// of their squares: they show the grid.
+float least_radius(float pixels) { return mix(0.71, 1.41, (pixels - 1.0) / 3.0); }
+
 #ifndef DISC_FRAGMENT
 layout(binding = UNIT_INPUT) uniform sampler2D centers;        // eye position; 0 in w where there is none
 layout(binding = UNIT_INPUT + 1) uniform sampler2D orientations;  // eye normal facing the camera, radius
@@ -9,8 +14,9 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D disc_colors;
 layout(binding = UNIT_INPUT + 4) uniform sampler2D clips;
 
 Splat disc_at(ivec2 square) {
-  vec4 orientation = texelFetch(orientations, square, 0);
-  return Splat(texelFetch(centers, square, 0).xyz, orientation.xyz, orientation.w);
+  vec4 orientation = texelFetch(orientations, square, 0), center = texelFetch(centers, square, 0);
+  splat_prefilter_px = least_radius(center.w);
+  return Splat(center.xyz, orientation.xyz, orientation.w);
 }
 #endif
 

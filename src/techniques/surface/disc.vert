@@ -5,7 +5,7 @@
 
 uniform int columns;
 uniform float ambient_occlusion;
-flat out vec3 center;
+flat out vec4 center;  // in w the radius of the screen filter
 flat out vec4 orientation;
 flat out vec4 color;
 flat out vec4 clip;
@@ -13,7 +13,7 @@ flat out vec4 clip;
 void main() {
   ivec2 square = ivec2(gl_VertexID % columns, gl_VertexID / columns);
   Splat splat = disc_at(square);
-  center = splat.center;
+  center = vec4(splat.center, splat_prefilter_px);
   orientation = vec4(splat.normal, splat.radius);
   color = texelFetch(disc_colors, square, 0);
   if (ambient_occlusion > 0.0) color.rgb *= mix(1.0, openness_at(2.0 * vec2(square) + 1.0), ambient_occlusion);

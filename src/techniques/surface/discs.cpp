@@ -9,8 +9,6 @@
 namespace sfumato::surface {
 namespace {
 
-/// Half the diagonal of a pixel: no disc falls between the pixels' centres.
-constexpr float least_radius_px = 0.71f;
 /// How far behind the nearest point of a square, and the nearest disc of a pixel, shadow factors count: point
 /// spacings, and a share of what still counts as the surface. Points farther behind are in the shadow of
 /// those in front.
@@ -70,7 +68,7 @@ void Discs::draw(const View& view, const Options& options) {
   normal_sum_.clear(vec4(0));
   if (gl::limits().software) glFinish();  // compute does not wait for fragment passes there
 
-  const gl::Defines defines{"SPLAT_PREFILTER"};
+  const gl::Defines defines{"SPLAT_PREFILTER", "SPLAT_PREFILTER_OWN"};
   if (!draw_nearest_) draw_nearest_ = gl::Program::compute("techniques/surface/disc_nearest.comp", defines);
   const auto bind = [&] {
     view.bind();
@@ -81,7 +79,6 @@ void Discs::draw(const View& view, const Options& options) {
   };
   bind();
   glBindImageTexture(0, nearest_t_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
-  draw_nearest_.set("splat_prefilter_px", least_radius_px);
   draw_nearest_.dispatch(unsigned(columns + 15) / 16, unsigned(rows + 7) / 8);
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                   GL_FRAMEBUFFER_BARRIER_BIT);
@@ -92,9 +89,7 @@ void Discs::draw(const View& view, const Options& options) {
     if (options.with_shadow) with.push_back("WITH_SHADOW");
     program = gl::Program::raster("techniques/surface/disc.vert", "techniques/surface/disc.frag", with);
   }
-  program.set("splat_prefilter_px", least_radius_px)
-      .set("columns", columns)
-      .set("ambient_occlusion", options.ambient_occlusion);
+  program.set("columns", columns).set("ambient_occlusion", options.ambient_occlusion);
   if (options.with_shadow) program.set("shadow_depth", shadow_depth);
   about_[openness_level].bind(binding::input + 7);
   nearest_t_.bind(binding::input + 3);
