@@ -62,8 +62,14 @@ class Hand {
       io.AddInputCharacter(unsigned(typed_.back()));
       typed_.pop_back();
     }
-    for (const int key : {ImGuiKey_Enter, ImGuiKey_Tab, ImGuiKey_Escape})
-      io.KeysDown[io.KeyMap[key]] = key == key_ && steps_ > 0;
+    for (const ImGuiKey key : {ImGuiKey_Enter, ImGuiKey_Tab, ImGuiKey_Escape}) {
+      const bool is_down = key == key_ && steps_ > 0;
+#if IMGUI_VERSION_NUM < 18700
+      io.KeysDown[io.KeyMap[key]] = is_down;
+#else
+      io.AddKeyEvent(key, is_down);
+#endif
+    }
   }
   long done() const { return done_; }
   const std::string& last() const { return last_; }

@@ -75,9 +75,15 @@ void Interface::draw_panels(float x, float width, float height) {
 void Interface::walk_here() {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || io.KeyCtrl || ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows)) return;
-  for (const int key :
-       {ImGuiKey_Tab, ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow})
-    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false)) ImGui::SetWindowFocus();
+  for (const ImGuiKey key :
+       {ImGuiKey_Tab, ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow}) {
+#if IMGUI_VERSION_NUM < 18700
+    const int asked = ImGui::GetKeyIndex(key);
+#else
+    const ImGuiKey asked = key;
+#endif
+    if (ImGui::IsKeyPressed(asked, false)) ImGui::SetWindowFocus();
+  }
 }
 
 void Interface::draw_status(float y, float width, float height) {
