@@ -109,7 +109,8 @@ void color_classes(const ScalarField& field, Coloring& out) {
       out.colors.push_back(unknown_gray);
       continue;
     }
-    const int id = int(std::lround(field.value(i)));
+    constexpr double most = std::numeric_limits<int>::max();  // any scalar may be asked for as classes
+    const int id = int(std::lround(std::clamp(double(field.value(i)), -most, most)));
     if (id != last_id) last_id = id, last_color = class_color(id);
     ++counts[id];
     out.colors.push_back(last_color);
@@ -316,7 +317,7 @@ Rgba8 class_color(int id) {
     return {std::uint8_t(c >> 16), std::uint8_t(c >> 8 & 255), std::uint8_t(c & 255), 255};
   }
   // Codes that users define: spread over hues so that neighbours differ, always the same colour for one code.
-  const float hue = std::fmod(float(id < 0 ? -id : id) * 0.61803399f, 1.0f) * 6;
+  const float hue = std::fmod(std::abs(float(id)) * 0.61803399f, 1.0f) * 6;
   auto channel = [&](float centre) {
     const float d = std::abs(std::fmod(hue - centre + 9, 6.0f) - 3);
     return std::uint8_t(60 + 170 * std::clamp(2 - d, 0.0f, 1.0f));

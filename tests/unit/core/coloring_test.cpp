@@ -170,6 +170,12 @@ TEST(Coloring, ClassesHaveTheKnownColours) {
   EXPECT_EQ(class_name(2), "ground");
   EXPECT_EQ(class_name(70), "class 70");
   EXPECT_FALSE(class_color(70) == class_color(71));
+  // What no classifier writes has a colour as well, and is one class, not class 0.
+  cloud.set_scalar(field("classification", {-3e9f, -2147483648.0f, 1e30f, 2147483648.0f}));
+  const Coloring odd = color_points(cloud, {"classification", "", std::nullopt});
+  ASSERT_EQ(odd.classes.size(), 2u);
+  EXPECT_EQ(odd.classes[0].id, -odd.classes[1].id);
+  EXPECT_EQ(odd.colors[0], odd.colors[3]);  // the same code with another sign
 }
 
 TEST(Coloring, WrongNameNamesTheNearest) {
