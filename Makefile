@@ -69,11 +69,13 @@ asan:  ## every test under the address and undefined behaviour sanitizers
 	@# Mesa leaves 240 bytes a context behind, and is unloaded before anybody could tell that they are its.
 	@export ASAN_OPTIONS=detect_leaks=0 && $(call check,asan) --label-exclude unit
 
-tsan:  ## the tests of reading and its threads under the thread sanitizer, without GL
-	@$(call configure,tsan) && cmake --build build/tsan --target sfumato_decoder io_test
+tsan:  ## the tests of reading, and of the loader of the window, under the thread sanitizer, without GL
+	@$(call configure,tsan) && cmake --build build/tsan --target sfumato_decoder io_test view_test
 	@# That one limits the address space, of which the sanitizer wants all.
 	@SFUMATO_THREADS=4 TSAN_OPTIONS=exitcode=66 build/tsan/bin/io_test --gtest_brief=1 \
 	  --gtest_filter=-Laz.TakesNoMemoryOnTheWordOfAHeader
+	@# Not analysis_test and copc_test: the sanitizer does not see how a library that it did not compile (TBB) orders its threads.
+	@SFUMATO_THREADS=4 TSAN_OPTIONS=exitcode=66 build/tsan/bin/view_test --gtest_brief=1
 
 fuzz:  ## every parser under libFuzzer and sanitizers (clang), FUZZ_SECONDS=60 each, FUZZ="las laz ..."; then 10,000 damaged files a format
 	@$(call configure,fuzz) && cmake --build build/fuzz --target sfumato_fuzz write_seeds

@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -32,8 +33,10 @@ struct Box {
 };
 
 // The loops over candidates, compiled twice where the processor may have wider registers. Neither version
-// fuses multiplications with additions, so both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+// fuses multiplications with additions, so both give the same bits. Which one is decided before the
+// sanitizers have begun, where they would crash.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define SFUMATO_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define SFUMATO_WIDE

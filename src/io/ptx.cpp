@@ -1,5 +1,6 @@
 // PTX (Leica): scans one after the other, each a grid of scan directions, column after column, with the
 // scanner's pose and a matrix for row vectors. A cell at 0 0 0 had no return.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 

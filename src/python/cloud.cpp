@@ -1,5 +1,6 @@
 #include "cloud.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "core/error.h"

@@ -1,5 +1,6 @@
 #include "synth/bvh.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace sfumato::synth {

@@ -1,4 +1,5 @@
 // The commands that need no GL: what they print, what they refuse, their exit codes.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -4,6 +4,7 @@
 #include <ImfInputFile.h>
 #include <ImfStandardAttributes.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cli/command.h"

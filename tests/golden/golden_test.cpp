@@ -1,6 +1,7 @@
 // Whole pictures of synthetic scenes against references kept beside this file. A picture is one row of the
 // table. SFUMATO_BLESS=1 writes the references anew; look at them before they are committed
 // (docs/testing.md).
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 

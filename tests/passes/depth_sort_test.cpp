@@ -1,6 +1,7 @@
 // Prefix sums and the depth sort against the standard library.
 #include "passes/depth_sort.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "reference/gl_fixture.h"

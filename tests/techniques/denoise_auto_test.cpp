@@ -1,4 +1,5 @@
 // The automatic threshold of `denoise` on randomly sampled clouds: against an oracle, and with a wall behind.
+#include <algorithm>
 #include <map>
 
 #include "reference/compare.h"

@@ -3,6 +3,7 @@
 
 #include "techniques/denoise/noise.h"
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 

@@ -1,5 +1,6 @@
 // The parts of soft transparency: fragment lists, thresholds, modulation, the baseline, orders, light,
 // fields.
+#include <algorithm>
 #include <random>
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Surface splatting against the oracle, analytic answers, and its own ways of drawing against each other.
+#include <algorithm>
 #include <random>
 
 #include "../bench/frame_difference.h"

@@ -1,5 +1,6 @@
 // The default way of `surface`, operator by operator, against the definitions in double precision over plain
 // arrays; then its pictures where others had blocks.
+#include <algorithm>
 #include <array>
 #include <cmath>
 

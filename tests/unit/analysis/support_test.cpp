@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "analysis/attributes.h"
 #include "clouds.h"
 #include "reference/forest.h"
