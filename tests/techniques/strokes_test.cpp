@@ -3,6 +3,7 @@
 #include "techniques/strokes/stroke_set.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <map>
 #include <numbers>
@@ -375,30 +376,56 @@ TEST_F(StrokesTest, UnderpaintingClosesSlitsBesideNearThings) {
   EXPECT_GT(middle_row(4).first, 8);
 }
 
+/// Both passes of underpaint.glsl over a picture of these colours and depths, one after the other.
+class Underpainting {
+ public:
+  explicit Underpainting(int size)
+      : size_(size), one_(size), two_(size), view_(front_camera(size, size), dvec3(0)) {
+    pass_.set("reach", 7).set("spacing", 0.0f);
+    view_.bind();
+  }
+  /// The picture after the first and after the second.
+  std::array<Image<vec4>, 2> paint(const Image<vec4>& color, const Image<float>& depth) {
+    one_.color.upload(color), one_.depth.upload(depth);
+    one_.normal.upload(Image<vec4>(size_, size_, vec4(0, 0, 1, 1)));
+    Image<vec4> first = run(false, one_, two_);
+    return {std::move(first), run(true, two_, one_)};
+  }
+
+ private:
+  struct Surface {
+    explicit Surface(int size)
+        : color("color", GL_RGBA32F, size, size),
+          depth("depth", GL_R32F, size, size),
+          normal("normal", GL_RGBA32F, size, size) {}
+    gl::Texture color, depth, normal;
+  };
+  Image<vec4> run(bool teeth, const Surface& from, const Surface& to) {
+    pass_.set("teeth", teeth)
+        .run({&from.color, &from.depth, &from.normal}, {&to.color, &to.depth, &to.normal});
+    return to.color.download<vec4>();
+  }
+
+  int size_;
+  Surface one_, two_;
+  View view_;
+  ScreenPass pass_{"techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}};
+};
+
 // Beside a near thing the far wall ends in a ragged line: rows whose slit is no wider than a stroke alternate
 // with rows whose slit is. The first pass leaves a comb, the second hardly anything of it; a wide shadow
 // stays open.
 TEST_F(StrokesTest, UnderpaintingLeavesNoCombs) {
   constexpr int size = 40, near_end = 10;
-  struct Surface {
-    gl::Texture color{"color", GL_RGBA32F, size, size}, depth{"depth", GL_R32F, size, size},
-        normal{"normal", GL_RGBA32F, size, size};
-  } one, two;
-  ScreenPass pass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
-  pass.set("reach", 7).set("spacing", 0.0f);
-  const View view(front_camera(size, size), dvec3(0));
-  view.bind();
-  auto paint = [&](bool teeth, const Surface& from, const Surface& to) {
-    pass.set("teeth", teeth)
-        .run({&from.color, &from.depth, &from.normal}, {&to.color, &to.depth, &to.normal});
-    const Image<vec4> picture = to.color.download<vec4>();
+  Underpainting underpainting(size);
+  auto open_of = [](const Image<vec4>& picture) {
     int open = 0;
     for (int y = 4; y < size - 4; ++y)
       for (int x = near_end; x < near_end + 12; ++x) open += picture.at(x, y).a < 0.5f;
     return open;
   };
   auto passes = [&](int narrow, int wide) {  // px of the shadow, in two rows of four and in the others
-    Image<vec4> color(size, size, vec4(0)), normal(size, size, vec4(0, 0, 1, 1));
+    Image<vec4> color(size, size, vec4(0));
     Image<float> depth(size, size, std::numeric_limits<float>::infinity());
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x)
@@ -406,9 +433,8 @@ TEST_F(StrokesTest, UnderpaintingLeavesNoCombs) {
           color.at(x, y) = {1, 0, 0, 1}, depth.at(x, y) = 2;
         else if (x >= near_end + (y % 4 < 2 ? narrow : wide))
           color.at(x, y) = {0, 0, 1, 1}, depth.at(x, y) = 20;
-    one.color.upload(color), one.depth.upload(depth), one.normal.upload(normal);
-    const int first = paint(false, one, two);
-    return std::pair{first, paint(true, two, one)};
+    const auto [first, second] = underpainting.paint(color, depth);
+    return std::pair{open_of(first), open_of(second)};
   };
   const auto [comb, left] = passes(7, 12);
   EXPECT_GT(comb, 80);
@@ -420,29 +446,15 @@ TEST_F(StrokesTest, UnderpaintingLeavesNoCombs) {
 // wide, with paint all around, is closed, and so is a slit that runs along an axis.
 TEST_F(StrokesTest, UnderpaintingStaysWithinOutlines) {
   constexpr int size = 64, top = 20;
-  struct Surface {
-    gl::Texture color{"color", GL_RGBA32F, size, size}, depth{"depth", GL_R32F, size, size},
-        normal{"normal", GL_RGBA32F, size, size};
-  } one, two;
-  ScreenPass pass("techniques/strokes/underpaint.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
-  pass.set("reach", 7).set("spacing", 0.0f);
-  const View view(front_camera(size, size), dvec3(0));
-  view.bind();
+  Underpainting underpainting(size);
   /// Pixels closed of those `is_open` says, in a surface below `top`.
   auto closed = [&](auto&& is_open) {
-    Image<vec4> color(size, size, vec4(0)), normal(size, size, vec4(0, 0, 1, 1));
+    Image<vec4> color(size, size, vec4(0));
     Image<float> depth(size, size, std::numeric_limits<float>::infinity());
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x)
         if (y >= top && !is_open(x, y)) color.at(x, y) = {1, 0, 0, 1}, depth.at(x, y) = 2;
-    one.color.upload(color), one.depth.upload(depth), one.normal.upload(normal);
-    for (bool teeth : {false, true})
-      pass.set("teeth", teeth)
-          .run({teeth ? &two.color : &one.color, teeth ? &two.depth : &one.depth,
-                teeth ? &two.normal : &one.normal},
-               {teeth ? &one.color : &two.color, teeth ? &one.depth : &two.depth,
-                teeth ? &one.normal : &two.normal});
-    const Image<vec4> picture = one.color.download<vec4>();
+    const Image<vec4> picture = underpainting.paint(color, depth)[1];
     int count = 0;
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) count += color.at(x, y).a == 0 && picture.at(x, y).a > 0.5f;
