@@ -2,7 +2,7 @@
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D clusters;  // all levels side by side; level k: squares of 2 << k px
-layout(binding = UNIT_INPUT + 1) uniform sampler2D about;   // openness and spacing, of the finest
+layout(binding = UNIT_INPUT + 1) uniform sampler2D about;   // spacing, of the finest
 uniform int levels;
 
 struct Fit {
@@ -15,6 +15,10 @@ struct Fit {
 };
 
 int octant(vec2 away) { return int(away.x > 0.0) + 2 * int(away.y > 0.0) + 4 * int(abs(away.x) > abs(away.y)); }
+
+// Where a level begins in `clusters`; `size` is that of the finest. Levels of one texture would not do: software GL
+// fetches four neighbouring pixels from the level of the first.
+ivec2 level_corner(int l, ivec2 size) { return l == 0 ? ivec2(0) : ivec2(size.x, size.y - (size.y >> (l - 1))); }
 
 // The clusters of one level within a ball.
 struct Window {
@@ -35,9 +39,7 @@ Window window_around(vec3 center, float reach, float fineness) {
   w.reach = reach;
   w.first = max(ivec2(floor(at - reach_px / side)), ivec2(0));
   w.last = min(min(ivec2(floor(at + reach_px / side)), w.first + 15), (size >> l) - 1);
-  // Levels of one texture would not do: software GL fetches four neighbouring pixels from the level of
-  // the first.
-  w.corner = l == 0 ? ivec2(0) : ivec2(size.x, size.y - (size.y >> (l - 1)));
+  w.corner = level_corner(l, size);
   return w;
 }
 

@@ -1,27 +1,27 @@
-// Fine to coarse: the centroid of the points of 2x2 squares, their number, mean openness and spacing. Points on both
+// Fine to coarse: the centroid of the points of 2x2 squares, their number and mean spacing. Points on both
 // sides of a depth edge have no mean: the near side stays.
 #include "techniques/surface/cluster_edge.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D finer;        // eye position, number
-layout(binding = UNIT_INPUT + 1) uniform sampler2D finer_about;  // openness, spacing
+layout(binding = UNIT_INPUT + 1) uniform sampler2D finer_about;  // spacing
 uniform float width_px;  // of the coarser squares
 
 bool filter_pixel(ivec2 square) {
   vec4 children[4];
-  vec2 about[4];
+  float about[4];
   float nearest = -infinity, spacing = 0.0;
   for (int k = 0; k < 4; ++k) {
     ivec2 at = 2 * square + ivec2(k & 1, k >> 1);
     children[k] = texelFetch(finer, at, 0);
-    about[k] = texelFetch(finer_about, at, 0).xy;
+    about[k] = texelFetch(finer_about, at, 0).x;
     if (children[k].w > 0.0 && children[k].z > nearest) {
       nearest = children[k].z;
-      spacing = about[k].y;
+      spacing = about[k];
     }
   }
   float behind = cluster_edge(nearest, spacing, width_px);
   vec4 sum = vec4(0.0);
-  vec2 sum_about = vec2(0.0);
+  float sum_about = 0.0;
   for (int k = 0; k < 4; ++k) {
     float weight = children[k].z >= behind ? children[k].w : 0.0;
     sum += vec4(weight * children[k].xyz, weight);
@@ -29,6 +29,6 @@ bool filter_pixel(ivec2 square) {
   }
   float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;
   out_0 = vec4(sum.xyz * scale, sum.w);
-  out_1 = vec4(sum_about * scale, 0.0, 0.0);
+  out_1 = vec4(sum_about * scale);
   return true;
 }

@@ -4,18 +4,18 @@
 //   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "push_level.glsl"
 #include "shading.glsl"
+#include "techniques/surface/openness.glsl"
 #ifdef FINISHED
 #include "finished.glsl"
 #endif
 
-layout(binding = UNIT_INPUT) uniform sampler2D visible;    // depth, openness, spacing, weight
+layout(binding = UNIT_INPUT) uniform sampler2D visible;    // depth, 0, spacing, weight
 layout(binding = UNIT_INPUT + 1) uniform sampler2D colors;     // and the shadow factor
 layout(binding = UNIT_INPUT + 2) uniform sampler2D filled_a;  // push level 1
 layout(binding = UNIT_INPUT + 3) uniform sampler2D filled_b;
 layout(binding = UNIT_INPUT + 4) uniform sampler2D pyramid;
 layout(binding = UNIT_INPUT + 5) uniform sampler2D mean_image;
 layout(binding = UNIT_INPUT + 6) uniform sampler2D normals;   // trilinear
-layout(binding = UNIT_INPUT + 7) uniform sampler2D coarse_a;  // a coarse push level, linear
 
 uniform ivec2 offset;
 uniform float point_threshold;
@@ -43,9 +43,8 @@ bool filter_pixel(ivec2 target) {
   float depth = filled.a.x;
   vec2 center = vec2(pixel) + 0.5, uv = center / vec2(textureSize(visible, 0));
   vec3 normal = mat3(frame.cloud_from_eye) * normal_at(uv, eye_from_pixel(center, depth), filled.a.z);
-  // Occlusion of single points is noise; what a crevice looks like is in a coarser level.
   vec3 albedo = palette_size > 0 ? nearest_category(filled.b.rgb) : filled.b.rgb;
-  albedo *= mix(1.0, textureLod(coarse_a, uv, 0.0).y, ambient_occlusion);
+  if (ambient_occlusion > 0.0) albedo *= mix(1.0, openness_at(center), ambient_occlusion);
   if (shading == 4) albedo = vec3(clamp(mean, 0.0, 1.0));  // the operator at work
   if (shading == 5) albedo = mean < point_threshold ? vec3(0.0, 0.6, 0.0) : vec3(0.8, 0.0, 0.0);
   vec4 color = shaded_color(vec4(albedo, 1.0), center, depth, vec4(normal, filled.b.w));

@@ -22,7 +22,7 @@ void Discs::allocate(int width, int height) {
   about_.clear();
   for (int l = 0; l < levels; ++l) {
     clusters_.emplace_back("clusters", GL_RGBA32F, width >> l, height >> l);
-    about_.emplace_back("openness and spacing", GL_RG32F, width >> l, height >> l);
+    about_.emplace_back("spacing", GL_R32F, width >> l, height >> l);
   }
   colors_ = gl::Texture("colours of discs", GL_RGBA16F, width, height);
   orientations_ = gl::Texture("orientations of discs", GL_RGBA32F, width, height);
@@ -35,8 +35,8 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
   const int width = squares.visible().width(), height = squares.visible().height();
   allocate(width, height);
   if (!first_) {
-    first_ = ScreenPass("techniques/surface/squares.glsl", {GL_RGBA32F, GL_RG32F, GL_RGBA16F});
-    coarser_ = ScreenPass("techniques/surface/clusters.glsl", {GL_RGBA32F, GL_RG32F});
+    first_ = ScreenPass("techniques/surface/squares.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA16F});
+    coarser_ = ScreenPass("techniques/surface/clusters.glsl", {GL_RGBA32F, GL_R32F});
     planes_ = ScreenPass("techniques/surface/planes.glsl", {GL_RGBA32F, GL_RGBA32F});
   }
   first_.set("lit_depth", lit_depth);
@@ -55,6 +55,14 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
       .set("levels", levels);
   planes_.set("gap_scale", options.gap_scale);
   planes_.run(squares.tiles(), {&all_clusters_, &about_[0]}, {&orientations_, &ends_}, {vec4(0), vec4(0)});
+
+  gl::ensure(openness_, "openness", GL_RG32F, width / 4, height / 4);
+  if (options.ambient_occlusion <= 0) return;
+  if (!occlusion_) occlusion_ = ScreenPass("techniques/surface/ambient_occlusion.glsl", {GL_RG32F});
+  occlusion_.set("occlusion_scale", options.occlusion_scale).set("levels", levels);
+  const Tiles tiles = squares.tiles();
+  occlusion_.run({tiles.on, tiles.size / 4}, {&all_clusters_, &about_[0], &orientations_, &ends_},
+                 {&openness_}, {vec4(0)});
 }
 
 void Discs::draw(const View& view, const Options& options) {
@@ -91,7 +99,7 @@ void Discs::draw(const View& view, const Options& options) {
   }
   program.set("columns", columns).set("ambient_occlusion", options.ambient_occlusion);
   if (options.with_shadow) program.set("shadow_depth", shadow_depth);
-  about_[openness_level].bind(binding::input + 7);
+  openness_.bind(binding::input + 7);
   nearest_t_.bind(binding::input + 3);
   const auto run = [&](const gl::Framebuffer& framebuffer) {
     framebuffer.bind();

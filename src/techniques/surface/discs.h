@@ -19,11 +19,11 @@ class Discs {
     float disc_scale = 1.6f;  ///< radius of a disc, point spacings
     float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
     float ambient_occlusion = 0;
+    float occlusion_scale = 4;  ///< how far occluders are looked for, point spacings
     bool with_shadow = false;
   };
   /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F.
   static constexpr int levels = NearestPyramid::levels - 1;
-  static constexpr int openness_level = 2;  ///< of `about`, squares of 8 px: ambient occlusion is smooth
 
   /// `squares` as HiddenPoints::run_squares leaves it, `shadowed` colours and shadow factors. The view of the
   /// pyramid is bound.
@@ -33,23 +33,26 @@ class Discs {
   void draw(const View& view, const Options& options);
 
   const gl::Texture& clusters(int l) const { return clusters_[std::size_t(l)]; }
-  const gl::Texture& about(int l) const {
-    return about_[std::size_t(l)];
-  }                                                                  ///< RG32F: mean openness and spacing
+  const gl::Texture& about(int l) const { return about_[std::size_t(l)]; }  ///< R32F: mean spacing
+  /// RG32F, squares of 8 px: how much of the hemisphere above the surface is open, 1 where there is a
+  /// surface. Only with `ambient_occlusion`.
+  const gl::Texture& openness() const { return openness_; }
   const gl::Texture& orientations() const { return orientations_; }  ///< RGBA32F: eye normal, radius
-  const gl::Texture& ends() const { return ends_; }                  ///< RGBA32F: direction and distance, px
-  const gl::Texture& colors() const { return colors_; }              ///< RGBA16F: colour, shadow factor
-  const gl::Texture& nearest() const { return nearest_t_; }          ///< R32F: ray distance
-  const gl::Texture& color_sum() const { return color_sum_; }        ///< RGBA32F: w rgb, w
-  const gl::Texture& normal_sum() const { return normal_sum_; }      ///< RGBA32F: w n, w t
-  const gl::Texture& shadow_sum() const { return shadow_sum_; }      ///< RG32F: v m, v
+  const gl::Texture& ends() const {
+    return ends_;
+  }  ///< RGBA32F: direction, distance in px, and 1 where there is a plane
+  const gl::Texture& colors() const { return colors_; }          ///< RGBA16F: colour, shadow factor
+  const gl::Texture& nearest() const { return nearest_t_; }      ///< R32F: ray distance
+  const gl::Texture& color_sum() const { return color_sum_; }    ///< RGBA32F: w rgb, w
+  const gl::Texture& normal_sum() const { return normal_sum_; }  ///< RGBA32F: w n, w t
+  const gl::Texture& shadow_sum() const { return shadow_sum_; }  ///< RG32F: v m, v
 
  private:
   void allocate(int width, int height);
   std::vector<gl::Texture> clusters_, about_;
   gl::Texture all_clusters_;  ///< the finest on the left, all others below each other beside it
-  gl::Texture orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_;
-  ScreenPass first_, coarser_, planes_;
+  gl::Texture orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_, openness_;
+  ScreenPass first_, coarser_, planes_, occlusion_;
   gl::Program draw_nearest_, accumulate_[2];
 };
 

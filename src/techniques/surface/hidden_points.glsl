@@ -126,7 +126,7 @@ bool filter_pixel(ivec2 pixel) {
   if (under_disc && (own.w <= 0.0 || mean < 0.8)) mean = 0.0;
   bool visible = own.w > 0.0 && mean >= threshold;
   out_0 = vec4(mean);
-  out_1 = visible ? vec4(-own.z, min(mean, 1.0), own.w, 1.0) : vec4(0.0);
+  out_1 = visible ? vec4(-own.z, 0.0, own.w, 1.0) : vec4(0.0);
 #ifdef COUNT_FETCHES
   out_2 = vec4(fetches);
 #endif

@@ -16,7 +16,7 @@ bool filter_pixel(ivec2 pixel) {
   out_1 = vec4(0.0);
   vec4 own = texelFetch(clusters, pixel, 0);
   if (own.w <= 0.0) return true;
-  float spacing = max(texelFetch(about, pixel, 0).y, least_spacing_px / pixels_at(-own.z));
+  float spacing = max(texelFetch(about, pixel, 0).x, least_spacing_px / pixels_at(-own.z));
   vec3 toward = to_camera(own.xyz), normal = toward;
   float radius = 0.0, reach = normal_scale * spacing;
   Fit fit;
@@ -41,7 +41,7 @@ bool filter_pixel(ivec2 pixel) {
   if (dot(normal, toward) < 0.0) normal = -normal;
 
   // The surface ends where all neighbours are on one side, and where it turns away from the camera.
-  out_1 = vec4(0.0, 0.0, infinity, 0.0);
+  out_1 = vec4(0.0, 0.0, infinity, float(found));
   bool tilted = dot(normal, toward) < 0.7;
   if (found && (tilted || bitCount(fit.octants) < 7 || length(fit.mean) > 0.15)) {
     float scale = pixels_at(-own.z);
@@ -52,7 +52,7 @@ bool filter_pixel(ivec2 pixel) {
     if (thickness < 0.1) radius = max(radius, 0.52 * around.gap);
     if (length(fit.mean) > 0.05) radius *= mix(rim_scale, 1.0, smoothstep(0.3, 0.8, dot(normal, toward)));
     if (around.end < max(radius * scale, 1.0) && (tilted || length(fit.mean) > 0.1)) {
-      out_1 = vec4(outwards, around.end, 0.0);
+      out_1 = vec4(outwards, around.end, 1.0);
     }
   }
   out_0 = vec4(normal, max(radius, 0.01 * spacing));

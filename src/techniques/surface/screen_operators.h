@@ -35,7 +35,7 @@ class HiddenPoints {
   void run_squares(const NearestPyramid& pyramid, Options options);
   /// Mean occlusion of every pixel, R32F, 0 hidden .. 2 open.
   const gl::Texture& mean() const { return mean_; }
-  /// RGBA32F: eye depth, openness, point spacing and 1 where there is a visible point, else 0.
+  /// RGBA32F: eye depth, 0, point spacing and 1 where there is a visible point, else 0.
   const gl::Texture& visible() const { return visible_; }
   /// Where there is more than open sky, after `run`: every point, and all that it may close or hide.
   Tiles tiles() const { return {tiles_, 1 << tile_level_}; }

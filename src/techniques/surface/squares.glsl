@@ -1,9 +1,8 @@
-// Squares of 2x2 px: the centroid of the points that hidden point removal left, their number, openness, spacing and
-// colour. Points behind the nearest by more than an edge are of another side, and left out.
+// Squares of 2x2 px: the centroid of the points that hidden point removal left, their number, spacing and colour. Points behind the nearest by more than an edge are of another side, and left out.
 #include "techniques/surface/cluster_edge.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D points;    // eye position and spacing of every pixel
-layout(binding = UNIT_INPUT + 1) uniform sampler2D visible;   // of squares: depth, openness, spacing, visible
+layout(binding = UNIT_INPUT + 1) uniform sampler2D visible;   // of squares: depth, 0, spacing, visible
 layout(binding = UNIT_INPUT + 2) uniform sampler2D shadowed;  // colour and shadow factor of every pixel
 
 uniform float lit_depth;  // point spacings behind the nearest point within which shadow factors count
@@ -25,7 +24,7 @@ bool filter_pixel(ivec2 square) {
   }
   float scale = sum.w > 0.0 ? 1.0 / sum.w : 0.0;
   out_0 = vec4(sum.xyz * scale, sum.w);
-  out_1 = vec4(nearest.y, spacing * scale, 0.0, 0.0);
+  out_1 = vec4(spacing * scale);
   out_2 = vec4(color.rgb * scale, factors.y > 0.0 ? factors.x / factors.y : 1.0);
   return true;
 }

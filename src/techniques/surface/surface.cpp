@@ -102,7 +102,7 @@ class SurfaceTechnique final : public Technique {
         .paper("Bouchiba 2018, s_n / s_0");
     p.add("ambient_occlusion", ambient_occlusion_)
         .range(0, 1)
-        .help("darkening of crevices by the mean occlusion of the visible points");
+        .help("darkening of crevices by the share of the hemisphere above the surface that neighbours cover");
   }
 
   bool shows(Shading shading) const override { return shading != Shading::weight; }
@@ -168,6 +168,7 @@ class SurfaceTechnique final : public Technique {
       normals = &level_normals_.run(pull_push_.filled(), first, last);
     }
     auto timing = frame.timers.scope("compose");  // Sec. 3.4
+    find_openness(frame, *normals, {first, last});
     compose(frame, wide, {tiles.on, tiles.size, ivec2(guard)}, *normals, {first, last});
     return true;
   }
@@ -180,6 +181,7 @@ class SurfaceTechnique final : public Technique {
     // Discs average colours that occlusion has darkened, in which nobody could find a category again.
     const bool has_occlusion = frame.settings.shading == Shading::lit && frame.settings.palette.empty();
     discs_options_.ambient_occlusion = has_occlusion ? ambient_occlusion_ : 0;
+    discs_options_.occlusion_scale = removal_.removal_scale;
     discs_options_.with_shadow = frame.cloud.has_shadow();
     {
       auto timing = frame.timers.scope("planes");
@@ -212,7 +214,7 @@ class SurfaceTechnique final : public Technique {
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
                {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.about(Discs::openness_level)},
+                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness()},
                targets, background);
     };
     view.bind();
@@ -221,6 +223,20 @@ class SurfaceTechnique final : public Technique {
     else
       run({&frame.target.color, &frame.target.depth, &frame.target.normal},
           {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
+  }
+
+  /// How open the surface of pull-push is, as Discs::openness.
+  void find_openness(const Frame& frame, const gl::Texture& normals, const vec2& normal_levels) {
+    const gl::Texture& points = pyramid_.texture();
+    gl::ensure(openness_, "openness", GL_RG32F, points.width() / 8, points.height() / 8);
+    if (frame.settings.shading != Shading::lit || ambient_occlusion_ <= 0) return;
+    if (!occlusion_)
+      occlusion_ = ScreenPass("techniques/surface/ambient_occlusion.glsl", {GL_RG32F}, {"PUSH_LEVELS"});
+    occlusion_.set("occlusion_scale", removal_.removal_scale).set("levels", NearestPyramid::levels - 1);
+    occlusion_.set("normal_scale", normal_scale_).set("normal_levels", normal_levels);
+    const Tiles tiles = hidden_points_.tiles();
+    occlusion_.run({tiles.on, tiles.size / 8}, {&points, &pull_push_.filled()[2].a, &normals}, {&openness_},
+                   {vec4(0)});
   }
 
   /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the
@@ -243,13 +259,11 @@ class SurfaceTechnique final : public Technique {
     pass.set("normal_levels", normal_levels);
     pass.set("ambient_occlusion", settings.shading == Shading::lit ? ambient_occlusion_ : 0.0f);
     const PullPush::Level& filled = pull_push_.filled()[1];
-    gl::Texture& coarse = pull_push_.filled()[occlusion_level].a;
-    coarse.set_linear_filter();
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
                {&hidden_points_.visible(), &layer_.shadowed, &filled.a, &filled.b, &pyramid_.texture(),
-                &hidden_points_.mean(), &normals, &coarse},
+                &hidden_points_.mean(), &normals, &openness_},
                targets, background);
     };
     if (frame.is_finished)
@@ -288,7 +302,6 @@ class SurfaceTechnique final : public Technique {
             highest_level(normal_scale_, frame)};
   }
 
-  static constexpr int occlusion_level = 3;
   Auto<float> point_spacing_;
   HiddenPoints::Options removal_;
   Auto<float> removal_scale_;
@@ -304,6 +317,8 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints hidden_points_;
   PullPush pull_push_;
   LevelNormals level_normals_;
+  gl::Texture openness_;
+  ScreenPass occlusion_;
   std::map<std::pair<Shading, bool>, ScreenPass>
       compose_;  ///< by shading, and whether it finishes the picture
 };
