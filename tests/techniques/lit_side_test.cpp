@@ -109,11 +109,11 @@ class LitSideOfScanTest : public LitSideTest, public ::testing::WithParamInterfa
 
 TEST_P(LitSideOfScanTest, IsLit) {
   SFUMATO_NEEDS_REAL_SCAN(GetParam());
-  // The depth steps of the range camera of office1, seen from beside, are larger than d_min: `splats` and the
-  // paper's filling miss the goal. Between the armadillo's fingers the light map's texels are wider than the
-  // gap, and each of the few points that darken there is a disc of three spacings in `layers`.
+  // Between the discs of `splats`, office1 shows what is far behind its walls, in their shadow. Between the
+  // armadillo's fingers the light map's texels are wider than the gap, and each of the few points that darken
+  // there is a disc of three spacings in `layers`.
   std::map<std::string, double> missed;
-  if (std::string(GetParam()) == "office1.pcd") missed = {{"splats", 0.004}, {"pull_push", 0.005}};
+  if (std::string(GetParam()) == "office1.pcd") missed = {{"splats", 0.004}};
   if (std::string(GetParam()) == "armadillo.obj") missed = {{"layers", 0.003}};
   expect_lit(GetParam(), io::read(test::data_folder() / GetParam()).cloud, nullptr, missed);
 }

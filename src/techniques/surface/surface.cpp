@@ -157,10 +157,11 @@ class SurfaceTechnique final : public Technique {
       return true;
     }
     const auto [first, last] = normal_levels(frame);
+    const gl::Texture& colors = frame.cloud.has_shadow() ? front_factors(wide) : layer_.shadowed;
     {
       auto timing =
           frame.timers.scope("pull-push");  // Sec. 3.2; the last step, to level 0, is left to compose
-      pull_push_.run(hidden_points_.visible(), layer_.shadowed, depth_edge_, std::min(first, 1), &tiles);
+      pull_push_.run(hidden_points_.visible(), colors, depth_edge_, std::min(first, 1), &tiles);
     }
     const gl::Texture* normals;
     {
@@ -169,7 +170,7 @@ class SurfaceTechnique final : public Technique {
     }
     auto timing = frame.timers.scope("compose");  // Sec. 3.4
     find_openness(frame, *normals, {first, last});
-    compose(frame, wide, {tiles.on, tiles.size, ivec2(guard)}, *normals, {first, last});
+    compose(frame, wide, {tiles.on, tiles.size, ivec2(guard)}, colors, *normals, {first, last});
     return true;
   }
 
@@ -239,10 +240,20 @@ class SurfaceTechnique final : public Technique {
                    {vec4(0)});
   }
 
+  /// Colours, and shadow factors in which points behind gaps do not count.
+  const gl::Texture& front_factors(const View& view) {
+    if (!front_factors_) front_factors_ = ScreenPass("techniques/surface/front_factors.glsl", {GL_RGBA16F});
+    gl::ensure(lit_colors_, "colours and shadow factors", GL_RGBA16F, view.width(), view.height());
+    view.bind();
+    front_factors_.set("gap_scale", removal_.gap_scale);
+    front_factors_.run({&hidden_points_.visible(), &layer_.shadowed}, {&lit_colors_});
+    return lit_colors_;
+  }
+
   /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the
   /// picture.
-  void compose(Frame& frame, const View& wide, const Tiles& tiles, const gl::Texture& normals,
-               const vec2& normal_levels) {
+  void compose(Frame& frame, const View& wide, const Tiles& tiles, const gl::Texture& colors,
+               const gl::Texture& normals, const vec2& normal_levels) {
     const RenderSettings& settings = frame.settings;
     frame.is_finished = frame.finished != nullptr;
     ScreenPass& pass = compose_[{settings.shading, frame.is_finished}];
@@ -262,7 +273,7 @@ class SurfaceTechnique final : public Technique {
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
-               {&hidden_points_.visible(), &layer_.shadowed, &filled.a, &filled.b, &pyramid_.texture(),
+               {&hidden_points_.visible(), &colors, &filled.a, &filled.b, &pyramid_.texture(),
                 &hidden_points_.mean(), &normals, &openness_},
                targets, background);
     };
@@ -317,8 +328,8 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints hidden_points_;
   PullPush pull_push_;
   LevelNormals level_normals_;
-  gl::Texture openness_;
-  ScreenPass occlusion_;
+  gl::Texture openness_, lit_colors_;
+  ScreenPass occlusion_, front_factors_;
   std::map<std::pair<Shading, bool>, ScreenPass>
       compose_;  ///< by shading, and whether it finishes the picture
 };
