@@ -20,6 +20,7 @@ namespace {
 struct Current {
   const Limits* limits = nullptr;
   Preferences* preferences = nullptr;
+  Pacing* pacing = nullptr;
 };
 thread_local Current current;
 
@@ -196,7 +197,7 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float") &&
                          limits.renderer.find("zink") == std::string::npos;
   limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
-  current = {&limits, &context->preferences_};
+  current = {&limits, &context->preferences_, &context->pacing_};
 
   // One vertex array without attributes serves every draw: shaders fetch points from texture buffers.
   GLuint array = 0;
@@ -222,7 +223,7 @@ struct Context::Use::Before {
 
 Context::Use::Use(Context& context) {
   if (eglGetCurrentContext() == context.egl_->context) {
-    current = {&context.limits_, &context.preferences_};
+    current = {&context.limits_, &context.preferences_, &context.pacing_};
     return;
   }
   before_ = std::make_unique<Before>(Before{context.egl_->display, eglGetCurrentDisplay(),
@@ -231,7 +232,7 @@ Context::Use::Use(Context& context) {
   if (!eglMakeCurrent(context.egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.egl_->context))
     throw Error(ErrorCode::no_gl,
                 "the OpenGL context is in use on another thread; give each thread a renderer of its own");
-  current = {&context.limits_, &context.preferences_};
+  current = {&context.limits_, &context.preferences_, &context.pacing_};
 }
 
 Context::Use::~Use() {
@@ -260,6 +261,8 @@ Preferences& preferences() {
   without_context = Preferences::from_environment();
   return without_context;
 }
+
+Pacing* current_pacing() { return current.pacing; }
 
 Place place_of_work(Place preferred) {
   if (preferred != Place::automatic) return preferred;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gl/pace.h"
 #include "gl/preferences.h"
 
 namespace sfumato::gl {
@@ -57,6 +58,7 @@ class Context {
   std::unique_ptr<Egl> egl_;
   Limits limits_;
   Preferences preferences_;
+  Pacing pacing_;
   std::vector<std::string> messages_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "gl/context.h"
+#include "gl/pace.h"
 
 namespace sfumato::gl {
 namespace {
@@ -63,6 +64,7 @@ bool is_opaque(GLenum type) {
     case GL_INT_VEC4:
     case GL_UNSIGNED_INT:
     case GL_UNSIGNED_INT_VEC2:
+    case GL_UNSIGNED_INT_VEC4:
     case GL_BOOL:
     case GL_FLOAT_MAT3:
     case GL_FLOAT_MAT4: return false;
@@ -94,6 +96,10 @@ void Program::link(const std::string& name) {
     const GLint location = glGetUniformLocation(id_, text);
     if (location < 0 || is_opaque(type)) continue;  // in a block, or a sampler
     std::string uniform = text;
+    if (uniform == "group_rows") {
+      group_rows_ = location;
+      continue;
+    }
     if (uniform.ends_with("[0]")) uniform.resize(uniform.size() - 3);
     uniforms_[uniform] = {location, false};
   }
@@ -106,6 +112,9 @@ Program Program::compute(const std::string& file, const Defines& defines, const 
   glAttachShader(program.id_, shader);
   glDeleteShader(shader);
   program.link(file);
+  GLint size[3] = {1, 1, 1};
+  glGetProgramiv(program.id_, GL_COMPUTE_WORK_GROUP_SIZE, size);
+  program.group_size_ = size[0] * size[1] * size[2];
   return program;
 }
 
@@ -178,14 +187,24 @@ void Program::use() const {
   glUseProgram(id_);
 }
 
-void Program::dispatch(unsigned x, unsigned y, unsigned z) const {
+void Program::dispatch(unsigned x, unsigned y) const {
   use();
-  if (x && y && z) glDispatchCompute(x, y, z);
+  if (x == 0 || y == 0) return;
+  const double units = double(x) * group_size_;
+  if (group_rows_ < 0) return in_slices(id_, 1, units * y, [&](auto, auto) { glDispatchCompute(x, y, 1); });
+  // Rows next to each other mostly draw next to each other, and find it in the cache.
+  constexpr unsigned rows_a_block = 4;
+  const unsigned blocks = y / rows_a_block;
+  in_slices(id_, y, units, [&](std::uint64_t first, std::uint64_t count) {
+    const std::uint64_t step = count == y ? 1 : spread_step(blocks);
+    glProgramUniform4ui(id_, group_rows_, GLuint(first), rows_a_block, GLuint(step), blocks);
+    glDispatchCompute(x, GLuint(count), 1);
+  });
 }
 
 void Program::dispatch_rows(unsigned groups) const {
-  constexpr unsigned longest = 32768;  // GL has 65535 at least
-  const unsigned rows = std::max((groups + longest - 1) / longest, 1u);
+  constexpr unsigned longest = 256, most_rows = 32768;  // GL has 65535 at least
+  const unsigned rows = std::clamp((groups + longest - 1) / longest, 1u, most_rows);
   dispatch((groups + rows - 1) / rows, rows);
 }
 

@@ -45,10 +45,12 @@ class Program {
 
   /// Forgets the program without deleting it: its context is not current, or not there any more.
   void abandon() { id_ = 0; }
+  GLuint id() const { return id_; }
 
   void use() const;
-  /// Work groups along x, y, z.
-  void dispatch(unsigned x, unsigned y = 1, unsigned z = 1) const;
+  /// Work groups along x and y; in slices of rows where the shader counts them by group_row()
+  /// (work_groups.glsl), else at once.
+  void dispatch(unsigned x, unsigned y = 1) const;
   /// `groups` work groups, in as many rows along y as their number asks for. Rows are of one length: there
   /// are at most as many groups too many as rows, and llvmpipe computes an empty one as well.
   void dispatch_rows(unsigned groups) const;
@@ -63,10 +65,14 @@ class Program {
   void swap(Program& other) {
     std::swap(id_, other.id_);
     std::swap(name_, other.name_);
+    std::swap(group_rows_, other.group_rows_);
+    std::swap(group_size_, other.group_size_);
     std::swap(uniforms_, other.uniforms_);
   }
   GLuint id_ = 0;
   std::string name_;
+  GLint group_rows_ = -1;  ///< location of work_groups.glsl's uniform
+  int group_size_ = 0;
   std::map<std::string, Uniform, std::less<>> uniforms_;
 };
 

@@ -95,8 +95,13 @@ ShaderSource load_shader(std::string_view name, const Defines& defines, const st
   ShaderSource source;
   source.text = "#version 450 core\n";
   for (const std::string& define : defines) source.text += "#define " + define + "\n";
-  source.text += extra_head;
   std::vector<std::string> open;
+  std::istringstream head(extra_head);
+  for (std::string line; std::getline(head, line);)
+    if (const auto included = included_by(line))
+      flatten(*included, source, open);
+    else
+      source.text += line + "\n";
   flatten(std::string(name), source, open);
   return source;
 }

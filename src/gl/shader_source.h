@@ -28,7 +28,7 @@ struct ShaderSource {
 };
 
 /// Flattens `name`, with `#version 450 core` and the definitions in front. `extra_head` follows the
-/// definitions. Throws Error(no_gl) for a missing file or a cycle of includes.
+/// definitions and may include files as well. Throws Error(no_gl) for a missing file or a cycle of includes.
 ShaderSource load_shader(std::string_view name, const Defines& defines, const std::string& extra_head = "");
 
 }  // namespace sfumato::gl

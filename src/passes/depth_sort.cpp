@@ -4,6 +4,8 @@
 #include <bit>
 #include <numeric>
 
+#include "gl/pace.h"
+
 namespace sfumato {
 
 std::vector<std::uint32_t> radix_order(std::span<const std::uint32_t> keys,
@@ -60,8 +62,10 @@ void DepthSort::run(const gl::Buffer& keys, std::uint32_t count, std::span<const
     return;
   }
   std::vector<std::uint32_t> values(count);
+  gl::end_stretch();
   keys.download(values.data(), bytes);
   const std::vector<std::uint32_t> order = radix_order(values, initial);
+  gl::end_stretch();
   order_.buffer().upload(order.data(), order.size() * sizeof(std::uint32_t));
   drawn_ = std::uint32_t(order.size());
 }

@@ -7,6 +7,7 @@
 //   LAYER        the maps are layers of see-through casters: what they let pass is multiplied into `passed`
 //   PASSED       a lit point gets what see-through casters in front of it let pass
 #include "cloud.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 128) in;
 #ifndef LAYER
@@ -45,7 +46,7 @@ const float c_min = 0.1;
 const float near_texels = 2.0, far_texels = 2.5;
 
 void main() {
-  uint index = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  uint index = gl_GlobalInvocationID.x + group_row() * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   if (index >= point_count) return;
   int i = int(index);
   vec4 position = vec4(point_position(i), 1.0);

@@ -7,6 +7,7 @@
 //                 downwards
 #include "frame.glsl"
 #include "cloud.glsl"
+#include "work_groups.glsl"
 #ifdef ORIENTED
 #include "splat.glsl"
 #endif
@@ -98,7 +99,7 @@ void cover_oriented(int i, vec3 eye, vec3 normal, float radius, bool only_own) {
 #endif
 
 void main() {
-  Batch batch = visible_batch(gl_WorkGroupID.y);
+  Batch batch = visible_batch(group_row());
   int k = int(gl_GlobalInvocationID.x);
   if (k >= batch.count) return;
   int i = batch.first + k;
@@ -118,7 +119,7 @@ void main() {
 #ifndef SINGLE_PIXEL
   float diameter = point_size;
   if (size_mode == 0)
-    diameter *= min(spacing_in(gl_WorkGroupID.y, batch, position), largest_spacing) * pixels_at(depth);
+    diameter *= min(spacing_in(group_row(), batch, position), largest_spacing) * pixels_at(depth);
   if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = wide_px * sqrt(sqrt(diameter / wide_px));
   if (size_mode == 2) diameter *= pixels_at(depth);
 #ifdef ORIENTED

@@ -2,6 +2,8 @@
 //   SUM_BLOCKS    one sum for each block of 2048 words
 //   SCAN_SUMS     one group: sums become sums of the blocks before, the total behind the last
 //   (neither)     words become sums of the words before
+#include "work_groups.glsl"
+
 layout(local_size_x = 256) in;
 layout(std430, binding = 0) buffer Words { uint words[]; };
 layout(std430, binding = 1) buffer Sums { uint sums[]; };
@@ -48,7 +50,7 @@ void main() {
 }
 #else
 void main() {
-  uint block = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+  uint block = gl_WorkGroupID.x + group_row() * gl_NumWorkGroups.x;
   if (block >= block_count) return;
   uint first = block * words_a_block + gl_LocalInvocationID.x * words_a_thread, all;
   uint last = min(first + words_a_thread, word_count);

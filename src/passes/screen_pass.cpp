@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "gl/context.h"
+#include "gl/draw.h"
 #include "gl/state.h"
 #include "passes/bindings.h"
 
@@ -50,10 +51,11 @@ std::string compute_main(const std::vector<GLenum>& formats) {
     }
     stores += "  imageStore(screen_image_" + n + ", pixel, out_" + n + ");\n";
   }
-  return "layout(binding = " + std::to_string(binding::tiles) + ") uniform sampler2D screen_tiles;\n" +
+  return "#include \"work_groups.glsl\"\nlayout(binding = " + std::to_string(binding::tiles) +
+         ") uniform sampler2D screen_tiles;\n" +
          "uniform int screen_tile_size;\nuniform ivec2 screen_tile_offset;\n" + elsewhere +
          "layout(local_size_x = 16, local_size_y = 8) in;\nvoid main() {\n"
-         "  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);\n"
+         "  ivec2 pixel = ivec2(gl_GlobalInvocationID.x, group_row() * 8u + gl_LocalInvocationID.y);\n"
          "  if (any(greaterThanEqual(pixel, imageSize(screen_image_0)))) return;\n"
          "  bool runs = screen_tile_size == 0;\n"
          "  if (!runs) runs = texelFetch(screen_tiles, (pixel + screen_tile_offset) / screen_tile_size, 0).x "
@@ -119,15 +121,21 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
   framebuffer.bind();
   gl::State{}.apply();
   program_.use();
-  if (!tiles) {
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    return;
+  GLsizei points = 0;
+  if (tiles) {
+    int attachment = 0;
+    for (const vec4& value : elsewhere) glClearBufferfv(GL_COLOR, attachment++, &value.x);
+    const int columns = tiles->on.width(), rows = tiles->on.height();
+    glViewport(-tiles->offset.x, -tiles->offset.y, columns * tiles->size, rows * tiles->size);
+    points = columns * rows;
   }
-  int attachment = 0;
-  for (const vec4& value : elsewhere) glClearBufferfv(GL_COLOR, attachment++, &value.x);
-  const int columns = tiles->on.width(), rows = tiles->on.height();
-  glViewport(-tiles->offset.x, -tiles->offset.y, columns * tiles->size, rows * tiles->size);
-  glDrawArrays(GL_POINTS, 0, columns * rows);
+  const gl::Texture& first = **outputs.begin();
+  gl::draw_rectangles(program_, first.width(), first.height(), [&] {
+    if (tiles)
+      glDrawArrays(GL_POINTS, 0, points);
+    else
+      glDrawArrays(GL_TRIANGLES, 0, 3);
+  });
 }
 
 }  // namespace sfumato

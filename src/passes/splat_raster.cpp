@@ -6,6 +6,8 @@
 
 #include "core/error.h"
 #include "gl/context.h"
+#include "gl/draw.h"
+#include "gl/pace.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
@@ -62,15 +64,17 @@ SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape&
       chosen.points_seen += batch.count;
       // A sprite that is cut at a narrow image may need twice its width (splat.vert).
       const double size_px = std::max(largest_size_px(view, batch, radius), 2.0 * shape.prefilter_px);
+      const double units =
+          std::max(std::min(size_px * size_px, double(view.width()) * view.height()), gl::splat_units);
       const bool automatic = path == SplatPath::automatic,
                  too_large = 2 * size_px + 2 > gl::limits().max_point_size;
       if (path == SplatPath::quads || (too_large && automatic)) {
-        ranges.quads.add(6 * (batch.first - chunk.first), 6 * batch.count);
+        ranges.quads.add(6 * (batch.first - chunk.first), 6 * batch.count, units);
         chosen.fallbacks += batch.count;
       } else if (path == SplatPath::compute || (size_px <= small_splat_px && automatic)) {
-        ranges.small.add(batch.first - chunk.first, batch.count);
+        ranges.small.add(batch.first - chunk.first, batch.count, units);
       } else {
-        ranges.points.add(batch.first - chunk.first, batch.count);
+        ranges.points.add(batch.first - chunk.first, batch.count, units);
       }
     }
   }
@@ -136,11 +140,37 @@ void SplatRaster::draw(GpuCloud& cloud, const View& view, const SplatShape& shap
       const SplatBatches::Ranges& list = *of;
       const bool quads = of == &ranges.quads;
       if (list.first.empty() || (of == &ranges.small && !with_small)) continue;
-      program(cloud, shape, quads, false, set_uniforms).use();
-      glMultiDrawArrays(quads ? GL_TRIANGLES : GL_POINTS, list.first.data(), list.count.data(),
-                        GLsizei(list.first.size()));
+      gl::Program& used = program(cloud, shape, quads, false, set_uniforms);
+      used.use();
+      draw_ranges(used, list, quads);
     }
   }
+}
+
+void SplatRaster::draw_ranges(const gl::Program& program, const SplatBatches::Ranges& ranges, bool quads) {
+  const int corners = quads ? 6 : 1;
+  first_.clear();
+  count_.clear();
+  const auto submit = [&] {
+    if (!first_.empty())
+      glMultiDrawArrays(quads ? GL_TRIANGLES : GL_POINTS, first_.data(), count_.data(),
+                        GLsizei(first_.size()));
+    first_.clear();
+    count_.clear();
+  };
+  for (std::size_t r = 0; r < ranges.first.size(); ++r)
+    for (int from = 0, points = ranges.count[r] / corners; from < points;) {
+      const int n = int(gl::take_work(program.id(), std::uint64_t(points - from), ranges.units[r]));
+      if (n > 0) {
+        first_.push_back(ranges.first[r] + from * corners);
+        count_.push_back(n * corners);
+        from += n;
+      } else {
+        submit();
+        gl::end_stretch();
+      }
+    }
+  submit();
 }
 
 void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
@@ -150,9 +180,10 @@ void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view
   state.apply();
   bind(cloud, cloud.chunks()[chunk]);
   list.bind(binding::list);
-  program(cloud, shape, as_quads, true, set_uniforms).use();
-  const int corners = as_quads ? 6 : 1;
-  glDrawArrays(as_quads ? GL_TRIANGLES : GL_POINTS, first * corners, count * corners);
+  gl::Program& used = program(cloud, shape, as_quads, true, set_uniforms);
+  used.use();
+  gl::draw_items(used, as_quads ? GL_TRIANGLES : GL_POINTS, std::uint64_t(first), std::uint64_t(count),
+                 as_quads ? 6 : 1);
 }
 
 void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
@@ -162,7 +193,14 @@ void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view
   state.apply();
   bind(cloud, cloud.chunks()[chunk]);
   list.bind(binding::list);
-  program(cloud, shape, false, true, set_uniforms).use();
+  gl::Program& used = program(cloud, shape, false, true, set_uniforms);
+  used.use();
+  if (gl::has_slices()) {
+    std::uint32_t count = 0;  // by compute, for which software GL has waited already
+    command.download(&count, sizeof count);
+    gl::draw_items(used, GL_POINTS, 0, count, 1);
+    return;
+  }
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command.id());
   glDrawArraysIndirect(GL_POINTS, nullptr);
 }

@@ -54,9 +54,11 @@ using gl::SplatPath;
 struct SplatBatches {
   struct Ranges {
     std::vector<GLint> first, count;
-    void add(std::uint32_t range_first, std::uint32_t range_count) {
+    std::vector<double> units;  ///< at most what a point costs, px
+    void add(std::uint32_t range_first, std::uint32_t range_count, double units_each) {
       first.push_back(GLint(range_first));
       count.push_back(GLint(range_count));
+      units.push_back(units_each);
     }
   };
   struct OfChunk {
@@ -88,7 +90,8 @@ class SplatRaster {
   void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
                  const gl::TextureBuffer& list, GLint first, GLsizei count, bool as_quads,
                  const gl::State& state, const SetUniforms& set_uniforms = {});
-  /// The same as sprites, with the number of points read from `command` (see passes/compact.comp).
+  /// The same as sprites, with the number of points read from `command` (see passes/compact.comp): by the
+  /// GPU, or before the draw where that is cut into slices.
   void draw_list(GpuCloud& cloud, std::size_t chunk, const View& view, const SplatShape& shape,
                  const gl::TextureBuffer& list, const gl::Buffer& command, const gl::State& state,
                  const SetUniforms& set_uniforms = {});
@@ -99,7 +102,10 @@ class SplatRaster {
   void bind(GpuCloud& cloud, GpuCloud::Chunk& chunk);
   std::string fragment_file_;
   gl::Defines defines_;
+  void draw_ranges(const gl::Program& program, const SplatBatches::Ranges& ranges, bool quads);
   gl::Program programs_[16];
+  std::vector<GLint> first_;  // of what is drawn at once
+  std::vector<GLsizei> count_;
 };
 
 /// Binds what shaders/splat_cloud.glsl reads.

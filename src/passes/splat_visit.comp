@@ -3,6 +3,7 @@
 //   VISIT_MARK      flags the splats of which a pixel lies within epsilon of the visible surface; most hidden ones
 //                   are sorted out by the farthest visible distance of the blocks they touch (splat_farthest.glsl)
 #include "splat_cloud.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 128) in;
 
@@ -18,7 +19,7 @@ uniform uint slots_per_batch;
 
 #ifdef VISIT_NEAREST
 void main() {
-  Batch batch = visible_batch(gl_WorkGroupID.y);
+  Batch batch = visible_batch(group_row());
   int k = int(gl_GlobalInvocationID.x);
   if (k >= batch.count) return;
   Splat splat = cloud_splat(batch.first + k);
@@ -36,7 +37,7 @@ void main() {
 }
 #else
 void main() {
-  Batch batch = visible_batch(gl_WorkGroupID.y);
+  Batch batch = visible_batch(group_row());
   int k = int(gl_GlobalInvocationID.x);
   bool visible = false;
   ivec2 first, last;
@@ -61,6 +62,6 @@ void main() {
       }
     }
   }
-  imageStore(flags, int(gl_WorkGroupID.y * slots_per_batch) + k, uvec4(visible));
+  imageStore(flags, int(group_row() * slots_per_batch) + k, uvec4(visible));
 }
 #endif

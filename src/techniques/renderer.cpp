@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "gl/pace.h"
 #include "passes/finish.h"
 #include "passes/ground.h"
 #include "passes/merge.h"
@@ -435,6 +436,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
                                       Progress& progress) {
   State& s = *state_;
   const gl::Context::Use use(s.context);
+  const gl::Pace pace(progress);
   for (const Item& item : items)
     if (!item.technique->shows(item.settings->shading))
       throw Error(ErrorCode::usage,

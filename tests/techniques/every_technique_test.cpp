@@ -1,5 +1,6 @@
 // Contracts that every registered technique keeps, without being named here.
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <map>
 #include <numeric>
@@ -111,6 +112,71 @@ TEST_P(EveryTechnique, SameInputGivesTheSameImage) {
   for (std::size_t i = 0; i < a.color_linear.size(); ++i) {
     ASSERT_EQ(a.color_linear.data()[i], b.color_linear.data()[i]);
     ASSERT_EQ(a.color_linear.data()[i], c.color_linear.data()[i]);
+  }
+}
+
+/// Wants to stop when it is asked for the `at`-th time.
+class StopsAt final : public Progress {
+ public:
+  explicit StopsAt(int at) : at_(at) {}
+  void update(double, std::string_view) override {}
+  bool cancelled() const override { return ++asked_ >= at_; }
+  int asked() const { return asked_; }
+
+ private:
+  int at_;
+  mutable std::atomic<int> asked_ = 0;
+};
+
+// Called off after any of its slices: what was left half done shows in no picture after it.
+TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
+  const auto draw = [](Renderer& renderer, Technique& technique, int frame, Shadows shadows,
+                       Progress& progress = no_progress()) {
+    RenderSettings s;
+    s.shadows = shadows;
+    s.light_samples = 2;
+    s.ground = shadows == Shadows::soft;
+    s.smooth_outlines.user = true;
+    Camera camera = front_camera(72, 70);
+    camera.position.x = 0.2 * frame;
+    return renderer.render(technique, camera, s, all_outputs(), progress);
+  };
+  const PointCloud cloud = sphere_cloud(3000);
+  for (const Shadows shadows : {Shadows::off, Shadows::soft}) {
+    auto fresh = make();
+    Renderer expecting(context());
+    show(expecting, cloud, fresh->needs());
+    const RenderOutput expected = draw(expecting, *fresh, 1, shadows);
+
+    const WithPreference slices(&gl::Preferences::slice_units, 2000);
+    auto technique = make();
+    Renderer renderer(context());
+    show(renderer, cloud, technique->needs());
+    StopsAt never(1 << 30);
+    draw(renderer, *technique, 1, shadows, never);
+    EXPECT_GE(never.asked(), gl::limits().software ? 12 : 1);
+    int called_off = 0, tried = 0;
+    const int step = std::max(1, never.asked() / 60);
+    for (int at = 1; at < never.asked(); at += step) {
+      SCOPED_TRACE("called off at " + std::to_string(at) + " of " + std::to_string(never.asked()));
+      if (at % 2) {  // of a technique that has drawn nothing yet
+        technique = make();
+        show(renderer, cloud, technique->needs());
+      }
+      StopsAt stops(at);
+      ++tried;
+      try {
+        draw(renderer, *technique, at % 2, shadows, stops);
+      } catch (const Cancelled&) {
+        ++called_off;
+      }
+      const RenderOutput out = draw(renderer, *technique, 1, shadows);
+      ASSERT_TRUE(std::ranges::equal(out.rgba8, expected.rgba8));
+      ASSERT_TRUE(std::ranges::equal(out.color_linear, expected.color_linear));
+      ASSERT_TRUE(std::ranges::equal(out.depth, expected.depth));
+    }
+    // Who has drawn before is done sooner.
+    EXPECT_GT(called_off, tried / 2);
   }
 }
 

@@ -3,6 +3,7 @@
 #endif
 // Second visit of small splats, one thread each.
 #include "splat_cloud.glsl"
+#include "work_groups.glsl"
 #include "techniques/denoise/evidence.glsl"
 #include "techniques/denoise/attributes.glsl"
 
@@ -12,7 +13,7 @@ layout(binding = UNIT_INPUT + 2) uniform sampler2D farthest_end;
 uniform bool splat_has_shadow;
 
 void main() {
-  Batch batch = visible_batch(gl_WorkGroupID.y);
+  Batch batch = visible_batch(group_row());
   int k = int(gl_GlobalInvocationID.x);
   if (k >= batch.count) return;
   int i = batch.first + k;

@@ -3,13 +3,14 @@
 #endif
 // First visit of small splats, one thread each: no set-up of primitives (see passes/splat_visit.comp).
 #include "splat_cloud.glsl"
+#include "work_groups.glsl"
 #include "techniques/denoise/evidence.glsl"
 #include "techniques/denoise/weights.glsl"
 
 layout(local_size_x = 128) in;
 
 void main() {
-  Batch batch = visible_batch(gl_WorkGroupID.y);
+  Batch batch = visible_batch(group_row());
   int k = int(gl_GlobalInvocationID.x);
   if (k >= batch.count) return;
   Splat splat = cloud_splat(batch.first + k);

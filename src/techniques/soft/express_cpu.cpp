@@ -9,6 +9,8 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "gl/pace.h"
+
 namespace sfumato::soft {
 namespace {
 
@@ -124,7 +126,10 @@ void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& 
 
   list_bands(order, std::uint32_t(view.height()));
   const std::uint32_t bands = std::uint32_t(starts_.size()) - 1;
+  gl::end_stretch();
+  const Progress& progress = gl::lent_progress();
   tbb::parallel_for(std::uint32_t(0), bands, [&](std::uint32_t band) {
+    progress.check();
     if (starts_[band + 1] > starts_[band]) blend_band(band, view, solid, picture);
   });
   color.upload(picture);

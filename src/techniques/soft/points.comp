@@ -1,6 +1,7 @@
 // Soft points of one chunk as spheres in eye space, lit, with the key of their drawing order. Once a view and light.
 #include "splat_cloud.glsl"
 #include "shading.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 128) in;
 layout(binding = UNIT_LIST) uniform usamplerBuffer soft_list;  // places within the chunk
@@ -40,7 +41,7 @@ bool in_sight(ivec2 first, ivec2 last, float nearest) {
 }
 
 void main() {
-  uint k = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  uint k = gl_GlobalInvocationID.x + group_row() * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   if (k >= point_count) return;
   int i = int(texelFetch(soft_list, int(k)).x);
   Splat splat = cloud_splat(i);

@@ -7,6 +7,7 @@
 #include "analysis/quantiles.h"
 #include "core/error.h"
 #include "gl/context.h"
+#include "gl/draw.h"
 #include "passes/bindings.h"
 #include "passes/shade.h"
 
@@ -153,7 +154,7 @@ void SoftPoints::draw(gl::Program& program, bool as_quads, const gl::Texture& so
   }
   state.apply();
   program.use();
-  if (drawn) glDrawArrays(as_quads ? GL_TRIANGLES : GL_POINTS, 0, GLsizei(drawn * (as_quads ? 6 : 1)));
+  gl::draw_items(program, as_quads ? GL_TRIANGLES : GL_POINTS, 0, drawn, as_quads ? 6 : 1);
 }
 
 }  // namespace sfumato::soft

@@ -10,6 +10,8 @@
 #include <limits>
 #include <tuple>
 
+#include "gl/pace.h"
+
 namespace sfumato::strokes {
 namespace {
 
@@ -49,8 +51,11 @@ struct FragmentsCpu::Pages {
 void FragmentsCpu::begin(const View& view, const StrokeSet& strokes, const BrushPicture& brush) {
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   brush_ = &brush;
+  gl::end_stretch();
   order_strokes(strokes);
+  gl::end_stretch();
   set_up(view, brush);
+  gl::end_stretch();
 
   const std::uint32_t strips = std::uint32_t((view.height() + strip_rows - 1) / strip_rows);
   starts_.assign(strips + 1, 0);
@@ -163,7 +168,9 @@ void FragmentsCpu::set_up(const View& view, const BrushPicture& brush) {
       quad.w[c] = float(sign * w);
     }
   };
+  const Progress& progress = gl::lent_progress();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order_.size(), 2048), [&](const auto& range) {
+    progress.check();
     for (std::size_t i = range.begin(); i < range.end(); ++i) set_up_one(quads_[i], order_[i]);
   });
 }
@@ -172,8 +179,12 @@ std::uint64_t FragmentsCpu::list(int first_row, int last_row, glm::uvec4* fragme
   std::fill(heads_.begin(), heads_.end(), no_fragment);
   row_counts_.assign(std::size_t(heads_.height()), 0);
   Pages pages{fragments, room / page};
-  tbb::parallel_for(std::uint32_t(0), std::uint32_t(starts_.size()) - 1,
-                    [&](std::uint32_t strip) { list_strip(strip, first_row, last_row, pages); });
+  gl::end_stretch();
+  const Progress& progress = gl::lent_progress();
+  tbb::parallel_for(std::uint32_t(0), std::uint32_t(starts_.size()) - 1, [&](std::uint32_t strip) {
+    progress.check();
+    list_strip(strip, first_row, last_row, pages);
+  });
   return pages.found;
 }
 

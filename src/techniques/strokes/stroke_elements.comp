@@ -2,6 +2,7 @@
 // what is behind them.
 //   HIDE   strokes behind opaque ones in every block of 8 x 8 pixels that they touch shrink to nothing
 #include "frame.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 64) in;
 layout(binding = UNIT_LIST) uniform usamplerBuffer stroke_order;
@@ -37,7 +38,7 @@ bool hidden(int stroke) {
 #endif
 
 void main() {
-  int k = int(gl_GlobalInvocationID.x);
+  int k = int(gl_GlobalInvocationID.x + group_row() * gl_NumWorkGroups.x * gl_WorkGroupSize.x);
   if (k >= stroke_count) return;
   int stroke = int(texelFetch(stroke_order, k).x);
   uint corner = 4u * uint(stroke);

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "gl/context.h"
+#include "gl/pace.h"
 #include "gl/state.h"
 #include "passes/bindings.h"
 
@@ -163,10 +164,17 @@ std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, con
     void* const fragments = glMapNamedBufferRange(buffer, 0, GLsizeiptr(fragments_.buffer().bytes()),
                                                   GL_MAP_WRITE_BIT | GL_MAP_READ_BIT);
     gl::require(fragments != nullptr, "strokes: listing fragments", "a buffer that can be mapped");
-    const std::uint64_t found =
-        cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments), room());
-    glUnmapNamedBuffer(buffer);
+    struct Mapped {  // also where the picture is called off
+      GLuint buffer;
+      ~Mapped() { glUnmapNamedBuffer(buffer); }
+    };
+    std::uint64_t found = 0;
+    {
+      const Mapped mapped{buffer};
+      found = cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments), room());
+    }
     heads_.upload(cpu_.heads());
+    gl::end_stretch();
     return found;
   }
   if (!stored_) stored_ = gl::Buffer("number of fragments", 4);

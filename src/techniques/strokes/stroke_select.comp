@@ -1,12 +1,13 @@
 // How many strokes each point of the visible batches becomes: 0, 1, or 2 in a small cluster.
 #include "techniques/strokes/stroke_points.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 128) in;
 layout(r8ui, binding = 0) writeonly uniform uimageBuffer flags;
 uniform uint slots_per_batch;
 
 void main() {
-  Batch batch = visible_batch(gl_WorkGroupID.y);
+  Batch batch = visible_batch(group_row());
   int k = int(gl_GlobalInvocationID.x);
   uint strokes = 0u;
   if (k < batch.count) {
@@ -20,5 +21,5 @@ void main() {
       if (seen && traits_random(texelFetch(stroke_traits, i).x, 0u) < size.chance) strokes = size.small_cluster ? 2u : 1u;
     }
   }
-  imageStore(flags, int(gl_WorkGroupID.y * slots_per_batch) + k, uvec4(strokes));
+  imageStore(flags, int(group_row() * slots_per_batch) + k, uvec4(strokes));
 }

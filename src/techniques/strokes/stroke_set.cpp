@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gl/context.h"
+#include "gl/draw.h"
 #include "gl/state.h"
 #include "passes/bindings.h"
 
@@ -167,7 +168,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     setup_.set("flatten", strict ? 0.0f : look.flatten).set("second_lightness", strict ? 0.0f : 0.08f);
     setup_.set("divided_color", strict ? 0.0f : look.divided_color);
     setup_.set("has_shadow", cloud.has_shadow());
-    setup_.dispatch((count + 63) / 64);
+    setup_.dispatch_rows((count + 63) / 64);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     count_ += count;
   }
@@ -177,7 +178,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
   if (!arrange_) arrange_ = gl::Program::compute("techniques/strokes/stroke_elements.comp");
   depth_sort_.order().bind(binding::list);
   elements_.bind_storage(0);
-  arrange_.set("stroke_count", int(count_)).dispatch((count_ + 63) / 64);
+  arrange_.set("stroke_count", int(count_)).dispatch_rows((count_ + 63) / 64);
   glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
 }
 
@@ -196,7 +197,7 @@ void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
   farthest_depth_.bind(binding::input + 1);
   depth_sort_.order().bind(binding::list);
   visible_elements_.bind_storage(0);
-  hide_.set("stroke_count", int(count_)).dispatch((count_ + 63) / 64);
+  hide_.set("stroke_count", int(count_)).dispatch_rows((count_ + 63) / 64);
   glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
 }
 
@@ -209,7 +210,7 @@ void StrokeSet::draw(gl::Program& program, const BrushPicture& brush, float leas
   program.set("reach_along", reach.along).set("reach_across", reach.across);
   program.use();
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements.id());
-  glDrawElements(GL_TRIANGLES, GLsizei(6 * count_), GL_UNSIGNED_INT, nullptr);
+  gl::draw_indexed_items(program, GL_TRIANGLES, count_, 6);
 }
 
 }  // namespace sfumato::strokes

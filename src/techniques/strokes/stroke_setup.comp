@@ -1,6 +1,7 @@
 // Listed points to strokes, ready to be drawn (stroke_record.glsl).
 #include "techniques/strokes/stroke_points.glsl"
 #include "techniques/strokes/stroke_record.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 64) in;
 layout(binding = UNIT_LIST) uniform usamplerBuffer stroke_list;
@@ -21,7 +22,7 @@ uniform bool has_shadow;
 vec3 unpack_mean(uint code) { return linear_from_srgb(unpackUnorm4x8(code).rgb); }
 
 void main() {
-  int k = int(gl_GlobalInvocationID.x);
+  int k = int(gl_GlobalInvocationID.x + group_row() * gl_NumWorkGroups.x * gl_WorkGroupSize.x);
   if (k >= stroke_count) return;
   int i = int(texelFetch(stroke_list, k).x);
   bool second = k > 0 && int(texelFetch(stroke_list, k - 1).x) == i;

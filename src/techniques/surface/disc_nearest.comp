@@ -1,11 +1,12 @@
 // The nearest ray distance of every pixel by atomicMin: bits of positive floats sort like them.
 #include "techniques/surface/disc.glsl"
+#include "work_groups.glsl"
 
 layout(local_size_x = 16, local_size_y = 8) in;
 layout(r32ui, binding = 0) uniform uimage2D nearest_bits;
 
 void main() {
-  ivec2 square = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 square = ivec2(gl_GlobalInvocationID.x, group_row() * 8u + gl_LocalInvocationID.y);
   if (any(greaterThanEqual(square, textureSize(orientations, 0)))) return;
   Splat splat = disc_at(square);
   vec4 clip = texelFetch(clips, square, 0);

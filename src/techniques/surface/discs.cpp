@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "gl/context.h"
+#include "gl/draw.h"
 #include "gl/state.h"
 #include "passes/bindings.h"
 
@@ -105,7 +106,7 @@ void Discs::draw(const View& view, const Options& options) {
     framebuffer.bind();
     gl::State{.blend = gl::State::Blend::add}.apply();
     program.use();
-    glDrawArrays(GL_POINTS, 0, columns * rows);
+    gl::draw_items(program, GL_POINTS, 0, std::uint64_t(columns) * std::uint64_t(rows), 1);
   };
   if (options.with_shadow) {
     gl::ensure(shadow_sum_, "sum of shadow factors", GL_RG32F, width, height);
