@@ -139,6 +139,29 @@ TEST_F(Surface, SkippedTilesAreOpenSky) {
   }
 }
 
+// Neighbouring tiles look at levels of their own, and none of them past the end of another one's.
+TEST_F(Surface, NoTileWithAPointIsSkipped) {
+  const Camera camera = wide_camera(1024, 768);
+  for (const float spacing : {0.1f, 0.03f, 0.01f}) {
+    Image<float> depth(1024, 768, INFINITY);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    for (int y = 16; y < 768; y += 32)
+      for (int x = 16; x < 1024; x += 32)
+        if (uniform(random) < 0.03f) depth.at(x, y) = std::exp2(6 * uniform(random));
+    Operators on_screen(camera, depth, spacing);
+    HiddenPoints::Options options;
+    options.removal_scale = 4;
+    on_screen.view.bind();
+    on_screen.hidden_points.run_squares(on_screen.pyramid, options);
+    const Image<float> tiles = on_screen.hidden_points.tiles().on.download<float>();
+    ASSERT_EQ(tiles.width(), 32);
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 32; ++x)
+        if (std::isfinite(depth.at(32 * x + 16, 32 * y + 16))) EXPECT_GT(tiles.at(x, y), 0) << x << " " << y;
+  }
+}
+
 TEST_F(Surface, TwiceTheReachCostsOneRingMore) {
   const Camera camera = wide_camera(64, 64);
   Image<float> depth(64, 64, 3.0f);

@@ -32,7 +32,7 @@ float signed_square(vec3 x, ivec2 at, int level, bool with_discs) {
 #ifdef COUNT_FETCHES
   fetches += 1.0;
 #endif
-  uvec2 size = uvec2(textureSize(pyramid, level));
+  uvec2 size = uvec2(textureSize(pyramid, 0) >> level);
   if (uint(at.x) >= size.x || uint(at.y) >= size.y) return 1.0;
   vec4 y = texelFetch(pyramid, at, level);
   if (y.w <= 0.0) return 1.0;

@@ -22,7 +22,8 @@ bool filter_pixel(ivec2 tile) {
 
   // Pixels without a point look at rings of squares up to that level: all of them lie in these nine.
   int reach = clamp(int(ceil(level)), tile_level, top_level);
-  ivec2 end = textureSize(pyramid, reach) - 1;
+  // llvmpipe (Mesa 22.3) answers textureSize(pyramid, reach) for eight pixels at once with the size of one's level.
+  ivec2 end = (textureSize(pyramid, 0) >> reach) - 1;
   bool any_point = false;
   for (int k = 0; k < 9; ++k) {
     ivec2 at = (tile >> (reach - tile_level)) + ivec2(k % 3, k / 3) - 1;
