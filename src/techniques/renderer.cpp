@@ -137,6 +137,10 @@ struct Renderer::State {
   /// How far a pixel of the finished picture sees. `camera`: as `prepare` gives it.
   int reach_px(std::span<const Item> items, const Camera& camera, const RenderSettings& settings);
   std::uint64_t points_seen(std::span<const Item> items, const Camera& camera);
+  /// Whether every technique can draw such a picture in one go.
+  bool fits(std::span<const Item> items, const Camera& camera) const;
+  /// Of tiles that all of them can draw with their overlap, px.
+  int tile_side(std::span<const Item> items, int overlap) const;
 };
 
 void Renderer::State::average(int sample, int samples, gl::Timers& timers) {
@@ -197,6 +201,22 @@ std::uint64_t Renderer::State::points_seen(std::span<const Item> items, const Ca
     count += cloud.gpu->cull(View(camera, cloud.prepared.cloud.origin));
   }
   return count;
+}
+
+bool Renderer::State::fits(std::span<const Item> items, const Camera& camera) const {
+  return std::all_of(items.begin(), items.end(), [&](const Item& item) {
+    return std::int64_t(camera.width) * camera.height <= item.technique->most_pixels();
+  });
+}
+
+int Renderer::State::tile_side(std::span<const Item> items, int overlap) const {
+  int side = 2048;
+  for (const Item& item : items) {
+    // The overlap is rounded up to the grid on either side.
+    const double canvas = std::sqrt(double(item.technique->most_pixels()));
+    side = int(std::min(double(side), canvas - 2 * (overlap + tile_grid)));
+  }
+  return std::max(side / tile_grid, 1) * tile_grid;
 }
 
 Ground Renderer::State::ground_below_all() const {
@@ -361,7 +381,8 @@ bool Renderer::is_tiled(const Camera& camera) const {
 
 RenderOutput Renderer::render(std::span<const Item> items, const Camera& camera,
                               const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
-  if (!is_tiled(camera)) return render_at_once(items, camera, settings, wants, progress);
+  if (!is_tiled(camera) && state_->fits(items, camera))
+    return render_at_once(items, camera, settings, wants, progress);
   RenderOutput picture = empty_images(camera.width, camera.height, wants);
   RenderOutput out = render_rows(
       items, camera, settings, wants,
@@ -382,7 +403,7 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
                                    const RenderSettings& settings, const RenderWants& wants,
                                    const RowSink& sink, Progress& progress) {
   RenderOutput out;
-  if (!is_tiled(asked)) {
+  if (!is_tiled(asked) && state_->fits(items, asked)) {
     RenderOutput picture = render_at_once(items, asked, settings, wants, progress);
     sink(picture, 0);
     out.timings = std::move(picture.timings);
@@ -399,7 +420,7 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
   const gl::Context::Use use(s.context);
   const Camera camera = s.prepare(items, asked);
   const int overlap = s.reach_px(items, camera, settings);
-  const int wanted = gl::preferences().tile_side, side = wanted > 0 ? wanted : 2048;
+  const int wanted = gl::preferences().tile_side, side = wanted > 0 ? wanted : s.tile_side(items, overlap);
   const std::vector<TileSpan> columns = tile_spans(camera.width, side, overlap),
                               rows = tile_spans(camera.height, side, overlap);
   std::size_t done = 0;

@@ -91,9 +91,10 @@ class Renderer {
   /// of the output, without images.
   RenderOutput render_rows(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
                            const RenderWants& wants, const RowSink& sink, Progress& progress = no_progress());
-  /// Whether a picture of this size is drawn in tiles: wider or higher than half of what the driver allows
+  /// Whether any picture of this size is drawn in tiles: wider or higher than half of what the driver allows
   /// (filters draw past the border), or of more than `most_pixels`, of which each takes up to 250 bytes
-  /// (surface). Preferences::tile_side decides first.
+  /// (surface). Preferences::tile_side decides first. Of techniques that hold less
+  /// (Technique::most_pixels) smaller pictures are, too.
   bool is_tiled(const Camera& camera) const;
   /// The largest side of a picture: beyond it floats no longer tell places of 1/128 px apart.
   static constexpr int largest_side = 65536;

@@ -1,6 +1,8 @@
 // A technique: cloud + camera -> image. One folder each; the registry is generated from the folders.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,6 +45,8 @@ class Technique {
   /// How far around itself a pixel of such a picture may see, px: tiles of it overlap by so much. The camera
   /// is that of the whole picture, fitted to the cloud. Nothing for what sees its own pixel only.
   virtual int reach_px(const GpuCloud&, const Camera&) const { return 0; }
+  /// The largest picture that it can draw in one go, px; larger ones are drawn in tiles.
+  virtual std::int64_t most_pixels() const { return std::numeric_limits<std::int64_t>::max(); }
   /// Lines worth telling the user after a render: automatic values, shares, overflow counts. May be empty.
   virtual std::vector<std::string> notes() const { return {}; }
 };

@@ -48,7 +48,7 @@ void BinTable::allocate(const View& view, const BinOptions& options, bool shadow
   if (options.fast != fast_) weights_ = {}, sums_ = {};  // same size, another format
   fast_ = options.fast;
   slots_ = options.layout == Layout::dense ? options.dense_bins : 1 << options.hash_bits;
-  stride_ = shadow ? 9 : 8;
+  stride_ = shadow ? sums_of_pixel : sums_of_pixel - 1;
   resize(weights_, "bin weights", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(slots_));
   weights_.buffer().clear(0);
   if (options.layout == Layout::hashed) {

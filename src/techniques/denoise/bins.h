@@ -25,6 +25,8 @@ enum class Layout { hashed, dense };
 enum class Anchor { nearest, grid };
 enum class Miss { background, last_bin };
 
+constexpr int sums_of_pixel = 9;  ///< words of colour, normal, distance, weight and, the last, shadow
+
 struct BinOptions {
   Layout layout = Layout::hashed;
   int hash_bits = 4;         ///< hashed: 2^hash_bits slots a pixel to begin with

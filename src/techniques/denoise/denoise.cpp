@@ -140,6 +140,13 @@ class Denoise final : public Technique {
     return 4 + nearest_px(double(rounds) * parameters_.radius_scale, camera);
   }
 
+  /// Texture buffers hold the table.
+  std::int64_t most_pixels() const override {
+    const Parameters& p = parameters_;
+    return gl::limits().max_texture_buffer_size /
+           std::max(p.bins == Layout::dense ? p.dense_bins : 1 << p.hash_bits, denoise::sums_of_pixel);
+  }
+
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
