@@ -11,9 +11,19 @@ void Technique::cast(GpuCloud& cloud, Progress&) {
   if (cloud.casters_key() != "solid") cloud.set_casters({}, 0, "solid");
 }
 
-int nearest_px(double length, const Camera& camera) {
-  const double depth = camera.orthographic() ? 1 : camera.near_plane;
-  return int(std::ceil(std::clamp(length * camera.pixels_per_unit() / depth, 0.0, 512.0)));
+int nearest_px(const GpuCloud& cloud, const Camera& camera,
+               const std::function<double(const Batch&)>& length) {
+  const PreparedCloud& prepared = cloud.prepared();
+  const dvec3 toward = camera.direction(), from = prepared.cloud.origin - camera.position;
+  double most = 0;
+  for (const Batch& batch : prepared.batches) {
+    const dvec3 nearest =
+        glm::mix(dvec3(batch.box_min), dvec3(batch.box_max), glm::lessThan(toward, dvec3(0)));
+    const double depth =
+        camera.orthographic() ? 1 : std::max(glm::dot(toward, from + nearest), camera.near_plane);
+    most = std::max(most, length(batch) * camera.pixels_per_unit() / depth);
+  }
+  return int(std::ceil(std::clamp(most, 0.0, 1536.0)));
 }
 
 const TechniqueInfo& find_technique(std::string_view name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -51,9 +52,10 @@ class Technique {
   virtual std::vector<std::string> notes() const { return {}; }
 };
 
-/// What a length (scene units) spans in the picture where it is nearest, px, at most 512: so much do tiles
-/// overlap before they cost more than they share.
-int nearest_px(double length, const Camera& camera);
+/// What a length (scene units) of the points of each batch spans where they are nearest, px: the largest, at
+/// most 1536. Tiles that overlap by more would take the memory of the largest picture.
+int nearest_px(const GpuCloud& cloud, const Camera& camera,
+               const std::function<double(const Batch&)>& length);
 
 struct TechniqueInfo {
   std::string name;

@@ -72,6 +72,19 @@ TEST_F(Tiles, RowsMakeThePicture) {
   }
 }
 
+// Where points lie dozens of pixels apart, pixels see that far.
+TEST_F(Tiles, OverlapAsFarAsSparsePointsReach) {
+  Renderer renderer(context());
+  const auto technique = find_technique("surface").create();
+  show(renderer, sphere_cloud(400), technique->needs());
+  const Camera camera = front_camera(1200, 500);
+  const RenderOutput whole = renderer.render(*technique, camera, {}, all_outputs());
+  const WithPreference tiles(&gl::Preferences::tile_side, 256);
+  const RenderOutput tiled = renderer.render(*technique, camera, {}, all_outputs());
+  for (int y = 0; y < 500; ++y)
+    for (int x = 0; x < 1200; ++x) ASSERT_EQ(whole.rgba8.at(x, y), tiled.rgba8.at(x, y)) << x << " " << y;
+}
+
 // A table of 256 bins for each of these pixels is more than the texture buffers of today's drivers hold.
 TEST_F(Tiles, ServeTechniquesThatCannotHoldThePicture) {
   Renderer renderer(context());

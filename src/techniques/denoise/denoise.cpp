@@ -137,7 +137,8 @@ class Denoise final : public Technique {
     const bool measured = is_measured(cloud) && field_limit_ == limit;
     const float wide = measured ? wide_disc_ : wide_disc(cloud.prepared().cloud.radii, radius, limit);
     const float rounds = 2.0f * agree_rounds * radius + 2 * wide;
-    return 4 + nearest_px(double(rounds) * parameters_.radius_scale, camera);
+    const double reach = double(rounds) * parameters_.radius_scale;
+    return 4 + nearest_px(cloud, camera, [&](const Batch&) { return reach; });
   }
 
   /// Texture buffers hold the table.

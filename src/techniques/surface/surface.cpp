@@ -115,13 +115,10 @@ class SurfaceTechnique final : public Technique {
     if (filling_ == Filling::pull_push) return 512;
     const double planes = std::max(2 * normal_scale_, removal_.gap_scale);
     const double discs = std::max(2 * discs_options_.disc_scale, removal_.gap_scale);
-    float spacing = cloud.median_spacing();
-    if (point_spacing_.is_auto())
-      for (const Batch& batch : cloud.prepared().batches)
-        spacing = std::max(spacing, std::exp2(batch.most_log2_spacing));
-    else
-      spacing = point_spacing_.value();
-    return removal + nearest_px((planes + discs) * spacing, camera);
+    return removal + nearest_px(cloud, camera, [&](const Batch& batch) {
+             return (planes + discs) *
+                    (point_spacing_.is_auto() ? std::exp2(batch.most_log2_spacing) : point_spacing_.value());
+           });
   }
 
   bool render(Frame& frame) override {
