@@ -25,6 +25,7 @@ struct Window {
   vec3 center;
   float reach;
   ivec2 corner, first, last;
+  float side;  // of the squares, px
 };
 
 // `fineness`: squares across the radius of the ball.
@@ -37,6 +38,7 @@ Window window_around(vec3 center, float reach, float fineness) {
   Window w;
   w.center = center;
   w.reach = reach;
+  w.side = side;
   w.first = max(ivec2(floor(at - reach_px / side)), ivec2(0));
   w.last = min(min(ivec2(floor(at + reach_px / side)), w.first + 15), (size >> l) - 1);
   w.corner = level_corner(l, size);
@@ -76,9 +78,10 @@ struct Surroundings {
   float gap;  // scene units: the farthest among the nearest neighbours of the octants
 };
 
-// The surface goes on up to the outermost cluster on it, or in front of it, within `strip` px to both
-// sides. Its border is
-// as far beyond that as order statistics say: half the distance from the first to the third.
+// The surface goes on up to the outermost cluster on it, or in front of it, within `strip` px to both sides; up to as
+// far again a cluster counts as twice as far in, so that none comes and goes at once. The border is beyond that by
+// a quarter of the distance from the first to the third: order statistics of a straight border say half, but it is the
+// outermost of a strip that counts, and discs add to it.
 Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip, float spacing) {
   vec2 center = pixel_from_eye(window.center);
   float reach_px = window.reach * pixels_at(-window.center.z);
@@ -93,7 +96,11 @@ Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip,
     float slack = max(spacing, 0.6 * far);
     bool on_surface = far < window.reach && abs(above) < slack, in_front = above > spacing && dot(d, window.center) < 0.0;
     bool there = c.w > 0.0 && (on_surface || in_front);
-    if (there && abs(dot(away_px, vec2(-outwards.y, outwards.x))) < strip && away < reach_px)
+    float beside = abs(dot(away_px, vec2(-outwards.y, outwards.x)));
+    away -= 2.0 * max(beside - strip, 0.0);
+    // Of a square that is full of points, the outer half is surface as well.
+    away += 0.5 * window.side * clamp(2.0 * c.w / (window.side * window.side) - 1.0, 0.0, 1.0);
+    if (there && beside < 2.0 * strip && away < reach_px)
       outermost = away > outermost.x   ? vec3(away, outermost.xy)
                   : away > outermost.y ? vec3(outermost.x, away, outermost.y)
                                        : vec3(outermost.xy, max(away, outermost.z));
@@ -108,5 +115,5 @@ Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip,
   high *= vec4(lessThan(high, vec4(window.reach)));
   vec4 largest = max(low, high);
   float gap = max(max(largest.x, largest.y), max(largest.z, largest.w));
-  return Surroundings(outermost.x + 0.5 * (outermost.x - outermost.z), gap);
+  return Surroundings(outermost.x + 0.25 * (outermost.x - outermost.z), gap);
 }

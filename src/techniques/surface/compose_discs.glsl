@@ -25,11 +25,13 @@ uniform int coarse_level;
 const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0), vec2(0.7071, 0.7071),
                                 vec2(-0.7071, -0.7071), vec2(0.7071, -0.7071), vec2(-0.7071, 0.7071));
 
-// A pixel between discs that sees them near by in six of eight directions is no opening: their mean.
+// A pixel between discs that sees them near by in six of eight directions is no opening: their mean. Near by on
+// average, so that what is a little too wide closes from its rim and not all at once.
 bool close_crack(ivec2 pixel, inout vec4 sum, inout vec4 normal_t) {
   float reach = max(crack_scale * exp2(texelFetch(removal_level, (pixel + offset) >> coarse_level, 0).x), 2.0);
   ivec2 last = textureSize(color_sum, 0) - 1;
   int misses = 0;
+  float steps = 0.0;  // to the discs, of those that there are in all directions; a miss is one too many
   for (int k = 0; k < 8 && misses < 3; ++k) {
     bool found = false;
     for (int i = 1; i <= 3 && !found; ++i) {
@@ -38,13 +40,15 @@ bool close_crack(ivec2 pixel, inout vec4 sum, inout vec4 normal_t) {
       vec4 there = texelFetch(color_sum, at, 0);
       if (there.w > 0.0) {
         found = true;
+        steps += float(i);
         sum += there / there.w;
         normal_t += texelFetch(normal_sum, at, 0) / there.w;
       }
     }
     misses += int(!found);
+    steps += found ? 0.0 : 4.0;
   }
-  return misses < 3;
+  return misses < 3 && steps < 18.0;  // three quarters of 8 directions of 3
 }
 
 bool filter_pixel(ivec2 pixel) {

@@ -203,7 +203,7 @@ class SurfaceTechnique final : public Technique {
     if (frame.is_finished) Finish::set(pass, settings);
     set_light_uniforms(pass.program(), view, settings, frame.light, frame.cloud.prepared().cloud.origin);
     pass.set("offset", tiles.offset).set("point_threshold", removal_.point_threshold());
-    pass.set("crack_scale", 0.8f * removal_.gap_scale / removal_.removal_scale)
+    pass.set("crack_scale", 0.96f * removal_.gap_scale / removal_.removal_scale)
         .set("coarse_level", std::max(1, removal_.coarse_level));
     pass.set("has_shadow", discs_options_.with_shadow)
         .set("ambient_occlusion", discs_options_.ambient_occlusion);
