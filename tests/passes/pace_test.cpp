@@ -138,7 +138,6 @@ struct Submitted {
   }
 
   Submitted() {
-    glFinish();  // loads the functions
     most_invocations = most_pixels = most_items = invocations = pixels = items = 0;
     any_indirect = false;
     dispatch = std::exchange(epoxy_glDispatchCompute, count_dispatch);
@@ -185,6 +184,8 @@ TEST_P(Slices, HoldNoMoreThanAsked) {
   settings.smooth_outlines.user = true;
   Asked asked;
   const gl::Context::Use use(context());
+  // The first call of a function finds it, in a way that would take the counter's place.
+  renderer.render(*technique, front_camera(320, 200), settings, {}, asked);
   const Submitted submitted;
   renderer.render(*technique, front_camera(320, 200), settings, {}, asked);
   Submitted::ask();
