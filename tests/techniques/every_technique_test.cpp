@@ -135,14 +135,14 @@ TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
     RenderSettings s;
     s.shadows = shadows;
     s.light_samples = 2;
-    s.ground = shadows == Shadows::soft;
+    s.ground = shadows == Shadows::hard;  // which finds shadows anew for every picture
     s.smooth_outlines.user = true;
     Camera camera = front_camera(72, 70);
     camera.position.x = 0.2 * frame;
     return renderer.render(technique, camera, s, all_outputs(), progress);
   };
   const PointCloud cloud = sphere_cloud(3000);
-  for (const Shadows shadows : {Shadows::off, Shadows::soft}) {
+  for (const Shadows shadows : {Shadows::off, Shadows::hard, Shadows::soft}) {
     auto fresh = make();
     Renderer expecting(context());
     show(expecting, cloud, fresh->needs());
@@ -156,7 +156,7 @@ TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
     draw(renderer, *technique, 1, shadows, never);
     EXPECT_GE(never.asked(), gl::limits().software ? 12 : 1);
     int called_off = 0, tried = 0;
-    const int step = std::max(1, never.asked() / 60);
+    const int step = std::max(1, never.asked() / 40);
     for (int at = 1; at < never.asked(); at += step) {
       SCOPED_TRACE("called off at " + std::to_string(at) + " of " + std::to_string(never.asked()));
       if (at % 2) {  // of a technique that has drawn nothing yet
@@ -450,7 +450,7 @@ TEST_P(EveryTechnique, ShadowsDarken) {
   s.light_text = "dir:0,0,1";
   for (Shadows shadows : {Shadows::off, Shadows::hard, Shadows::soft}) {
     s.shadows = shadows;
-    s.ground = shadows == Shadows::soft;
+    s.ground = shadows == Shadows::hard;  // which finds shadows anew for every picture
     const RenderOutput out = renderer.render(*technique, camera, s, all_outputs());
     expect_finite(out);
     const double under = brightness(out, {0, 0, 0}), beside = brightness(out, {1.4, 0, 0});
