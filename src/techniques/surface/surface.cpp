@@ -154,7 +154,8 @@ class SurfaceTechnique final : public Technique {
       return true;
     }
     const auto [first, last] = normal_levels(frame);
-    const gl::Texture& colors = frame.cloud.has_shadow() ? front_factors(wide) : layer_.shadowed;
+    const gl::Texture& colors =
+        frame.cloud.has_shadow() ? front_factors(wide, frame.timers) : layer_.shadowed;
     {
       auto timing =
           frame.timers.scope("pull-push");  // Sec. 3.2; the last step, to level 0, is left to compose
@@ -238,7 +239,8 @@ class SurfaceTechnique final : public Technique {
   }
 
   /// Colours, and shadow factors in which points behind gaps do not count.
-  const gl::Texture& front_factors(const View& view) {
+  const gl::Texture& front_factors(const View& view, gl::Timers& timers) {
+    auto timing = timers.scope("shadow factors");
     if (!front_factors_) front_factors_ = ScreenPass("techniques/surface/front_factors.glsl", {GL_RGBA16F});
     gl::ensure(lit_colors_, "colours and shadow factors", GL_RGBA16F, view.width(), view.height());
     view.bind();
