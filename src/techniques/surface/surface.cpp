@@ -245,7 +245,9 @@ class SurfaceTechnique final : public Technique {
     gl::ensure(lit_colors_, "colours and shadow factors", GL_RGBA16F, view.width(), view.height());
     view.bind();
     front_factors_.set("gap_scale", removal_.gap_scale);
-    front_factors_.run({&hidden_points_.visible(), &layer_.shadowed}, {&lit_colors_});
+    front_factors_.run(hidden_points_.tiles(),
+                       {&hidden_points_.visible(), &layer_.shadowed, &pyramid_.texture()}, {&lit_colors_},
+                       {vec4(0, 0, 0, 1)});
     return lit_colors_;
   }
 
