@@ -73,12 +73,12 @@ std::string unique_name(const std::vector<Field>& fields, std::size_t i) {
 void place_fields(std::vector<Field>& fields, int format) {
   std::size_t byte = min_record_length[std::size_t(format)];
   for (Field& field : fields) {
-    if (byte + io::las::size_of(field.type) > longest_record)
+    if (byte + io::size_of(field.type) > longest_record)
       throw Error(ErrorCode::usage,
                   "the files have " + std::to_string(fields.size()) +
                       " different extra attributes, more than a record holds; build fewer files at once");
     field.byte = std::uint16_t(byte);
-    byte += io::las::size_of(field.type);
+    byte += io::size_of(field.type);
   }
 }
 
@@ -173,7 +173,7 @@ Schema choose_schema(const std::vector<Header>& headers, const std::vector<std::
     std::vector<Field> named = schema.fields;
     extra = 0;
     for (std::size_t i = 0; i < named.size(); ++i) {
-      extra += io::las::size_of(named[i].type);
+      extra += io::size_of(named[i].type);
       named[i].name = unique_name(named, i);
     }
     schema.extra_bytes = io::las::extra_bytes_record(named);
@@ -217,7 +217,7 @@ RecordMap::RecordMap(const Header& source, const Schema& schema)
   std::vector<std::string> ignored;
   const std::vector<Field> own = io::las::extra_fields(source, ignored);
   for (const Field& field : schema.fields) {
-    const std::size_t size = io::las::size_of(field.type);
+    const std::size_t size = io::size_of(field.type);
     const auto found =
         std::find_if(own.begin(), own.end(), [&](const Field& f) { return is_same_field(f, field); });
     if (found != own.end()) {

@@ -28,19 +28,6 @@ bool Field::needs_residual() const {
   }
 }
 
-std::size_t size_of(StoredType type) {
-  switch (type) {
-    case StoredType::uint8:
-    case StoredType::int8: return 1;
-    case StoredType::uint16:
-    case StoredType::int16: return 2;
-    case StoredType::uint32:
-    case StoredType::int32:
-    case StoredType::float32: return 4;
-    default: return 8;
-  }
-}
-
 bool has_gps_time(int format) { return format != 0 && format != 2; }
 bool has_color(int format) {
   return format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;

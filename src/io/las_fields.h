@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/point_cloud.h"
+#include "io/columns.h"
 #include "io/las_header.h"
 
 namespace sfumato::io::las {
@@ -26,8 +27,6 @@ struct Field {
   /// Whether a float may fail to hold the value, so that the remainder goes into a field of its own.
   bool needs_residual() const;
 };
-
-std::size_t size_of(StoredType type);
 
 /// The standard dimensions of a point format (0 to 10) in the order of reports. Coordinates (bytes 0 to 11)
 /// and wave packets are not among them.
