@@ -25,7 +25,10 @@ struct Request {
   std::string technique;
   HostView view;
   Parameters parameters;
-  bool operator==(const Request&) const = default;
+  Camera camera;  ///< of the view
+  bool asks_for_same(const Request& other) const {
+    return technique == other.technique && view == other.view && parameters == other.parameters;
+  }
 };
 
 struct CloudToShow {
@@ -63,12 +66,10 @@ struct EmbeddedRenderer::State {
 
 void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const Request& request,
                                     std::uint64_t number) {
-  const HostView& v = request.view;
   Pictures pictures =
-      renderer.render(request.technique, camera_of_matrices(v.view, v.projection, v.width, v.height),
-                      request.parameters, std::nullopt, call_off_picture);
-  auto made =
-      std::make_shared<Answer>(Answer{number, v, std::move(pictures.color), std::move(pictures.depth)});
+      renderer.render(request.technique, request.camera, request.parameters, std::nullopt, call_off_picture);
+  auto made = std::make_shared<Answer>(
+      Answer{number, request.view, std::move(pictures.color), std::move(pictures.depth)});
   const std::lock_guard lock(mutex);
   answer = std::move(made);
 }
@@ -136,11 +137,11 @@ void EmbeddedRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
 
 void EmbeddedRenderer::request(const std::string& technique, const HostView& view,
                                const Parameters& parameters) {
-  camera_of_matrices(view.view, view.projection, view.width, view.height);
-  Request next{technique, view, parameters};
+  Request next{technique, view, parameters,
+               camera_of_matrices(view.view, view.projection, view.width, view.height)};
   {
     const std::lock_guard lock(state_->mutex);
-    if (state_->asked == next) return;
+    if (state_->asked && state_->asked->asks_for_same(next)) return;
     state_->asked = state_->waiting = std::move(next);
     ++state_->serial;
     state_->call_off_picture.is_up = true;
