@@ -30,6 +30,15 @@ void draw_indexed_items(const Program& program, GLenum mode, std::uint64_t count
   });
 }
 
+void draw_rows(const Program& program, int rows, int columns, double units) {
+  const auto count = std::uint64_t(rows), step = spread_step(count);
+  in_slices(program.id(), count, units * columns, [&](std::uint64_t first, std::uint64_t n) {
+    if (n == count) return glDrawArrays(GL_POINTS, 0, rows * columns);
+    for (std::uint64_t k = first; k < first + n; ++k)
+      glDrawArrays(GL_POINTS, GLint(k * step % count) * columns, columns);
+  });
+}
+
 void draw_rectangles(const Program& program, int width, int height, const std::function<void()>& draw) {
   constexpr int side = 64;         // px: what llvmpipe's threads take at a time
   constexpr int most_width = 512;  // of a piece

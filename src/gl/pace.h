@@ -55,7 +55,8 @@ struct Pacing {
 /// Of the context that is current on this thread; null without one.
 Pacing* current_pacing();
 
-/// Lends a Progress to the context that is current, while it lives.
+/// Lends a Progress to the context that is current, while it lives; `no_progress()` lends nothing, for nobody
+/// waits to be asked.
 class Pace {
  public:
   explicit Pace(Progress& progress);

@@ -121,21 +121,16 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
   framebuffer.bind();
   gl::State{}.apply();
   program_.use();
-  GLsizei points = 0;
-  if (tiles) {
-    int attachment = 0;
-    for (const vec4& value : elsewhere) glClearBufferfv(GL_COLOR, attachment++, &value.x);
-    const int columns = tiles->on.width(), rows = tiles->on.height();
-    glViewport(-tiles->offset.x, -tiles->offset.y, columns * tiles->size, rows * tiles->size);
-    points = columns * rows;
+  if (!tiles) {
+    const gl::Texture& first = **outputs.begin();
+    gl::draw_rectangles(program_, first.width(), first.height(), [] { glDrawArrays(GL_TRIANGLES, 0, 3); });
+    return;
   }
-  const gl::Texture& first = **outputs.begin();
-  gl::draw_rectangles(program_, first.width(), first.height(), [&] {
-    if (tiles)
-      glDrawArrays(GL_POINTS, 0, points);
-    else
-      glDrawArrays(GL_TRIANGLES, 0, 3);
-  });
+  int attachment = 0;
+  for (const vec4& value : elsewhere) glClearBufferfv(GL_COLOR, attachment++, &value.x);
+  const int columns = tiles->on.width(), rows = tiles->on.height();
+  glViewport(-tiles->offset.x, -tiles->offset.y, columns * tiles->size, rows * tiles->size);
+  gl::draw_rows(program_, rows, columns, double(tiles->size) * tiles->size);
 }
 
 }  // namespace sfumato

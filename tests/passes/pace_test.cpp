@@ -185,10 +185,12 @@ TEST_P(Slices, HoldNoMoreThanAsked) {
   Asked asked;
   const gl::Context::Use use(context());
   // The first call of a function finds it, in a way that would take the counter's place.
+  const RenderOutput whole = renderer.render(*technique, front_camera(320, 200), settings);  // nobody to ask
   renderer.render(*technique, front_camera(320, 200), settings, {}, asked);
   const Submitted submitted;
-  renderer.render(*technique, front_camera(320, 200), settings, {}, asked);
+  const RenderOutput cut = renderer.render(*technique, front_camera(320, 200), settings, {}, asked);
   Submitted::ask();
+  EXPECT_TRUE(std::ranges::equal(cut.rgba8, whole.rgba8));
   // A row of work groups is not cut, nor a piece of 512 x 64 px.
   EXPECT_LE(Submitted::most_invocations, 8u * units);
   EXPECT_LE(Submitted::most_pixels, 512u * 64);
@@ -217,7 +219,8 @@ TEST_F(GlTest, SlicesOfAScreenPassAreTheWholePass) {
     const Image<float> expected = whole.download<float>();
     whole.clear(vec4(-1));
     const WithPreference limit(&gl::Preferences::slice_units, 1);
-    const gl::Pace pace(no_progress());
+    Asked asked;
+    const gl::Pace pace(asked);
     pass.run({&depth}, {&whole});
     EXPECT_TRUE(std::ranges::equal(expected, whole.download<float>()));
   }
