@@ -29,6 +29,9 @@ struct ReadOptions {
   RecordTap* tap = nullptr;  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
 };
 
+/// Said of such a part behind what is wrong with it (ReadReport::damage).
+inline const std::string is_left_out = "; it is left out";
+
 struct ReadReport {
   std::filesystem::path file;
   std::string format;                      ///< "las", "laz", "copc", "ply", "pcd", "text", ...

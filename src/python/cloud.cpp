@@ -279,8 +279,7 @@ void bind_cloud(py::module_& module) {
       .def_property_readonly("notes",
                              [](Cloud& self) {
                                std::vector<std::string> notes = self.scene.notes;
-                               for (const std::string& part : self.scene.damage)
-                                 notes.push_back(part + "; it is left out");
+                               notes.insert(notes.end(), self.scene.damage.begin(), self.scene.damage.end());
                                return notes;
                              })
       .def_property_readonly("damage", [](Cloud& self) { return self.scene.damage; })

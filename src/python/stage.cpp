@@ -74,7 +74,7 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
     if (options_.max_points && scene.cloud.size() > *options_.max_points)
       scene.cloud = subsample(scene.cloud, std::size_t(*options_.max_points));
   }
-  for (const std::string& part : scene.damage) notes_.push_back(part + "; it is left out");
+  notes_.insert(notes_.end(), scene.damage.begin(), scene.damage.end());
   if (scene.levels && !scene.levels->is_complete())
     notes_.push_back(std::to_string(scene.levels->points_needed - scene.levels->points) + " of " +
                      std::to_string(scene.levels->points_needed) +

@@ -37,7 +37,7 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     for (const std::string& note : result.report.notes) scene.notes.push_back(file + ": " + note);
     for (const std::string& part : result.report.damage) {
       if (options.read.strict) throw Error(ErrorCode::bad_input, part);
-      scene.damage.push_back(part);
+      scene.damage.push_back(part + io::is_left_out);
     }
     scene.points_read += result.report.points;
     scene.points_missing += result.report.points_missing;

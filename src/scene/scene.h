@@ -39,8 +39,8 @@ struct Scene {
   std::uint64_t points_read = 0;     ///< in the files
   std::uint64_t points_missing = 0;  ///< of those, in parts that are damaged and left out
   SelectionReport selected;
-  std::vector<std::string> notes;   ///< of readers ("FILE: ..."), of putting together and of selecting
-  std::vector<std::string> damage;  ///< parts of files that could not be read and are left out, one line each
+  std::vector<std::string> notes;      ///< of readers ("FILE: ..."), of putting together and of selecting
+  std::vector<std::string> damage;     ///< of files, the parts that are left out, and why: a line each
   std::optional<LevelsReport> levels;  ///< of a scene that was read by its levels (scene/leveled_scene.h)
   /// Of such a scene, where it is known: points from everywhere in the files, evenly. What follows from the
   /// whole, as the ends of a colour map, is measured there, so that every view has the same.

@@ -46,7 +46,7 @@ void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionO
   forget_look();  // what it holds of the last cloud is of no use for this one
   choice.reset();
   notes = scene.notes;
-  for (const std::string& part : scene.damage) notes.push_back(part + "; it is left out");
+  notes.insert(notes.end(), scene.damage.begin(), scene.damage.end());
   session.set_scene(
       std::move(scene), std::move(pose), options, [](const Session::Suggest&) { return Attributes(); },
       progress);

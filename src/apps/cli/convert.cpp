@@ -114,7 +114,7 @@ int convert_command(const Words& words) {
   input.scene.read.every_attribute = true;
   scene::Scene scene = scene::read_scene(inputs, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
-  for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
+  for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())

@@ -145,7 +145,7 @@ int info_command(const Words& words) {
       io::ReadResult result = scene::read_file(files[i], options.read, console);
       for (const std::string& note : result.report.notes) console.say("sfumato: " + files[i] + ": " + note);
       for (const std::string& part : result.report.damage)
-        console.complain("sfumato: " + part + "; it is left out");
+        console.complain("sfumato: " + part + io::is_left_out);
       is_partial |= !result.report.damage.empty();
       if (columns && result.report.format != "text" && result.report.format != "pts")
         console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +

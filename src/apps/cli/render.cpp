@@ -40,7 +40,7 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
   report.points_left_out +=
       scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
   report.points_rendered = scene.cloud.size();
-  for (const std::string& part : scene.damage) console.complain("sfumato: " + part + "; it is left out");
+  for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   report.points_missing += scene.points_missing;
