@@ -109,11 +109,12 @@ class SurfaceTechnique final : public Technique {
 
   int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
     // Hidden point removal looks at nine squares of up to 64 px, and at levels beside its own; then
-    // planes.glsl and the discs themselves. Pull-push mixes in what is ever farther away, and ever less of
-    // it.
+    // planes.glsl, ambient_occlusion.glsl beside it, and the discs themselves. Pull-push mixes in what is
+    // ever farther away, and ever less of it.
     constexpr int removal = 192;
     if (filling_ == Filling::pull_push) return 512;
-    const double planes = std::max(2 * normal_scale_, removal_.gap_scale);
+    const double occluders = 2 * removal_scale_.user.value_or(disc_removal_scale);  // `ball` there
+    const double planes = std::max({2.0 * normal_scale_, double(removal_.gap_scale), occluders});
     const double discs = std::max(2 * discs_options_.disc_scale, removal_.gap_scale);
     return removal + nearest_px(cloud, camera, [&](const Batch& batch) {
              return (planes + discs) *
@@ -122,7 +123,7 @@ class SurfaceTechnique final : public Technique {
   }
 
   bool render(Frame& frame) override {
-    removal_.removal_scale = removal_scale_.resolve(filling_ == Filling::discs ? 4.0f : 10.0f);
+    removal_.removal_scale = removal_scale_.resolve(filling_ == Filling::discs ? disc_removal_scale : 10.0f);
     const dvec3& origin = frame.cloud.prepared().cloud.origin;
     const int guard = guard_band(frame);
     Camera camera = frame.camera.with_guard_band(guard);
@@ -316,6 +317,7 @@ class SurfaceTechnique final : public Technique {
 
   Auto<float> point_spacing_;
   HiddenPoints::Options removal_;
+  static constexpr float disc_removal_scale = 4;  ///< of filling = discs
   Auto<float> removal_scale_;
   float normal_scale_ = 3, depth_edge_ = 6, ambient_occlusion_ = 0.5f;
 
