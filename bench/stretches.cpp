@@ -10,7 +10,6 @@
 //
 // usage: stretches FILE TECHNIQUE[,TECHNIQUE...] [PICTURES] [WIDTH HEIGHT]
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,22 +17,18 @@
 #include <mutex>
 #include <sstream>
 
+#include "core/order.h"
+#include "processor_time.h"
 #include "sfumato/renderer.h"
 
 namespace {
 
 using namespace sfumato;
+using bench::cpu_ms;
 using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point then) {
   return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
-}
-
-double cpu_ms() {
-  rusage use{};
-  getrusage(RUSAGE_SELF, &use);
-  return 1e3 * double(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
-         1e-3 * double(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
 }
 
 /// Notes when it was asked last, by whichever thread.
@@ -59,11 +54,6 @@ class Stopwatch final : public Progress {
   mutable double last_cpu_ = 0, longest_ = 0, busiest_ = 0;
   mutable int asked_ = 0;
 };
-
-double median(std::vector<double> of) {
-  std::sort(of.begin(), of.end());
-  return of[of.size() / 2];
-}
 
 void measure(HeadlessRenderer& renderer, const std::string& technique, int pictures, int width, int height) {
   const Camera first = renderer.first_view(width, height);
@@ -92,10 +82,11 @@ void measure(HeadlessRenderer& renderer, const std::string& technique, int pictu
     asked.push_back(watch.asked());
     cpu.push_back(cpu_ms() - cpu_before);
   }
+  const double usual = median(longest);  // moves them
   fmt::print(
       "{{\"technique\": \"{}\", \"first_ms\": {:.1f}, \"longest_ms\": [{:.1f}, {:.1f}, {:.1f}], "
       "\"busy_ms\": {:.1f}, \"frame_ms\": {:.1f}, \"stretches\": {}, \"cpu_ms\": {:.1f}}}\n",
-      technique, first_ms, median(longest), *std::min_element(longest.begin(), longest.end()),
+      technique, first_ms, usual, *std::min_element(longest.begin(), longest.end()),
       *std::max_element(longest.begin(), longest.end()), median(busiest), median(frames), median(asked),
       median(cpu));
   std::fflush(stdout);

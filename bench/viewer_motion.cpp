@@ -11,7 +11,6 @@
 // usage: viewer_motion FILE TECHNIQUE [SECONDS]
 #include <fmt/format.h>
 #include <imgui.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -24,21 +23,16 @@
 #include "apps/viewer/interface.h"
 #include "apps/viewer/window.h"
 #include "core/error.h"
+#include "processor_time.h"
 
 namespace {
 
 using namespace sfumato;
+using bench::cpu_ms;
 using Clock = std::chrono::steady_clock;
 const Clock::time_point began = Clock::now();
 
 double now_ms() { return std::chrono::duration<double, std::milli>(Clock::now() - began).count(); }
-
-double cpu_ms() {
-  rusage use{};
-  getrusage(RUSAGE_SELF, &use);
-  return 1e3 * double(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
-         1e-3 * double(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
-}
 
 struct Motion {
   int pictures = 0;

@@ -19,7 +19,7 @@ void draw_items(const Program& program, GLenum mode, std::uint64_t first, std::u
 /// The same, indexed by the bound element array of 32-bit words.
 void draw_indexed_items(const Program& program, GLenum mode, std::uint64_t count, int indices,
                         double units = splat_units);
-/// Rows of as many points, in any order.
+/// Rows of as many points, each of `units`, in any order of the rows.
 void draw_rows(const Program& program, int rows, int columns, double units);
 /// `draw()` for one rectangle of a framebuffer of that size after another, by the scissor, which is off
 /// afterwards.

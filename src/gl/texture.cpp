@@ -43,11 +43,6 @@ Texture::~Texture() {
   if (id_) glDeleteTextures(1, &id_);
 }
 
-void Texture::set_linear_filter() {
-  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-}
-
 void Texture::set_trilinear_filter() {
   glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);

@@ -36,7 +36,6 @@ class Texture {
   void bind_image(int unit, GLenum access) const {
     glBindImageTexture(GLuint(unit), id_, 0, GL_FALSE, 0, access, format_);
   }
-  void set_linear_filter();
   /// Linear within and between levels.
   void set_trilinear_filter();
   /// Every texel to this value; floats for float and normalised formats, integers for integer formats.

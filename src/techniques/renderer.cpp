@@ -137,8 +137,6 @@ struct Renderer::State {
   /// How far a pixel of the finished picture sees. `camera`: as `prepare` gives it.
   int reach_px(std::span<const Item> items, const Camera& camera, const RenderSettings& settings);
   std::uint64_t points_seen(std::span<const Item> items, const Camera& camera);
-  /// Whether every technique can draw such a picture in one go.
-  bool fits(std::span<const Item> items, const Camera& camera) const;
   /// Of tiles that all of them can draw with their overlap, px.
   int tile_side(std::span<const Item> items, int overlap) const;
 };
@@ -201,12 +199,6 @@ std::uint64_t Renderer::State::points_seen(std::span<const Item> items, const Ca
     count += cloud.gpu->cull(View(camera, cloud.prepared.cloud.origin));
   }
   return count;
-}
-
-bool Renderer::State::fits(std::span<const Item> items, const Camera& camera) const {
-  return std::all_of(items.begin(), items.end(), [&](const Item& item) {
-    return std::int64_t(camera.width) * camera.height <= item.technique->most_pixels();
-  });
 }
 
 int Renderer::State::tile_side(std::span<const Item> items, int overlap) const {
@@ -379,10 +371,16 @@ bool Renderer::is_tiled(const Camera& camera) const {
          std::int64_t(camera.width) * camera.height > most_pixels;
 }
 
+bool Renderer::is_tiled(std::span<const Item> items, const Camera& camera) const {
+  const std::int64_t pixels = std::int64_t(camera.width) * camera.height;
+  return is_tiled(camera) || std::any_of(items.begin(), items.end(), [&](const Item& item) {
+           return pixels > item.technique->most_pixels();
+         });
+}
+
 RenderOutput Renderer::render(std::span<const Item> items, const Camera& camera,
                               const RenderSettings& settings, const RenderWants& wants, Progress& progress) {
-  if (!is_tiled(camera) && state_->fits(items, camera))
-    return render_at_once(items, camera, settings, wants, progress);
+  if (!is_tiled(items, camera)) return render_at_once(items, camera, settings, wants, progress);
   RenderOutput picture = empty_images(camera.width, camera.height, wants);
   RenderOutput out = render_rows(
       items, camera, settings, wants,
@@ -403,7 +401,7 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
                                    const RenderSettings& settings, const RenderWants& wants,
                                    const RowSink& sink, Progress& progress) {
   RenderOutput out;
-  if (!is_tiled(asked) && state_->fits(items, asked)) {
+  if (!is_tiled(items, asked)) {
     RenderOutput picture = render_at_once(items, asked, settings, wants, progress);
     sink(picture, 0);
     out.timings = std::move(picture.timings);

@@ -96,6 +96,8 @@ class Renderer {
   /// (surface). Preferences::tile_side decides first. Of techniques that hold less
   /// (Technique::most_pixels) smaller pictures are, too.
   bool is_tiled(const Camera& camera) const;
+  /// Whether this one is.
+  bool is_tiled(std::span<const Item> items, const Camera& camera) const;
   /// The largest side of a picture: beyond it floats no longer tell places of 1/128 px apart.
   static constexpr int largest_side = 65536;
   static constexpr std::int64_t most_pixels = std::int64_t(1) << 25;  ///< 7680 x 4320 in one go

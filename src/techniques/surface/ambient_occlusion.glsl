@@ -7,7 +7,7 @@
 // Four squares of 4x4 px are asked, as coarse as their rings begin: points alone are noise.
 //   PUSH_LEVELS  surface and normals from pull-push, neighbours from the pyramid of nearest points; else the clusters
 //                that discs stand for, with their planes
-#include "frame.glsl"
+#include "techniques/surface/least_spacing.glsl"
 #ifdef PUSH_LEVELS
 layout(binding = UNIT_INPUT) uniform sampler2D pyramid;
 layout(binding = UNIT_INPUT + 1) uniform sampler2D filled_a;  // of squares of 4x4 px: depth in x
@@ -26,7 +26,6 @@ layout(binding = UNIT_INPUT + 3) uniform sampler2D ends;          // in w 1 wher
 uniform float occlusion_scale;  // width of the farthest ring's squares, point spacings
 
 const float ball = 2.0;              // what is farther than so many of those widths occludes nothing
-const float least_spacing_px = 1.3;  // as in planes.glsl
 const int finest = 1;                // level of the squares of 4x4 px
 
 #ifdef PUSH_LEVELS
@@ -83,7 +82,7 @@ Patch patch_of(ivec2 own) {
 #endif
   float size = dot(normal, normal);
   return Patch(vec4(at.xyz, size > 1e-6 ? at.w : 0.0), normal * inversesqrt(max(size, 1e-6)),
-               max(spacing, least_spacing_px / pixels_at(-at.z)));
+               told_apart(spacing, -at.z));
 }
 
 // Sine of the elevation of y above the tangent plane, fading out over the last quarter of the ball's radius.

@@ -2,12 +2,12 @@
 // a radius that closes the surface. Where the points of the ball lie on a line, the ball grows.
 #include "techniques/surface/ball.glsl"
 #include "techniques/surface/eigen.glsl"
+#include "techniques/surface/least_spacing.glsl"
 
 uniform float normal_scale;  // radius of the ball, point spacings
 uniform float disc_scale;    // radius of a disc, point spacings
 uniform float gap_scale;     // how far apart points of one surface may be, point spacings
 
-const float least_spacing_px = 1.3;  // what is finer than the finest squares is not told apart
 const float lone_scale = 0.3;        // of a disc without a plane over one with
 const float rim_scale = 0.65;        // of a disc that is seen edge-on over one that is not
 
@@ -16,7 +16,7 @@ bool filter_pixel(ivec2 pixel) {
   out_1 = vec4(0.0);
   vec4 own = texelFetch(clusters, pixel, 0);
   if (own.w <= 0.0) return true;
-  float spacing = max(texelFetch(about, pixel, 0).x, least_spacing_px / pixels_at(-own.z));
+  float spacing = told_apart(texelFetch(about, pixel, 0).x, -own.z);
   vec3 toward = to_camera(own.xyz), normal = toward;
   float radius = 0.0, reach = normal_scale * spacing;
   Fit fit;
