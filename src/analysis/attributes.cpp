@@ -156,8 +156,8 @@ class Completion {
         const float least = options_.clutter_radius;
         float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, shares.own[i]), narrow[i]));
         // A stray point is as far from its neighbours as they are from anything, which is no size.
-        const float stray = most_in_clutter * prepared_.median_radius / radii[i];
-        if (stray < 1) shrunk *= std::lerp(stray, 1.0f, shares.own[i]);
+        const float dot = most_in_clutter * prepared_.median_radius / radii[i];
+        if (dot < 1) shrunk *= std::lerp(dot, 1.0f, shares.own[i]);
         if (tells && (flatness[i] < 1 || narrow[i] < 1 || shares.own[i] < 1))
           shrunk = std::min(shrunk, most_unless_flat * prepared_.median_radius / radii[i]);
         // The few points of branches that a scanner saw between leaves are flat by chance, far apart, and
@@ -165,6 +165,8 @@ class Completion {
         const float twig = std::max(least, most_in_crown * prepared_.median_radius / radii[i]);
         if (twig < 1)
           shrunk = std::min(shrunk, std::lerp(twig, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
+        // Nor is what hangs above all that surrounds it, as wires above a field.
+        if (dot < 1) shrunk = std::min(shrunk, std::lerp(dot, 1.0f, shares.in_layer[i]));
         prepared_.shrunk[i] = shrunk;
         radii[i] *= shrunk;
       }

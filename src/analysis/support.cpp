@@ -154,15 +154,22 @@ std::size_t place_near(const Scale& scale, const vec3& position, std::size_t i) 
   return nearest;
 }
 
-/// How far a point lies on what the places next to it on the curve have of a surface. All of them, since at
+/// The largest `value(j)` of the three places j that surround point `i` on the curve. All of them, since at
 /// an edge the nearest may be of the other side.
-float on_surface_of(const Scale& scale, const vec3& position, std::size_t i) {
+template <class Value>
+float most_around(const Scale& scale, std::size_t i, Value&& value) {
   float most = 0;
   const std::size_t own = std::min(i / scale.every, scale.positions.size() - 1);
   for (std::size_t j = own - std::min<std::size_t>(own, 1); j < std::min(own + 2, scale.positions.size());
        ++j)
-    most = std::max(most, scale.surface[j] * belongs(position, scale.layers[j]));
+    most = std::max(most, value(j));
   return most;
+}
+
+/// How far a point lies on what the places next to it have of a surface.
+float on_surface_of(const Scale& scale, const vec3& position, std::size_t i) {
+  return most_around(scale, i,
+                     [&](std::size_t j) { return scale.surface[j] * belongs(position, scale.layers[j]); });
 }
 
 /// The mean of `values` over each place of a scale and its neighbours.
@@ -209,7 +216,8 @@ SurfaceShares surface_shares(const std::vector<vec3>& positions, std::vector<flo
     // The region is that of 192 points: of more, a lone tree on a lawn would be lawn.
     scales.push_back(widen(positions, every, flatness, neighbors, scales.empty(), progress));
   }
-  SurfaceShares shares{std::move(flatness), std::vector<float>(positions.size(), 1.0f)};
+  const std::vector<float> whole(positions.size(), 1.0f);
+  SurfaceShares shares{std::move(flatness), whole, whole};
   // Too few points to know what surrounds them: nothing is clutter.
   if (scales.empty()) {
     std::fill(shares.own.begin(), shares.own.end(), 1.0f);
@@ -234,6 +242,9 @@ SurfaceShares surface_shares(const std::vector<vec3>& positions, std::vector<flo
   const Scale& wide = scales.back();
   const std::vector<float> regions = means_around(wide, shares.own, neighbors, progress);
   for_all([&](std::size_t i) {
+    shares.in_layer[i] =
+        std::max(on_surface_of(scales.front(), positions[i], i),
+                 most_around(wide, i, [&](std::size_t j) { return belongs(positions[i], wide.layers[j]); }));
     shares.around[i] =
         std::max(regions[place_near(wide, positions[i], i)], on_surface_of(wide, positions[i], i));
   });

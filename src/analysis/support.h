@@ -26,6 +26,9 @@ struct SurfaceShares {
   /// one surface together with it. A few points within a crown that are flat among themselves are a branch at
   /// most.
   std::vector<float> around;
+  /// How far it lies in the layer, thin or thick, that the 1536 points around it make, or in a thin one of
+  /// 192. Wires above a field do not, though a few of them are flat among themselves.
+  std::vector<float> in_layer;
 };
 
 /// How far each point lies on a surface, from 1 to 0 (clutter). One flat neighbourhood does not tell an edge

@@ -123,6 +123,33 @@ TEST(Support, LinesOfASurfaceStillClose) {
   }
 }
 
+TEST(Support, WiresAboveAFieldAreDotsAndASparseRoofIsClosed) {
+  // Six wires, three field spacings apart, with a point every three: flat, sparse, and much too few to be a
+  // surface beside the field. A roof of thousands of points is one, six times as sparse as what lies below
+  // it.
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<vec3> field(40'000);
+  for (vec3& p : field) p = {200 * unit(random), 200 * unit(random), 0};
+  const auto radii_of = [&](int lines, int along, float spacing) {
+    std::vector<vec3> points = field;
+    for (int line = 0; line < lines; ++line)
+      for (int i = 0; i < along; ++i)
+        points.push_back({20 + spacing * (float(i) + 0.6f * unit(random)),
+                          20 + spacing * float(line) + 0.6f * unit(random), 15});
+    const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});
+    std::vector<float> above;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (prepared.cloud.source_index[i] >= field.size())
+        above.push_back(prepared.cloud.radii[i] / prepared.median_radius);
+    std::sort(above.begin(), above.end());
+    return std::array{above[above.size() / 20], above.back()};
+  };
+  EXPECT_LE(radii_of(6, 25, 3)[1], 1.501f);
+  // 1.13 spacings of 2.5, with noise: a few at its corners may shrink.
+  EXPECT_GT(radii_of(60, 60, 2.5f)[0], 2.2f);
+}
+
 TEST(Support, FoliageShrinksAndTheGroundDoesNot) {
   for (double density : {8.0, 30.0}) {
     const sfumato::testing::Forest forest(density);
