@@ -1,10 +1,12 @@
 #include "analysis/attributes.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/concurrent_vector.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -53,6 +55,35 @@ float width_of(const LocalFrame& frame, std::size_t neighbors) {
   return std::max(2 * std::sqrt(frame.variance.y), 2 * std::sqrt(3 * frame.variance.z) / float(neighbors));
 }
 
+/// So many of the neighbours reach half as far as 24, and still tell a plane from a corner; not when they lie
+/// on a line, as a scanner's may: then they are this much longer than wide (in variance; places by
+/// chance 2.5).
+constexpr std::size_t few_neighbors = 8;
+constexpr float line_like = 8;
+/// They are believed when they lie so much better in a plane, and when of the points around at least this
+/// share has a flat neighbourhood of all: among leaves and in noise a few are flat by chance.
+constexpr float better = 4, flat_around = 0.2f, not_flat = 0.08f;
+constexpr std::size_t around = 64;
+/// How flat such a point is: on a surface, but not clearly in a plane where its disc is large.
+constexpr float flat_nearby = 0.99f;
+
+/// The normal of the nearest few where they lie in a plane, and all neighbours, with this `scatter`, do not.
+std::optional<vec3> near_normal(std::span<const vec3> positions, std::uint32_t point,
+                                std::span<const std::uint32_t> ids, std::span<const float> distances2,
+                                float scatter) {
+  constexpr std::size_t most = 64;
+  if (scatter < not_flat || ids.size() < 2 * few_neighbors || ids.size() > most) return std::nullopt;
+  std::array<std::uint64_t, most> keys;
+  for (std::size_t k = 0; k < ids.size(); ++k) keys[k] = sort_key(distances2[k], ids[k]);
+  std::nth_element(keys.begin(), keys.begin() + few_neighbors, keys.begin() + std::ptrdiff_t(ids.size()));
+  std::array<std::uint32_t, few_neighbors> nearest;
+  std::transform(keys.begin(), keys.begin() + few_neighbors, nearest.begin(), id_of);
+  const auto frame = local_frame(positions, point, nearest);
+  const bool tells = frame && is_flat(scatter_of(*frame)) && better * scatter_of(*frame) < scatter &&
+                     line_like * frame->variance.y > frame->variance.z;
+  return tells ? std::optional(frame->normal) : std::nullopt;
+}
+
 /// The same K neighbours for every point, in one array.
 class KeptNeighbors {
  public:
@@ -89,6 +120,8 @@ class Completion {
     KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
 
     const Orientation orientation(cloud_);
+    std::vector<float> scatter(normals || radii ? cloud_.size() : 0);
+    tbb::concurrent_vector<NearNormal> near_normals;
     const bool shrink = radii && options_.clutter_radius < 1;
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
     std::vector<float> narrow(flatness.size(), 1.0f);
@@ -109,6 +142,11 @@ class Completion {
                        own_radius = radii && missing(new_radii[i]);
             const auto frame =
                 own_normal || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
+            if (frame) {
+              scatter[i] = scatter_of(*frame);
+              if (const auto near = near_normal(cloud_.positions, i, ids, distances2, scatter[i]))
+                near_normals.push_back({i, own_normal ? orientation.facing(i, *near) : vec3(0)});
+            }
             if (own_normal)
               new_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
             if (own_radius) {
@@ -122,6 +160,7 @@ class Completion {
             if (keep) kept.keep(i, ids);
           },
           normals ? "normals" : "radii", progress_);
+    take_near_normals(near_normals, scatter, new_normals, flatness);
     const ScalarField* unevenness = uncertainty ? cloud_.scalar(unevenness_name) : nullptr;
     const std::vector<float>& radii_on_surface = radii                 ? new_radii
                                                  : whole_radii.empty() ? cloud_.radii
@@ -142,6 +181,26 @@ class Completion {
   }
 
  private:
+  struct NearNormal {
+    std::uint32_t point;
+    vec3 normal;  ///< 0: the point has one
+  };
+
+  /// Where the nearest few lie in a plane and all neighbours do not, at an edge, on an ear thinner than those
+  /// reach, the plane of all is none of the surface's: `found` is theirs. `scatter`: of all neighbours.
+  static void take_near_normals(const tbb::concurrent_vector<NearNormal>& found,
+                                const std::vector<float>& scatter, std::vector<vec3>& normals,
+                                std::vector<float>& flatness) {
+    for (const NearNormal& near : found) {
+      const std::size_t first = near.point / around * around, last = std::min(first + around, scatter.size());
+      const auto flat = std::count_if(scatter.begin() + std::ptrdiff_t(first),
+                                      scatter.begin() + std::ptrdiff_t(last), is_flat);
+      if (float(flat) < flat_around * float(last - first)) continue;
+      if (!missing(near.normal)) normals[near.point] = near.normal;
+      if (!flatness.empty()) flatness[near.point] = std::max(flatness[near.point], flat_nearby);
+    }
+  }
+
   void shrink_in_clutter(const std::vector<float>& flatness, const std::vector<float>& narrow,
                          std::vector<float>& radii) {
     const auto less = [](float f) { return f < 1; };

@@ -190,6 +190,13 @@ std::vector<float> means_around(const Scale& scale, const std::vector<float>& va
 
 }  // namespace
 
+float scatter_of(const LocalFrame& frame) {
+  const float wide = std::sqrt(frame.variance.y * frame.variance.z);
+  return wide > 0 ? frame.variance.x / wide : 0;
+}
+
+bool is_flat(float scatter) { return scatter < flat_scatter; }
+
 float flatness_of(std::span<const vec3> positions, std::uint32_t point,
                   std::span<const std::uint32_t> neighbors, const LocalFrame& frame, float reach) {
   if (!(frame.variance.z > 0)) return 1;
@@ -198,8 +205,7 @@ float flatness_of(std::span<const vec3> positions, std::uint32_t point,
   const float aside = glm::length(middle) / (float(neighbors.size()) * reach);
   if (aside >= aside_high) return 0;
   const float among = 1 - glm::smoothstep(aside_low, aside_high, aside);
-  const float wide = std::sqrt(frame.variance.y * frame.variance.z);
-  const float flat = wide > 0 ? 1 - glm::smoothstep(flat_scatter, rough_scatter, frame.variance.x / wide) : 1;
+  const float flat = 1 - glm::smoothstep(flat_scatter, rough_scatter, scatter_of(frame));
   if (flat >= 1) return among;
   std::size_t inside = 0;
   for (std::uint32_t j : neighbors)

@@ -11,6 +11,12 @@
 
 namespace sfumato::analysis {
 
+/// A neighbourhood's least variance over what the two others make (the root of their product): 0 in a plane
+/// and on a line.
+float scatter_of(const LocalFrame& frame);
+/// Whether a neighbourhood of that scatter lies in a plane, or on a line, without a doubt.
+bool is_flat(float scatter);
+
 /// How flat the neighbourhood of a point is: 1 on a plane, or on one of two near sheets; 0 where points fill
 /// space, but also at edges. `frame` is the neighbourhood's, `reach` the distance to its farthest point.
 float flatness_of(std::span<const vec3> positions, std::uint32_t point,

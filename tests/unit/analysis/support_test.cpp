@@ -60,6 +60,19 @@ TEST(Support, EdgesAndCornersKeepTheirSize) {
   EXPECT_LT(share_below(shrunk(noisy_box(60, 0.3f)), 0.9f), 0.001);
 }
 
+TEST(Support, BesideAnEdgeTheNearestTellTheDirection) {
+  // The plane of 24 neighbours turns 21 % of the points of a box 20 spacings wide by more than 20 degrees; 17
+  // % where the nearest 8 are asked as well.
+  const std::vector<vec3> points = noisy_box(20, 0);
+  const PreparedCloud prepared = prepare(cloud_of(points), Attribute::normal, {});
+  double turned = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t face = prepared.cloud.source_index[i] / 400;
+    turned += std::abs(prepared.cloud.normals[i][int(face) % 3]) < std::cos(glm::radians(20.0f));
+  }
+  EXPECT_LT(turned / double(points.size()), 0.19);
+}
+
 TEST(Support, NoiseAboveTheSpacingIsStillASurface) {
   // 24 neighbours of such a point fill a ball; 192 of them lie in a layer a quarter as thick as wide, 1536 in
   // one of a tenth. Edges closer than those reach may shrink, as what is less than 20 spacings wide may.
