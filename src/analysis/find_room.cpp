@@ -25,8 +25,9 @@ constexpr double furnished_least = 0.02, furnished_most = 0.9;
 constexpr double wall_low = 0.35, wall_high = 0.75;
 constexpr int wall_bins = 100;
 /// An outer wall holds this share of the wall points at least, within this share of the room's width from its
-/// end.
-constexpr double wall_share = 0.03, wall_reach = 0.3;
+/// end: behind one farther in the scan goes on, as a corridor behind a corner, and all of that would be left
+/// out.
+constexpr double wall_share = 0.03, wall_reach = 0.15;
 
 struct Column {
   int low = height_layers, high = -1,

@@ -183,6 +183,31 @@ TEST(FirstView, RoomsAreSeenThroughTheWallsBeforeThem) {
     }
 }
 
+TEST(FirstView, BehindAnInnerWallTheScanGoesOn) {
+  // A hall of 16 x 6 m, and a corridor of 6 x 2 m that leads on beside its end wall.
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  struct Face {
+    dvec3 corner, u, v;
+  };
+  std::vector<Face> faces = {{{0, 0, 0}, {0, 6, 0}, {0, 0, 3}},   {{0, 0, 0}, {22, 0, 0}, {0, 0, 3}},
+                             {{0, 6, 0}, {16, 0, 0}, {0, 0, 3}},  {{16, 2, 0}, {0, 4, 0}, {0, 0, 3}},
+                             {{16, 2, 0}, {6, 0, 0}, {0, 0, 3}},  {{22, 0, 0}, {0, 2, 0}, {0, 0, 3}},
+                             {{4, 2, 0.8}, {4, 0, 0}, {0, 2, 0}}, {{4, 2, 0}, {4, 0, 0}, {0, 0, 0.8}}};
+  for (double z : {0.0, 3.0})
+    faces.push_back({{0, 0, z}, {16, 0, 0}, {0, 6, 0}}), faces.push_back({{16, 0, z}, {6, 0, 0}, {0, 2, 0}});
+  PointCloud cloud;
+  for (const Face& face : faces)
+    for (int i = 0; i < 600 * glm::length(face.u) * glm::length(face.v); ++i)
+      cloud.positions.push_back(vec3(face.corner + unit(random) * face.u + unit(random) * face.v));
+  const Pose pose = pose_of(cloud);
+  ASSERT_TRUE(pose.subject.room);
+  std::vector<glm::dvec4> sides = pose.subject.room->outside;
+  std::erase_if(sides, [](const glm::dvec4& side) { return side.z > 0.5; });
+  EXPECT_GE(sides.size(), 2u);
+  for (double x = 17; x < 21; x += 0.5) EXPECT_FALSE(is_behind(sides, {x, 1, 0.1})) << x;
+}
+
 TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
   for (const char* name : {"courtyard", "forest", "spheres", "tori"})
     EXPECT_FALSE(pose_of(scan(name, synth::Sampling::automatic, 200'000)).subject.room) << name;
