@@ -21,6 +21,9 @@ constexpr double thin_least = 0.5;
 /// from walls: nothing is furniture that stands everywhere, as the middle one of three sheets or a storey
 /// between two others.
 constexpr double furnished_least = 0.02, furnished_most = 0.9;
+/// Ceilings over this share of the plan are cut, a gallery's too; what covers less is a lamp or a beam, 2 %
+/// of a furnished room.
+constexpr double low_ceilings = 0.1;
 /// Walls are sought among what is neither furniture nor lintel.
 constexpr double wall_low = 0.35, wall_high = 0.75;
 constexpr int wall_bins = 100;
@@ -98,7 +101,9 @@ class Plan {
     std::vector<int> ceilings;
     for (const Column& column : columns_)
       if (column.is_roofed) ceilings.push_back(column.high);
-    const double ceiling = (double(nth_value(ceilings, ceilings.size() / 5)) - 0.5) / height_layers;
+    const double ceiling =
+        (double(nth_value(ceilings, std::size_t(low_ceilings * double(ceilings.size())))) - 0.5) /
+        height_layers;
     Room room;
     const bool down = glm::dot(up, dvec3(1)) < 0;
     const double height =
