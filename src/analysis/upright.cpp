@@ -21,6 +21,9 @@ constexpr double mostly_flat = 0.3;
 /// scenes: the right axis leads by 0.15 or more in nine cases of ten.
 constexpr double lead = 0.15;
 constexpr int cells = 24, layers = 25, fine = 64;
+/// Fewer points than so many a column would leave most of a base without one in the lowest layer.
+constexpr double points_of_column = 25;
+constexpr int fewest_cells = 8;
 /// What is thin, but closed all around, is no land: a figure, where the custom says that its length is its
 /// height. Columns of which half or more hold two sheets with nothing between, 0 of land; a figure fills no
 /// rectangle, and is higher than wide.
@@ -88,22 +91,23 @@ struct Sample {
   double stands_on(int axis, bool positive) const {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const dvec3 extent = glm::max(size(), dvec3(1e-300));
-    std::array<int, std::size_t(cells * cells)> lowest;
-    lowest.fill(layers);
+    const int across =
+        std::clamp(int(std::sqrt(double(points.size()) / points_of_column)), fewest_cells, cells);
+    std::vector<int> lowest(std::size_t(across * across), layers);
     for (const dvec3& p : points) {
       const dvec3 at = (p - low) / extent;
       if (at[u] < 0 || at[u] > 1 || at[v] < 0 || at[v] > 1) continue;
       const double height = positive ? at[axis] : 1 - at[axis];
       const int layer = std::clamp(int(height * layers), 0, layers - 1);
-      int& cell = lowest[std::size_t(std::min(int(at[u] * cells), cells - 1) * cells +
-                                     std::min(int(at[v] * cells), cells - 1))];
+      int& cell = lowest[std::size_t(std::min(int(at[u] * across), across - 1) * across +
+                                     std::min(int(at[v] * across), across - 1))];
       cell = std::min(cell, layer);
     }
     double standing = 0;
     for (int layer : lowest) standing += layer < 1;
     const double broad =
         extent[u] * extent[v] / std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
-    return standing / (cells * cells) * std::sqrt(broad);
+    return standing / (across * across) * std::sqrt(broad);
   }
 
   /// Whether it is a closed body: of the columns along `axis`, most hold two sheets and nothing between, and

@@ -272,6 +272,23 @@ TEST(Upright, TablesStayOnTheirFeet) {
   EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
 }
 
+TEST(Upright, FewPointsStandAsManyDo) {
+  // A dome on its base, which lies on its side by the custom of its format. Every tenth point is of the base.
+  std::mt19937 random(14);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int points : {800, 3000, 40'000}) {
+    PointCloud cloud;
+    cloud.up = UpAxis::pos_z;
+    for (int i = 0; i < points; ++i) {
+      const double angle = 2 * M_PI * unit(random), share = unit(random);
+      const double radius = i % 10 == 0 ? std::sqrt(share) : std::sqrt(1 - share * share);
+      cloud.positions.push_back(
+          vec3(radius * std::cos(angle), i % 10 == 0 ? 0 : share, radius * std::sin(angle)));
+    }
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y) << points;
+  }
+}
+
 TEST(Upright, RobotsLookAlongX) {
   PointCloud cloud = street_sweep(64);
   std::erase_if(cloud.positions, [](const vec3& p) { return !(p.x > 1 && std::abs(p.y) < 0.6f * p.x); });
