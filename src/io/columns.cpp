@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 namespace sfumato::io {
@@ -108,6 +109,33 @@ bool assign_roles(std::vector<Column>& columns) {
   if (!demote({Role::red, Role::green, Role::blue}))
     demote({Role::red, Role::green, Role::blue, Role::alpha});
   return demote({Role::x, Role::y, Role::z});
+}
+
+void use_usual_names(std::vector<Column>& columns) {
+  static const std::pair<std::string_view, std::string_view> usual[] = {
+      {"intensity", "intensity"},
+      {"classification", "classification"},
+      {"class", "classification"},
+      {"return_number", "return_number"},
+      {"number_of_returns", "number_of_returns"},
+      {"gps_time", "gps_time"},
+      {"gpstime", "gps_time"},
+      {"scan_angle", "scan_angle"},
+      {"scan_angle_rank", "scan_angle"},
+      {"user_data", "user_data"},
+      {"point_source_id", "point_source_id"}};
+  for (Column& column : columns) {
+    if (column.role != Role::scalar) continue;
+    std::string plain = column.name;
+    constexpr std::string_view prefix = "scalar_";
+    if (plain.starts_with(prefix)) plain.erase(0, prefix.size());
+    for (char& c : plain) c = c == ' ' || c == '-' ? '_' : char(std::tolower(static_cast<unsigned char>(c)));
+    for (const auto& [theirs, ours] : usual) {
+      const bool is_taken = std::any_of(columns.begin(), columns.end(),
+                                        [&](const Column& other) { return other.name == ours; });
+      if (plain == theirs && !is_taken) column.name = ours;
+    }
+  }
 }
 
 dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {

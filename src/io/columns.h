@@ -37,6 +37,11 @@ int column_of(const std::vector<Column>& columns, Role role);
 /// when it is complete: without ny, nx is a scalar. False when x, y or z is missing.
 bool assign_roles(std::vector<Column>& columns);
 
+/// Gives scalars that other programs spell in their way the names that colours, classes and filters know,
+/// those of LAS: CloudCompare's `scalar_Intensity` and `Return Number`, `Class`. A name that is there already
+/// stays the only one.
+void use_usual_names(std::vector<Column>& columns);
+
 /// Minimum, maximum and sum over finite values: of coordinates over kept points, of attributes over all
 /// records.
 struct Stats {

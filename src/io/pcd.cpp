@@ -210,6 +210,7 @@ class FieldLines final : public LineGrammar {
 void need_positions(const File& file, std::vector<Column>& columns) {
   if (!assign_roles(columns))
     bad_input(file.path(), "header", "FIELDS lacks x, y or z; export it with positions");
+  use_usual_names(columns);
 }
 
 [[noreturn]] void too_short(const File& file, const PcdHeader& header, std::uint64_t held) {

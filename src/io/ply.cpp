@@ -30,6 +30,7 @@ std::vector<Column> vertex_columns(const File& file, const PlyElement& vertex) {
   if (!assign_roles(columns))
     bad_input(file.path(), "header",
               "the vertex element has no properties x, y and z; export it with positions");
+  use_usual_names(columns);
   return columns;
 }
 

@@ -1,15 +1,15 @@
 // Lines of numbers (XYZ, TXT, CSV, PTS, ASC): blanks, tabs, commas and semicolons separate, mixed as they
-// come. The columns are named by a header line or guessed from the first lines; the guess is a note of the
-// report.
+// come, unless commas are decimal. The columns are named by a header line or guessed from the first lines;
+// the guess is a note of the report.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "io/columns.h"
 #include "io/file.h"
 #include "io/format.h"
-#include "io/text_rows.h"
+#include "io/text_dialect.h"
 
 namespace sfumato::io {
 namespace {
@@ -18,8 +18,6 @@ constexpr std::size_t sample_lines = 100;
 constexpr std::size_t most_columns = 256;
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
-bool is_separator(char c) { return c == ',' || c == ';'; }
-
 /// `at`: behind the blanks that a line begins with.
 bool is_comment(const char* at, const char* end) {
   return at < end && (*at == '#' || *at == '%' || (*at == '/' && at + 1 < end && at[1] == '/'));
@@ -27,20 +25,6 @@ bool is_comment(const char* at, const char* end) {
 bool is_comment(std::string_view line) {
   const char* end = line.data() + line.size();
   return is_comment(skip_blanks(line.data(), end), end);
-}
-
-/// The words of a line. An empty cell between two commas is a word too; one behind the last comma is not.
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> words;
-  const char *at = line.data(), *end = at + line.size();
-  while ((at = skip_blanks(at, end)) < end) {
-    const char* word = at;
-    while (at < end && !is_blank(*at) && !is_separator(*at)) ++at;
-    words.emplace_back(word, std::size_t(at - word));
-    at = skip_blanks(at, end);
-    if (at < end && is_separator(*at)) ++at;
-  }
-  return words;
 }
 
 std::optional<double> to_number(std::string_view word) {
@@ -64,44 +48,19 @@ std::optional<std::vector<double>> to_numbers(const std::vector<std::string_view
   return numbers;
 }
 
-/// `//X` and `"Red"` are x and red; the case of other names is kept.
-std::string clean_name(std::string_view word) {
-  while (!word.empty() && (word.front() == '/' || word.front() == '#' || word.front() == '"'))
-    word.remove_prefix(1);
-  while (!word.empty() && word.back() == '"') word.remove_suffix(1);
-  return std::string(word);
-}
-
-/// "1,5 2,5 3,5": every word is one number with a decimal comma. Read as separators, the commas would make 1,
-/// 5, 2 of it.
-bool has_decimal_commas(std::string_view line) {
-  int words = 0;
-  for (const char *at = line.data(), *end = at + line.size(); (at = skip_blanks(at, end)) < end;) {
-    const char* word = at;
-    while (at < end && !is_blank(*at) && *at != ';') ++at;
-    const std::string_view text(word, std::size_t(at - word));
-    if (at < end && *at == ';') ++at;
-    const std::size_t comma = text.find(',');
-    const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
-    if (comma == 0 || comma == std::string_view::npos || !is_digit(comma - 1) || !is_digit(comma + 1) ||
-        text.find(',', comma + 1) != std::string_view::npos)
-      return false;
-    ++words;
-  }
-  return words >= 2;
-}
-
 /// What the first lines of a file tell.
 struct Beginning {
-  std::vector<std::string> header;          ///< names, when the last line before the numbers holds some
+  std::string header;                       ///< the last line before the numbers that is none of them
   std::vector<std::vector<double>> rows;    ///< the first lines of numbers
   std::uint64_t begin = 0, first_line = 1;  ///< where the numbers begin
   bool has_count = false;                   ///< a lone count came first (PTS)
-  bool decimal_commas = true;               ///< all of the first lines of numbers are written so
+  bool has_quotes = false, has_decimal_commas = false, has_separating_commas = false;
 };
 
-Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns) {
+Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns,
+                            const Dialect& dialect) {
   Beginning found;
+  std::string translated;
   LineReader lines(file, 0, 1);
   std::string_view line;
   std::uint64_t at = 0;
@@ -113,8 +72,11 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
       line.remove_prefix(byte_order_mark.size());
       found.begin = byte_order_mark.size();
     }
-    std::vector<std::string_view> words = split(line);
+    translated = line;
+    dialect.translate(translated);
+    const std::vector<std::string_view> words = split(translated);
     if (words.empty()) continue;
+    found.has_quotes = found.has_quotes || line.find('"') != std::string_view::npos;
     std::optional<std::vector<double>> numbers = is_comment(line) ? std::nullopt : to_numbers(words, columns);
     const bool lone = numbers && numbers->size() == 1;
     if (found.rows.empty() && (!numbers || lone)) {
@@ -122,15 +84,29 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
       found.first_line = lines.line_number() + 1;
       found.has_count = found.has_count || lone;
       if (numbers) continue;
-      found.header.clear();
-      for (std::string_view word : words)
-        if (const std::string name = clean_name(word); !name.empty()) found.header.push_back(name);
+      found.header = line;
     } else if (numbers && !lone) {
-      found.decimal_commas = found.decimal_commas && has_decimal_commas(line);
+      const Commas commas = commas_of(line);
+      found.has_decimal_commas = found.has_decimal_commas || commas == Commas::decimal;
+      found.has_separating_commas = found.has_separating_commas || commas == Commas::separating;
       found.rows.push_back(std::move(*numbers));
     }
   }
   return found;
+}
+
+/// The same, in the dialect that it is written in. Lines that begin with a word are the last resort.
+Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns, Dialect& dialect) {
+  for (;;) {
+    const std::vector<std::string> label{"_"};
+    Beginning found = look_at_beginning(file, dialect.label ? label : columns, std::as_const(dialect));
+    const Dialect before = dialect;
+    dialect.quotes = dialect.quotes || found.has_quotes;
+    dialect.decimal_commas =
+        dialect.decimal_commas || (found.has_decimal_commas && !found.has_separating_commas);
+    if (dialect == before && found.rows.empty() && columns.empty()) dialect.label = true;
+    if (dialect == before) return found;
+  }
 }
 
 /// Questions about a column of the first lines.
@@ -175,13 +151,21 @@ std::string join(const std::vector<std::string>& names) {
 /// The columns of a line by name; `_` is passed over.
 class PointLines final : public LineGrammar {
  public:
-  PointLines(const std::vector<bool>& wanted, bool allow_counts)
-      : wanted_(wanted.begin(), wanted.end()), allow_counts_(allow_counts) {}
+  PointLines(const std::vector<bool>& wanted, bool allow_counts, const Dialect& dialect)
+      : wanted_(wanted.begin(), wanted.end()), allow_counts_(allow_counts), dialect_(dialect) {}
   bool counts(std::string_view line) const override {
     const char *end = line.data() + line.size(), *at = skip_blanks(line.data(), end);
     return at < end && !is_comment(at, end);
   }
   bool parse(std::string_view line, double* row) const override {
+    if (dialect_.is_plain()) return parse_plain(line, row);
+    std::string translated(line);
+    dialect_.translate(translated);
+    return parse_plain(translated, row);
+  }
+
+ private:
+  bool parse_plain(std::string_view line, double* row) const {
     const char *at = line.data(), *end = at + line.size();
     for (std::size_t k = 0; k < wanted_.size(); ++k) {
       at = skip_blanks(at, end);
@@ -212,17 +196,17 @@ class PointLines final : public LineGrammar {
     return true;
   }
 
- private:
   static const char* word_end(const char* at, const char* end) {
     while (at < end && !is_blank(*at) && !is_separator(*at)) ++at;
     return at;
   }
   std::vector<char> wanted_;
   bool allow_counts_;
+  Dialect dialect_;
 };
 
 /// Names of the columns: what the user says, else the header line, else the guess.
-std::vector<std::string> name_columns(const File& file, const Beginning& beginning,
+std::vector<std::string> name_columns(const File& file, const Beginning& beginning, const Dialect& dialect,
                                       const ReadOptions& options, std::vector<std::string>& notes) {
   std::size_t width = most_columns + 1;
   for (const std::vector<double>& row : beginning.rows) width = std::min(width, row.size());
@@ -237,17 +221,18 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
                     std::to_string(options.columns.size()) + " as the columns given; name fewer");
     return options.columns;
   }
-  if (width < 3 || width > most_columns)
+  if (width < (dialect.label ? 4 : 3) || width > most_columns)
     bad_input(file.path(), place,
               "found " + std::to_string(std::min(width, most_columns)) +
                   " numbers in a line, expected x y z and at most " + std::to_string(most_columns) +
                   "; this is no text of points");
-  if (beginning.header.size() == width) {
+  if (std::vector<std::string> names = names_in(beginning.header, width); !names.empty()) {
+    if (dialect.label) names[0] = "_";
     std::vector<Column> columns;
-    for (const std::string& name : beginning.header) columns.push_back({name});
+    for (const std::string& name : names) columns.push_back({name});
     if (assign_roles(columns)) {
-      notes.push_back("columns from the header line: " + join(beginning.header));
-      return beginning.header;
+      notes.push_back("columns from the header line: " + join(names));
+      return names;
     }
   }
   // A count on top makes it a PTS, whose columns are fixed: x y z [intensity] [r g b].
@@ -258,7 +243,11 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
     notes.push_back("columns of a PTS: " + join(names) + " (--columns names them otherwise)");
     return names;
   }
-  std::vector<std::string> names = guess_columns(beginning.rows, width);
+  std::vector<std::vector<double>> rows = beginning.rows;
+  if (dialect.label)
+    for (std::vector<double>& row : rows) row.erase(row.begin());
+  std::vector<std::string> names = guess_columns(rows, dialect.label ? width - 1 : width);
+  if (dialect.label) names.insert(names.begin(), "_");
   notes.push_back("columns guessed from the first " + std::to_string(beginning.rows.size()) +
                   " lines: " + join(names) + " (--columns names them otherwise)");
   return names;
@@ -320,12 +309,15 @@ bool is_text(std::string_view head) {
 
 ReadResult read_text(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
-  const Beginning beginning = look_at_beginning(file, options.columns);
-  if (beginning.decimal_commas && !beginning.rows.empty())
-    bad_input(path, "line " + std::to_string(beginning.first_line),
-              "found numbers with a decimal comma, as 1,5; write decimals with a point (sed 's/,/./g' does)");
+  const std::string mark = file.read_text(0, 2);
+  if (mark == "\xFF\xFE" || mark == "\xFE\xFF")
+    bad_input(path, "byte 0", "found UTF-16, expected UTF-8; save it so (iconv -f UTF-16 -t UTF-8 does)");
+  Dialect dialect;
+  const Beginning beginning = look_at_beginning(file, options.columns, dialect);
   ReadResult result;
-  const std::vector<std::string> names = name_columns(file, beginning, options, result.report.notes);
+  if (dialect.decimal_commas) result.report.notes.push_back("commas are decimal: 1,5 is one and a half");
+  if (dialect.label) result.report.notes.push_back("the first word of each line is passed over");
+  const std::vector<std::string> names = name_columns(file, beginning, dialect, options, result.report.notes);
   std::vector<Column> columns;
   std::vector<bool> wanted;
   for (const std::string& name : names) {
@@ -335,7 +327,8 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   if (!assign_roles(columns))
     throw Error(options.columns.empty() ? ErrorCode::bad_input : ErrorCode::usage,
                 path.string() + ": the columns " + join(names) + " lack x, y or z; name them");
-  const PointLines grammar(wanted, beginning.has_count);
+  use_usual_names(columns);
+  const PointLines grammar(wanted, beginning.has_count, dialect);
   const TextBlocks text = cut_lines(file, beginning.begin, beginning.first_line, grammar, progress);
   read_rows(file, text, 0, text.rows, grammar, std::move(columns), false, progress, result);
   if (result.report.points == 0)

@@ -21,7 +21,9 @@ class MistakesTest : public CommandTest {
     write_cube("cube.ply", 4);
     write("broken.json", "{\n  \"technique\": \"points\",\n  \"options\" {}\n}\n");
     write("odd.json", R"({"parameters": {"point_sizes": 2}})");
-    write("comma.xyz", "1,5 2,5 3,5\n1,6 2,6 3,6\n");
+    write("wide.xyz", std::string("\xFF\xFE"
+                                  "1\0 \0002\0 \0003\0\n\0",
+                                  14));
     write("words.xyz", "no numbers here\n");
   }
   void check(const std::vector<Mistake>& mistakes) {
@@ -126,7 +128,7 @@ TEST_F(MistakesTest, OfFiles) {
       {{"missing.ply", "-o", "a.png"}, 6, "check the name"},
       {{"*.laz", "-o", "a.png"}, 6, "check the folder and the pattern"},
       {{"words.xyz", "-o", "a.png"}, 2, "words.xyz"},
-      {{"comma.xyz", "-o", "a.png"}, 2, "write decimals with a point"},
+      {{"wide.xyz", "-o", "a.png"}, 2, "iconv -f UTF-16 -t UTF-8"},
       {{"cube.ply", "-o", "a.bmp"}, 1, "written as .png, .jpg, .webp, .exr or .npy"},
       {{"cube.ply", "-o", "cube.ply"}, 1, "cube.ply"},
       {{"cube.ply", "-o", "a_{x}.png"}, 1, "there are {stem}"},
@@ -151,7 +153,7 @@ TEST_F(MistakesTest, OfFiles) {
       {{"synth", "courtyart", "-o", "a.ply"}, 1, "courtyard"},
   });
   EXPECT_EQ(files(),
-            (std::vector<std::string>{"broken.json", "comma.xyz", "cube.ply", "odd.json", "words.xyz"}))
+            (std::vector<std::string>{"broken.json", "cube.ply", "odd.json", "wide.xyz", "words.xyz"}))
       << "no mistake leaves a file behind";
 }
 

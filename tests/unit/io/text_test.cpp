@@ -143,6 +143,41 @@ TEST(TextTest, HeaderLinesNameTheColumns) {
   EXPECT_EQ(read_text("\"id\";\"z\";\"x\";\"y\"\n9;3;1;2\n").cloud.positions.at(0), vec3(1, 2, 3));
 }
 
+TEST(TextTest, DecimalCommasAndQuotesAreRead) {
+  const std::vector<vec3> places{{1.5, -2.25, 3}, {4, 5.5, 6.75}};
+  for (const char* text :
+       {"1,5 -2,25 3\n4 5,5 6,75\n", "x;y;z\r\n1,5;-2,25;3\r\n4;5,5;6,75\r\n", "1,5\t-2,25\t3\n4\t5,5\t6,75",
+        "\"x\",\"y\",\"z\"\n\"1.5\",\"-2.25\",\"3\"\n\"4\",\"5.5\",\"6.75\"\n",
+        "\"1,5\";\"-2,25\";\"3\"\n\"4\";\"5,5\";\"6,75\"\n", "1.5,-2.25,3\n4,5.5,6.75\n"})
+    EXPECT_EQ(read_text(text).cloud.positions, places) << text;
+  // Commas that part numbers somewhere part them everywhere.
+  EXPECT_EQ(read_text("1,2 3\n4, 5 6\n").cloud.positions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}}));
+  const io::ReadResult colored = read_text("1,5;2,5;3;255;0;128\n1;2;3,5;0;1;2\n");
+  EXPECT_EQ(colored.cloud.colors.at(0), (Rgba8{255, 0, 128, 255}));
+  EXPECT_NE(colored.report.notes.at(0).find("commas are decimal"), std::string::npos);
+}
+
+TEST(TextTest, HeadersOfSurveyorsNameTheAxes) {
+  for (const char* header : {"Easting,Northing,Elevation,Class\n", "E [m],N [m],H (m),class\n",
+                             "// y_coord; x_coord; z; Class\n"}) {
+    const bool swapped = header[0] == '/';
+    const PointCloud cloud = read_text(std::string(header) + "1,2,3,6\n").cloud;
+    EXPECT_EQ(cloud.positions.at(0), swapped ? vec3(2, 1, 3) : vec3(1, 2, 3)) << header;
+    ASSERT_TRUE(cloud.scalar("classification")) << header;
+  }
+  const PointCloud cloud = read_text("X,Y,Z,Height above ground,Return Number\n1,2,3,4,5\n").cloud;
+  EXPECT_EQ(cloud.positions.at(0), vec3(1, 2, 3));
+  EXPECT_TRUE(cloud.scalar("Height above ground"));
+  EXPECT_TRUE(cloud.scalar("return_number"));
+}
+
+TEST(TextTest, NamesOfPointsArePassedOver) {
+  const io::ReadResult result = read_text("P1 1 2 3 10 20 30\nP2 4 5 6 1 2 3\n");
+  EXPECT_EQ(result.cloud.positions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(result.cloud.colors.at(0), (Rgba8{10, 20, 30, 255}));
+  EXPECT_EQ(read_text("name,z,y,x\na,3,2,1\n").cloud.positions.at(0), vec3(1, 2, 3));
+}
+
 TEST(TextTest, TheUsersColumnsWin) {
   io::ReadOptions options;
   options.columns = {"_", "z", "y", "x", "intensity"};
