@@ -21,9 +21,9 @@ Role role_of(std::string name) {
       {Role::nx, {"nx", "normal_x", "normalx", "nor:normalx"}},
       {Role::ny, {"ny", "normal_y", "normaly", "nor:normaly"}},
       {Role::nz, {"nz", "normal_z", "normalz", "nor:normalz"}},
-      {Role::red, {"red", "r", "diffuse_red", "rf", "colorred"}},
-      {Role::green, {"green", "g", "diffuse_green", "gf", "colorgreen"}},
-      {Role::blue, {"blue", "b", "diffuse_blue", "bf", "colorblue"}},
+      {Role::red, {"red", "r", "diffuse_red", "rf", "colorred", "rgb:0", "rgb_0"}},
+      {Role::green, {"green", "g", "diffuse_green", "gf", "colorgreen", "rgb:1", "rgb_1"}},
+      {Role::blue, {"blue", "b", "diffuse_blue", "bf", "colorblue", "rgb:2", "rgb_2"}},
       {Role::alpha, {"alpha", "a", "diffuse_alpha"}},
       {Role::radius, {"radius"}}};
   for (const auto& [role, words] : names)

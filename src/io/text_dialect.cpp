@@ -17,9 +17,10 @@ std::string clean_name(std::string_view word) {
 
 void use_names_of_axes(std::vector<std::string>& names) {
   static const std::vector<std::string> words[3] = {
-      {"easting", "east", "e", "x_coord", "coord_x", "pos_x"},
-      {"northing", "north", "n", "y_coord", "coord_y", "pos_y"},
-      {"elevation", "height", "altitude", "elev", "alt", "h", "z_coord", "coord_z", "pos_z"}};
+      {"easting", "east", "e", "x_coord", "coord_x", "pos_x", "points:0", "points_0"},
+      {"northing", "north", "n", "y_coord", "coord_y", "pos_y", "points:1", "points_1"},
+      {"elevation", "height", "altitude", "elev", "alt", "h", "z_coord", "coord_z", "pos_z", "points:2",
+       "points_2"}};
   std::vector<std::string> low = names;
   for (std::string& name : low)
     for (char& c : name) c = char(std::tolower(static_cast<unsigned char>(c)));

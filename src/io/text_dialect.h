@@ -34,9 +34,9 @@ enum class Commas { none, decimal, separating };
 Commas commas_of(std::string_view line);
 
 /// The names in a header line of `width` columns, without comment signs, quotes and units: `//X`, `"Red"`,
-/// `Z [m]`; blanks part them, or commas, semicolons or tabs do. Surveyors' words for the axes (easting,
-/// northing, elevation ...) become x, y and z where these are no names themselves; the case of other names is
-/// kept. Nothing where there are more names, or fewer.
+/// `Z [m]`; blanks part them, or commas, semicolons or tabs do. Others' words for the axes (easting,
+/// northing, elevation; ParaView's Points:0 ...) become x, y and z where these are no names themselves; the
+/// case of other names is kept. Nothing where there are more names, or fewer.
 std::vector<std::string> names_in(std::string_view line, std::size_t width);
 
 }  // namespace sfumato::io

@@ -165,6 +165,10 @@ TEST(TextTest, HeadersOfSurveyorsNameTheAxes) {
     EXPECT_EQ(cloud.positions.at(0), swapped ? vec3(2, 1, 3) : vec3(1, 2, 3)) << header;
     ASSERT_TRUE(cloud.scalar("classification")) << header;
   }
+  const PointCloud paraview =
+      read_text("\"RGB:0\",\"RGB:1\",\"RGB:2\",\"Points:0\",\"Points:1\",\"Points:2\"\n9,8,7,1,2,3\n").cloud;
+  EXPECT_EQ(paraview.positions.at(0), vec3(1, 2, 3));
+  EXPECT_EQ(paraview.colors.at(0), (Rgba8{9, 8, 7, 255}));
   const PointCloud cloud = read_text("X,Y,Z,Height above ground,Return Number\n1,2,3,4,5\n").cloud;
   EXPECT_EQ(cloud.positions.at(0), vec3(1, 2, 3));
   EXPECT_TRUE(cloud.scalar("Height above ground"));
