@@ -212,11 +212,13 @@ class Completion {
     prepared_.shrunk.resize(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const float least = options_.clutter_radius;
-        float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, shares.own[i]), narrow[i]));
+        const float least = options_.clutter_radius,
+                    dot = most_in_clutter * prepared_.median_radius / radii[i];
+        // What is sparse and hangs above all that surrounds it, as wires above a field, is on no surface.
+        const float own = dot < 1 ? shares.own[i] * shares.in_layer[i] : shares.own[i];
+        float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, own), narrow[i]));
         // A stray point is as far from its neighbours as they are from anything, which is no size.
-        const float dot = most_in_clutter * prepared_.median_radius / radii[i];
-        if (dot < 1) shrunk *= std::lerp(dot, 1.0f, shares.own[i]);
+        if (dot < 1) shrunk *= std::lerp(dot, 1.0f, own);
         if (tells && (flatness[i] < 1 || narrow[i] < 1 || shares.own[i] < 1))
           shrunk = std::min(shrunk, most_unless_flat * prepared_.median_radius / radii[i]);
         // The few points of branches that a scanner saw between leaves are flat by chance, far apart, and
