@@ -8,7 +8,7 @@ void EyeDomeLighting::run(const View& view, const RenderSettings& settings, cons
                           const gl::Texture& depth, const gl::Texture& out) {
   if (!pass_) pass_ = ScreenPass("passes/eye_dome_lighting.glsl", {GL_RGBA32F});
   view.bind();
-  pass_.set("radius_px", settings.edl_radius).set("strength", settings.edl_strength);
+  pass_.set("radius_px", settings.edl_radius).set("strength", settings.edl_strength.value());
   // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same
   // extent.
   const Camera& camera = view.camera();

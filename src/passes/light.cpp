@@ -88,9 +88,15 @@ void RenderSettings::describe(ParamList& p) {
       .help("distance below which a point casts no shadow (auto: 3 point spacings)")
       .paper("d_min");
   p.add("ground", ground).help("a plane under the cloud that catches its shadow (with shadows hard or soft)");
-  p.add("edl", edl).help("eye-dome lighting as a finish (auto: where the technique wants it)");
+  p.add("edl", edl)
+      .help(
+          "eye-dome lighting as a finish (auto: where the technique wants it, and on splats without colours "
+          "of "
+          "their own)");
   p.add("edl_radius", edl_radius).range(0.5, 16).unit("px").help("reach of eye-dome lighting");
-  p.add("edl_strength", edl_strength).range(0, 10).help("darkness of eye-dome lighting");
+  p.add("edl_strength", edl_strength)
+      .range(0, 10)
+      .help("darkness of eye-dome lighting (auto: 0.4, on splats 0.12)");
   p.add("samples", samples)
       .range(1, 64)
       .help(

@@ -66,7 +66,9 @@ Bounds depth_bounds(const PointCloud& cloud) {
 
 bool has_edl(std::span<const Item> items, const RenderSettings& settings) {
   bool is_wanted = false;
-  for (const Item& item : items) is_wanted = is_wanted || item.technique->wants_edl();
+  for (const Item& item : items)
+    is_wanted =
+        is_wanted || item.technique->wants_edl() || (item.technique->wants_relief() && !settings.own_colors);
   Auto<bool> edl = settings.edl;
   return edl.resolve(is_wanted) && is_shaded(settings);
 }

@@ -73,6 +73,22 @@ TEST_F(RenderTest, ReportHasItsFields) {
   EXPECT_GT(json["timings_ms"].size(), 1u);
 }
 
+// What has no colours of its own shows its small shapes by a little eye-dome lighting.
+TEST_F(RenderTest, SplatsWithoutColorsShowTheirRelief) {
+  const auto edl = [&](std::vector<std::string> more) {
+    std::vector<std::string> line{"cube.ply", "-t",           "splats", "-o",
+                                  "a.png",    "--resolution", "64,48",  "--json"};
+    line.insert(line.end(), more.begin(), more.end());
+    const Json json = run_json(line)["parameters"];
+    return std::pair(json["edl"].get<bool>(), json["edl_strength"].get<double>());
+  };
+  EXPECT_EQ(edl({"--color-by", "elevation"}), std::pair(true, 0.12));
+  EXPECT_EQ(edl({"--color-by", "clay"}), std::pair(true, 0.12));
+  EXPECT_EQ(edl({"--color-by", "rgb"}).first, false);
+  EXPECT_EQ(edl({"--color-by", "clay", "--edl", "false"}).first, false);
+  EXPECT_EQ(edl({"--color-by", "clay", "-t", "points"}), std::pair(true, 0.4));
+}
+
 TEST_F(RenderTest, PictureNamesTheCommandThatMadeIt) {
   ASSERT_EQ(run({"cube.ply", "-o", "it's.png", "--resolution", "32x32"}).code, 0);
   const auto texts = png_texts("it's.png");

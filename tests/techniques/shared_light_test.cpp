@@ -149,7 +149,7 @@ TEST_P(SharedLight, DepthIsShownFromLightToDark) {
 TEST_P(SharedLight, EyeDomeLightingIsThatOfTheFormula) {
   const RenderOutput plain = render();
   settings.edl.user = true;
-  settings.edl_radius = 1.3f, settings.edl_strength = 0.3f;  // not so strong that every edge is black
+  settings.edl_radius = 1.3f, settings.edl_strength.user = 0.3f;  // not so strong that every edge is black
   const RenderOutput out = render();
   // An orthographic camera has no distance: that of a camera of 45 degrees that sees as much takes its place.
   const double reference = 4 / (2 * std::tan(glm::radians(22.5)));

@@ -49,6 +49,7 @@ class Splats final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
+  bool wants_relief() const override { return true; }
 
   int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // splat_accumulate.frag
 
