@@ -100,7 +100,10 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
                       std::initializer_list<const gl::Texture*> outputs,
                       std::initializer_list<vec4> elsewhere) {
   int unit = binding::input;
-  for (const gl::Texture* input : inputs) input->bind(unit++);
+  for (const gl::Texture* input : inputs) {
+    input->bind(unit++);
+    if (unit == binding::places) unit = binding::more_inputs;
+  }
   if (tiles) tiles->on.bind(binding::tiles);
   program_.set("screen_tile_size", tiles ? tiles->size : 0);
 

@@ -3,7 +3,8 @@
 // first.
 //
 // The body writes `out_0`, `out_1` ... (vec4, or uvec4 for integer formats) and returns false to leave the
-// targets of this pixel as they were. It reads its inputs with texelFetch from units UNIT_INPUT + k.
+// targets of this pixel as they were. It reads its inputs with texelFetch from units UNIT_INPUT + k,
+// and from the ninth on UNIT_MORE_INPUTS + k - 8.
 #pragma once
 
 #include <initializer_list>

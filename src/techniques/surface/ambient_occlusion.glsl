@@ -20,7 +20,7 @@ uniform vec2 normal_levels;  // first and last that exist
 #include "techniques/surface/ball.glsl"
 
 layout(binding = UNIT_INPUT + 2) uniform sampler2D orientations;  // of squares of 2x2 px: normal, radius
-layout(binding = UNIT_INPUT + 3) uniform sampler2D ends;          // in w 1 where a plane was found
+layout(binding = UNIT_INPUT + 3) uniform sampler2D ends;          // in w above 0 where a plane was found
 #endif
 
 uniform float occlusion_scale;  // width of the farthest ring's squares, point spacings

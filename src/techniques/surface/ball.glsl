@@ -1,5 +1,6 @@
 // The clusters within a ball around a point, from the level of their pyramid that suits its size.
 #include "frame.glsl"
+#include "techniques/surface/level_corner.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D clusters;  // all levels side by side; level k: squares of 2 << k px
 layout(binding = UNIT_INPUT + 1) uniform sampler2D about;   // spacing, of the finest
@@ -15,10 +16,6 @@ struct Fit {
 };
 
 int octant(vec2 away) { return int(away.x > 0.0) + 2 * int(away.y > 0.0) + 4 * int(abs(away.x) > abs(away.y)); }
-
-// Where a level begins in `clusters`; `size` is that of the finest. Levels of one texture would not do: software GL
-// fetches four neighbouring pixels from the level of the first.
-ivec2 level_corner(int l, ivec2 size) { return l == 0 ? ivec2(0) : ivec2(size.x, size.y - (size.y >> (l - 1))); }
 
 // The clusters of one level within a ball.
 struct Window {

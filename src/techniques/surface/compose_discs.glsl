@@ -3,13 +3,14 @@
 //   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "shading.glsl"
 #include "techniques/surface/openness.glsl"
+#define REMOVAL_LEVEL_INPUT 2  // of squares of squares
+#include "techniques/surface/level_between.glsl"
 #ifdef FINISHED
 #include "finished.glsl"
 #endif
 
 layout(binding = UNIT_INPUT) uniform sampler2D points;        // eye position and spacing of every pixel
 layout(binding = UNIT_INPUT + 1) uniform sampler2D mean_image;    // of squares
-layout(binding = UNIT_INPUT + 2) uniform sampler2D removal_level;  // of squares of squares
 layout(binding = UNIT_INPUT + 3) uniform sampler2D colors;        // of every pixel, and its shadow factor
 layout(binding = UNIT_INPUT + 4) uniform sampler2D color_sum;
 layout(binding = UNIT_INPUT + 5) uniform sampler2D normal_sum;
@@ -20,17 +21,19 @@ uniform float point_threshold;
 uniform bool has_shadow;
 uniform float ambient_occlusion;
 uniform float crack_scale;  // reach of the search over that of hidden point removal
-uniform int coarse_level;
 
 const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0), vec2(0.7071, 0.7071),
                                 vec2(-0.7071, -0.7071), vec2(0.7071, -0.7071), vec2(-0.7071, 0.7071));
 
+#include "techniques/surface/outline.glsl"
+
 // A pixel between discs that sees them near by in six of eight directions is no opening: their mean. Near by on
 // average, so that what is a little too wide closes from its rim and not all at once.
-bool close_crack(ivec2 pixel, inout vec4 sum, inout vec4 normal_t) {
+bool close_crack(ivec2 pixel, out vec4 sum, out vec4 normal_t) {
   float reach = max(crack_scale * exp2(texelFetch(removal_level, (pixel + offset) >> coarse_level, 0).x), 2.0);
   ivec2 last = textureSize(color_sum, 0) - 1;
   int misses = 0;
+  sum = normal_t = vec4(0.0);
   float steps = 0.0;  // to the discs, of those that there are in all directions; a miss is one too many
   for (int k = 0; k < 8 && misses < 3; ++k) {
     bool found = false;
@@ -38,7 +41,7 @@ bool close_crack(ivec2 pixel, inout vec4 sum, inout vec4 normal_t) {
       vec2 away = compass[k] * (reach * float(i) / 3.0);
       ivec2 at = clamp(ivec2(floor(vec2(pixel) + 0.5 + away)), ivec2(0), last);
       vec4 there = texelFetch(color_sum, at, 0);
-      if (there.w > 0.0) {
+      if (there.w > real_cover) {
         found = true;
         steps += float(i);
         sum += there / there.w;
@@ -53,7 +56,9 @@ bool close_crack(ivec2 pixel, inout vec4 sum, inout vec4 normal_t) {
 
 bool filter_pixel(ivec2 pixel) {
   vec4 sum = texelFetch(color_sum, pixel, 0), normal_t = texelFetch(normal_sum, pixel, 0);
-  bool is_background = sum.w <= 0.0 && !close_crack(pixel, sum, normal_t);
+  float cover = sum.w;
+  bool is_background = cover <= 0.0 || is_outside(pixel, cover, length(normal_t.xyz) > 1.02 * cover);
+  if (is_background && cover <= real_cover) is_background = !close_crack(pixel, sum, normal_t);
   float inverse = is_background ? 0.0 : 1.0 / sum.w;
   normal_t *= inverse;
   vec2 center = vec2(pixel) + 0.5;

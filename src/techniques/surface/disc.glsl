@@ -6,6 +6,10 @@
 // of their squares: they show the grid.
 float least_radius(float pixels) { return mix(0.71, 1.41, (pixels - 1.0) / 3.0); }
 
+// How far around a point with a plane the surface may be where no disc is, point spacings: the hull of points reaches
+// beyond discs by less.
+const float fill_scale = 0.8;
+
 #ifndef DISC_FRAGMENT
 layout(binding = UNIT_INPUT) uniform sampler2D centers;        // eye position; 0 in w where there is none
 layout(binding = UNIT_INPUT + 1) uniform sampler2D orientations;  // eye normal facing the camera, radius

@@ -33,6 +33,8 @@ class Discs {
   void draw(const View& view, const Options& options);
 
   const gl::Texture& clusters(int l) const { return clusters_[std::size_t(l)]; }
+  /// Of all levels, the finest on the left, all others below each other beside it.
+  const gl::Texture& all_clusters() const { return all_clusters_; }
   const gl::Texture& about(int l) const { return about_[std::size_t(l)]; }  ///< R32F: mean spacing
   /// RG32F, squares of 8 px: how much of the hemisphere above the surface is open, 1 where there is a
   /// surface. Only with `ambient_occlusion`.
@@ -40,18 +42,20 @@ class Discs {
   const gl::Texture& orientations() const { return orientations_; }  ///< RGBA32F: eye normal, radius
   const gl::Texture& ends() const {
     return ends_;
-  }  ///< RGBA32F: direction, distance in px, and 1 where there is a plane
-  const gl::Texture& colors() const { return colors_; }          ///< RGBA16F: colour, shadow factor
-  const gl::Texture& nearest() const { return nearest_t_; }      ///< R32F: ray distance
-  const gl::Texture& color_sum() const { return color_sum_; }    ///< RGBA32F: w rgb, w
-  const gl::Texture& normal_sum() const { return normal_sum_; }  ///< RGBA32F: w n, w t
+  }  ///< RGBA32F: direction, distance in px, and the spacing where there is a plane, else less than 0
+  const gl::Texture& colors() const { return colors_; }        ///< RGBA16F: colour, shadow factor
+  const gl::Texture& nearest() const { return nearest_t_; }    ///< R32F: ray distance
+  const gl::Texture& color_sum() const { return color_sum_; }  ///< RGBA32F: w rgb, w
+  const gl::Texture& normal_sum() const {
+    return normal_sum_;
+  }  ///< RGBA32F: w n, twice that of discs without a plane, w t
   const gl::Texture& shadow_sum() const { return shadow_sum_; }  ///< RG32F: v m, v
 
  private:
   void allocate(int width, int height);
   std::vector<gl::Texture> clusters_, about_;
-  gl::Texture all_clusters_;  ///< the finest on the left, all others below each other beside it
-  gl::Texture orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_, openness_;
+  gl::Texture all_clusters_, orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_,
+      openness_;
   ScreenPass first_, coarser_, planes_, occlusion_;
   gl::Program draw_nearest_, accumulate_[2];
 };

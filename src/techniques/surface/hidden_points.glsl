@@ -2,11 +2,11 @@
 // pixel is a hole: a point seen through the surface in front of it, or a gap in that surface.
 //   HOLES   for pixels without a point as well; else only for points
 #include "frame.glsl"
+#define REMOVAL_LEVEL_INPUT 1
+#include "techniques/surface/level_between.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D pyramid;
-layout(binding = UNIT_INPUT + 1) uniform sampler2D removal_level;
 
-uniform int coarse_level;
 uniform int top_level;       // the last one there is
 uniform int window_radius;
 uniform float threshold;     // mean occlusion below which a point is hidden
@@ -47,16 +47,6 @@ float signed_square(vec3 x, ivec2 at, int level, bool with_discs) {
   return t * abs(t) / max(dot(d, d) * dot(from_camera, from_camera), 1e-37);
 }
 vec4 occlusion(vec4 signed_square) { return 1.0 + sign(signed_square) * sqrt(abs(signed_square)); }
-
-// The level between the squares of the coarse map, so that it does not jump at their borders.
-float level_at(ivec2 pixel) {
-  vec2 square = (vec2(pixel) + 0.5) / float(1 << coarse_level) - 0.5;
-  ivec2 low = ivec2(floor(square)), last = textureSize(removal_level, 0) - 1;
-  ivec2 lo = clamp(low, ivec2(0), last), hi = clamp(low + 1, ivec2(0), last);
-  vec2 t = square - vec2(low);
-  return mix(mix(texelFetch(removal_level, lo, 0).x, texelFetch(removal_level, ivec2(hi.x, lo.y), 0).x, t.x),
-             mix(texelFetch(removal_level, ivec2(lo.x, hi.y), 0).x, texelFetch(removal_level, hi, 0).x, t.x), t.y);
-}
 
 // The least values of the eight sectors: of all rings but the last, and of all.
 vec4 sides = vec4(1.0), corners = vec4(1.0), sides_before, corners_before;

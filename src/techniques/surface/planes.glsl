@@ -22,8 +22,10 @@ bool filter_pixel(ivec2 pixel) {
   Fit fit;
   bool found = false;
   float thickness = 0.0;
-  // Coarsely; where that finds no plane or a steep one, finely; then in a ball of twice the size.
-  for (int attempt = 0; attempt < 3 && !found; ++attempt) {
+  // Coarsely; where that finds no plane or a steep one, finely; then in a ball of twice the size. Nothing is finer than
+  // the finest squares.
+  bool is_fine = window_around(own.xyz, reach, 4.5).side == window_around(own.xyz, reach, 6.0).side;
+  for (int attempt = is_fine ? 1 : 0; attempt < 3 && !found; ++attempt) {
     if (attempt == 2) reach *= 2.0;
     fit = gather(window_around(own.xyz, reach, attempt == 0 ? 4.5 : 6.0));
     vec3 values = eigenvalues(fit.scatter);
@@ -41,7 +43,7 @@ bool filter_pixel(ivec2 pixel) {
   if (dot(normal, toward) < 0.0) normal = -normal;
 
   // The surface ends where all neighbours are on one side, and where it turns away from the camera.
-  out_1 = vec4(0.0, 0.0, infinity, float(found));
+  out_1 = vec4(0.0, 0.0, infinity, found ? spacing : -radius);
   bool tilted = dot(normal, toward) < 0.7;
   if (found && (tilted || bitCount(fit.octants) < 7 || length(fit.mean) > 0.15)) {
     float scale = pixels_at(-own.z);
@@ -52,7 +54,7 @@ bool filter_pixel(ivec2 pixel) {
     if (thickness < 0.1) radius = max(radius, 0.52 * around.gap);
     if (length(fit.mean) > 0.05) radius *= mix(rim_scale, 1.0, smoothstep(0.3, 0.8, dot(normal, toward)));
     if (around.end < max(radius * scale, 1.0) && (tilted || length(fit.mean) > 0.1)) {
-      out_1 = vec4(outwards, around.end, 1.0);
+      out_1 = vec4(outwards, around.end, spacing);
     }
   }
   out_0 = vec4(normal, max(radius, 0.01 * spacing));

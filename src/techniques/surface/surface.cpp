@@ -115,7 +115,8 @@ class SurfaceTechnique final : public Technique {
     if (filling_ == Filling::pull_push) return 512;
     const double occluders = 2 * removal_scale_.user.value_or(disc_removal_scale);  // `ball` there
     const double planes = std::max({2.0 * normal_scale_, double(removal_.gap_scale), occluders});
-    const double discs = std::max(2 * discs_options_.disc_scale, removal_.gap_scale);
+    // Discs, and outline.glsl, which looks at them from around.
+    const double discs = 2 + std::max(2 * discs_options_.disc_scale, removal_.gap_scale);
     return removal + nearest_px(cloud, camera, [&](const Batch& batch) {
              return (planes + discs) *
                     (point_spacing_.is_auto() ? std::exp2(batch.most_log2_spacing) : point_spacing_.value());
@@ -207,15 +208,21 @@ class SurfaceTechnique final : public Technique {
     pass.set("offset", tiles.offset).set("point_threshold", removal_.point_threshold());
     pass.set("crack_scale", 0.96f * removal_.gap_scale / removal_.removal_scale)
         .set("coarse_level", std::max(1, removal_.coarse_level));
+    // Level 0 of Eq. 1 is where `removal_scale` spacings are a square of 2 px. Of round gaps in random
+    // points, those of 0.95 gap_scale are then closed.
+    pass.set("spacing_px", 2 / removal_.removal_scale)
+        .set("widest_gap", 0.78f * removal_.gap_scale)
+        .set("levels", Discs::levels);
     pass.set("has_shadow", discs_options_.with_shadow)
         .set("ambient_occlusion", discs_options_.ambient_occlusion);
     const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
-      pass.run(tiles,
-               {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness()},
-               targets, background);
+      pass.run(
+          tiles,
+          {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
+           &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness(), &discs_.all_clusters()},
+          targets, background);
     };
     view.bind();
     if (frame.is_finished)
