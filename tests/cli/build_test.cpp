@@ -151,8 +151,15 @@ TEST_F(Levels, ThePictureIsThatOfAllPoints) {
     // Points less than a pixel from others are left out: which of them shows changes textures and lit edges,
     // and the outline, here some 5 % of the pixels, by a point's width. A node that lacks would open a hole.
     // Discs of `layers` end where their points' share of the surface ends: the outline moves by up to the 0.7
-    // pixels that nodes are chosen by. Others draw points of a pixel at least in both pictures.
-    EXPECT_LT(uncovered, (technique == std::string("layers") ? 0.05 * 0.7 : 0.02) * covered) << technique;
+    // pixels that nodes are chosen by. Others draw points of a pixel at least in both pictures. `denoise`
+    // also leaves out isolated points, and others are isolated where fewer are read: 2.01 % with, 1.90 %
+    // without.
+    const std::string name = technique;
+    EXPECT_LT(uncovered, (name == "layers"    ? 0.05 * 0.7
+                          : name == "denoise" ? 0.022
+                                              : 0.02) *
+                             covered)
+        << name;
     EXPECT_LT(difference / covered, 12) << technique;
   }
 }
