@@ -8,7 +8,7 @@
 //   cpu_ms       processor time of the process for a picture in motion, the window's own share included
 //   drawn_by     the technique of the last picture in motion, its size in pixels
 //
-// usage: viewer_motion FILE TECHNIQUE [SECONDS]
+// usage: viewer_motion FILE TECHNIQUE [SECONDS [WIDTH HEIGHT]], of the window: 1280 720
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -42,8 +42,8 @@ struct Motion {
 
 class Desk {
  public:
-  Desk(const std::string& file, const std::string& technique)
-      : window_(1280, 720, "motion"), bench_(start(file, technique)), interface_(window_, bench_) {
+  Desk(const std::string& file, const std::string& technique, int width, int height)
+      : window_(width, height, "motion"), bench_(start(file, technique)), interface_(window_, bench_) {
     window_.on_input = [this] {
       ImGuiIO& io = ImGui::GetIO();
       io.MousePos = mouse_;
@@ -125,9 +125,12 @@ class Desk {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count < 3) return std::fprintf(stderr, "usage: viewer_motion FILE TECHNIQUE [SECONDS]\n"), 1;
+  if (count < 3)
+    return std::fprintf(stderr, "usage: viewer_motion FILE TECHNIQUE [SECONDS [WIDTH HEIGHT]]\n"), 1;
   try {
-    Desk desk(words[1], words[2]);
+    const bool has_size = count > 5;
+    Desk desk(words[1], words[2], has_size ? std::atoi(words[4]) : 1280,
+              has_size ? std::atoi(words[5]) : 720);
     desk.wait([&] { return desk.has_picture(); });
     const double first_ms = now_ms();
     desk.wait([&] { return desk.settled(); });
