@@ -226,8 +226,6 @@ class Completion {
         const float twig = std::max(least, most_in_crown * prepared_.median_radius / radii[i]);
         if (twig < 1)
           shrunk = std::min(shrunk, std::lerp(twig, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
-        // Nor is what hangs above all that surrounds it, as wires above a field.
-        if (dot < 1) shrunk = std::min(shrunk, std::lerp(dot, 1.0f, shares.in_layer[i]));
         prepared_.shrunk[i] = shrunk;
         radii[i] *= shrunk;
       }

@@ -131,10 +131,11 @@ void use_usual_names(std::vector<Column>& columns) {
     if (plain.starts_with(prefix)) plain.erase(0, prefix.size());
     for (char& c : plain) c = c == ' ' || c == '-' ? '_' : char(std::tolower(static_cast<unsigned char>(c)));
     for (const auto& [theirs, ours] : usual) {
+      if (plain != theirs) continue;
       const std::string_view name = ours;  // clang 14 captures no bindings
       const bool is_taken = std::any_of(columns.begin(), columns.end(),
                                         [&](const Column& other) { return other.name == name; });
-      if (plain == theirs && !is_taken) column.name = name;
+      if (!is_taken) column.name = name;
     }
   }
 }

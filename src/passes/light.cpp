@@ -90,9 +90,8 @@ void RenderSettings::describe(ParamList& p) {
   p.add("ground", ground).help("a plane under the cloud that catches its shadow (with shadows hard or soft)");
   p.add("edl", edl)
       .help(
-          "eye-dome lighting as a finish (auto: where the technique wants it, and on splats without colours "
-          "of "
-          "their own)");
+          "eye-dome lighting as a finish (auto: where the technique wants it, and on splats without "
+          "colours of their own)");
   p.add("edl_radius", edl_radius).range(0.5, 16).unit("px").help("reach of eye-dome lighting");
   p.add("edl_strength", edl_strength)
       .range(0, 10)
