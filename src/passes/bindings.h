@@ -19,7 +19,7 @@ enum Unit {
   fragments = 19,
   casters = 20,
   tiles = 21,        ///< one texel a tile of the image
-  more_inputs = 22,  ///< 22..23: the ninth texture of the pass, and the tenth
+  more_inputs = 22,  ///< 22..24: the ninth texture of the pass and those after it
 };
 enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
 enum Block { frame = 0, cut = 1 };

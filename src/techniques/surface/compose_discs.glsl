@@ -26,6 +26,7 @@ const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0),
                                 vec2(-0.7071, -0.7071), vec2(0.7071, -0.7071), vec2(-0.7071, 0.7071));
 
 #include "techniques/surface/outline.glsl"
+#include "techniques/surface/through_gaps.glsl"
 
 // A pixel between discs that sees them near by in six of eight directions is no opening: their mean. Near by on
 // average, so that what is a little too wide closes from its rim and not all at once.
@@ -57,16 +58,21 @@ bool close_crack(ivec2 pixel, out vec4 sum, out vec4 normal_t) {
 bool filter_pixel(ivec2 pixel) {
   vec4 sum = texelFetch(color_sum, pixel, 0), normal_t = texelFetch(normal_sum, pixel, 0);
   float cover = sum.w;
-  bool is_background = cover <= 0.0 || is_outside(pixel, cover, length(normal_t.xyz) > 1.02 * cover);
+  float spacing = spacing_px * exp2(level_at(pixel + offset));
+  bool is_background = cover <= 0.0 || is_outside(pixel, spacing, cover, length(normal_t.xyz) > 1.02 * cover);
   if (is_background && cover <= real_cover) is_background = !close_crack(pixel, sum, normal_t);
+  Behind behind = hidden_around(pixel, spacing, is_background);
+  bool is_through = behind.support > 0.0;
   float inverse = is_background ? 0.0 : 1.0 / sum.w;
   normal_t *= inverse;
   vec2 center = vec2(pixel) + 0.5;
   vec3 slope = frame.orthographic != 0 ? vec3(0.0, 0.0, -1.0) : eye_from_pixel(center, 1.0);
-  float depth = normal_t.w / length(slope);
-  vec3 albedo = sum.rgb * inverse;
-  float shadow = 1.0;
-  if (has_shadow) {
+  float depth = is_through ? behind.depth : normal_t.w / length(slope);
+  vec3 albedo = is_through ? behind.color : sum.rgb * inverse;
+  if (is_through) normal_t.xyz = vec3(behind.slope, 1.0 + dot(behind.slope, slope.xy));
+  is_background = is_background && !is_through;
+  float shadow = is_through ? behind.shadow : 1.0;
+  if (has_shadow && !is_through) {
     vec2 factors = texelFetch(shadow_sum, pixel, 0).xy;
     if (factors.y > 0.0) shadow = factors.x / factors.y;
   }

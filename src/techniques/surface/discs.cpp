@@ -23,7 +23,7 @@ void Discs::allocate(int width, int height) {
   about_.clear();
   for (int l = 0; l < levels; ++l) {
     clusters_.emplace_back("clusters", GL_RGBA32F, width >> l, height >> l);
-    about_.emplace_back("spacing", GL_R32F, width >> l, height >> l);
+    about_.emplace_back("spacing", GL_RG32F, width >> l, height >> l);
   }
   colors_ = gl::Texture("colours of discs", GL_RGBA16F, width, height);
   orientations_ = gl::Texture("orientations of discs", GL_RGBA32F, width, height);
@@ -36,8 +36,8 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
   const int width = squares.visible().width(), height = squares.visible().height();
   allocate(width, height);
   if (!first_) {
-    first_ = ScreenPass("techniques/surface/squares.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA16F});
-    coarser_ = ScreenPass("techniques/surface/clusters.glsl", {GL_RGBA32F, GL_R32F});
+    first_ = ScreenPass("techniques/surface/squares.glsl", {GL_RGBA32F, GL_RG32F, GL_RGBA16F});
+    coarser_ = ScreenPass("techniques/surface/clusters.glsl", {GL_RGBA32F, GL_RG32F});
     planes_ = ScreenPass("techniques/surface/planes.glsl", {GL_RGBA32F, GL_RGBA32F});
   }
   first_.set("lit_depth", lit_depth);

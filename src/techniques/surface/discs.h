@@ -22,7 +22,8 @@ class Discs {
     float occlusion_scale = 4;  ///< how far occluders are looked for, point spacings
     bool with_shadow = false;
   };
-  /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F.
+  /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F. The finest
+  /// have those of hidden points where there are no others, and their number less than 0.
   static constexpr int levels = NearestPyramid::levels - 1;
 
   /// `squares` as HiddenPoints::run_squares leaves it, `shadowed` colours and shadow factors. The view of the
@@ -35,7 +36,8 @@ class Discs {
   const gl::Texture& clusters(int l) const { return clusters_[std::size_t(l)]; }
   /// Of all levels, the finest on the left, all others below each other beside it.
   const gl::Texture& all_clusters() const { return all_clusters_; }
-  const gl::Texture& about(int l) const { return about_[std::size_t(l)]; }  ///< R32F: mean spacing
+  /// RG32F: mean spacing, and 1 where points are hidden.
+  const gl::Texture& about(int l) const { return about_[std::size_t(l)]; }
   /// RG32F, squares of 8 px: how much of the hemisphere above the surface is open, 1 where there is a
   /// surface. Only with `ambient_occlusion`.
   const gl::Texture& openness() const { return openness_; }

@@ -115,8 +115,8 @@ class SurfaceTechnique final : public Technique {
     if (filling_ == Filling::pull_push) return 512;
     const double occluders = 2 * removal_scale_.user.value_or(disc_removal_scale);  // `ball` there
     const double planes = std::max({2.0 * normal_scale_, double(removal_.gap_scale), occluders});
-    // Discs, and outline.glsl, which looks at them from around.
-    const double discs = 2 + std::max(2 * discs_options_.disc_scale, removal_.gap_scale);
+    // Discs, and outline.glsl and through_gaps.glsl, which look at them from around.
+    const double discs = 2 + std::max({2 * discs_options_.disc_scale, removal_.gap_scale, 6.0f});
     return removal + nearest_px(cloud, camera, [&](const Batch& batch) {
              return (planes + discs) *
                     (point_spacing_.is_auto() ? std::exp2(batch.most_log2_spacing) : point_spacing_.value());
@@ -221,7 +221,8 @@ class SurfaceTechnique final : public Technique {
       pass.run(
           tiles,
           {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-           &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness(), &discs_.all_clusters()},
+           &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness(), &discs_.all_clusters(),
+           &discs_.colors(), &discs_.about(3)},
           targets, background);
     };
     view.bind();
