@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "analysis/neighbors.h"
 #include "core/error.h"
 #include "labels/legend.h"
 #include "passes/shadows.h"
@@ -155,11 +154,7 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
   ChosenTechnique& first = *choice_.techniques.front();
   std::string name = request.technique.value_or(first.name);
   if (name == automatic_technique) {
-    if (first.reason.empty())
-      name = choose_technique(session_->prepared(), analysis::NeighborTree(session_->cloud().positions))
-                 .technique;
-    else
-      name = first.name;
+    name = first.reason.empty() ? session_->suggest().technique : first.name;
   }
   ChosenTechnique* look = name == first.name ? &first : nullptr;
   if (!look) {

@@ -1,6 +1,5 @@
 #include "sfumato/renderer.h"
 
-#include "analysis/neighbors.h"
 #include "core/error.h"
 #include "session/choice.h"
 #include "session/preset.h"
@@ -55,8 +54,7 @@ void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionO
 
 std::string HeadlessRenderer::State::settle(const std::string& name) {
   if (name != automatic_technique) return name;
-  if (!choice)
-    choice = choose_technique(session.prepared(), analysis::NeighborTree(session.cloud().positions));
+  if (!choice) choice = session.suggest();
   return choice->technique;
 }
 

@@ -193,7 +193,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   for (std::size_t k = 0; k < clouds.size(); ++k) {
     const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
       if (parts_[k].look) return parts_[k].look->technique->needs() | shown;
-      return needs([&] { return choose_technique(sorted, tree); }) | shown;
+      return needs([&] { return suggest(sorted, tree); }) | shown;
     };
     const std::size_t given = clouds[k].size();
     prepared.push_back(
@@ -207,6 +207,21 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   renderer_.set_clouds(std::move(prepared));
   renderer_.set_room(pose_.subject.room);
   is_empty_ = false;
+}
+
+TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree& tree) const {
+  if (!overview_ || !options_.draw.empty()) return choose_technique(sorted, tree, overview_ != nullptr);
+  TechniqueChoice choice;
+  const auto choose = [&](const PreparedCloud& whole, const analysis::NeighborTree& its_tree) {
+    choice = choose_technique(whole, its_tree, true);
+    return Attributes();
+  };
+  analysis::prepare_by_shape(*overview_, choose, options_.prepare);
+  return choice;
+}
+
+TechniqueChoice Session::suggest() const {
+  return suggest(prepared(), analysis::NeighborTree(cloud().positions));
 }
 
 void Session::set_color(const ColorSettings& wanted) {

@@ -54,6 +54,8 @@ class Session {
   /// they do not have and Cancelled when `progress` asks for it.
   void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
                  Progress& progress = no_progress());
+  /// What suits the points that no rule draws.
+  TechniqueChoice suggest() const;
   /// Other colours for the same points. A background that contrasts with them is found anew.
   void set_color(const ColorSettings& color);
   void set_background(const std::optional<vec3>& background);
@@ -112,6 +114,9 @@ class Session {
   bool empty() const { return is_empty_; }
 
  private:
+  /// As `suggest`, of sorted points. Where every view reads points of its own, all have the choice of the
+  /// whole.
+  TechniqueChoice suggest(const PreparedCloud& sorted, const analysis::NeighborTree& tree) const;
   /// Makes `parts_`, and a cloud for each, by the rule of each point.
   std::vector<PointCloud> cut(PointCloud cloud, const std::vector<std::uint32_t>& matches);
   /// Colours of all parts together, so that a value has one colour in the whole scene.

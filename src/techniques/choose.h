@@ -14,7 +14,9 @@ struct TechniqueChoice {
   float surface_share = 1, line_share = 0;  ///< analysis::Survey, from 0 to 1
 };
 
-/// `prepared` needs no attributes yet; `tree` is over its positions.
-TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree);
+/// `prepared` needs no attributes yet; `tree` is over its positions. `by_levels`: they stand for more points
+/// than are read at once, and every view reads others, whose neighbours nobody should have to wait for.
+TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree,
+                                 bool by_levels = false);
 
 }  // namespace sfumato

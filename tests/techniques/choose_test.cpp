@@ -23,11 +23,11 @@ PointCloud scan(const std::string& scene, synth::Sampling sampling, int points) 
   return synth::sample(synth::make_scene(scene), options);
 }
 
-TechniqueChoice choice_for(PointCloud cloud) {
+TechniqueChoice choice_for(PointCloud cloud, bool by_levels = false) {
   TechniqueChoice choice;
   prepare_by_shape(std::move(cloud),
                    [&](const PreparedCloud& prepared, const NeighborTree& tree) {
-                     choice = choose_technique(prepared, tree);
+                     choice = choose_technique(prepared, tree, by_levels);
                      return Attributes();
                    },
                    {});
@@ -102,6 +102,13 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
     EXPECT_EQ(choice.technique, one.technique) << one.kind << ": " << choice.reason;
     EXPECT_NE(choice.reason.find(one.reason), std::string::npos) << one.kind << ": " << choice.reason;
   }
+}
+
+// Nobody should wait for the neighbours of tens of millions of points at every view.
+TEST(Choose, WhatIsReadByLevelsIsNotMeasured) {
+  EXPECT_EQ(choice_for(scan("courtyard", synth::Sampling::scanners, 200'000), true).technique, "surface");
+  EXPECT_EQ(choice_for(scan("room", synth::Sampling::cameras, 100'000), true).technique, "surface");
+  EXPECT_EQ(choice_for(scan("forest", synth::Sampling::airborne, 100'000), true).technique, "points");
 }
 
 TEST(Choose, IsTheSameForAnyOrderAndScale) {

@@ -585,4 +585,45 @@ TEST_F(SurfaceDiscs, GapsCloseByTheirSizeAndDoNotPop) {
   EXPECT_LT(sums.back(), 0.5);
 }
 
+// Leaves with a wall behind them: openings too wide to close, yet so narrow that hidden point removal takes
+// the wall for hidden: rather that than the background.
+TEST_F(SurfaceDiscs, WhatLiesBehindAnOpeningIsSeen) {
+  const double spacing = 0.02, pixel = spacing / 4;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<glm::dvec2> openings;
+  for (int i = 0; i < 60; ++i) openings.emplace_back(uniform(random), 0.6 * uniform(random));
+  PointCloud cloud;
+  std::size_t leaves = 0;
+  for (int i = 0; i < int(2 * 4 * 0.6 / spacing / spacing); ++i) {
+    const glm::dvec2 at(uniform(random), 0.6 * uniform(random));
+    const bool is_leaf = i % 2 == 0;
+    bool is_open = false;
+    for (const glm::dvec2& opening : openings)
+      is_open |= is_leaf && glm::distance(at, opening) < 3.5 * spacing;
+    if (!is_open)
+      cloud.positions.push_back(vec3(float(at.x), is_leaf ? 0 : 1, float(at.y))), leaves += is_leaf;
+  }
+  cloud.colors.assign(cloud.size(), {180, 180, 180, 255});
+  Renderer renderer(context());
+  show(renderer, cloud, {});
+  Camera camera = front_camera(320, 180);
+  camera.position = {0, -3, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = 180 * pixel;
+  const RenderOutput out = picture(renderer, "surface", camera);
+  int background = 0, wall = 0;
+  for (int y = 0; y < 180; ++y)
+    for (int x = 0; x < 320; ++x) {
+      const float depth = out.depth.at(x, y);
+      background += std::isinf(depth);
+      wall += std::abs(depth - 4) < 0.05;
+    }
+  const double all = 320 * 180;
+  std::cout << 100 * background / all << " % background, " << 100 * wall / all << " % wall\n";
+  EXPECT_LT(background / all,
+            0.0125);  // 2.55 % when hidden points are left out, half of it at most is to stay
+  EXPECT_GT(wall / all, 0.1);
+}
+
 }  // namespace

@@ -22,8 +22,8 @@ class Discs {
     float occlusion_scale = 4;  ///< how far occluders are looked for, point spacings
     bool with_shadow = false;
   };
-  /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F. The finest
-  /// have those of hidden points where there are no others, and their number less than 0.
+  /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F. The
+  /// finest have those of hidden points where there are no others, and their number less than 0.
   static constexpr int levels = NearestPyramid::levels - 1;
 
   /// `squares` as HiddenPoints::run_squares leaves it, `shadowed` colours and shadow factors. The view of the

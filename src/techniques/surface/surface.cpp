@@ -218,12 +218,11 @@ class SurfaceTechnique final : public Technique {
     const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
-      pass.run(
-          tiles,
-          {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-           &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness(), &discs_.all_clusters(),
-           &discs_.colors(), &discs_.about(3)},
-          targets, background);
+      pass.run(tiles,
+               {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
+                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness(),
+                &discs_.all_clusters(), &discs_.colors(), &discs_.about(3)},
+               targets, background);
     };
     view.bind();
     if (frame.is_finished)
