@@ -594,15 +594,13 @@ TEST_F(SurfaceDiscs, WhatLiesBehindAnOpeningIsSeen) {
   std::vector<glm::dvec2> openings;
   for (int i = 0; i < 60; ++i) openings.emplace_back(uniform(random), 0.6 * uniform(random));
   PointCloud cloud;
-  std::size_t leaves = 0;
   for (int i = 0; i < int(2 * 4 * 0.6 / spacing / spacing); ++i) {
     const glm::dvec2 at(uniform(random), 0.6 * uniform(random));
     const bool is_leaf = i % 2 == 0;
     bool is_open = false;
     for (const glm::dvec2& opening : openings)
       is_open |= is_leaf && glm::distance(at, opening) < 3.5 * spacing;
-    if (!is_open)
-      cloud.positions.push_back(vec3(float(at.x), is_leaf ? 0 : 1, float(at.y))), leaves += is_leaf;
+    if (!is_open) cloud.positions.push_back(vec3(float(at.x), is_leaf ? 0 : 1, float(at.y)));
   }
   cloud.colors.assign(cloud.size(), {180, 180, 180, 255});
   Renderer renderer(context());
