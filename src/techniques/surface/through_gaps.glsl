@@ -12,7 +12,7 @@ const float steadying = 0.02;  // of the plane through few points, squares of th
 // The surface through the hidden points around a pixel.
 struct Behind {
   vec3 color;
-  float shadow;   // factor
+  float shadow;   // factor: that of the best lit point, for an opening that one sees through lets light through
   float depth;    // eye
   vec2 slope;     // change of depth sideways in eye space
   float support;  // sum of weights; 0: there are none, and nothing else is set
@@ -43,10 +43,11 @@ Behind hidden_around(ivec2 pixel, float spacing, bool wanted) {
   ivec2 first = max(ivec2(floor(0.5 * (place - r))), ivec2(0));
   ivec2 last = wanted ? min(ivec2(floor(0.5 * (place + r))), first + 15) : first - 1;
   // Weighted sums, for the plane of least squares of depth over place.
-  vec4 color = vec4(0.0);
+  vec3 color = vec3(0.0);
   vec2 sum_d = vec2(0.0), sum_dz = vec2(0.0);
   vec3 sum_dd = vec3(steadying, steadying, 0.0);
-  float support = 0.0, sum_z = 0.0, first_z = 0.0;  // depths are counted from the first, so that sums do not cancel
+  float support = 0.0, lit = 0.0, sum_z = 0.0;
+  float first_z = 0.0;  // depths are counted from the first, so that sums do not cancel
   for (ivec2 t = first; t.y <= last.y;) {
     vec4 point = texelFetch(clusters, t, 0);
     vec2 d = (pixel_from_eye(point.xyz) + vec2(offset) - place) / r;
@@ -55,7 +56,9 @@ Behind hidden_around(ivec2 pixel, float spacing, bool wanted) {
       first_z = support > 0.0 ? first_z : point.z;
       float z = first_z - point.z;
       support += w;
-      color += w * texelFetch(square_colors, t, 0);
+      vec4 own = texelFetch(square_colors, t, 0);
+      color += w * own.rgb;
+      lit = max(lit, own.a);
       sum_d += w * d;
       sum_z += w * z;
       sum_dz += w * z * d;
@@ -69,6 +72,6 @@ Behind hidden_around(ivec2 pixel, float spacing, bool wanted) {
   vec3 a = inverse * sum_dd - vec3(sum_d * sum_d, sum_d.x * sum_d.y);
   vec2 slope = vec2(a.y * b.x - a.z * b.y, a.x * b.y - a.z * b.x) / max(a.x * a.y - a.z * a.z, 1e-6);
   float depth = inverse * sum_z - first_z;
-  return Behind(inverse * color.rgb, inverse * color.a, depth, vec2(slope.x, -slope.y) * pixels_at(depth) / max(r, 1.0),
+  return Behind(inverse * color, lit, depth, vec2(slope.x, -slope.y) * pixels_at(depth) / max(r, 1.0),
                 support);
 }
