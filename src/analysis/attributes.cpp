@@ -191,11 +191,13 @@ class Completion {
   static void take_near_normals(const tbb::concurrent_vector<NearNormal>& found,
                                 const std::vector<float>& scatter, std::vector<vec3>& normals,
                                 std::vector<float>& flatness) {
+    std::vector<std::uint8_t> flat((scatter.size() + around - 1) /
+                                   around);  // of each block of so many points
+    for (std::size_t i = 0; i < scatter.size(); ++i) flat[i / around] += is_flat(scatter[i]);
     for (const NearNormal& near : found) {
-      const std::size_t first = near.point / around * around, last = std::min(first + around, scatter.size());
-      const auto flat = std::count_if(scatter.begin() + std::ptrdiff_t(first),
-                                      scatter.begin() + std::ptrdiff_t(last), is_flat);
-      if (float(flat) < flat_around * float(last - first)) continue;
+      const std::size_t block = near.point / around,
+                        points = std::min(around, scatter.size() - block * around);
+      if (float(flat[block]) < flat_around * float(points)) continue;
       if (!missing(near.normal)) normals[near.point] = near.normal;
       if (!flatness.empty()) flatness[near.point] = std::max(flatness[near.point], flat_nearby);
     }

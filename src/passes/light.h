@@ -52,12 +52,12 @@ struct RenderSettings {
   Shadows shadows = Shadows::off;
   Auto<float> light_size;  ///< diameter of the light's disc, scene units
   int light_samples = 16;
-  Auto<float> shadow_distance;                   ///< d_min of the lit test, scene units
-  bool ground = false;                           ///< a plane under the cloud that catches shadows
-  Auto<bool> edl;                                ///< automatic: what the technique wants
-  float edl_radius = 1.4f;                       ///< pixels (the two numbers Potree users know)
-  Auto<float> edl_strength{std::nullopt, 0.4f};  ///< automatic: `relief` for surfaces without colours
-  static constexpr float relief = 0.12f;
+  Auto<float> shadow_distance;  ///< d_min of the lit test, scene units
+  bool ground = false;          ///< a plane under the cloud that catches shadows
+  Auto<bool> edl;               ///< automatic: what the technique wants
+  float edl_radius = 1.4f;      ///< pixels (the two numbers Potree users know)
+  static constexpr float usual_edl = 0.4f;
+  Auto<float> edl_strength{std::nullopt, usual_edl};  ///< automatic: Technique::edl_strength, else the usual
   /// The colours are the points' own and tell small shapes apart; those of clay, heights or classes do not.
   /// Set by whoever chose them, and no parameter.
   bool own_colors = true;

@@ -264,7 +264,7 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
   RenderSettings& settings = look.settings;
   std::vector<Item> items;
-  bool wants_edl = false, wants_relief = false, has_hard_edges = false;
+  bool has_hard_edges = false;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Look& own = parts_[k].look ? *parts_[k].look : look;
     if (parts_[k].look) {
@@ -272,8 +272,6 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
       for (const auto& [name, value] : parts_[k].rule->parameters) own.set(name, value);
     }
     analysis::complete(renderer_.prepared(k), own.technique->needs(), options_.prepare, progress);
-    wants_edl = wants_edl || own.technique->wants_edl();
-    wants_relief = wants_relief || own.technique->wants_relief();
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
     own.settings.phong.specular.resolve(coloring_.kind == ColorKind::rgb ? 0.1f : 0.0f);
     own.settings.palette = palette_;
@@ -282,8 +280,9 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
   settings.background = background_;
   settings.own_colors =
       coloring_.kind == ColorKind::normal || (coloring_.source == "rgb" && !options_.color.solid);
-  settings.edl.resolve(wants_edl || (wants_relief && !settings.own_colors));
-  settings.edl_strength.resolve(wants_edl ? 0.4f : RenderSettings::relief);
+  const float edl = edl_strength(items, settings.own_colors);
+  settings.edl.resolve(edl > 0);
+  settings.edl_strength.resolve(edl > 0 ? edl : RenderSettings::usual_edl);
   settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
   resolve_shadow_sizes(settings, pose_.subject.box, spacing_);
   return items;

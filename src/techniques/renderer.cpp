@@ -64,13 +64,10 @@ Bounds depth_bounds(const PointCloud& cloud) {
   return {glm::max(all.min, most.min - reach), glm::min(all.max, most.max + reach)};
 }
 
+/// Where nobody asked for it or against it.
 bool has_edl(std::span<const Item> items, const RenderSettings& settings) {
-  bool is_wanted = false;
-  for (const Item& item : items)
-    is_wanted =
-        is_wanted || item.technique->wants_edl() || (item.technique->wants_relief() && !settings.own_colors);
   Auto<bool> edl = settings.edl;
-  return edl.resolve(is_wanted) && is_shaded(settings);
+  return edl.resolve(edl_strength(items, settings.own_colors) > 0) && is_shaded(settings);
 }
 
 /// Rows [0, height) of `part` to those of `picture` from (x, y) on, `width` px of each from `from_x` on.
@@ -100,6 +97,12 @@ void paste(const RenderOutput& part, int from_x, int from_y, int width, int heig
 }
 
 }  // namespace
+
+float edl_strength(std::span<const Item> items, bool own_colors) {
+  float strength = 0;
+  for (const Item& item : items) strength = std::max(strength, item.technique->edl_strength(own_colors));
+  return strength;
+}
 
 struct Renderer::State {
   /// The GPU's part refers to the prepared one.

@@ -47,6 +47,9 @@ struct Item {
   const RenderSettings* settings = nullptr;  ///< shading and material; the rest is the scene's
 };
 
+/// That of the item which asks for most (Technique::edl_strength).
+float edl_strength(std::span<const Item> items, bool own_colors);
+
 /// A cloud with its colours: one per point, in the prepared order, sRGB.
 struct ColoredCloud {
   PreparedCloud cloud;

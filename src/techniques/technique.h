@@ -28,11 +28,9 @@ class Technique {
   virtual void describe(ParamList& params) = 0;
   /// Attributes the technique cannot do without; asked again after parameters changed.
   virtual Attributes needs() const { return {}; }
-  /// True when eye-dome lighting suits the technique by default (`edl = auto`).
-  virtual bool wants_edl() const { return false; }
-  /// True when a little of it suits the technique where the points have no colours of their own
-  /// (`RenderSettings::own_colors`).
-  virtual bool wants_relief() const { return false; }
+  /// How strong eye-dome lighting suits the technique by default (`edl = auto`), 0 where it does not.
+  /// `own_colors`: see RenderSettings.
+  virtual float edl_strength(bool /*own_colors*/) const { return 0; }
   /// True where the technique's own edges are soft, so that smoothing outlines would only blur them.
   virtual bool has_soft_edges() const { return false; }
   /// Items of a scene that let through what lies behind them are drawn last, in the order of this list, with

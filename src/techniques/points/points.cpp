@@ -25,7 +25,7 @@ class Points final : public Technique {
         .help("diameter of a point, by size_mode; drawn at 1 to 64 px");
   }
 
-  bool wants_edl() const override { return true; }
+  float edl_strength(bool) const override { return RenderSettings::usual_edl; }
 
   int reach_px(const GpuCloud&, const Camera&) const override {
     return 33;  // half the largest point: batches whose centres are beyond the border are not visited
