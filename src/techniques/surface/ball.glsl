@@ -76,13 +76,13 @@ struct Surroundings {
 };
 
 // The surface goes on up to the outermost cluster on it, or in front of it, within `strip` px to both sides; up to as
-// far again a cluster counts as twice as far in, so that none comes and goes at once. The border is beyond that by
-// a quarter of the distance from the first to the third: order statistics of a straight border say half, but it is the
-// outermost of a strip that counts, and discs add to it.
+// far again a cluster counts as twice as far in, so that none comes and goes at once. Order statistics of a straight border
+// say that it is beyond that by half the distance from the first to the third, but it is the outermost of a strip that
+// counts, discs add to it, and against the background outline.glsl has the last word.
 Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip, float spacing) {
   vec2 center = pixel_from_eye(window.center);
   float reach_px = window.reach * pixels_at(-window.center.z);
-  vec3 outermost = vec3(-reach_px);
+  float outermost = -reach_px;
   vec4 low = vec4(window.reach), high = vec4(window.reach);
   for (ivec2 t = window.first; t.y <= window.last.y;) {
     vec4 c = texelFetch(clusters, window.corner + t, 0);
@@ -97,10 +97,7 @@ Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip,
     away -= 2.0 * max(beside - strip, 0.0);
     // Of a square that is full of points, the outer half is surface as well.
     away += 0.5 * window.side * clamp(2.0 * c.w / (window.side * window.side) - 1.0, 0.0, 1.0);
-    if (there && beside < 2.0 * strip && away < reach_px)
-      outermost = away > outermost.x   ? vec3(away, outermost.xy)
-                  : away > outermost.y ? vec3(outermost.x, away, outermost.y)
-                                       : vec3(outermost.xy, max(away, outermost.z));
+    if (there && beside < 2.0 * strip && away < reach_px) outermost = max(outermost, away);
     if (c.w > 0.0 && on_surface && far > 0.1 * spacing) {
       int o = octant(away_px);
       low = min(low, mix(vec4(window.reach), vec4(far), equal(ivec4(o), ivec4(0, 1, 2, 3))));
@@ -112,5 +109,5 @@ Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip,
   high *= vec4(lessThan(high, vec4(window.reach)));
   vec4 largest = max(low, high);
   float gap = max(max(largest.x, largest.y), max(largest.z, largest.w));
-  return Surroundings(outermost.x + 0.25 * (outermost.x - outermost.z), gap);
+  return Surroundings(outermost, gap);
 }
