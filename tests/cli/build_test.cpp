@@ -212,6 +212,17 @@ TEST_F(Levels, NodesMeetWithoutSeams) {
     EXPECT_NEAR(leveled.lightest, whole.lightest, 2);
     EXPECT_LT(whole.lightest - whole.darkest, 30) << "one plane in one light";
   }
+  // Which technique suits is asked of the whole, whatever a view holds, and nothing is measured for a view
+  // alone.
+  for (const char* zoom : {"1", "60"}) {
+    const auto chosen = [&](const std::string& memory) {
+      const Outcome outcome = run({"plane.copc.laz", "--resolution", "160x120", "--zoom", zoom, "--memory",
+                                   memory, "-o", "plane.png", "--json"});
+      return nlohmann::json::parse(outcome.out).at("technique").get<std::string>();
+    };
+    EXPECT_EQ(chosen("4G"), "splats");
+    EXPECT_EQ(chosen("39M"), "surface") << zoom;
+  }
 }
 
 TEST_F(Levels, LeavesDamagedNodesOutAndSaysSo) {
