@@ -9,6 +9,9 @@ uniform float disc_scale;    // radius of a disc, point spacings
 uniform float gap_scale;     // how far apart points of one surface may be, point spacings
 
 const float lone_scale = 0.3;        // of a disc without a plane over one with
+// Radius of the widest disc: as far as tiles_in_reach.glsl looks. Of a stray point before the camera, or of one without
+// neighbours in reach, nothing larger is known.
+const float widest_px = 64.0;
 const float rim_scale = 0.65;        // of a disc that is seen edge-on over one that is not
 
 bool filter_pixel(ivec2 pixel) {
@@ -57,6 +60,6 @@ bool filter_pixel(ivec2 pixel) {
       out_1 = vec4(outwards, around.end, spacing);
     }
   }
-  out_0 = vec4(normal, max(radius, 0.01 * spacing));
+  out_0 = vec4(normal, max(min(radius, widest_px / pixels_at(-own.z)), 0.01 * spacing));
   return true;
 }
