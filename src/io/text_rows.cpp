@@ -91,7 +91,7 @@ bool is_tiny(const char* at, const char* end) {
   if (at < end && ++at < end && *at == '+') ++at;
   const bool negative = at < end && *at == '-';
   if (std::from_chars(at, end, written).ec == std::errc::result_out_of_range) return negative;
-  return place + written < 0;
+  return written < -place;  // their sum may be more than fits
 }
 
 }  // namespace

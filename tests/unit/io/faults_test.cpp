@@ -48,12 +48,13 @@ TEST(Faults, NumbersTooSmallAreZeroAndTooLargeOnesAreNoCoordinates) {
     return value;
   };
   const std::string many = "12345678901234567890123";
-  for (const std::string& tiny :
-       {std::string("1e-400"), many + "e-400", "0." + many + "e-400", std::string("1e-99999999999"),
-        "0." + std::string(400, '0') + "1", "0.000" + many + "e-330"})
+  for (const std::string& tiny : {std::string("1e-400"), many + "e-400", "0." + many + "e-400",
+                                  std::string("1e-99999999999"), "0." + std::string(400, '0') + "1",
+                                  "0.000" + many + "e-330", std::string("0.01e-9223372036854775807")})
     EXPECT_EQ(parsed(tiny), 0) << tiny;
-  for (const std::string& huge : {std::string("1e400"), many + "e400", "0." + many + "e+400",
-                                  std::string("1e99999999999"), std::string(400, '9')})
+  for (const std::string& huge :
+       {std::string("1e400"), many + "e400", "0." + many + "e+400", std::string("1e99999999999"),
+        std::string(400, '9'), std::string("10e9223372036854775807")})
     EXPECT_TRUE(std::isinf(parsed(huge))) << huge;
   EXPECT_EQ(io::read(test::write_file("a.xyz", "1 2 3\n" + many + "e-400 5 6\n")).report.points_finite, 2u);
 }
