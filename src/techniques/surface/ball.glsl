@@ -76,9 +76,9 @@ struct Surroundings {
 };
 
 // The surface goes on up to the outermost cluster on it, or in front of it, within `strip` px to both sides; up to as
-// far again a cluster counts as twice as far in, so that none comes and goes at once. Order statistics of a straight border
-// say that it is beyond that by half the distance from the first to the third, but it is the outermost of a strip that
-// counts, discs add to it, and against the background outline.glsl has the last word.
+// far again a cluster counts as twice as far in, so that none comes and goes at once. Order statistics of a straight
+// border say that it is beyond that by half the distance from the first to the third, but it is the outermost of a strip
+// that counts, discs add to it, and against the background outline.glsl has the last word.
 Surroundings look_around(Window window, vec3 normal, vec2 outwards, float strip, float spacing) {
   vec2 center = pixel_from_eye(window.center);
   float reach_px = window.reach * pixels_at(-window.center.z);

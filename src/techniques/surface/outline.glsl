@@ -45,8 +45,8 @@ bool has_free_half(uint sectors, bool has_disc) {
   return (has_disc ? free & ((free >> 1) | (free << 31)) : free) != 0u;
 }
 
-// `spacing` of points, px. `cover`: the weight of the discs there, `is_alone` whether one of them is by itself or of a line of points, which
-// nothing stands around: that is as large as its disc.
+// `spacing` of points, px. `cover`: the weight of the discs there, `is_alone` whether one of them is by itself or of a
+// line of points, which nothing stands around: that is as large as its disc.
 bool is_outside(ivec2 pixel, float spacing, float cover, bool is_alone) {
   spacing = max(spacing, 0.7);
   float r = hull_scale * spacing;

@@ -1,6 +1,6 @@
-// Squares of 2x2 px: the centroid of the points that hidden point removal left, their number, spacing and colour. Points
-// behind the nearest by more than an edge are of another side, and left out. Squares of hidden points have the same, for
-// through_gaps.glsl; their number is less than 0.
+// Squares of 2x2 px: the centroid of the points that hidden point removal left, their number, spacing and colour.
+// Points behind the nearest by more than an edge are of another side, and left out. Squares of hidden points have the
+// same, for through_gaps.glsl; their number is less than 0.
 #include "techniques/surface/cluster_edge.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D points;    // eye position and spacing of every pixel
