@@ -191,8 +191,7 @@ class Completion {
   static void take_near_normals(const tbb::concurrent_vector<NearNormal>& found,
                                 const std::vector<float>& scatter, std::vector<vec3>& normals,
                                 std::vector<float>& flatness) {
-    std::vector<std::uint8_t> flat((scatter.size() + around - 1) /
-                                   around);  // of each block of so many points
+    std::vector<std::uint8_t> flat((scatter.size() + around - 1) / around);  // points of each block
     for (std::size_t i = 0; i < scatter.size(); ++i) flat[i / around] += is_flat(scatter[i]);
     for (const NearNormal& near : found) {
       const std::size_t block = near.point / around,

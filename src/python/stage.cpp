@@ -153,9 +153,7 @@ void Stage::set(ChosenTechnique& look, const std::string& name, const std::strin
 ChosenTechnique& Stage::look_for(const ShotRequest& request) {
   ChosenTechnique& first = *choice_.techniques.front();
   std::string name = request.technique.value_or(first.name);
-  if (name == automatic_technique) {
-    name = first.reason.empty() ? session_->suggest().technique : first.name;
-  }
+  if (name == automatic_technique) name = first.reason.empty() ? session_->suggest().technique : first.name;
   ChosenTechnique* look = name == first.name ? &first : nullptr;
   if (!look) {
     auto& other = looks_[name];

@@ -533,6 +533,15 @@ TEST_F(SurfaceDiscs, OutlinesStayWhereTheyAre) {
   }
 }
 
+/// Three units before the plane y = 0, a pixel as wide as `pixel` everywhere.
+Camera camera_before(int width, int height, double pixel) {
+  Camera camera = front_camera(width, height);
+  camera.position = {0, -3, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = height * pixel;
+  return camera;
+}
+
 // Round gaps of a plane while the camera pans by 0.8 px a frame: the wider, the less of them is closed, and
 // nothing pops.
 TEST_F(SurfaceDiscs, GapsCloseByTheirSizeAndDoNotPop) {
@@ -552,10 +561,7 @@ TEST_F(SurfaceDiscs, GapsCloseByTheirSizeAndDoNotPop) {
   cloud.colors.assign(cloud.size(), {180, 180, 180, 255});
   Renderer renderer(context());
   show(renderer, cloud, {});
-  Camera camera = front_camera(560, 120);
-  camera.position = {0, -3, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 120 * pixel;
+  const Camera camera = camera_before(560, 120, pixel);
   std::vector<double> sums(gaps.size()), last(gaps.size()), jumps(gaps.size());
   constexpr int frames = 8;
   for (int n = 0; n < frames; ++n) {
@@ -605,10 +611,7 @@ TEST_F(SurfaceDiscs, WhatLiesBehindAnOpeningIsSeen) {
   cloud.colors.assign(cloud.size(), {180, 180, 180, 255});
   Renderer renderer(context());
   show(renderer, cloud, {});
-  Camera camera = front_camera(320, 180);
-  camera.position = {0, -3, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 180 * pixel;
+  const Camera camera = camera_before(320, 180, pixel);
   const RenderOutput out = picture(renderer, "surface", camera);
   int background = 0, wall = 0;
   for (int y = 0; y < 180; ++y)

@@ -38,10 +38,16 @@ uint sectors_around(vec2 place, vec2 in_clusters, float r, float cells) {
   return sectors;
 }
 
+// Where as many sectors in a row as `count`, a power of two, are free: the first of them.
+uint free_runs(uint sectors, int count) {
+  uint free = ~sectors;
+  for (int k = 1; k < count; k *= 2) free &= (free >> k) | (free << (32 - k));
+  return free;
+}
+
 // Whether half of the sectors, in a row, are free; under a disc, one more.
 bool has_free_half(uint sectors, bool has_disc) {
-  uint free = ~sectors;
-  for (int k = 1; k < 16; k *= 2) free &= (free >> k) | (free << (32 - k));
+  uint free = free_runs(sectors, 16);
   return (has_disc ? free & ((free >> 1) | (free << 31)) : free) != 0u;
 }
 

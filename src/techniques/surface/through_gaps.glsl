@@ -30,9 +30,7 @@ bool is_any_hidden(vec2 place, float r) {
 
 // Whether no quarter of the compass is free of what is seen within r px.
 bool is_enclosed(vec2 place, float r) {
-  uint free = ~sectors_around(place - vec2(offset), place, r, 4.0);
-  for (int k = 1; k < 8; k *= 2) free &= (free >> k) | (free << (32 - k));
-  return free == 0u;
+  return free_runs(sectors_around(place - vec2(offset), place, r, 4.0), 8) == 0u;
 }
 
 // `spacing` of points, px. Nothing where it is not `wanted`: software GL runs both sides of a branch, but leaves loops.
