@@ -221,6 +221,7 @@ NpyValues read_npy_values(const std::filesystem::path& path, Progress& progress)
       values[i] = number_of(column.stored, one);
     }
   }
+  if (result.names.size() != result.columns.size()) result.names.clear();
   return result;
 }
 

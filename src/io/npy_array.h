@@ -10,7 +10,7 @@
 namespace sfumato::io {
 
 struct NpyValues {
-  std::vector<std::string> names;  ///< of records; otherwise none
+  std::vector<std::string> names;  ///< of records whose fields all have one; otherwise none
   std::vector<StoredType> types;
   std::vector<std::vector<double>> columns;
 };

@@ -168,6 +168,12 @@ TEST(Npz, ArraysBecomeColumnsByTheirNames) {
       test::write_file("c.npz", zip({{"q.npy", npy("'<f4'", "2,", test::bytes_of(1.0f, 2.0f))}}, true)));
   ASSERT_TRUE(none);
   EXPECT_NE(std::string(none->what()).find("name one so"), std::string::npos) << none->what();
+  // Fields without a name are called after their array, as all of it is.
+  const auto nameless =
+      test::write_file("e.npz", zip({{"xyz.npy", npy("[('', '<f4'), ('', '<f4'), ('z', '<f4')]", "1,",
+                                                     test::bytes_of(1.0f, 2.0f, 3.0f))}},
+                                    false));
+  EXPECT_EQ(io::read(nameless).cloud.positions.at(0), vec3(1, 2, 3));
   // Zeros pack a thousandfold; a file that unpacks to gigabytes is no scan.
   EXPECT_TRUE(test::error_of(test::write_file(
       "d.npz", zip({{"xyz.npy", npy("'<f4'", "8000000, 3", std::string(96'000'000, '\0'))}}, true))));
