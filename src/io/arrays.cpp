@@ -2,6 +2,7 @@
 // floats).
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -15,11 +16,25 @@
 namespace sfumato::io {
 namespace {
 
+constexpr std::uint64_t most_numbers = 512;  ///< of a record
+
 struct Array {
   std::vector<Column> columns;
   std::uint64_t begin = 0, rows = 0, record = 0;  ///< bytes, points, bytes a point
   bool big_endian = false, by_column = false;
 };
+
+/// The whole numbers in the text of a tuple.
+std::vector<std::uint64_t> sizes_in(std::string_view text) {
+  std::vector<std::uint64_t> sizes;
+  while (!text.empty()) {
+    std::uint64_t size = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+    if (error == std::errc()) sizes.push_back(size);
+    text.remove_prefix(error == std::errc() ? std::size_t(end - text.data()) : 1);
+  }
+  return sizes;
+}
 
 std::optional<StoredType> numpy_type(std::string_view text) {
   static const std::pair<std::string_view, StoredType> types[] = {
@@ -73,14 +88,8 @@ class NpyHeader {
   }
 
   void read_shape() {
-    std::string_view text = value_of("shape");
-    text = text.substr(0, text.find(')'));
-    while (!text.empty()) {
-      std::uint64_t size = 0;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
-      if (error == std::errc()) shape_.push_back(size);
-      text.remove_prefix(error == std::errc() ? std::size_t(end - text.data()) : 1);
-    }
+    const std::string_view text = value_of("shape");
+    shape_ = sizes_in(text.substr(0, text.find(')')));
     if (!is_cloud_ && shape_.size() == 1) shape_.push_back(1), is_list_ = true;
     if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull ||
         (shape_.size() == 2 && shape_[1] > 256))
@@ -113,19 +122,23 @@ class NpyHeader {
 
   void read_records(std::string_view descr) {
     if (shape_.size() != 1 && !is_list_) fail("found a grid of records, expected a list of them");
-    // [('x', '<f4'), ('y', '<f4'), ...]: names and types alternate.
+    // [('x', '<f4'), ('normal', '<f4', (3,)), ...]: a name, a type, and the shape of what is several numbers.
     descr = descr.substr(0, descr.find(']'));
-    std::vector<std::string_view> words;
-    for (std::size_t at = descr.find('\''); at != std::string_view::npos && words.size() < 1024;) {
-      const std::size_t end = descr.find('\'', at + 1);
-      if (end == std::string_view::npos) break;
-      words.push_back(descr.substr(at + 1, end - at - 1));
-      at = descr.find('\'', end + 1);
-    }
-    for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
-      const StoredType type = element(words[i + 1]);
-      array_.columns.push_back({std::string(words[i]), type, type, std::size_t(array_.record), 0});
-      array_.record += size_of(type);
+    std::vector<std::string_view> parts;  // by turns between quotes and in them
+    for (std::size_t at = 0; at < descr.size(); at += parts.back().size() + 1)
+      parts.push_back(descr.substr(at, descr.find('\'', at) - at));
+    for (std::size_t i = 1; i + 3 < parts.size(); i += 4) {
+      const StoredType type = element(parts[i + 2]);
+      std::uint64_t width = 1;
+      for (const std::uint64_t size : sizes_in(parts[i + 3]))
+        width = std::min(size, most_numbers + 1) * std::min(width, most_numbers + 1);
+      if (array_.columns.size() + width > most_numbers)
+        fail("found records of more than " + std::to_string(most_numbers) +
+             " numbers, which are not read; save fewer");
+      for (const std::string& name : columns_named(std::string(parts[i]), std::size_t(width))) {
+        array_.columns.push_back({name, type, type, std::size_t(array_.record), 0});
+        array_.record += size_of(type);
+      }
     }
     for (Column& column : array_.columns) column.stride = std::size_t(array_.record);
     array_.by_column = false;
@@ -199,6 +212,31 @@ ReadResult read_array(const File& file, const Array& array, Progress& progress) 
 }
 
 }  // namespace
+
+std::vector<std::string> columns_named(const std::string& name, std::size_t width) {
+  std::string low = name;
+  std::transform(low.begin(), low.end(), low.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const auto is = [&](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(), [&](const char* one) { return low == one; });
+  };
+  if (is({"xyz", "points", "point", "positions", "position", "pos", "coords", "coord", "vertices", "pts",
+          "arr_0"}) &&
+      width >= 3) {
+    std::vector<std::string> names{"x", "y", "z"};
+    for (std::size_t k = 3; k < width; ++k) names.push_back(name + "_" + std::to_string(k));
+    return names;
+  }
+  if (is({"rgb", "rgba", "colors", "color", "colours", "colour"}) && (width == 3 || width == 4)) {
+    std::vector<std::string> names{"red", "green", "blue", "alpha"};
+    names.resize(width);
+    return names;
+  }
+  if (is({"normals", "normal"}) && width == 3) return {"nx", "ny", "nz"};
+  if (width == 1) return {name};
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < width; ++k) names.push_back(name + "_" + std::to_string(k));
+  return names;
+}
 
 NpyValues read_npy_values(const std::filesystem::path& path, Progress& progress) {
   const File file(path);

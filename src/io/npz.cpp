@@ -6,7 +6,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <map>
 
@@ -162,32 +161,6 @@ class Unpacked {
   int handle_ = -1;
   std::filesystem::path path_;
 };
-
-/// What the columns of an array are called: those of a cloud for known names, else NAME or NAME_0, NAME_1 ...
-std::vector<std::string> columns_named(const std::string& name, std::size_t width) {
-  std::string low = name;
-  std::transform(low.begin(), low.end(), low.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  const auto is = [&](std::initializer_list<const char*> names) {
-    return std::any_of(names.begin(), names.end(), [&](const char* one) { return low == one; });
-  };
-  if (is({"xyz", "points", "point", "positions", "position", "pos", "coords", "coord", "vertices", "pts",
-          "arr_0"}) &&
-      width >= 3) {
-    std::vector<std::string> names{"x", "y", "z"};
-    for (std::size_t k = 3; k < width; ++k) names.push_back(name + "_" + std::to_string(k));
-    return names;
-  }
-  if (is({"rgb", "rgba", "colors", "color", "colours", "colour"}) && (width == 3 || width == 4)) {
-    std::vector<std::string> names{"red", "green", "blue", "alpha"};
-    names.resize(width);
-    return names;
-  }
-  if (is({"normals", "normal"}) && width == 3) return {"nx", "ny", "nz"};
-  if (width == 1) return {name};
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < width; ++k) names.push_back(name + "_" + std::to_string(k));
-  return names;
-}
 
 }  // namespace
 

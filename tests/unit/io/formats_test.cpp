@@ -136,6 +136,22 @@ TEST(Npy, RowsColumnsAndRecords) {
           .cloud;
   EXPECT_EQ(records.positions.at(1), vec3(4, 5, 6));
   EXPECT_EQ(records.scalar("ring")->value(1), 6);
+  // Fields of several numbers, as structured arrays of other programs have them.
+  const std::string fields =
+      npy("[('xyz', '<f4', (3,)), ('normal', '<f4', (3,)), ('rgb', '|u1', (3,)), ('pair', '|u1', (1, 2)), "
+          "('ring', '|u1')]",
+          "1,", test::bytes_of(1.0f, 2.0f, 3.0f, 0.0f, 0.0f, 1.0f) + "\x05\x06\x07\x08\x09\x0a");
+  const PointCloud wide = io::read(test::write_file("e.npy", fields)).cloud;
+  EXPECT_EQ(wide.positions.at(0), vec3(1, 2, 3));
+  EXPECT_EQ(wide.normals.at(0), vec3(0, 0, 1));
+  EXPECT_EQ(wide.colors.at(0), (Rgba8{5, 6, 7, 255}));
+  EXPECT_EQ(wide.scalar("pair_1")->value(0), 9);
+  EXPECT_EQ(wide.scalar("ring")->value(0), 10);
+  const auto error = test::error_of(
+      test::write_file("f.npy", npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4', (99999999999, 99999999999))]",
+                                    "1,", test::bytes_of(1.0f, 2.0f, 3.0f))));
+  ASSERT_TRUE(error);
+  EXPECT_NE(std::string(error->what()).find("more than 512 numbers"), std::string::npos) << error->what();
   const std::string file = npy("'<f4'", "2, 3", rows);
   test::expect_cuts_are_safe("a.npy", file, 2);
   test::expect_changes_are_safe("a.npy", file);
