@@ -325,7 +325,13 @@ class E57Reader {
     const std::span<double> state =
         table.column(cartesian ? "cartesianInvalidState" : "sphericalInvalidState");
     std::span<double> out[3] = {table.column("x"), table.column("y"), table.column("z")};
-    const double* q = scan.rotation;
+    std::span<double> normal[3] = {table.column("nor:normalX"), table.column("nor:normalY"),
+                                   table.column("nor:normalZ")};
+    const bool has_normals = !normal[0].empty() && !normal[1].empty() && !normal[2].empty();
+    const auto turned = [&q = scan.rotation](const dvec3& p) {
+      const dvec3 v(q[1], q[2], q[3]), t = 2.0 * glm::cross(v, p);
+      return p + q[0] * t + glm::cross(v, t);
+    };
     for (std::size_t i = 0; i < n; ++i) {
       if (!state.empty() && state[first + i] > 0) continue;  // only a direction, or nothing: stays NaN
       dvec3 p = cartesian
@@ -333,8 +339,12 @@ class E57Reader {
                     : range[i] * dvec3(std::cos(elevation[i]) * std::cos(azimuth[i]),
                                        std::cos(elevation[i]) * std::sin(azimuth[i]), std::sin(elevation[i]));
       if (scan.has_pose) {
-        const dvec3 v(q[1], q[2], q[3]), t = 2.0 * glm::cross(v, p);
-        p = p + q[0] * t + glm::cross(v, t) + scan.translation;
+        p = turned(p) + scan.translation;
+        if (has_normals) {
+          const std::size_t row = first + i;
+          const dvec3 direction = turned({normal[0][row], normal[1][row], normal[2][row]});
+          for (int k = 0; k < 3; ++k) normal[k][row] = direction[k];
+        }
       }
       for (int k = 0; k < 3; ++k) out[k][first + i] = p[k];
     }

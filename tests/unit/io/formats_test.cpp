@@ -48,6 +48,34 @@ TEST(E57, ScansOfEveryCodecWithTheirPoses) {
   EXPECT_EQ(cloud.scalar("scanner")->value(119), 1);
 }
 
+/// For each pose a scan of one point at 1 0 0 whose normal is along x.
+std::string scans_with_poses(const std::vector<std::string>& poses) {
+  std::string scans;
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    scans += R"(<vectorChild type="Structure">)" + poses[k] +
+             R"(<points type="CompressedVector" fileOffset="%)" + std::to_string(k) +
+             R"(" recordCount="1"><prototype type="Structure">
+<cartesianX type="Float"/><cartesianY type="Float"/><cartesianZ type="Float"/><nor:normalX type="Float"/>
+<nor:normalY type="Float"/><nor:normalZ type="Float"/></prototype></points></vectorChild>)";
+  const std::string one = test::bytes_of(1.0), zero = test::bytes_of(0.0);
+  return e57(std::vector(poses.size(), std::vector{one, zero, zero, one, zero, zero}),
+             R"(<?xml version="1.0"?><e57Root type="Structure"><data3D type="Vector">)" + scans +
+                 "</data3D></e57Root>");
+}
+
+const char* const quarter_turn_about_z =
+    R"(<pose type="Structure"><rotation type="Structure"><w type="Float">0.7071067811865476</w><x type="Float"/>
+<y type="Float"/><z type="Float">0.7071067811865476</z></rotation><translation type="Structure"><x type="Float">10</x>
+<y type="Float"/><z type="Float"/></translation></pose>)";
+
+TEST(E57, PosesTurnNormals) {
+  const PointCloud cloud =
+      io::read(test::write_file("a.e57", scans_with_poses({quarter_turn_about_z, ""}))).cloud;
+  EXPECT_LT(glm::distance(cloud.world(0), dvec3(10, 1, 0)), 1e-6);
+  EXPECT_LT(glm::distance(cloud.normals.at(0), vec3(0, 1, 0)), 1e-6f) << "turned, not moved";
+  EXPECT_EQ(cloud.normals.at(1), vec3(1, 0, 0));
+}
+
 TEST(E57, DamageIsAnError) {
   const std::string bytes = two_scans();
   std::mt19937 random(3);
