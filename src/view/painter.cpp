@@ -41,6 +41,7 @@ class Painter::Watch final : public Progress {
  public:
   enum class Kind { scene, live, kept, idle };
   Watch(Painter& painter, Kind kind) : painter_(painter), kind_(kind) {}
+  Kind kind() const { return kind_; }
   void update(double fraction, std::string_view text) override {
     const std::lock_guard lock(painter_.mutex_);
     painter_.activity_ = {fraction, std::string(text)};
@@ -51,6 +52,7 @@ class Painter::Watch final : public Progress {
     }
   }
   bool cancelled() const override {
+    if (kind_ == Kind::kept) return painter_.stop_;
     if (painter_.stop_ || painter_.cancel_scene_) return true;
     if (kind_ == Kind::idle) return painter_.cancel_idle_;
     return kind_ == Kind::live && painter_.cancel_live_;
@@ -95,8 +97,11 @@ Painter::Painter(std::shared_ptr<Gate> gate, std::function<void()> wake)
     : gate_(std::move(gate)), wake_(std::move(wake)), thread_([this] { run(); }) {}
 
 Painter::~Painter() {
-  stop_ = true;
-  work_.notify_all();
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    work_.notify_all();
+  }
   thread_.join();
 }
 
@@ -218,7 +223,7 @@ Picture Painter::do_picture(Easel& easel, const PictureJob& job, Watch& watch) {
   }
   // What is measured once for all pictures is not called off with this one: a hand that moves on would never
   // see its end.
-  Watch for_all(*this, Watch::Kind::scene);
+  Watch for_all(*this, watch.kind() == Watch::Kind::kept ? Watch::Kind::kept : Watch::Kind::scene);
   session.complete(look, for_all);
   watch.check();
   const auto start = Clock::now();
@@ -343,7 +348,8 @@ void Painter::run() {
         work_.wait(lock, is_wanted);
       }
       if (stop_) break;
-      if (scene_) {
+      // Pictures for keeps are of the points that they were asked for with.
+      if (scene_ && (kept_.empty() || easel.session->empty())) {
         scene = std::exchange(scene_, std::nullopt);
         cancel_scene_ = false;
         kind = Watch::Kind::scene;

@@ -123,11 +123,12 @@ class Painter {
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// Replaces the scene; pictures asked for before are called off.
+  /// Replaces the scene; pictures asked for before are called off, but for those to be kept, which it waits
+  /// for.
   void show(SceneJob job);
   /// The newest wins; the one under way is called off.
   void paint(PictureJob job);
-  /// Not called off by newer ones: for files.
+  /// For files: nothing calls it off but the end of the painter.
   void paint_for_keeps(PictureJob job);
   void pick(PickJob job);
   /// The newest wins.

@@ -1,4 +1,5 @@
-// Painters when the driver fails them: faults are put in the place of the driver's own functions.
+// Painters that are asked for much at once, and painters when the driver fails them: faults are put in the
+// place of the driver's own functions.
 #include <epoxy/gl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,16 +20,20 @@ GLenum GLAPIENTRY no_memory() { return GL_OUT_OF_MEMORY; }
 class PainterTest : public ::testing::Test {
  protected:
   PainterTest() : painter_(std::make_shared<Painter::Gate>(1), [] {}) {
-    SceneJob job;
-    job.id = 1;
-    for (int i = 0; i < 4000; ++i)
-      job.scene.cloud.positions.push_back({float(i % 63), float(i / 63), float(i % 7)});
-    job.pose = stand_upright(job.scene);
+    SceneJob job = scene(1, 4000);
     pose_ = job.pose;
     painter_.show(std::move(job));
     EXPECT_TRUE(std::holds_alternative<SceneReady>(next()));
   }
 
+  static SceneJob scene(std::uint64_t id, int points) {
+    SceneJob job;
+    job.id = id;
+    for (int i = 0; i < points; ++i)
+      job.scene.cloud.positions.push_back({float(i % 63), float(i / 63), float(i % 7)});
+    job.pose = stand_upright(job.scene);
+    return job;
+  }
   Answer next() {
     for (int i = 0; i < 60'000; ++i) {
       if (waiting_.empty()) waiting_ = painter_.take_answers();
@@ -42,12 +47,15 @@ class PainterTest : public ::testing::Test {
     ADD_FAILURE() << "no answer within a minute";
     return CalledOff{};
   }
-  Answer paint(std::uint64_t id, int width) {
+  PictureJob picture(std::uint64_t id, int width, const std::string& technique = "points") {
     PictureJob job;
     job.id = id;
-    job.technique = "points";
+    job.technique = technique;
     job.camera = first_view(pose_, width, 200);
-    painter_.paint_for_keeps(std::move(job));
+    return job;
+  }
+  Answer paint(std::uint64_t id, int width) {
+    painter_.paint_for_keeps(picture(id, width));
     return next();
   }
 
@@ -55,6 +63,24 @@ class PainterTest : public ::testing::Test {
   Pose pose_;
   std::vector<Answer> waiting_;
 };
+
+// A hand that goes on does not lose the pictures it has saved, nor get them of other points.
+TEST_F(PainterTest, FinishesPicturesForKeepsBeforeTheNextScene) {
+  const Answer first = paint(2, 200);
+  ASSERT_TRUE(std::holds_alternative<Picture>(first));
+  painter_.paint_for_keeps(picture(3, 200, "strokes"));
+  while (painter_.activity().text.empty()) std::this_thread::yield();  // it is under way
+  painter_.paint_for_keeps(picture(4, 200));
+  painter_.show(scene(5, 2000));
+  const Answer under_way = next(), waiting = next(), shown = next();
+  ASSERT_TRUE(std::holds_alternative<Picture>(under_way));
+  EXPECT_EQ(std::get<Picture>(under_way).id, 3u);
+  ASSERT_TRUE(std::holds_alternative<Picture>(waiting));
+  EXPECT_EQ(std::get<Picture>(waiting).id, 4u);
+  EXPECT_EQ(std::get<Picture>(waiting).points_drawn, std::get<Picture>(first).points_drawn);
+  ASSERT_TRUE(std::holds_alternative<SceneReady>(shown));
+  EXPECT_EQ(std::get<SceneReady>(shown).points, 2000u);
+}
 
 TEST_F(PainterTest, SaysThatGraphicsMemoryIsFullAndGoesOn) {
   ASSERT_TRUE(std::holds_alternative<Picture>(paint(2, 200)));
