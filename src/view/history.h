@@ -27,6 +27,12 @@ class History {
     if (states_.size() > most_) states_.erase(states_.begin());
     at_ = states_.size() - 1;
   }
+  /// What is found out of states after their time, such as the camera once the files are read: no step of its
+  /// own. `edit` is called of every state.
+  template <class Edit>
+  void amend(const Edit& edit) {
+    for (State& each : states_) edit(each);
+  }
   bool can_undo() const { return at_ > 0; }
   bool can_redo() const { return at_ + 1 < states_.size(); }
   /// The state before the last change; the present one when there is none.

@@ -47,6 +47,7 @@ struct Wishes {
   std::vector<DrawRow>
       draw;  ///< the first that selects a point draws it; the others are drawn by `technique`
   ViewCamera camera;
+  bool frame_on_load = true;  ///< `camera` is yet to be found, by what the files hold
 
   /// A parameter of `technique`, of all techniques, or of the analysis. Throws Error(usage) as Look::set
   /// does.

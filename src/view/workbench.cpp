@@ -49,6 +49,7 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
     say(error.what(), true);
     return;
   }
+  if (next.files != wishes_.files) sample_camera_.reset(), is_playing_frames_ = false;
   wishes_ = std::move(next);
   history_.record(wishes_, what, now_ms_);
 }
@@ -109,20 +110,20 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
   } catch (const Error& error) {
     return say(error.what(), true);
   }
-  frame_on_load_ = true;
-  sample_camera_.reset();
-  frames_.clear();
-  is_playing_frames_ = false;
-  change("open", [&](Wishes& wishes) {
-    if (!add) {
-      wishes.files.clear();
-      wishes.transforms.clear();
-      wishes.scene.selection.crop.reset();
-    }
-    for (const std::string& file : expanded)
-      if (std::find(wishes.files.begin(), wishes.files.end(), file) == wishes.files.end())
-        wishes.files.push_back(file);
-  });
+  Wishes next = wishes_;
+  if (!add) {
+    next.files.clear();
+    next.transforms.clear();
+    next.scene.selection.crop.reset();
+  }
+  for (const std::string& file : expanded)
+    if (std::find(next.files.begin(), next.files.end(), file) == next.files.end()) next.files.push_back(file);
+  if (next.scene_key() == wishes_.scene_key()) {
+    is_to_read_anew_ = true;
+    return;
+  }
+  next.frame_on_load = true;
+  change("open", [&](Wishes& wishes) { wishes = next; });
 }
 
 void Workbench::set_size(int width, int height) {
@@ -179,8 +180,8 @@ void Workbench::shoot(int width, int height) {
     return say("the picture is saved once everything is loaded");
   }
   if (follows_view()) {
-    delayed_shot_ = wanted_view();
-    delayed_shot_->width = width, delayed_shot_->height = height;
+    delayed_shots_.push_back({window_view(), wishes_});
+    delayed_shots_.back().view.width = width, delayed_shots_.back().view.height = height;
     return;
   }
   paint_shot(width, height);
@@ -205,16 +206,30 @@ void Workbench::shoot_what_is_loaded() {
   shoot(size.x, size.y);
 }
 
+bool Workbench::is_frame(const Wishes& wishes) const {
+  return wishes.files.size() == 1 &&
+         std::any_of(frames_.begin(), frames_.end(),
+                     [&](const scene::SceneFile& each) { return each.name == wishes.files.front(); });
+}
+
+const std::vector<scene::SceneFile>& Workbench::frames() const {
+  static const std::vector<scene::SceneFile> none;
+  return is_frame(wishes_) ? frames_ : none;
+}
+
 std::size_t Workbench::frame() const {
-  const auto found = wishes_.files.empty() ? frames_.end()
-                                           : std::find(frames_.begin(), frames_.end(), wishes_.files.front());
-  return found == frames_.end() ? 0 : std::size_t(found - frames_.begin());
+  std::size_t i = 0;
+  while (i < frames().size() && frames_[i].name != wishes_.files.front()) ++i;
+  return i;
 }
 
 void Workbench::show_frame(std::size_t i) {
-  if (i >= frames_.size() || i == frame()) return;
-  wishes_.files = {frames_[i]};
-  wishes_.transforms.clear();
+  if (i >= frames().size() || i == frame()) return;
+  const auto show = [&](Wishes& each) {
+    if (is_frame(each)) each.files = {frames_[i].name}, each.transforms = {frames_[i].transform};
+  };
+  history_.amend(show);  // nobody undoes the time that went by
+  show(wishes_);
   frame_since_ms_ = now_ms_;
 }
 
@@ -228,17 +243,18 @@ void Workbench::load(bool anew) {
   load_id_ = next_id_++;
   loading_ = true;
   scene_failed_ = false;
-  loaded_key_ = wanted_key_ = wishes_.scene_key();
-  file_times_.clear();
+  is_to_read_anew_ = false;
+  wanted_key_ = wishes_.scene_key();
+  if (loaded_key_ != wanted_key_) file_times_.clear();
+  loaded_key_ = wanted_key_;
   LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene};
   job.cutaway = !wishes_.whole;
   job.memory = start_.memory;
   job.anew = anew;
-  job.sample_first = frame_on_load_ && !anew;  // else something better is on the screen
+  job.sample_first = wishes_.frame_on_load && !anew;  // else something better is on the screen
   reading_view_ = false;
   read_view_.reset();
-  delayed_shot_.reset();
-  if (follows_view() && !frame_on_load_) {
+  if (follows_view() && !wishes_.frame_on_load) {
     read_view_ = wanted_view();
     job.seen = camera();
     job.has_shadows = read_view_->has_shadows;
@@ -247,7 +263,14 @@ void Workbench::load(bool anew) {
 }
 
 Workbench::SeenView Workbench::wanted_view() const {
-  if (delayed_shot_) return *delayed_shot_;
+  return delayed_shots_.empty() ? window_view() : delayed_shots_.front().view;
+}
+
+const Wishes& Workbench::wishes_of_view() const {
+  return delayed_shots_.empty() ? wishes_ : delayed_shots_.front().wishes;
+}
+
+Workbench::SeenView Workbench::window_view() const {
   const auto shadows = wishes_.shared.find("shadows");
   const bool casts =
       shadows != wishes_.shared.end() && shadows->second != "off" && shadows->second != "stored";
@@ -263,23 +286,24 @@ void Workbench::follow_view() {
   if (!follows_view() || loading_ || width_ <= 0) return;
   const SeenView wanted = wanted_view();
   if (read_view_ == wanted) {
-    if (delayed_shot_ && whole_ready_ && !reading_view_) {
+    if (!delayed_shots_.empty() && whole_ready_ && !reading_view_) {
       // A hand that went on while the points were read gets the picture it asked for.
-      const ViewCamera now = std::exchange(wishes_.camera, wanted.camera);
+      std::swap(wishes_, delayed_shots_.front().wishes);
       paint_shot(wanted.width, wanted.height);
-      wishes_.camera = now;
-      delayed_shot_.reset();
+      std::swap(wishes_, delayed_shots_.front().wishes);
+      delayed_shots_.pop_front();
     }
     return;
   }
   if (std::exchange(reading_view_, false)) loader_->call_off();
   read_view_.reset();
-  if (refinement_.moving(now_ms_) && !delayed_shot_) return;
+  if (refinement_.moving(now_ms_) && delayed_shots_.empty()) return;
   read_view_ = wanted;
   reading_view_ = true;
   load_id_ = next_id_++;
-  LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene};
-  job.cutaway = !wishes_.whole;
+  const Wishes& wishes = wishes_of_view();
+  LoadJob job{load_id_, wishes.scene_files(), wishes.scene};
+  job.cutaway = !wishes.whole;
   job.memory = start_.memory;
   job.seen = wanted.camera.to_camera(wanted.width, wanted.height);
   job.has_shadows = wanted.has_shadows;
@@ -290,15 +314,16 @@ void Workbench::follow_view() {
 }
 
 void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
+  const Wishes& wanted = wishes_of_view();
   const auto job_of = [&](scene::Scene scene) {
     SceneJob job;
     job.id = next_id_++;
     job.scene = std::move(scene);
     job.pose = loaded.pose;
-    job.options = wishes_.session_options();
-    job.color_key = wishes_.color_key();
-    job.technique = wishes_.technique;
-    job.parameters_of = [wishes = wishes_](const std::string& technique) {
+    job.options = wanted.session_options();
+    job.color_key = wanted.color_key();
+    job.technique = wanted.technique;
+    job.parameters_of = [wishes = wanted](const std::string& technique) {
       return wishes.parameters_of(technique);
     };
     return job;
@@ -330,6 +355,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.failure) {
     loading_ = false;
     shot_after_loading_.reset();
+    delayed_shots_.clear();
     if (!scene_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
     if (has_sample_only()) say("what is shown is a sample of what could be read");
@@ -341,7 +367,7 @@ void Workbench::take_loaded(Loaded loaded) {
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
   if (!is_another_view) picked_.clear(), profile_.reset();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);
-  if (frame_on_load_ && width_ > 0 && loaded.is_first) {
+  if (wishes_.frame_on_load && width_ > 0 && loaded.is_first) {
     ViewCamera first;
     try {
       first = ViewCamera::from(start_.first_camera && !had_whole_
@@ -352,18 +378,23 @@ void Workbench::take_loaded(Loaded loaded) {
       first = ViewCamera::from(first_view(loaded.pose, width_, height_));
     }
     navigator_.set_home(first);
-    // A hand that has turned the sample goes on from there.
-    if (!sample_camera_ || wishes_.camera == *sample_camera_) wishes_.camera = first;
+    const auto place = [&](Wishes& each) {
+      if (!each.frame_on_load || each.files != wishes_.files) return;
+      // A hand that has turned the sample goes on from there.
+      if (!sample_camera_ || each.camera == *sample_camera_) each.camera = first;
+      each.frame_on_load = loaded.is_sample;  // the whole says where it is, exactly
+      // The other frames stand as the first does.
+      if (loaded.is_sample || !is_frame(each) || each.scene.up) return;
+      each.scene.up = loaded.pose.upright.up;
+      each.input.emplace_back("up", to_string(loaded.pose.upright.up));
+    };
+    const bool is_wanted = wishes_.scene_key() == loaded_key_;
+    history_.amend(place);
+    place(wishes_);
+    if (is_wanted) loaded_key_ = wanted_key_ = wishes_.scene_key();
     sample_camera_.reset();
     if (loaded.is_sample) sample_camera_ = first;
-    frame_on_load_ = loaded.is_sample;  // the whole says where it is, exactly
-    if (!loaded.is_sample && !frames_.empty() && !wishes_.scene.up) {
-      // The other frames stand as the first does.
-      wishes_.scene.up = loaded.pose.upright.up;
-      wishes_.input.emplace_back("up", to_string(loaded.pose.upright.up));
-      loaded_key_ = wanted_key_ = wishes_.scene_key();
-    }
-    if (!scene_ || (!had_whole_ && !history_.can_undo())) history_ = History<Wishes>(wishes_);
+    if (!scene_) history_ = History<Wishes>(wishes_);  // nothing was there that a step could go back to
   }
   had_whole_ = had_whole_ || !loaded.is_sample;
   if (on_message)
@@ -389,10 +420,14 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     left_out_ = ready->left_out;
     for (const std::string& note : ready->notes) say(note);
     refinement_.set_whole_ready(true);
-    if (wishes_.technique.empty() && !scene_->is_coarse) {
-      wishes_.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
-      reason_ = ready->choice.reason;
-      if (!history_.can_undo()) history_ = History<Wishes>(wishes_);
+    if (!scene_->is_coarse) {
+      if (wishes_.technique.empty()) reason_ = ready->choice.reason;
+      const auto settle = [&](Wishes& each) {
+        if (each.technique.empty())
+          each.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
+      };
+      history_.amend(settle);  // nothing chooses again where a hand goes back to
+      settle(wishes_);
     }
     touched();
   } else if (auto* picture = std::get_if<Picture>(&answer)) {
@@ -445,7 +480,6 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       in_flight_ = 0;
       refinement_.called_off();
     }
-    std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == off->id; });
   } else if (auto* failure = std::get_if<Failure>(&answer)) {
     if (failure->id == sample_scene_id_ && failure->id != 0) {
       sample_failed_ = true;  // rules may leave nothing of a sample: the whole cloud is drawn in its place
@@ -458,6 +492,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       loading_ = false;
       scene_failed_ = true;
       shot_after_loading_.reset();
+      delayed_shots_.clear();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;
       refinement_.failed();
@@ -524,7 +559,7 @@ void Workbench::ask() {
 }
 
 void Workbench::watch_files() {
-  if (!watch || now_ms_ - watched_ms_ < 500) return;
+  if (!watch || is_to_read_anew_ || now_ms_ - watched_ms_ < 500) return;
   watched_ms_ = now_ms_;
   std::vector<std::pair<std::string, std::int64_t>> times;
   for (const std::string& file : wishes_.files) {
@@ -535,7 +570,7 @@ void Workbench::watch_files() {
   }
   if (!file_times_.empty() && times != file_times_) {
     say("files changed: reading them again");
-    load(true);
+    is_to_read_anew_ = true;
   }
   file_times_ = std::move(times);
 }
@@ -596,8 +631,8 @@ void Workbench::tick(double now_ms) {
     frame_stood_ms_.reset();
   else if (!frame_stood_ms_)
     frame_stood_ms_ = now_ms;
-  if (is_playing_frames_ && frame_stood_ms_ && frame_due_ms() <= now_ms) {
-    show_frame((frame() + 1) % frames_.size());
+  if (playing_frames() && frame_stood_ms_ && frame_due_ms() <= now_ms) {
+    show_frame((frame() + 1) % frames().size());
     key_changed_ms_ = now_ms - reload_rest_ms;  // nobody drags a slider here
     wanted_key_ = wishes_.scene_key();
   }
@@ -612,8 +647,9 @@ void Workbench::tick(double now_ms) {
     wanted_key_ = key;
     key_changed_ms_ = now_ms;
   }
-  if (wanted_key_ != loaded_key_ && now_ms - key_changed_ms_ >= reload_rest_ms && !wishes_.files.empty())
-    load(false);
+  if (has_to_load() && (is_to_read_anew_ || now_ms - key_changed_ms_ >= reload_rest_ms) &&
+      !wishes_.files.empty())
+    load(is_to_read_anew_);
   shoot_what_is_loaded();
   follow_view();
   ask();
@@ -624,10 +660,10 @@ void Workbench::tick(double now_ms) {
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
   if (play_began_ms_) return 0;
-  if (is_playing_frames_ && frame_stood_ms_) return std::max(0.0, frame_due_ms() - now_ms);
+  if (playing_frames() && frame_stood_ms_) return std::max(0.0, frame_due_ms() - now_ms);
   std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
-  if (wanted_key_ != loaded_key_) {
-    const double until = std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
+  if (has_to_load()) {
+    const double until = is_to_read_anew_ ? 0 : std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
     wait = std::min(wait.value_or(until), until);
   }
   if (follows_view() && !loading_ && read_view_ != wanted_view())

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -30,7 +31,7 @@ struct Start {
   bool watch = false;  ///< read files again when they change
   std::string
       shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
-  std::vector<std::string>
+  std::vector<scene::SceneFile>
       frames;  ///< of a sequence: files that are shown one at a time; the first is among the wishes
   std::function<void()> wake;  ///< from any thread: there is something to `tick` for
 };
@@ -124,7 +125,7 @@ class Workbench {
   /// with levels, what it shows is read before.
   void shoot(int width, int height);
   std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
-  bool shooting() const { return shot_after_loading_ || delayed_shot_ || !waiting_shots_.empty(); }
+  bool shooting() const { return shot_after_loading_ || !delayed_shots_.empty() || !waiting_shots_.empty(); }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -133,18 +134,18 @@ class Workbench {
   const std::optional<Failure>& fatal() const { return fatal_; }
 
   KeyFrames path;
-  /// Plays the path from its begin; null time stops.
+  /// Plays the path from its begin, or stops it.
   void play(bool on);
   bool playing() const { return play_began_ms_.has_value(); }
   double play_time_s() const { return play_began_ms_ ? 1e-3 * (now_ms_ - *play_began_ms_) : 0; }
 
-  /// Files of a sequence, seen from one camera; empty: there is none.
-  const std::vector<std::string>& frames() const { return frames_; }
+  /// Files of a sequence, seen from one camera; empty: what is open is no frame of one.
+  const std::vector<scene::SceneFile>& frames() const;
   std::size_t frame() const;
   void show_frame(std::size_t i);
   /// Shows the next frame as soon as the present one stands, and `frames_per_second` allow.
   void play_frames(bool on) { is_playing_frames_ = on; }
-  bool playing_frames() const { return is_playing_frames_; }
+  bool playing_frames() const { return is_playing_frames_ && !frames().empty(); }
   double frames_per_second = 5;
 
   bool watch = false;
@@ -157,16 +158,29 @@ class Workbench {
     bool has_shadows = false;
     bool operator==(const SeenView&) const = default;
   };
+  /// A picture of files with levels, until its points are here.
+  struct DelayedShot {
+    SeenView view;
+    Wishes wishes;
+  };
 
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
   void take_answer(Answer answer, bool of_whole);
   void load(bool anew);
   bool follows_view() const { return scene_ && scene_->follows_view; }
+  SeenView window_view() const;
+  /// Of the window, or of a picture to be kept that waits for its points.
   SeenView wanted_view() const;
+  const Wishes& wishes_of_view() const;
   bool is_coarser_than_wanted() const;
   void follow_view();
   bool is_loading_wishes() const;
+  /// Waits while points are read for a picture to be kept.
+  bool has_to_load() const {
+    return (is_to_read_anew_ || wanted_key_ != loaded_key_) && delayed_shots_.empty();
+  }
+  bool is_frame(const Wishes& wishes) const;
   void shoot_what_is_loaded();
   void paint_shot(int width, int height);
   void send_scene(Loaded& loaded, bool is_another_view);
@@ -194,9 +208,10 @@ class Workbench {
   double asked_ms_ = 0;
   std::string loaded_key_, look_key_, wanted_key_;
   double key_changed_ms_ = -1e9;
+  bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be
   bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false,
        scene_failed_ = false;
-  bool frame_on_load_ = true, timings_ = false, had_whole_ = false;
+  bool timings_ = false, had_whole_ = false;
   std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
   std::optional<Loaded> scene_;
   std::shared_ptr<const Picture> shown_;
@@ -211,14 +226,14 @@ class Workbench {
   bool reading_view_ = false;
   bool stand_in_is_due_ = false;             ///< `points` of a view that the technique has yet to measure
   std::optional<ivec2> shot_after_loading_;  ///< its size in pixels
-  std::optional<SeenView> delayed_shot_;     ///< until its points are here
+  std::deque<DelayedShot> delayed_shots_;
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;
   std::set<std::string> notes_said_;  ///< of readers
   std::optional<Failure> fatal_;
   std::optional<double> play_began_ms_;
-  std::vector<std::string> frames_;
+  std::vector<scene::SceneFile> frames_;
   bool is_playing_frames_ = false;
   double frame_since_ms_ = 0;
   std::optional<double> frame_stood_ms_;  ///< since then its whole picture is shown

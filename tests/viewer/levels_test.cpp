@@ -1,4 +1,5 @@
 // Files larger than memory in the window: what a view shows is read for it.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -12,6 +13,8 @@
 namespace sfumato::view {
 namespace {
 
+using ::testing::Contains;
+using ::testing::Not;
 using Clock = std::chrono::steady_clock;
 
 /// Pixels that differ; all of them for pictures of different sizes.
@@ -142,6 +145,37 @@ TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
   // The window goes on with what it needs itself.
   ASSERT_TRUE(settle(bench));
   EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
+}
+
+// Whoever saves a picture and goes on at once gets it all the same, of what was shown then.
+TEST_F(LevelsTest, PicturesForKeepsComeBeforeWhatIsWishedNext) {
+  Workbench bench(start());
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  const Camera first = bench.camera();
+  bench.shoot(width, height);
+  bench.move("zoom", [](Navigator& navigator) {
+    ViewCamera near = navigator.camera();
+    near.position = near.target + 0.2 * (near.position - near.target);
+    navigator.set_camera(near);
+  });
+  const Camera second = bench.camera();
+  bench.shoot(width, height);
+  bench.change("hide", [](Wishes& wishes) {
+    wishes.scene.selection.hide_classes = {6};
+    wishes.color_by = "clay";
+  });
+  std::vector<Shot> shots;
+  ASSERT_TRUE(wait(bench, [&] {
+    for (Shot& shot : bench.take_shots()) shots.push_back(std::move(shot));
+    return shots.size() == 2 && bench.settled() && bench.scene()->classes.size() == 1;
+  }));
+  EXPECT_EQ(different(shots[0].picture.image, picture_of(first)), 0u);
+  EXPECT_EQ(different(shots[1].picture.image, picture_of(second)), 0u);
+  for (const Shot& shot : shots) {
+    EXPECT_THAT(shot.words, Contains("--color-by=elevation"));
+    EXPECT_THAT(shot.words, Not(Contains("--hide-classes=6")));
+  }
 }
 
 TEST_F(LevelsTest, PointsShowAViewUntilTheTechniqueHasMeasuredIt) {

@@ -287,7 +287,7 @@ int view_command(RenderOptions& options, Choice& choice, const CommandLine& line
   view::Wishes& wishes = start.wishes;
   wishes.files = options.files;
   if (options.sequence) {
-    start.frames = options.files;
+    start.frames = options.placed();
     wishes.files.resize(1);
   }
   for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);

@@ -46,6 +46,18 @@ TEST(History, OneDragIsOneStep) {
   EXPECT_FALSE(history.can_undo());
 }
 
+TEST(History, AmendsStatesWithoutAStep) {
+  History<int> history(1);
+  history.record(2, "a", 0);
+  history.record(3, "b", 5000);
+  history.undo();
+  history.amend([](int& each) { each += 10; });
+  EXPECT_EQ(history.redo(), 13);
+  EXPECT_EQ(history.undo(), 12);
+  EXPECT_EQ(history.undo(), 11);
+  EXPECT_FALSE(history.can_undo());
+}
+
 TEST(History, KeepsSoManyAndNoMore) {
   History<int> history(0, 5);
   for (int i = 1; i <= 20; ++i) history.record(i, std::to_string(i), 2000 * i);

@@ -1,0 +1,210 @@
+// What a hand does one after the other: files opened, undone, read again, played.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "io/io.h"
+#include "view/workbench.h"
+
+namespace sfumato::view {
+namespace {
+
+using ::testing::Contains;
+using Clock = std::chrono::steady_clock;
+
+class WorkbenchTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("sfumato_workbench_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  /// A hilly square whose corner is at `x` to the east, of two classes.
+  std::string write(const std::string& name, double x, int per_edge = 50) {
+    PointCloud cloud;
+    cloud.origin = {x, 0, 0};
+    ScalarField classes{"classification", 0, {}, StoredType::uint8};
+    for (int i = 0; i < per_edge * per_edge; ++i) {
+      cloud.positions.push_back({float(i % per_edge), float(i / per_edge), float(i % 7)});
+      classes.values.push_back(i % 2 ? 2.0f : 6.0f);
+    }
+    cloud.scalars = {classes};
+    io::write(folder_ / name, cloud);
+    return (folder_ / name).string();
+  }
+  static Start start(const std::string& file) {
+    Start start;
+    start.wishes.files = {file};
+    start.wishes.technique = "points";
+    start.wake = [] {};
+    return start;
+  }
+
+  void tick(Workbench& bench) {
+    bench.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
+    for (const Message& message : bench.take_messages()) mistakes_ += message.is_error;
+  }
+  /// Ticks until the bench has what it wants; false when that takes a minute.
+  bool wait(Workbench& bench, const std::function<bool()>& done) {
+    for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
+      tick(bench);
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  }
+  bool settle(Workbench& bench) {
+    return wait(bench, [&] { return bench.settled(); });
+  }
+  /// What was just wished for is read, or refused.
+  bool load(Workbench& bench) {
+    return wait(bench, [&] { return bench.loading(); }) && settle(bench);
+  }
+  static void turn(Workbench& bench) {
+    bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
+  }
+  static void hide_class(Workbench& bench, int id) {
+    bench.change("classes", [&](Wishes& wishes) { wishes.scene.selection.hide_classes = {id}; });
+  }
+
+  std::filesystem::path folder_;
+  Clock::time_point began_ = Clock::now();
+  int mistakes_ = 0;
+};
+
+TEST_F(WorkbenchTest, UndoGoesBackToViewsThatWereSeen) {
+  const std::string here = write("here.las", 0), there = write("there.las", 5000);
+  Workbench bench(start(here));
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  turn(bench);
+  const ViewCamera of_here = bench.wishes().camera;
+  bench.open({there}, false);
+  ASSERT_TRUE(load(bench));
+  const ViewCamera of_there = bench.wishes().camera;
+  EXPECT_GT(of_there.target.x, 5000);
+  turn(bench);
+  bench.undo();
+  EXPECT_EQ(bench.wishes().files, std::vector{there});
+  EXPECT_EQ(bench.wishes().camera, of_there);
+  bench.undo();
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.wishes().files, std::vector{here});
+  EXPECT_EQ(bench.wishes().camera, of_here);
+  bench.redo();
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.wishes().camera, of_there);
+  EXPECT_EQ(mistakes_, 0);
+}
+
+// What is undone before it was seen is framed when it comes back.
+TEST_F(WorkbenchTest, RedoFramesWhatWasNeverSeen) {
+  const std::string here = write("here.las", 0), there = write("there.las", 5000);
+  Workbench bench(start(here));
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  turn(bench);
+  const ViewCamera of_here = bench.wishes().camera;
+  bench.open({there}, false);
+  bench.undo();
+  hide_class(bench, 6);
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.wishes().camera, of_here);
+  bench.undo();
+  bench.open({there}, false);
+  bench.undo();
+  bench.redo();
+  ASSERT_TRUE(load(bench));
+  EXPECT_GT(bench.wishes().camera.target.x, 5000);
+}
+
+TEST_F(WorkbenchTest, UndoKeepsTheTechniqueThatWasChosen) {
+  Start unsettled = start(write("here.las", 0));
+  unsettled.wishes.technique.clear();
+  unsettled.settle = [](const TechniqueChoice&) { return TechniqueChoice{"splats", "for a test"}; };
+  Workbench bench(unsettled);
+  bench.set_size(320, 200);
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene() != nullptr; }));
+  ASSERT_FALSE(bench.whole_ready());  // which chooses
+  turn(bench);
+  ASSERT_TRUE(wait(bench, [&] { return bench.whole_ready(); }));
+  EXPECT_EQ(bench.wishes().technique, "splats");
+  bench.undo();
+  EXPECT_EQ(bench.wishes().technique, "splats");
+  EXPECT_EQ(bench.reason(), "for a test");
+}
+
+// A file that is open is read again where it stands, and arms nothing for later.
+TEST_F(WorkbenchTest, OpeningWhatIsOpenReadsItAgain) {
+  const std::string file = write("here.las", 0, 50);
+  Workbench bench(start(file));
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  turn(bench);
+  const ViewCamera turned = bench.wishes().camera;
+  write("here.las", 0, 60);
+  bench.open({file}, false);
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.scene()->points_read, 3600u);
+  EXPECT_EQ(bench.wishes().camera, turned);
+  hide_class(bench, 6);
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.wishes().camera, turned);
+}
+
+TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
+  Start sequence = start(write("f1.las", 0));
+  sequence.frames = scene::files_of({sequence.wishes.files.front(), write("f2.las", 1)});
+  Workbench bench(sequence);
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  turn(bench);
+  const ViewCamera turned = bench.wishes().camera;
+  bench.open({(folder_ / "missing.las").string()}, false);
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(mistakes_, 1);
+  EXPECT_TRUE(bench.frames().empty());
+  bench.undo();
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.wishes().camera, turned);
+  EXPECT_EQ(bench.frames().size(), 2u);
+}
+
+// Each frame stands where its transform puts it, and undo leaves the one that is shown.
+TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
+  Start sequence = start(write("f1.las", 0));
+  sequence.frames = scene::files_of({sequence.wishes.files.front(), write("f2.las", 0)});
+  dmat4 moved(1);
+  moved[3] = {1000, 0, 0, 1};
+  sequence.frames[1].transform = moved;
+  Workbench bench(sequence);
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  bench.show_frame(1);
+  ASSERT_TRUE(load(bench));
+  EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 1024.5, 1);
+  EXPECT_THAT(bench.wishes().words(1, 1), Contains("--transform=1: 1,0,0,1000,0,1,0,0,0,0,1,0,0,0,0,1"));
+  bench.change("shadows", [](Wishes& wishes) { wishes.set("shadows", "hard"); });
+  bench.undo();
+  EXPECT_EQ(bench.frame(), 1u);
+  bench.redo();
+  EXPECT_EQ(bench.frame(), 1u);
+  bench.show_frame(0);
+  ASSERT_TRUE(load(bench));
+  EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 24.5, 1);
+}
+
+TEST_F(WorkbenchTest, SaysWhatIsNoColour) {
+  Workbench bench(start(write("here.las", 0)));
+  bench.change("one colour", [](Wishes& wishes) { wishes.point_color = "blu"; });
+  EXPECT_EQ(bench.wishes().point_color, "");
+  ASSERT_EQ(bench.take_messages().size(), 1u);
+}
+
+}  // namespace
+}  // namespace sfumato::view
