@@ -94,11 +94,12 @@ Measure measure(const dvec3& from, const dvec3& to, UpAxis up) {
   return out;
 }
 
-std::string coordinate_text(double value, double scene_size) {
+int decimals_of(double scene_size) {
   // A hundred-thousandth of the scene is less than anybody points at.
-  const int decimals = std::clamp(5 - int(std::floor(std::log10(std::max(scene_size, 1e-12)))), 0, 9);
-  return fixed(value, decimals);
+  return std::clamp(5 - int(std::floor(std::log10(std::max(scene_size, 1e-12)))), 0, 9);
 }
+
+std::string coordinate_text(double value, double scene_size) { return fixed(value, decimals_of(scene_size)); }
 
 std::string unit_of(const std::string& crs) {
   std::string text = crs;

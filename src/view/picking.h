@@ -36,7 +36,9 @@ struct Measure {
 };
 Measure measure(const dvec3& from, const dvec3& to, UpAxis up);
 
-/// A coordinate with the decimals that a scene of that size deserves.
+/// The decimals that coordinates of a scene of that size deserve.
+int decimals_of(double scene_size);
+/// A coordinate with so many.
 std::string coordinate_text(double value, double scene_size);
 /// "metre", "US survey foot" where the coordinate reference system says so, else "units".
 std::string unit_of(const std::string& crs);

@@ -33,6 +33,11 @@ std::vector<double> two_numbers(const std::string& text) {
   throw Error(ErrorCode::usage, "--color-range: '" + text + "' is not two different numbers A,B");
 }
 
+vec3 color_of(const std::string& text) {
+  if (const auto color = parse_color(text)) return *color;
+  throw Error(ErrorCode::usage, "'" + text + "' is no colour");
+}
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(' ');
   return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(' ') - first + 1);
@@ -141,13 +146,12 @@ ColorSettings Wishes::color() const {
       throw Error(ErrorCode::usage, "--exposure: '" + exposure + "' is no number in [0.1, 100]");
     settings.exposure = std::stod(exposure);
   }
-  if (!point_color.empty())
-    if (const auto color = parse_color(point_color)) settings.solid = to_rgba8(*color);
+  if (!point_color.empty()) settings.solid = to_rgba8(color_of(point_color));
   return settings;
 }
 
 std::optional<vec3> Wishes::background() const {
-  return background_color.empty() ? std::nullopt : parse_color(background_color);
+  return background_color.empty() ? std::nullopt : std::optional(color_of(background_color));
 }
 
 SessionOptions Wishes::session_options() const {
@@ -161,6 +165,8 @@ SessionOptions Wishes::session_options() const {
   for (const DrawRow& row : draw) options.draw.push_back(DrawRule::parse(row.rule()));
   return options;
 }
+
+void Wishes::set_color_range(double a, double b) { color_range = number_text(a) + "," + number_text(b); }
 
 std::vector<scene::SceneFile> Wishes::scene_files() const {
   std::vector<scene::SceneFile> all = scene::files_of(files);
@@ -187,6 +193,24 @@ NamesAndValues Wishes::options() const {
   if (whole) say("whole", "true");
   if (legend && point_color.empty()) say("legend", "true");
   return all;
+}
+
+void Wishes::take_options(const NamesAndValues& given) {
+  const Wishes plain;
+  color_by = plain.color_by, colormap = plain.colormap, color_range = plain.color_range;
+  exposure = plain.exposure, point_color = plain.point_color, background_color = plain.background_color;
+  legend = plain.legend, whole = plain.whole, draw = plain.draw;
+  for (const auto& [name, value] : given) {
+    if (name == "color-by") color_by = value;
+    if (name == "colormap") colormap = value;
+    if (name == "color-range") color_range = value;
+    if (name == "exposure") exposure = value;
+    if (name == "color") point_color = value;
+    if (name == "background-color") background_color = value;
+    if (name == "legend") legend = value == "true";
+    if (name == "whole") whole = value == "true";
+    if (name == "draw") draw.push_back(DrawRow::from(value));
+  }
 }
 
 std::vector<std::string> Wishes::words(int width, int height) const {

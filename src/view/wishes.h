@@ -59,13 +59,19 @@ struct Wishes {
   /// Takes over what is not at its default in a look.
   void take(const Look& look);
 
+  /// So that not even the time of a GPS loses a digit.
+  void set_color_range(double a, double b);
+  /// Takes over colours, items and what else `options` says of the picture; what is not given is as by
+  /// default.
+  void take_options(const NamesAndValues& given);
+
   /// What a Look of that technique must be given.
   NamesAndValues parameters_of(const std::string& technique_name) const;
   /// Throws Error(usage) for what is not understood.
   SessionOptions session_options() const;
   std::vector<scene::SceneFile> scene_files() const;
-  ColorSettings color() const;
-  std::optional<vec3> background() const;
+  ColorSettings color() const;             ///< throws so as well
+  std::optional<vec3> background() const;  ///< likewise
 
   /// The words after `sfumato` that draw this at a size: -o and its file are not among them.
   std::vector<std::string> words(int width, int height) const;

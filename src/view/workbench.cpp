@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/color.h"
 #include "core/error.h"
 
 namespace sfumato::view {
@@ -33,9 +32,6 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
   Wishes next = wishes_;
   try {
     edit(next);
-    if (!next.background_color.empty() && !next.background())
-      throw Error(ErrorCode::usage, "'" + next.background_color + "' is no colour");
-    (void)next.color();
     const SessionOptions options = next.session_options();
     // A number that the scan lacks is named at once, not when the scene has been taken apart for it.
     if (scene_ && scene_->near && next.scene_key() != wishes_.scene_key())

@@ -42,12 +42,13 @@ void Interface::color_panel() {
     }
     ImGui::Dummy({width, height});
     histogram(coloring);
-    float range[2] = {float(coloring.low), float(coloring.high)};
-    const float speed = std::max(1e-6f, 0.005f * std::abs(range[1] - range[0]));
-    if (ImGui::DragFloat2("range", range, speed, 0, 0, "%.5g") && range[0] != range[1])
-      bench_.change("color-range", [&](view::Wishes& next) {
-        next.color_range = view::number_text(range[0]) + "," + view::number_text(range[1]);
-      });
+    double range[2] = {coloring.low, coloring.high};
+    const double span = std::abs(range[1] - range[0]);
+    const std::string format = fmt::format("%.{}f", view::decimals_of(span));
+    if (ImGui::DragScalarN("range", ImGuiDataType_Double, range, 2, std::max(1e-6f, 0.005f * float(span)),
+                           nullptr, nullptr, format.c_str()) &&
+        range[0] != range[1])
+      bench_.change("color-range", [&](view::Wishes& next) { next.set_color_range(range[0], range[1]); });
     tooltip("values at the ends of the colour map: drag, or Ctrl+click to type");
     if (!wishes.color_range.empty()) {
       ImGui::SameLine();
@@ -123,9 +124,9 @@ void Interface::histogram(const Coloring& coloring) {
     }
   // A drag over it chooses the range.
   ImGui::InvisibleButton("histogram", {width, height});
-  tooltip(fmt::format(
-      "{} from {:.5g} to {:.5g}, of a sample of the points; drag over it: the range of the colours",
-      coloring.source, histogram_.low, histogram_.high));
+  tooltip(fmt::format("{} from {} to {}, of a sample of the points; drag over it: the range of the colours",
+                      coloring.source, view::coordinate_text(histogram_.low, span),
+                      view::coordinate_text(histogram_.high, span)));
   if (ImGui::IsItemActivated()) histogram_from_ = ImGui::GetIO().MousePos.x;
   if (ImGui::IsItemActive() && std::abs(ImGui::GetIO().MousePos.x - histogram_from_) > 3) {
     const auto value_at = [&](float x) {
@@ -133,9 +134,8 @@ void Interface::histogram(const Coloring& coloring) {
     };
     const double a = value_at(histogram_from_), b = value_at(ImGui::GetIO().MousePos.x);
     if (a != b)
-      bench_.change("color-range", [&](view::Wishes& next) {
-        next.color_range = fmt::format("{:.5g},{:.5g}", std::min(a, b), std::max(a, b));
-      });
+      bench_.change("color-range",
+                    [&](view::Wishes& next) { next.set_color_range(std::min(a, b), std::max(a, b)); });
   }
 }
 

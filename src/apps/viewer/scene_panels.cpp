@@ -44,19 +44,9 @@ void Interface::take_preset(const std::string& file) {
     cli::CommandLine line("preset", "");
     input.declare(line);
     cli::Words words;
-    next.draw.clear();
-    for (const auto& [name, value] : preset.options) {
-      if (name == "color-by") next.color_by = value;
-      if (name == "colormap") next.colormap = value;
-      if (name == "color-range") next.color_range = value;
-      if (name == "color") next.point_color = value;
-      if (name == "exposure") next.exposure = value;
-      if (name == "background-color") next.background_color = value;
-      if (name == "legend") next.legend = value == "true";
-      if (name == "whole") next.whole = value == "true";
-      if (name == "draw") next.draw.push_back(view::DrawRow::from(value));
+    next.take_options(preset.options);
+    for (const auto& [name, value] : preset.options)
       if (is_input(name)) words.push_back("--" + name + "=" + value);
-    }
     is_scene = !preset.files.empty();
     if (!words.empty() || is_scene) {
       line.parse(words);
@@ -70,7 +60,10 @@ void Interface::take_preset(const std::string& file) {
     next.files.clear(), next.transforms.clear();
     for (const scene::SceneFile& each : preset.files)
       next.files.push_back(each.name), next.transforms.push_back(each.transform);
-    if (preset.camera) next.camera = view::ViewCamera::from(*preset.camera);
+    if (preset.camera)
+      next.camera = view::ViewCamera::from(*preset.camera), next.frame_on_load = false;
+    else if (next.scene_key() != bench_.wishes().scene_key())
+      next.frame_on_load = true;
   });
 }
 

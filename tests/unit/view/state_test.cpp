@@ -220,6 +220,42 @@ TEST(Wishes, KeepParametersByTechniqueAndShareWhatIsShared) {
   EXPECT_TRUE(wishes.parameters_of("points").empty());
 }
 
+// A saved scene looks the same in whatever window it is opened.
+TEST(Wishes, TakeBackTheOptionsThatTheyGave) {
+  Wishes plain, coloured;
+  coloured.color_by = "classification", coloured.colormap = "turbo", coloured.exposure = "2";
+  coloured.background_color = "black", coloured.legend = coloured.whole = true;
+  coloured.set_color_range(1, 5);
+  coloured.draw = {DrawRow::from("class 3: soft")};
+  Wishes single;
+  single.point_color = "steelblue";
+  for (const Wishes& saved : {plain, coloured, single})
+    for (Wishes window : {plain, coloured, single}) {
+      window.take_options(saved.options());
+      EXPECT_EQ(window.options(), saved.options());
+    }
+}
+
+// GPS seconds since 1980 have more digits than a float.
+TEST(Wishes, RangesOfColoursKeepEveryDigit) {
+  Wishes wishes;
+  wishes.set_color_range(300000000.25, 300000000.5);
+  const ColorSettings settings = wishes.color();
+  ASSERT_TRUE(settings.range);
+  EXPECT_EQ((*settings.range)[0], 300000000.25);
+  EXPECT_EQ((*settings.range)[1], 300000000.5);
+}
+
+TEST(Wishes, RefuseWhatIsNoColour) {
+  Wishes wishes;
+  wishes.point_color = "blu";
+  EXPECT_THROW((void)wishes.color(), Error);
+  wishes.point_color = "blue";
+  EXPECT_TRUE(wishes.color().solid);
+  wishes.background_color = "blu";
+  EXPECT_THROW((void)wishes.session_options(), Error);
+}
+
 TEST(Wishes, KeysTellWhatHasToBeDoneAnew) {
   Wishes wishes;
   wishes.files = {"a.laz"};
