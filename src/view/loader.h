@@ -65,8 +65,8 @@ class Loader {
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// Whether the thread of one that is gone may still run: then the process ends by std::_Exit, without
-  /// taking apart what that thread uses.
+  /// Whether the thread of one that is gone may still run: then a window that was closed ends the process by
+  /// std::_Exit, without taking apart what that thread uses. After an error it ends as always.
   static bool has_left_work();
 
   /// The newest wins.

@@ -1,4 +1,7 @@
 // The window as a hand uses it: real keys and a real mouse on a display of its own, and pixels looked at.
+#include <signal.h>
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -406,7 +409,43 @@ TEST_F(WindowTest, TakesFilesThatAreDropped) {
   close();
   expect_reproducible(both);
 }
+
+// A scene looks as the command draws it, whatever colours the window had.
+TEST_F(WindowTest, TakesASceneThatIsDropped) {
+  write_cube("cube.ply", 20);
+  ASSERT_EQ(
+      run({"cube.ply", "-t", "points", "--view", "front", "--save-scene", "scene.json", "-o", "any.png"})
+          .code,
+      0);
+  open({"cube.ply", "-t", "points", "--color-by", "elevation", "--background-color", "black", "--legend"});
+  wait_for("final picture");
+  ASSERT_EQ(drop_files({path("scene.json").string()}, 475, 350), "");
+  wait_for("final picture", 2);
+  const std::string saved = save();
+  close();
+  const Outcome plain = run({"--scene", "scene.json", "--resolution", "950x694", "-o", "plain.png"});
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png"))) << png_texts(saved)["Command"];
+}
 #endif
+
+// A limit on the size of files stands for the full disk.
+TEST_F(WindowTest, LeavesNothingOfAPictureThatCannotBeSaved) {
+  write_cube("cube.ply", 60);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{16'000, before.rlim_max};
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  open({"cube.ply", "-t", "points"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, handler);
+  wait_for("final picture");
+  hand("key p");
+  wait_for("File too large");
+  EXPECT_FALSE(exists("sfumato_0001.png"));
+  close();
+}
 
 // A path made of key views is played: its pictures are in motion, its end is the last key.
 TEST_F(WindowTest, PlaysAPathOfKeyViews) {

@@ -44,6 +44,9 @@ void Interface::take_shots() {
                            {"Camera", io::camera_to_json(shot.picture.camera)}});
             return {"saved " + name, false};
           } catch (const std::exception& error) {
+            // The name is free again, where nobody else has written there.
+            std::error_code none;
+            if (std::filesystem::file_size(name, none) == 0) std::filesystem::remove(name, none);
             return {error.what(), true};
           }
         }));

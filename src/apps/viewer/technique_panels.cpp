@@ -33,7 +33,7 @@ void Interface::control(view::Control control) {
   const std::string value = control.is_auto ? resolved(control.name) : control.value;
   std::vector<float> numbers = view::numbers_of(value);
   std::string text = value;
-  // The label turns bright where the value is not the default; a click with the right button resets it.
+  // The label turns bright where the value is not the default; × behind it takes that back.
   const std::string label = "##value";
   switch (control.kind) {
     case ParamKind::boolean: {
