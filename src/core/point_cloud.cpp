@@ -137,6 +137,7 @@ void append(PointCloud& cloud, const PointCloud& other) {
     cloud = other;
     return;
   }
+  if (cloud.empty()) cloud.origin = other.origin;  // that of no points is anywhere
   const std::size_t n = cloud.size(), m = other.size();
   const dvec3 shift = other.origin - cloud.origin;
   cloud.positions.reserve(n + m);

@@ -36,6 +36,15 @@ TEST(PointCloud, AppendMovesToOneOriginAndFillsWhatIsMissing) {
   EXPECT_EQ(a.scalar("extra")->value(4), 6);
 }
 
+TEST(PointCloud, AppendToNothingTakesItsOrigin) {
+  PointCloud nothing = select(line(3, {0, 0, 0}), {});
+  nothing.set_scalar({"extra", 0, {}, StoredType::float32});  // a tile of which no node is in view
+  const PointCloud tile = line(3, {5e6, 5e6, 0});
+  append(nothing, tile);
+  EXPECT_EQ(nothing.origin, tile.origin);
+  EXPECT_EQ(nothing.world(2), tile.world(2));
+}
+
 TEST(PointCloud, SubsampleIsDeterministicAndKeepsSourceIndex) {
   const PointCloud cloud = line(1000, {0, 0, 0});
   const PointCloud a = subsample(cloud, 100), b = subsample(cloud, 100);
