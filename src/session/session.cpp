@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "analysis/find_room.h"
 #include "analysis/survey.h"
@@ -38,12 +39,13 @@ Camera first_view(const Pose& pose, int width, int height) {
   return camera;
 }
 
+// Each part counts its points from 0: tables by their places are as long as the part, not as the files.
 std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::uint32_t>& matches) {
   parts_.clear();
   std::vector<PointCloud> clouds;
   const std::vector<DrawRule>& rules = options_.draw;
   if (rules.empty()) {
-    parts_.push_back({{}, nullptr, nullptr, cloud.size(), {}});
+    parts_.push_back({{}, nullptr, nullptr, cloud.size(), std::exchange(cloud.source_index, {})});
     clouds.push_back(std::move(cloud));
     return clouds;
   }
@@ -75,8 +77,7 @@ std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::ui
         places.push_back(std::uint32_t(i));
     parts_[k].points = places.size();
     clouds.push_back(select(cloud, places));
-    parts_[k].source_index = std::move(clouds.back().source_index);
-    clouds.back().source_index.clear();  // each part counts from 0: tables by it are as long as the part
+    parts_[k].source_index = std::exchange(clouds.back().source_index, {});
   }
   return clouds;
 }

@@ -93,7 +93,7 @@ class Session {
     std::unique_ptr<Look> look;      ///< by the rule
     std::size_t points = 0;
     std::vector<std::uint32_t>
-        source_index;  ///< of rules: the place in the scene of each of the part's points
+        source_index;  ///< place in the scene of each of the part's points; empty: as they come
   };
   const std::vector<Part>& parts() const { return parts_; }
   const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }

@@ -113,6 +113,19 @@ TEST_F(HeadlessRendererTest, ReadsBackWhatIsAskedFor) {
   EXPECT_TRUE(p.linear.empty() && p.normal.empty());
 }
 
+// Tables by the points' places are as long as the sample, not as the file it is of.
+TEST_F(HeadlessRendererTest, DrawsASampleOfAnyFile) {
+  PointCloud cloud = sphere_cloud(2000);
+  HeadlessRenderer renderer;
+  renderer.set_cloud(cloud);
+  const Camera camera = renderer.first_view(40, 30);
+  const Pictures of_all = renderer.render("points", camera);
+  for (std::uint32_t i = 0; i < 2000; ++i) cloud.source_index.push_back(2'000'000 * i);
+  renderer.set_cloud(cloud);
+  const Pictures of_sample = renderer.render("points", camera);
+  EXPECT_TRUE(std::equal(of_all.color.begin(), of_all.color.end(), of_sample.color.begin()));
+}
+
 TEST_F(HeadlessRendererTest, NamesWhatIsMissing) {
   HeadlessRenderer renderer;
   EXPECT_THROW(renderer.render("points", above(0)), Error);
