@@ -1,5 +1,6 @@
 #include "passes/light.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -24,6 +25,7 @@ Light Light::parse(std::string_view text) {
       }
     }
     if (!numbers.empty()) throw std::invalid_argument("rest");
+    if (!std::isfinite(light.vector.x + light.vector.y + light.vector.z)) throw std::invalid_argument("nan");
   } catch (const std::exception&) {
     throw Error(ErrorCode::usage, "--light '" + std::string(text) + "' is not headlight, X,Y,Z or dir:X,Y,Z");
   }

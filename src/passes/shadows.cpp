@@ -82,9 +82,11 @@ std::vector<Camera> ShadowMaps::light_cameras(const Light& light, const Bounds& 
 
 std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& box, double size, int count) {
   std::vector<Light> samples{light};
-  // A directional light stands at one diagonal from the cloud: its disc turns it by size / diagonal.
-  const dvec3 towards =
-      light.kind == Light::Kind::directional ? light.vector : glm::normalize(light.vector - box.center());
+  // A directional light stands at one diagonal from the cloud: its disc turns it by size / diagonal. In the
+  // middle of the cloud one way is as good as another.
+  const bool is_directional = light.kind == Light::Kind::directional;
+  const dvec3 away = is_directional ? light.vector : light.vector - box.center();
+  const dvec3 towards = glm::length(away) > 0 ? glm::normalize(away) : dvec3(0, 0, 1);
   const auto [u, v] = perpendicular(towards);
   std::mt19937 random(20100501);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -95,7 +97,7 @@ std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& b
     const double angle = turn + 2.399963229728653 * i;
     const dvec3 offset = u * (r * std::cos(angle)) + v * (r * std::sin(angle));
     Light sample = light;
-    if (light.kind == Light::Kind::directional)
+    if (is_directional)
       sample.vector = glm::normalize(light.vector + offset / std::max(box.diagonal(), 1e-9));
     else
       sample.vector = light.vector + offset;

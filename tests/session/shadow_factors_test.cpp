@@ -56,6 +56,22 @@ class ShadowFactorsTest : public GlTest {
   std::unique_ptr<Technique> splats_ = find_technique("splats").create();
 };
 
+// A lamp in the middle of a ball lights all of it, with a disc as with a point.
+TEST_F(ShadowFactorsTest, OfALightInTheMiddleOfTheBox) {
+  PointCloud ball = sphere_cloud(20'000, 1, vec3(0));
+  for (vec3& normal : ball.normals) normal = -normal;
+  for (std::size_t i = 0; i < 20'000; ++i) {  // mirrored, so that the middle is 0 exactly
+    ball.positions.push_back(-ball.positions[i]);
+    ball.normals.push_back(-ball.normals[i]);
+    ball.colors.push_back(ball.colors[i]);
+  }
+  ASSERT_EQ(bounds(ball).center(), dvec3(0));
+  RenderSettings settings = lit_by("0,0,0", Shadows::soft);
+  for (const float factor : shadow_factors(context(), ball, settings)) ASSERT_EQ(factor, 1);
+  for (const char* no_place : {"nan,0,0", "dir:inf,0,1", "1,2,1e999"})
+    EXPECT_THROW(Light::parse(no_place), Error) << no_place;
+}
+
 // The picture with stored factors is the picture with those that are found while it is drawn, bit by bit.
 TEST_F(ShadowFactorsTest, DrawThePictureThatTheyWereFoundFor) {
   const PointCloud cloud = ball_over_floor();
