@@ -260,14 +260,16 @@ class Strokes final : public Technique {
 
   // What a half-refined picture depends on.
   std::string state_of(Frame& frame) {
-    ParamList mine;
-    parameters_.describe(mine);
+    ParamList all;
+    parameters_.describe(all);
+    RenderSettings settings = frame.settings;
+    settings.describe(all);
     std::string text = std::to_string(frame.cloud.serial()) + " " + std::to_string(frame.camera.width) + "x" +
                        std::to_string(frame.camera.height);
-    for (const Param& param : mine.all()) text += " " + param.resolved();
+    for (const Param& param : all.all()) text += " " + param.resolved();
     const dmat4 clip = frame.camera.projection_matrix() * frame.camera.view(dvec3(0));
     for (int k = 0; k < 16; ++k) text += " " + std::to_string(clip[k / 4][k % 4]);
-    return text + " " + std::to_string(int(frame.settings.shading));
+    return text;
   }
   void remember(Frame& frame) {
     state_ = state_of(frame);
