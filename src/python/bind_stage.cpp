@@ -105,6 +105,8 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
   StageOptions options = options_of(technique, parameters, wishes);
   if (!options.up) options.up = cloud->up;
   auto stage = std::make_shared<Stage>(std::move(options));
+  // Before the work: what is raised after it must free the stage where its context is.
+  auto handle = std::make_unique<StageHandle>(stage);
   run_gl(
       [&](gl::Context& context, Progress& reporter) {
         keep_gl(stage);
@@ -119,7 +121,7 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
         }
       },
       progress);
-  return std::make_unique<StageHandle>(std::move(stage));
+  return handle;
 }
 
 ViewWishes view_wishes(const py::dict& wishes) {

@@ -202,6 +202,19 @@ def test_videos(tmp_path, sphere):
         assert b"ftyp" in (tmp_path / "turn.mp4").read_bytes()[:32]
         with pytest.raises(sfumato.Error, match="ffmpeg failed"):
             renderer.video(tmp_path / "turn.nothing", cameras)
+        before = (tmp_path / "turn.mp4").read_bytes()
+        with pytest.raises(sfumato.Error, match="a frame has"):
+            renderer.video(tmp_path / "turn.mp4", cameras + renderer.orbit(1, size=(31, 17)))
+        assert (tmp_path / "turn.mp4").read_bytes() == before
+        assert [file.name for file in tmp_path.iterdir()] == ["turn.mp4"]
+
+
+def test_progress_that_raises_when_all_is_done():
+    """What was made is freed where its context is, and the interpreter goes on."""
+    done = run("import sfumato, numpy\ndef stop(share, text):\n  if share == 1: raise KeyboardInterrupt\n"
+               "try:\n  sfumato.Renderer(numpy.random.rand(1000, 3), technique='points', progress=stop)\n"
+               "except KeyboardInterrupt:\n  print(sfumato.render(numpy.eye(3), size=(64, 48)).size)\n")
+    assert done.stdout == "(64, 48)\n" and done.returncode == 0, done.stdout + done.stderr
 
 
 def test_closing_while_another_thread_renders(sphere):

@@ -401,6 +401,8 @@ class Renderer:
         if not program:
             raise Error("video: there is no ffmpeg here; install it, or save the pictures of renderer.frames(cameras) one by one")
         file, process, size = os.fspath(file), None, None
+        stem, extension = os.path.splitext(file)
+        part = stem + ".part" + extension  # what was there before stays until the whole is written
         try:
             for picture in self.frames(cameras, technique, ("rgba",), progress, **parameters):
                 if process is None:
@@ -410,7 +412,7 @@ class Renderer:
                         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]
                     process = subprocess.Popen(
                         [program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}",
-                         "-r", str(fps), "-i", "-", *for_codec, "-r", str(fps), file],
+                         "-r", str(fps), "-i", "-", *for_codec, "-r", str(fps), part],
                         stdin=subprocess.PIPE, stderr=subprocess.PIPE)
                 if picture.size != size:
                     raise Error(f"video: a frame has {picture.size} pixels, the first had {size}")
@@ -420,6 +422,7 @@ class Renderer:
             _, said = process.communicate()
             if process.returncode != 0:
                 raise Error(f"{file}: ffmpeg failed: {said.decode(errors='replace').strip().splitlines()[-1:]}", "io")
+            os.replace(part, file)
         except BrokenPipeError:
             said = process.stderr.read().decode(errors="replace").strip()
             raise Error(f"{file}: ffmpeg failed: {said}", "io") from None
@@ -427,6 +430,8 @@ class Renderer:
             if process and process.poll() is None:
                 process.kill()
                 process.wait()
+            if process and os.path.exists(part):
+                os.remove(part)
 
     def color(self, color=None, color_by=None, colormap=None, range=None, exposure=None):
         """Other colours for the same points, as in `render`."""
