@@ -135,7 +135,9 @@ ReadResult read_chunks(
   const auto decode_all = [&](std::size_t i) {
     const LazChunk& chunk = chunks[i];
     const ChunkCache::Key key{kept.file, chunk.byte};
-    if (const ChunkCache::Records records = kept.cache ? kept.cache->find(key) : nullptr) {
+    const ChunkCache::Records records = kept.cache ? kept.cache->find(key) : nullptr;
+    // Of another length when the file is not the one that they were decoded from.
+    if (records && records->size() == std::size_t(chunk.count) * layout.record_length) {
       std::vector<std::uint8_t> copy = *records;
       if (grows) points.resize(thinning.before(chunk.first + chunk.count));
       return thinning.store(points, chunk.first, copy.data(), chunk.count, stats[i]);
@@ -143,12 +145,12 @@ ReadResult read_chunks(
     LazDecoder decoder(file, layout, chunk, false, progress);
     std::vector<std::uint8_t> whole;
     std::size_t done = 0;
-    for (std::span<std::uint8_t> records; !(records = decoder.next()).empty();) {
+    for (std::span<std::uint8_t> some; !(some = decoder.next()).empty();) {
       progress.check();
-      if (kept.cache) whole.insert(whole.end(), records.begin(), records.end());
-      const std::size_t count = records.size() / layout.record_length;
+      if (kept.cache) whole.insert(whole.end(), some.begin(), some.end());
+      const std::size_t count = some.size() / layout.record_length;
       if (grows) points.resize(thinning.before(chunk.first + done + count));
-      thinning.store(points, chunk.first + done, records.data(), count, stats[i]);
+      thinning.store(points, chunk.first + done, some.data(), count, stats[i]);
       done += count;
     }
     if (kept.cache && done == chunk.count) kept.cache->keep(key, std::move(whole));

@@ -267,4 +267,13 @@ TEST_F(CopcSelect, DamagedNodesAreLeftOutAndTold) {
   EXPECT_TRUE(copc::read_nodes(tree(), whole).cloud.positions == result.cloud.positions);
 }
 
+// Kept records of another file, which stood there before, are not taken for this one's.
+TEST_F(CopcSelect, DecodesWhereKeptRecordsHaveAnotherLength) {
+  io::ChunkCache kept(1 << 20);
+  kept.keep({0, tree().nodes[0].chunk.byte}, std::vector<std::uint8_t>(7));
+  const io::ReadResult with = copc::read_nodes(tree(), {0}, no_progress(), io::KeptChunks{&kept, 0});
+  const io::ReadResult without = copc::read_nodes(tree(), {0});
+  EXPECT_EQ(with.cloud.positions, without.cloud.positions);
+}
+
 }  // namespace
