@@ -43,6 +43,9 @@ class GlTest : public ::testing::Test {
   void TearDown() override {
     for (const std::string& message : context().take_messages()) ADD_FAILURE() << "GL: " << message;
   }
+
+ private:
+  const gl::Context::Use current_{context()};  // whatever a test before left current
 };
 
 /// Points spread evenly over a unit sphere (Fibonacci lattice) with outward normals and a smooth colour.

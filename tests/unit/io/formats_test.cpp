@@ -335,7 +335,10 @@ TEST(Laz, TakesNoMemoryOnTheWordOfAHeader) {
   const pid_t child = fork();
   if (child == 0) {
     struct rlimit limit {};
-    limit.rlim_cur = limit.rlim_max = rlim_t(256) << 20;  // what the program itself maps included
+    long mapped_pages = 0;
+    std::ifstream("/proc/self/statm") >> mapped_pages;
+    limit.rlim_cur = limit.rlim_max =
+        rlim_t(mapped_pages) * rlim_t(sysconf(_SC_PAGESIZE)) + (rlim_t(128) << 20);
     setrlimit(RLIMIT_AS, &limit);
     try {
       io::read(damaged);
