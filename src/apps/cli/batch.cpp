@@ -15,7 +15,8 @@ void Batch::run(const std::string& file, const std::function<void()>& work) {
     ++done_;
   } catch (const Error& error) {
     const bool of_this_file = error.code() == ErrorCode::bad_input || error.code() == ErrorCode::io ||
-                              error.code() == ErrorCode::usage || error.code() == ErrorCode::partial;
+                              error.code() == ErrorCode::usage || error.code() == ErrorCode::partial ||
+                              error.code() == ErrorCode::out_of_memory;  // refused before it is tried
     if (!of_this_file) throw;
     ++failed_;
     last_ = error.code();

@@ -194,6 +194,8 @@ void RenderOptions::check(std::size_t technique_count) {
         std::uint64_t(parse_whole("--gpu-memory", gpu_memory_text, 1)) / scene::gpu_memory_of_point;
     memory = std::min(memory, std::max<std::uint64_t>(1, points) * scene::memory_of_point);
   }
+  if (each && !(save_preset.empty() && save_scene.empty()))
+    refuse("--save-preset and --save-scene keep what one picture shows: leave out --each");
   if (sequence && each) refuse("--sequence and --each contradict each other: give one of them");
   if ((sequence || each) && !path.empty())
     refuse(std::string(sequence ? "--sequence shows its files from one camera"
