@@ -7,16 +7,13 @@
 #include <map>
 
 #include "core/coloring.h"
-#include "core/error.h"
 #include "core/numbers.h"
 #include "core/param.h"
 
 namespace sfumato {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message, ErrorCode code = ErrorCode::usage) {
-  throw Error(code, message);
-}
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::usage, message); }
 
 std::string text_of(double value) {
   char buffer[64];
@@ -49,9 +46,8 @@ std::size_t crop_to(PointCloud& cloud, const Bounds& box, const Bounds& full) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
   });
   if (cloud.empty())
-    refuse("no point lies in the crop " + text_of(box.min) + "," + text_of(box.max) + ": the points lie in " +
-               text_of(full.min) + "," + text_of(full.max),
-           ErrorCode::bad_input);
+    throw NothingSelected("no point lies in the crop " + text_of(box.min) + "," + text_of(box.max) +
+                          ": the points lie in " + text_of(full.min) + "," + text_of(full.max));
   return gone;
 }
 
@@ -77,7 +73,7 @@ void keep_classes(const Selection& selection, PointCloud& cloud, SelectionReport
   report.of_other_classes = keep(
       cloud, [&](std::size_t i) { return std::find(shown.begin(), shown.end(), id_of(i)) != shown.end(); });
   if (cloud.empty())
-    refuse("none of the classes to show occurs; there are: " + list_classes(counts), ErrorCode::bad_input);
+    throw NothingSelected("none of the classes to show occurs; there are: " + list_classes(counts));
 }
 
 void keep_filtered(const Filter& filter, PointCloud& cloud, SelectionReport& report) {
@@ -91,10 +87,9 @@ void keep_filtered(const Filter& filter, PointCloud& cloud, SelectionReport& rep
   });
   report.filtered += gone;
   if (cloud.empty())
-    refuse("no point is left by the filter '" + filter.scalar + " " + text_of(filter.low) + ".." +
-               text_of(filter.high) + "': " + filter.scalar + " goes from " + text_of(least) + " to " +
-               text_of(most),
-           ErrorCode::bad_input);
+    throw NothingSelected("no point is left by the filter '" + filter.scalar + " " + text_of(filter.low) +
+                          ".." + text_of(filter.high) + "': " + filter.scalar + " goes from " +
+                          text_of(least) + " to " + text_of(most));
   if (gone == 0)
     report.notes.push_back("the filter on " + filter.scalar + " keeps every point: it goes from " +
                            text_of(least) + " to " + text_of(most));
@@ -149,8 +144,7 @@ SelectionReport apply(const Selection& selection, PointCloud& cloud) {
   if (!selection.hide_classes.empty() || selection.hide_withheld)
     report.hidden = hide_classes(cloud, selection.hide_classes);
   if (cloud.empty())
-    refuse("every point is withheld or of a hidden class; show them with --hide-classes none",
-           ErrorCode::bad_input);
+    throw NothingSelected("every point is withheld or of a hidden class; show them with --hide-classes none");
   for (const Filter& filter : selection.filters) keep_filtered(filter, cloud, report);
   return report;
 }

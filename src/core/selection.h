@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/error.h"
 #include "core/point_cloud.h"
 
 namespace sfumato {
@@ -41,8 +42,14 @@ struct SelectionReport {
       notes;  ///< what asks for nothing: classes that do not occur, filters without effect
 };
 
+/// No point is left.
+class NothingSelected : public Error {
+ public:
+  explicit NothingSelected(const std::string& message) : Error(ErrorCode::bad_input, message) {}
+};
+
 /// Removes the points that are not wanted; the order of the others stays. Throws Error(usage) for a number
-/// that the cloud does not have, naming those it has, and Error(bad_input) when no point is left, saying what
+/// that the cloud does not have, naming those it has, and NothingSelected when no point is left, saying what
 /// would show some.
 SelectionReport apply(const Selection& selection, PointCloud& cloud);
 

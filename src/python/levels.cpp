@@ -118,16 +118,8 @@ std::unique_ptr<Levels> open(const py::list& items, const std::vector<std::strin
   return std::make_unique<Levels>(Levels{std::move(*found), sources.files.front().name});
 }
 
-std::uint64_t points(const Levels& self) {
-  std::uint64_t sum = 0;
-  for (const copc::Tree& tree : self.scene.trees()) sum += tree.points;
-  return sum;
-}
-
 py::tuple bounds_of(const Levels& self) {
-  Bounds all = self.scene.trees().front().bounds;
-  for (const copc::Tree& tree : self.scene.trees())
-    all.min = glm::min(all.min, tree.bounds.min), all.max = glm::max(all.max, tree.bounds.max);
+  const Bounds all = self.scene.bounds();
   return py::make_tuple(py::make_tuple(all.min.x, all.min.y, all.min.z),
                         py::make_tuple(all.max.x, all.max.y, all.max.z));
 }
@@ -170,7 +162,7 @@ void bind_levels(py::module_& module) {
       .def_property_readonly("up", [](const Stand& self) { return to_string(self.pose.upright.up); })
       .def_property_readonly("up_vector", &StandMethods::up_vector);
   py::class_<Levels>(module, "Levels")
-      .def("__len__", &points)
+      .def("__len__", [](const Levels& self) { return self.scene.points(); })
       .def_property_readonly("bounds", &bounds_of)
       .def_property_readonly("levels", &levels)
       .def_property_readonly("crs", [](const Levels& self) { return self.scene.trees().front().crs; })

@@ -12,7 +12,6 @@
 #include <cstring>
 #include <filesystem>
 
-#include "core/error.h"
 #include "scene/scene.h"
 
 namespace sfumato::scene {
@@ -87,7 +86,16 @@ std::vector<std::string> expand_inputs(const std::vector<std::string>& words) {
   return files;
 }
 
-StandardInput::StandardInput(const Progress& progress) {
+std::shared_ptr<StandardInput> StandardInput::get() {
+  static std::mutex mutex;
+  static std::weak_ptr<StandardInput> kept;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<StandardInput> one = kept.lock();
+  if (!one) kept = one = std::shared_ptr<StandardInput>(new StandardInput);
+  return one;
+}
+
+StandardInput::StandardInput() {
   if (isatty(STDIN_FILENO))
     throw Error(ErrorCode::usage,
                 "-: standard input is the keyboard; pipe a point cloud into it, or name a file");
@@ -98,6 +106,24 @@ StandardInput::StandardInput(const Progress& progress) {
                 name + ": cannot keep standard input (" + std::strerror(errno) + "); set TMPDIR");
   ::unlink(name.c_str());  // gone with the last who has it open, whatever happens to us
   path_ = "/proc/self/fd/" + std::to_string(handle_);
+}
+
+const std::string& StandardInput::path(const Progress& progress) {
+  const std::lock_guard lock(mutex_);
+  if (failure_) throw Error(*failure_);
+  try {
+    if (!is_whole_) take(progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    failure_ = error;  // what was read and could not be kept does not come again
+    throw;
+  }
+  is_whole_ = true;
+  return path_;
+}
+
+void StandardInput::take(const Progress& progress) {
   std::array<char, 1 << 16> block;
   while (true) {
     progress.check();

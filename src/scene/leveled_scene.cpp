@@ -13,13 +13,6 @@ constexpr std::uint64_t overview_points = 300'000;
 // Of what is out of view only shadows are seen: their details are wider than those of the surface.
 constexpr double outside_with_shadows = 0.25;
 
-Bounds bounds_of(const std::vector<copc::Tree>& trees) {
-  Bounds all = trees[0].bounds;
-  for (const copc::Tree& tree : trees)
-    all.min = glm::min(all.min, tree.bounds.min), all.max = glm::max(all.max, tree.bounds.max);
-  return all;
-}
-
 }  // namespace
 
 std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& files,
@@ -28,28 +21,50 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   const auto is_tree = [](const SceneFile& file) { return !file.transform && copc::is_tree(file.name); };
   if (files.empty() || !std::all_of(files.begin(), files.end(), is_tree)) return std::nullopt;
   LeveledScene scene;
-  std::uint64_t points = 0;
-  for (const SceneFile& file : files) {
-    scene.trees_.push_back(copc::read_tree(file.name));
-    points += scene.trees_.back().points;
-  }
+  for (const SceneFile& file : files) scene.trees_.push_back(copc::read_tree(file.name));
   scene.budget_ = std::max<std::uint64_t>(1, memory / memory_of_point);
   if (options.read.max_points) scene.budget_ = std::min(scene.budget_, *options.read.max_points);
-  if (points <= scene.budget_ && !always) return std::nullopt;
+  if (scene.points() <= scene.budget_ && !always) return std::nullopt;
   scene.files_ = files;
   scene.options_ = options;
   // Shares of a box mean that of the files, not that of the nodes which happen to be read.
   Selection& selection = scene.options_.selection;
   if (selection.crop_share) {
-    const Bounds all = bounds_of(scene.trees_), share = *selection.crop_share;
+    const Bounds all = scene.bounds(), share = *selection.crop_share;
     selection.crop = Bounds{all.min + share.min * all.size(), all.min + share.max * all.size()};
     selection.crop_share.reset();
   }
   return scene;
 }
 
+LeveledScene LeveledScene::unselected() const {
+  LeveledScene all = *this;
+  all.options_.selection = {};
+  return all;
+}
+
+Bounds LeveledScene::bounds() const {
+  Bounds all = trees_[0].bounds;
+  for (const copc::Tree& tree : trees_)
+    all.min = glm::min(all.min, tree.bounds.min), all.max = glm::max(all.max, tree.bounds.max);
+  return all;
+}
+
+std::uint64_t LeveledScene::points() const {
+  std::uint64_t all = 0;
+  for (const copc::Tree& tree : trees_) all += tree.points;
+  return all;
+}
+
 Scene LeveledScene::overview(Progress& progress) {
-  Scene scene = coarse(overview_points, progress);
+  Scene scene;
+  try {
+    scene = coarse(overview_points, progress);
+  } catch (const NothingSelected& nothing) {
+    scene = unselected().coarse(overview_points, progress);
+    scene.notes.push_back("nothing of the selection is in the coarse levels (" + std::string(nothing.what()) +
+                          "): the view is that of all points");
+  }
   overview_ = std::make_shared<const PointCloud>(scene.cloud);
   scene.overview = overview_;
   return scene;
@@ -82,7 +97,13 @@ Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progres
       result.cloud = subsample(result.cloud, std::size_t(selection.wanted[i]));
     return result;
   };
-  Scene scene = assemble(files_, options_, read_one, true);
+  Scene scene;
+  try {
+    scene = assemble(files_, options_, read_one, true);
+  } catch (const NothingSelected& nothing) {
+    throw NothingSelected(std::string(nothing.what()) +
+                          " (of the points that are read for this view; a nearer one reads finer levels)");
+  }
   scene.levels = {selection.points,     selection.points_needed, selection.points_in_files,
                   selection.nodes_read, selection.nodes_needed,  selection.nodes_in_files,
                   selection.widest_px};

@@ -22,6 +22,7 @@ class LeveledScene {
 
   /// The coarse levels: from where to look follows from them, and what they hold goes with all that is read
   /// later (`Scene::overview`).
+  /// Where nothing of the selection is in them, they hold what the whole has, and a note says so.
   Scene overview(Progress& progress = no_progress());
   /// Where it was read before, of the same files and selection.
   void set_overview(std::shared_ptr<const PointCloud> overview) { overview_ = std::move(overview); }
@@ -39,6 +40,11 @@ class LeveledScene {
   void keep_nodes(std::shared_ptr<io::ChunkCache> kept) { kept_ = std::move(kept); }
 
   const std::vector<copc::Tree>& trees() const { return trees_; }
+  /// The same without a selection.
+  LeveledScene unselected() const;
+  /// What the headers say of all points, whatever is selected.
+  Bounds bounds() const;
+  std::uint64_t points() const;
 
  private:
   std::vector<SceneFile> files_;

@@ -2,9 +2,13 @@
 
 #include "scene/assemble.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numeric>
 
 #include "core/error.h"
+#include "core/subsample.h"
 #include "scene/leveled_scene.h"
 
 namespace sfumato::scene {
@@ -12,15 +16,16 @@ namespace sfumato::scene {
 // What is said of the temporary file of "-" is said of standard input.
 io::ReadResult read_file(const std::string& file, const io::ReadOptions& options, Progress& progress) {
   if (file != "-") return io::read(file, options, progress);
-  const StandardInput input(progress);
+  const std::shared_ptr<StandardInput> input = StandardInput::get();
+  const std::string path = input->path(progress);
   try {
-    io::ReadResult result = io::read(input.path(), options, progress);
+    io::ReadResult result = io::read(path, options, progress);
     result.report.file = "standard input";
     return result;
   } catch (const Error& error) {
     std::string text = error.what();
-    for (std::size_t at = text.find(input.path()); at != std::string::npos; at = text.find(input.path()))
-      text.replace(at, input.path().size(), "standard input");
+    for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path))
+      text.replace(at, path.size(), "standard input");
     throw Error(error.code(), text);
   }
 }
@@ -72,13 +77,35 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
   return scene;
 }
 
+/// `wanted` of all points: of each file, of which `kept` points were read, as large a share as of the others.
+std::vector<std::uint32_t> even_share(const std::vector<std::uint64_t>& in_file,
+                                      const std::vector<std::uint64_t>& kept, std::uint64_t wanted) {
+  const double all = double(std::accumulate(in_file.begin(), in_file.end(), std::uint64_t(0)));
+  std::vector<std::uint32_t> places;
+  std::uint64_t first = 0, before = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    before += in_file[i];
+    const auto until = std::uint64_t(std::llround(double(wanted) * double(before) / all));
+    const std::uint64_t own = std::min(kept[i], until - std::min<std::uint64_t>(until, places.size()));
+    if (own > 0) {
+      const Subsample chosen(kept[i], own);
+      for (std::uint64_t k = 0; k < own; ++k) places.push_back(std::uint32_t(first + chosen.place(k)));
+    }
+    first += kept[i];
+  }
+  return places;
+}
+
 }  // namespace
 
 void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options) {
+  const std::string whose = files.size() == 1 ? files[0].name + ": " : std::string();
   try {
     scene.selected = apply(options.selection, scene.cloud);
+  } catch (const NothingSelected& error) {
+    throw NothingSelected(whose + error.what());
   } catch (const Error& error) {
-    throw Error(error.code(), (files.size() == 1 ? files[0].name + ": " : std::string()) + error.what());
+    throw Error(error.code(), whose + error.what());
   }
   scene.notes.insert(scene.notes.end(), scene.selected.notes.begin(), scene.selected.notes.end());
   if (options.read.max_points && scene.cloud.size() > *options.read.max_points)
@@ -108,17 +135,24 @@ Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options,
   const bool selects = options.selection.crop || options.selection.crop_share ||
                        !options.selection.show_classes.empty() || !options.selection.filters.empty();
   if (selects) read.max_points.reset();
-  return put_together(
-      files, options, [&](std::size_t i) { return read_file(files[i].name, read, progress); }, false);
+  std::vector<std::uint64_t> in_file, kept;
+  const auto read_one = [&](std::size_t i) {
+    io::ReadResult result = read_file(files[i].name, read, progress);
+    in_file.push_back(result.report.points);
+    kept.push_back(result.cloud.size());
+    return result;
+  };
+  Scene scene = put_together(files, options, read_one, false);
+  if (read.max_points && kept.size() > 1 && scene.cloud.size() > *read.max_points)
+    scene.cloud = select(scene.cloud, even_share(in_file, kept, *read.max_points));
+  return scene;
 }
 
 std::optional<Scene> read_sample(const std::vector<SceneFile>& files, const SceneOptions& options,
                                  std::size_t points, Progress& progress) {
   try {
     if (const auto leveled = LeveledScene::open(files, options, default_memory, true)) {
-      std::uint64_t all = 0;
-      for (const copc::Tree& tree : leveled->trees()) all += tree.points;
-      return all < 4 * points ? std::nullopt : std::optional(leveled->coarse(points, progress));
+      return leveled->points() < 4 * points ? std::nullopt : std::optional(leveled->coarse(points, progress));
     }
     std::vector<double> bytes;
     double all_bytes = 0;

@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "core/selection.h"
 #include "io/io.h"
 
@@ -77,19 +79,28 @@ std::vector<SceneFile> files_of(const std::vector<std::string>& names);
 /// nothing.
 std::vector<std::string> expand_inputs(const std::vector<std::string>& words);
 
-/// "-" as a file: what standard input holds, kept in a temporary file without a name while this lives.
+/// "-" as a file: what standard input holds, in a temporary file without a name while somebody keeps it. It
+/// can be read once only, so whoever may need it again keeps it.
 class StandardInput {
  public:
-  /// Reads standard input to its end. Throws Cancelled when `progress` asks for it, also while nothing comes.
-  explicit StandardInput(const Progress& progress = no_progress());
+  /// The one that is kept already, or a new one.
+  static std::shared_ptr<StandardInput> get();
   ~StandardInput();
   StandardInput(const StandardInput&) = delete;
   StandardInput& operator=(const StandardInput&) = delete;
-  const std::string& path() const { return path_; }
+  /// Of the file, with all that standard input holds. Throws Cancelled when `progress` asks for it, also
+  /// while nothing comes; the next call goes on from there.
+  const std::string& path(const Progress& progress = no_progress());
 
  private:
+  StandardInput();
+  void take(const Progress& progress);
+
+  std::mutex mutex_;
   int handle_ = -1;
   std::string path_;
+  bool is_whole_ = false;
+  std::optional<Error> failure_;
 };
 
 }  // namespace sfumato::scene

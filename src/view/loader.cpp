@@ -1,5 +1,7 @@
 #include "view/loader.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -40,6 +42,19 @@ std::string key_of(const LoadJob& job) {
   key += job.options.read.max_points ? std::to_string(*job.options.read.max_points) : "all";
   key += job.options.up ? to_string(*job.options.up) : "auto";
   return key;
+}
+
+/// Tells a file from one that took its name since.
+std::string stamp_of(const std::vector<scene::SceneFile>& files) {
+  std::string stamp;
+  for (const scene::SceneFile& file : files) {
+    struct stat found {};
+    if (::stat(file.name.c_str(), &found) != 0) continue;
+    for (const auto number : {std::int64_t(found.st_ino), std::int64_t(found.st_size),
+                              std::int64_t(found.st_mtim.tv_sec), std::int64_t(found.st_mtim.tv_nsec)})
+      stamp += ' ' + std::to_string(number);
+  }
+  return stamp;
 }
 
 /// How long a closed window's program waits for a read to notice.
@@ -89,7 +104,9 @@ class Loader::Work {
   // Of files with levels, of the thread alone.
   std::shared_ptr<io::ChunkCache> nodes_;
   std::string nodes_key_;
-  PointCloud first_sample_;  ///< some of it, until the file is read
+  std::vector<ClassShare> classes_;  ///< of their coarse levels and what was read since, whatever is selected
+  std::shared_ptr<scene::StandardInput> standard_input_;  ///< kept, once it was named: it comes only once
+  PointCloud first_sample_;                               ///< some of it, until the file is read
   std::optional<UpAxis> sample_up_;
   std::unique_ptr<io::RecordTap> tap_;
 };
@@ -213,15 +230,23 @@ void Loader::Work::give_more(const LoadJob& job) {
 /// Too much to hold: what a view needs, the coarse levels before there is one. What was decoded for the last
 /// views is not decoded again.
 Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch) {
-  if (const std::string key = key_of(job); job.anew || !nodes_ || nodes_key_ != key) {
+  const std::string key = key_of(job) + stamp_of(job.files);
+  const bool is_new = job.anew || !nodes_ || nodes_key_ != key;
+  if (is_new) {
     nodes_ = std::make_shared<io::ChunkCache>(job.memory / scene::share_of_kept_nodes);
     nodes_key_ = key;
   }
   files.keep_nodes(nodes_);
+  if (is_new) {
+    // What is selected is not all that there is to select from.
+    classes_ = classes_of(files.unselected().overview(watch).cloud);
+    for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
+  }
   Loaded known;
   known.id = job.id;
   known.follows_view = true;
   known.is_first = !job.seen;
+  known.box = files.bounds();
   scene::Scene overview;
   if (job.pose) {
     files.set_overview(job.overview);
@@ -237,6 +262,13 @@ Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, 
     Loaded out = known;
     out.nodes = nodes;
     out.is_coarse = is_coarse;
+    for (const ClassShare& each : classes_of(scene.cloud))
+      if (std::none_of(classes_.begin(), classes_.end(),
+                       [&](const ClassShare& c) { return c.id == each.id; }))
+        classes_.push_back({each.id, 0});
+    std::sort(classes_.begin(), classes_.end(),
+              [](const ClassShare& a, const ClassShare& b) { return a.id < b.id; });
+    out.classes = classes_;
     return finish(std::move(scene), std::move(out));
   };
   if (!job.seen) return with(std::move(overview), {}, true);
@@ -266,6 +298,8 @@ Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
     watch.update(0, "reading");
     if (auto leveled = scene::LeveledScene::open(job.files, job.options, job.memory))
       return read_levels(job, std::move(*leveled), watch);
+    for (const scene::SceneFile& file : job.files)
+      if (file.name == "-" && !standard_input_) standard_input_ = scene::StandardInput::get();
     if (job.sample_first) give_sample(job, watch);
     watch.update(0, "reading");
     scene::SceneOptions options = job.options;

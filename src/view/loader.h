@@ -40,7 +40,9 @@ struct Loaded {
   scene::Scene sample;                     ///< of at most `sample_points` points
   std::shared_ptr<const PointCloud> near;  ///< the sample's points once more, for what the hand touches
   Pose pose;
-  std::vector<ClassShare> classes;  ///< also those that are hidden; empty without a classification
+  /// Also those that are hidden; empty without a classification. Of files with levels those of the coarsest
+  /// and of what views have shown since, without numbers of points.
+  std::vector<ClassShare> classes;
   std::vector<std::string> scalars;
   std::vector<std::string> notes;
   std::uint64_t points_read = 0, points_shown = 0;

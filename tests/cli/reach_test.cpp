@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <regex>
 
 #include "cli/command.h"
@@ -225,6 +226,17 @@ TEST_F(ReachTest, EachFileIsAPictureAndABadOneDoesNotStopTheRest) {
   const Outcome table = run({"info", "scans", "--quiet"});
   EXPECT_EQ(table.code, 3);
   EXPECT_THAT(table.out, HasSubstr("scans/b.ply"));
+  // Nor does one that is too large.
+  ok({"synth", "spheres", "--points", "200000", "-o", "scans/large.las", "--quiet"});
+  ::setenv("SFUMATO_MEMORY", "1000000", 1);
+  const Outcome large = run({"info", "scans/a.ply", "scans/large.las", "scans/b.ply"});
+  ::unsetenv("SFUMATO_MEMORY");
+  EXPECT_EQ(large.code, 3) << large.err;
+  EXPECT_THAT(large.err, HasSubstr("scans/large.las"));
+  EXPECT_THAT(large.out, HasSubstr("scans/b.ply"));
+  EXPECT_THAT(
+      run({"scans/a.ply", "scans/b.ply", "--each", "-o", "{stem}.png", "--save-preset", "a.json"}).err,
+      HasSubstr("leave out --each"));
   EXPECT_EQ(run({"scans/bad.ply", "--each", "-o", "{stem}.png"}).code, 2)
       << "of one file it is what it always is";
 }
@@ -237,6 +249,20 @@ TEST_F(ReachTest, EachFileHasTheTechniqueThatSuitsIt) {
   const std::size_t first = told.find("technique: points"), second = told.find("technique: splats");
   EXPECT_LT(first, second) << told;
   EXPECT_NE(told.find("technique: points", second), std::string::npos) << told;
+}
+
+TEST_F(ReachTest, ASubsampleOfSeveralFilesIsAsDenseInEach) {
+  ok({"synth", "spheres", "--points", "50000", "-o", "many.ply", "--quiet"});
+  ok({"synth", "spheres", "--points", "5000", "-o", "few.ply", "--quiet"});
+  const double many = run_json({"info", "many.ply", "--json"})["points"],
+               few = run_json({"info", "few.ply", "--json"})["points"];
+  ok({"convert", "many.ply", "few.ply", "--max-points", "4400", "-o", "both.csv", "--quiet"});
+  std::ifstream in(path("both.csv"));
+  std::string row;
+  double of_few = -1, rows = -1;  // the header is no row
+  for (; std::getline(in, row); ++rows) of_few += rows < 0 || row.ends_with(",2");
+  EXPECT_EQ(rows, 4400);
+  EXPECT_NEAR(of_few, 4400 * few / (many + few), 1);
 }
 
 TEST_F(ReachTest, StandardInputAndOutput) {

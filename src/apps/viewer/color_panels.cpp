@@ -185,8 +185,10 @@ void Interface::class_panel() {
       hide(wanted);
     }
     ImGui::SameLine();
-    ImGui::TextDisabled("%s", thousands(each.points).c_str());
-    ImGui::SameLine();
+    if (each.points > 0) {
+      ImGui::TextDisabled("%s", thousands(each.points).c_str());
+      ImGui::SameLine();
+    }
     if (ImGui::SmallButton("only")) {
       std::vector<int> others;
       for (const ClassShare& other : scene->classes)

@@ -3,10 +3,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <future>
 #include <thread>
 
+#include "copc/build.h"
+#include "io/io.h"
+#include "unit/copc/scan.h"
 #include "view/loader.h"
 
 namespace sfumato::view {
@@ -130,6 +134,101 @@ TEST(Loader, ForgetsWhatANewerJobReplaces) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   FAIL() << "nothing came";
+}
+
+/// Waits for what the newest job gives at the end.
+Loaded whole_of(Loader& loader, LoadJob job) {
+  loader.load(std::move(job));
+  for (int i = 0; i < 60'000; ++i) {
+    while (auto loaded = loader.take())
+      if (!loaded->is_coarse || !loaded->whole.cloud.empty()) return std::move(*loaded);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return {};
+}
+
+std::string build_scan(const std::string& name, const PointCloud& cloud) {
+  const std::filesystem::path in = place_of("in.las"), out = place_of(name);
+  io::write(in, cloud);
+  copc::build({in}, out);
+  return out.string();
+}
+
+LoadJob job_of_levels(const std::string& file) {
+  LoadJob job = job_of(file, false);
+  job.memory = 100'000 * scene::memory_of_point;  // fewer than there are
+  return job;
+}
+
+TEST(Loader, KnowsOfFilesWithLevelsAlsoWhatIsLeftOut) {
+  PointCloud cloud = test::scan(600'000);
+  const std::string file = build_scan("a.copc.laz", cloud);
+  const Bounds all = bounds(cloud);
+  Loader loader([] {});
+  LoadJob job = job_of_levels(file);
+  job.options.selection.hide_classes = {6};
+  job.options.selection.crop = Bounds{all.min, all.min + 0.5 * all.size()};
+  const Loaded loaded = whole_of(loader, job);
+  ASSERT_FALSE(loaded.failure) << loaded.failure->message;
+  EXPECT_TRUE(loaded.follows_view);
+  EXPECT_LT(bounds(loaded.whole.cloud).diagonal(), 0.7 * all.diagonal());
+  EXPECT_LT(glm::length(loaded.box.min - all.min), 0.01);
+  EXPECT_LT(glm::length(loaded.box.max - all.max), 0.01);
+  ASSERT_EQ(loaded.classes.size(), 2u);
+  EXPECT_EQ(loaded.classes[1].id, 6);
+}
+
+TEST(Loader, DecodesAgainWhatHasTakenTheNameOfAFile) {
+  const std::string file = build_scan("a.copc.laz", test::scan(600'000));
+  Loader loader([] {});
+  const Loaded before = whole_of(loader, job_of_levels(file));
+  ASSERT_FALSE(before.failure);
+  PointCloud moved = test::scan(600'000);
+  for (vec3& p : moved.positions) p.z += 50;
+  std::filesystem::rename(build_scan("b.copc.laz", moved), file);
+  const Loaded after = whole_of(loader, job_of_levels(file));
+  ASSERT_FALSE(after.failure);
+  EXPECT_NEAR(bounds(after.whole.cloud).min.z - bounds(before.whole.cloud).min.z, 50, 0.1);
+}
+
+TEST(Loader, LooksAtTheWholeWhereTheCoarseLevelsHoldNothingOfTheSelection) {
+  PointCloud cloud = test::scan(600'000);
+  Loader loader([] {});
+  const Loaded coarse = whole_of(loader, job_of_levels(build_scan("a.copc.laz", cloud)));
+  ASSERT_TRUE(coarse.overview);
+  // Times tell points apart. One that the coarse levels lack becomes the only one of its class.
+  const ScalarField* seen = coarse.overview->scalar("gps_time");
+  ASSERT_TRUE(seen);
+  std::vector<bool> is_coarse(cloud.size());
+  for (std::size_t i = 0; i < seen->values.size(); ++i)
+    is_coarse.at(std::size_t(std::lround((seen->value(i) - 1000) / 0.125))) = true;
+  const std::size_t rare =
+      std::size_t(std::find(is_coarse.begin(), is_coarse.end(), false) - is_coarse.begin());
+  for (ScalarField& field : cloud.scalars)
+    if (field.name == "classification") field.values.at(rare) = 17;
+  LoadJob job = job_of_levels(build_scan("b.copc.laz", cloud));
+  job.options.selection.show_classes = {17};
+  const Loaded first = whole_of(loader, job);
+  ASSERT_FALSE(first.failure) << first.failure->message;
+  EXPECT_GT(first.whole.cloud.size(), 1000u);
+  ASSERT_FALSE(first.notes.empty());
+  EXPECT_NE(first.notes.back().find("nothing of the selection is in the coarse levels"), std::string::npos);
+  // A view of its surroundings finds it.
+  Camera camera;
+  camera.target = cloud.world(rare);
+  camera.position = camera.target + dvec3(1, 1, 2);
+  camera.width = 320, camera.height = 200;
+  job.seen = camera;
+  const Loaded near = whole_of(loader, job);
+  ASSERT_FALSE(near.failure) << near.failure->message;
+  ASSERT_EQ(near.whole.cloud.size(), 1u);
+  EXPECT_LT(glm::length(near.whole.cloud.world(0) - cloud.world(rare)), 0.002);
+  // One of the sky does not, and says what it looked at.
+  job.seen->target = camera.position + dvec3(0, 0, 500);
+  job.seen->position = camera.position + dvec3(0, 1, 400);
+  const Loaded sky = whole_of(loader, job);
+  ASSERT_TRUE(sky.failure);
+  EXPECT_NE(sky.failure->message.find("read for this view"), std::string::npos) << sky.failure->message;
 }
 
 TEST(Loader, IsGoneThoughAReadHangs) {
