@@ -305,6 +305,49 @@ TEST_F(WindowTest, ItemsAreRows) {
   for (const std::string& each : {both, one, edited}) expect_reproducible(each);
 }
 
+// Times of a GPS differ in digits that neither a float nor five digits have.
+TEST_F(WindowTest, DragsRangesOfLargeNumbers) {
+  {
+    std::ofstream out(path("strip.csv"));
+    out << "x,y,z,gps_time\n";
+    for (int i = 0; i < 5000; ++i)
+      out << i % 100 << "," << i / 100 << "," << i % 7 << "," << 300'000'000 + i % 100 << ".5\n";
+  }
+  open({"strip.csv", "-t", "points", "--color-by", "gps_time"});
+  wait_for("final picture");
+  const auto range = [&](const std::string& name) {
+    const std::string command = png_texts(name)["Command"], option = "--color-range=";
+    double low = 0, high = 0;
+    const std::size_t at = command.find(option);
+    EXPECT_NE(at, std::string::npos) << command;
+    if (at != std::string::npos)
+      EXPECT_EQ(std::sscanf(command.c_str() + at + option.size(), "%lf,%lf", &low, &high), 2) << command;
+    return std::pair(low, high);
+  };
+  // Parameters are closed and colours opened: the histogram is 310 px wide, for 99 seconds.
+  hand("mousemove 1010 73 click 1 sleep 0.5 mousemove 1010 123 click 1 sleep 0.7");
+  hand(
+      "mousemove 1060 235 sleep 0.3 mousedown 1 sleep 0.3 mousemove 1100 235 sleep 0.2 mousemove 1180 235 "
+      "sleep 0.3 mouseup 1 sleep 0.3 mousemove 475 20");
+  wait_for("final picture", 2);
+  const std::string dragged = save();
+  const auto [low, high] = range(dragged);
+  EXPECT_NEAR(low, 300'000'000.5 + 99 * 100.0 / 310, 1);
+  EXPECT_NEAR(high, 300'000'000.5 + 99 * 220.0 / 310, 1);
+  // The field of the lower end, below it.
+  hand(
+      "mousemove 990 273 sleep 0.3 mousedown 1 sleep 0.3 mousemove 1000 273 sleep 0.2 mousemove 1010 273 "
+      "sleep 0.3 mouseup 1 sleep 0.3 mousemove 475 20");
+  wait_for("final picture", 3);
+  const auto [moved, kept] = range(save());
+  EXPECT_GT(moved, low);
+  EXPECT_LT(moved, high);
+  EXPECT_EQ(kept, high);
+  EXPECT_THAT(said(), Not(HasSubstr("two different numbers")));
+  close();
+  expect_reproducible(dragged);
+}
+
 TEST_F(WindowTest, PicksAndMeasures) {
   write_cube("cube.ply", 60);
   open({"cube.ply", "-t", "points", "--view", "front", "--camera-orthographic"});
@@ -421,6 +464,25 @@ TEST_F(WindowTest, TakesASceneThatIsDropped) {
   wait_for("final picture");
   ASSERT_EQ(drop_files({path("scene.json").string()}, 475, 350), "");
   wait_for("final picture", 2);
+  const std::string saved = save();
+  close();
+  const Outcome plain = run({"--scene", "scene.json", "--resolution", "950x694", "-o", "plain.png"});
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png"))) << png_texts(saved)["Command"];
+}
+
+// One that keeps no camera is framed as its files would be.
+TEST_F(WindowTest, FramesASceneWithoutACamera) {
+  write_cube("cube.ply", 20);
+  write_cube("other.ply", 25);
+  ASSERT_EQ(run({"other.ply", "-t", "points", "--save-scene", "scene.json", "-o", "any.png"}).code, 0);
+  nlohmann::json scene = nlohmann::json::parse(text("scene.json"));
+  ASSERT_EQ(scene.erase("camera"), 1u);
+  write("scene.json", scene.dump());
+  open({"cube.ply", "-t", "points", "--view", "top"});
+  wait_for("final picture");
+  ASSERT_EQ(drop_files({path("scene.json").string()}, 475, 350), "");
+  wait_for("points are read", 2);
   const std::string saved = save();
   close();
   const Outcome plain = run({"--scene", "scene.json", "--resolution", "950x694", "-o", "plain.png"});

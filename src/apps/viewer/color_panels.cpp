@@ -49,7 +49,9 @@ void Interface::color_panel() {
                            nullptr, nullptr, format.c_str()) &&
         range[0] != range[1])
       bench_.change("color-range", [&](view::Wishes& next) { next.set_color_range(range[0], range[1]); });
-    tooltip("values at the ends of the colour map: drag, or Ctrl+click to type");
+    tooltip(fmt::format("{} to {}, the ends of the colour map: drag, or Ctrl+click to type",
+                        view::coordinate_text(coloring.low, span),
+                        view::coordinate_text(coloring.high, span)));
     if (!wishes.color_range.empty()) {
       ImGui::SameLine();
       if (ImGui::SmallButton("×"))
