@@ -18,21 +18,26 @@ std::string text_of(double number) {
   return text;
 }
 
+/// Of the values that are numbers.
 struct Range {
   double low = 0, high = 0;
-  bool is_whole = true, is_finite = true;
+  bool is_whole = true;
+  std::size_t missing = 0;  ///< those that are none
 };
 
 Range range_of(const Source& source, const PointCloud& cloud) {
   Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double value = source.value(cloud, i);
-    range.is_finite &= std::isfinite(value);
+    if (std::isnan(value)) {
+      ++range.missing;
+      continue;
+    }
     range.is_whole &= value == std::trunc(value);
     range.low = std::min(range.low, value);
     range.high = std::max(range.high, value);
   }
-  if (cloud.empty()) range.low = range.high = 0;
+  if (range.missing == cloud.size()) range.low = range.high = 0;
   return range;
 }
 
@@ -55,17 +60,15 @@ std::pair<double, double> limits_of(const Field& field) {
 
 bool is_float(StoredType type) { return type == StoredType::float32 || type == StoredType::float64; }
 
+/// What is no number fits as well: a standard dimension has a number for it (Source::missing).
 bool fits(const Range& range, const Field& field) {
   if (is_float(field.type)) return true;
   const auto [low, high] = limits_of(field);
   const bool is_stepped = field.scale != 1;  // the scan angle of formats 6 to 10, in 0.006 degrees
-  return range.is_finite && (is_stepped || range.is_whole) && range.low >= low * field.scale &&
-         range.high <= high * field.scale;
+  return (is_stepped || range.is_whole) && range.low >= low * field.scale && range.high <= high * field.scale;
 }
 
-bool is_rank(const Range& range) {
-  return range.is_finite && range.is_whole && range.low >= -128 && range.high <= 127;
-}
+bool is_rank(const Range& range) { return range.is_whole && range.low >= -128 && range.high <= 127; }
 
 // Wave packets are not kept: their formats become the same ones without them.
 int without_waves(int format) {
@@ -204,7 +207,8 @@ std::optional<LasStep> step_of(const Source& source, const PointCloud& cloud) {
 // A type that holds the values: the one of the scalar's file, else a float, of 64 bits when the value is a
 // sum.
 StoredType extra_type(const Source& source, const Range& range) {
-  if (!is_float(source.field.type) && fits(range, source.field)) return source.field.type;
+  if (range.missing == 0 && !is_float(source.field.type) && fits(range, source.field))
+    return source.field.type;
   if (source.residual || (source.scalar && source.scalar->offset != 0)) return StoredType::float64;
   return source.field.type == StoredType::float64 ? StoredType::float64 : StoredType::float32;
 }
@@ -258,6 +262,12 @@ WriteLayout choose_layout(const PointCloud& cloud) {
     const Field* field = find(standard, source.field.name);
     if (field && !field->is_color() && fits(ranges[i], *field)) {
       source.field = *field;
+      if (!is_float(field->type)) {
+        source.missing = field->name == "return_number" || field->name == "number_of_returns";
+        if (ranges[i].missing > 0)
+          layout.notes.push_back(std::to_string(ranges[i].missing) + " points have no " + field->name +
+                                 ": it is written as " + text_of(source.missing));
+      }
     } else {
       if (const std::optional<LasStep> step = step_of(source, cloud)) {
         source.field.type = step->type;
@@ -305,7 +315,10 @@ void WriteLayout::pack(const PointCloud& cloud, std::size_t first, std::size_t c
     std::memcpy(record, xyz.data(), sizeof xyz);
     if (!has_number) record[14] = 1;
     if (!has_total) record[14] = std::uint8_t(record[14] | 1 << (format >= 6 ? 4 : 3));
-    for (const Source& source : sources) put_value(source.field, source.value(cloud, i), record);
+    for (const Source& source : sources) {
+      const double value = source.value(cloud, i);
+      put_value(source.field, std::isnan(value) ? source.missing : value, record);
+    }
     if (cloud.colors.empty()) continue;
     const Rgba8& rgba = cloud.colors[i];
     const double packed = low ? low->value(i) : 0;

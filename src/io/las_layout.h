@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Source {
   const ScalarField* residual = nullptr;  ///< added to `scalar`
   int normal_axis = -1;                   ///< 0 to 2: the normal's component instead
   bool is_radius = false;
+  double missing = std::numeric_limits<double>::quiet_NaN();  ///< written for what is no number
 
   double value(const PointCloud& cloud, std::size_t i) const;
 };
@@ -37,10 +39,10 @@ struct WriteLayout {
   void pack(const PointCloud& cloud, std::size_t first, std::size_t count, std::uint8_t* records) const;
 };
 
-/// The cloud's own format and scaling where they hold its values; every scalar finds a place. Throws
-/// Error(usage) when a record would be longer than 65535 bytes, and when the coordinates do not fit: a step
-/// must be no coarser than a thousandth of the cloud, or its shape would be gone, and our reader must take
-/// what we write.
+/// The cloud's own format and scaling where they hold its values; every scalar finds a place. A point that
+/// lacks a standard dimension of whole numbers has 0 there, and one return. Throws Error(usage) when a record
+/// would be longer than 65535 bytes, and when the coordinates do not fit: a step must be no coarser than a
+/// thousandth of the cloud, or its shape would be gone, and our reader must take what we write.
 WriteLayout choose_layout(const PointCloud& cloud);
 
 }  // namespace sfumato::io::las

@@ -332,6 +332,33 @@ TEST(LasWriter, KeepsACloudThatIsNotLas) {
   }
 }
 
+// As when files of different attributes are put together: what one does not have is no number there.
+TEST(LasWriter, PointsWithoutAStandardDimensionLeaveItInItsPlace) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  PointCloud cloud;
+  cloud.positions = {{0, 0, 0}, {1, 1, 1}};
+  for (const char* name : {"classification", "return_number", "number_of_returns", "withheld"})
+    cloud.set_scalar({name, 0, {1, nan}, StoredType::uint8});
+  cloud.set_scalar({"number_of_returns", 0, {3, nan}, StoredType::uint8});
+  cloud.set_scalar({"scan_angle", 0, {-7, nan}});
+  cloud.set_scalar({"ring", 0, {5, nan}, StoredType::uint8});
+  const auto path = test::temporary("mixed.las");
+  const io::WriteReport report = io::write(path, cloud);
+  EXPECT_THAT(report.notes, testing::Contains("1 points have no classification: it is written as 0"));
+  EXPECT_THAT(report.notes, testing::Contains("1 points have no return_number: it is written as 1"));
+  const Bytes bytes = test::load(path);
+  EXPECT_EQ(test::get<std::uint16_t>(bytes, 105), 20 + 4) << "format 0, and a float for the ring";
+  const auto first = std::size_t(test::get<std::uint32_t>(bytes, 96));
+  EXPECT_EQ(bytes.at(first + 14), 1 | 3 << 3);
+  EXPECT_EQ(bytes.at(first + 15), 1 | 1 << 7);
+  EXPECT_EQ(std::int8_t(bytes.at(first + 16)), -7);
+  EXPECT_EQ(bytes.at(first + 24 + 14), 1 | 1 << 3) << "one return";
+  EXPECT_EQ(bytes.at(first + 24 + 15), 0);
+  EXPECT_EQ(bytes.at(first + 24 + 16), 0);
+  EXPECT_TRUE(std::isnan(io::read(path).cloud.scalar("ring")->value(1)));
+  std::filesystem::remove(path);
+}
+
 TEST(LasWriter, KeepsWhatTheHeaderSaysAboutTimesAndReturns) {
   test::LasFile file = file_of(1, 3);
   file.global_encoding = 1 | 8;  // adjusted standard GPS time, synthetic return numbers
