@@ -23,6 +23,10 @@ struct Field {
   bool is_extra = false;  ///< lies in the extra bytes
 
   bool is_color() const { return !is_extra && (name == "red" || name == "green" || name == "blue"); }
+  /// Whether the cloud lacks it where it is zero in every point.
+  bool is_left_out_as_zero() const {
+    return optional || (!is_extra && (name == "user_data" || name == "point_source_id"));
+  }
   bool is_scaled() const { return scale != 1 || offset != 0; }
   /// Whether a float may fail to hold the value, so that the remainder goes into a field of its own.
   bool needs_residual() const;

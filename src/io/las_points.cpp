@@ -59,9 +59,7 @@ PointCollector::PointCollector(const Header& header, const std::vector<std::uint
     }
     // Those that the cloud does not get when they are zero everywhere.
     column.may_be_absent =
-        column.base == 0 && field.offset == 0 && !field.is_color() &&
-        (field.optional ||
-         (!field.is_extra && (field.name == "user_data" || field.name == "point_source_id")));
+        column.base == 0 && field.offset == 0 && !field.is_color() && field.is_left_out_as_zero();
     columns_.push_back(std::move(column));
   }
 }
@@ -383,8 +381,7 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
                                            : AttributeStats{field.name});
     if (field.is_color()) continue;
     // Two bytes that are seldom used cost eight in the cloud: nothing is lost by leaving zeros out.
-    if (is_zero && !field.is_extra && (field.name == "user_data" || field.name == "point_source_id"))
-      continue;
+    if (is_zero && field.is_left_out_as_zero()) continue;
     StoredType type = field.type;
     if (field.is_scaled()) type = field.is_extra ? StoredType::float64 : StoredType::float32;
     if (field.is_scaled() && field.is_extra)

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/subsample.h"
+#include "io/las_fields.h"
 #include "scene/leveled_scene.h"
 
 namespace sfumato::scene {
@@ -32,9 +33,20 @@ io::ReadResult read_file(const std::string& file, const io::ReadOptions& options
 
 namespace {
 
+/// Points [first, last) came from LAS: dimensions that were left out because they are zero in all of them are
+/// zero, not unknown, beside files that have them.
+void restore_zeros(PointCloud& cloud, std::size_t first, std::size_t last) {
+  for (const io::las::Field& dimension : io::las::standard_fields(8)) {
+    ScalarField* field = dimension.is_left_out_as_zero() ? cloud.scalar(dimension.name) : nullptr;
+    for (std::size_t i = first; field && i < last; ++i)
+      if (std::isnan(field->values[i])) field->values[i] = float(-field->offset);
+  }
+}
+
 Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& options,
                    const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
   Scene scene;
+  std::vector<std::pair<std::size_t, std::size_t>> from_las;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string& file = files[i].name;
     io::ReadResult result = read(i);
@@ -49,6 +61,7 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     scene.file_names.push_back(file == "-" ? "standard input" : name);
     if (result.cloud.empty() && !may_be_empty)
       throw Error(ErrorCode::bad_input, file + ": there is no point in it");
+    const bool is_las = result.cloud.las.has_value();
     if (files[i].transform) transform(result.cloud, *files[i].transform);
     scene.files.push_back(std::move(result.report));
     if (files.size() == 1) {
@@ -67,8 +80,10 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     // Tells the files of a scene apart; counts from 1 in their order.
     const float number = float(scene.files.size());
     result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
+    if (is_las) from_las.emplace_back(scene.cloud.size(), scene.cloud.size() + result.cloud.size());
     append(scene.cloud, result.cloud);
   }
+  for (const auto& [first, last] : from_las) restore_zeros(scene.cloud, first, last);
   if (scene.cloud.empty())
     throw Error(
         ErrorCode::bad_input,

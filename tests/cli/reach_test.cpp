@@ -165,6 +165,27 @@ TEST_F(ReachTest, ConvertPutsFilesTogetherAndWritesWhatItReads) {
   EXPECT_EQ(bytes.size(), header + 5400u * 19u);
 }
 
+// The reader leaves out dimensions of LAS that are zero in all of a file; another file brings them back.
+TEST_F(ReachTest, ConvertPutsLasDimensionsWhereTheyBelong) {
+  write("a.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n");
+  write("b.csv", "x,y,z,scan_angle,withheld,classification\n0,0,1,20,1,2\n1,0,1,5,0,2\n");
+  for (const std::string name : {"a", "b"}) ok({"convert", name + ".csv", "-o", name + ".las", "--quiet"});
+  for (const std::vector<std::string>& order :
+       {std::vector<std::string>{"a.las", "b.las"}, std::vector<std::string>{"b.las", "a.las"}}) {
+    EXPECT_THAT(ok({"convert", order[0], order[1], "-o", "two.las"}).err, Not(HasSubstr("points have no")));
+    EXPECT_EQ(text("two.las").substr(105, 2), std::string("\x16\0", 2)) << "20 bytes, and 2 of the file";
+    EXPECT_EQ(run_json({"info", "two.las", "--json"})["attributes"]["withheld"]["mean"], 0.2);
+    ok({"convert", order[0], order[1], "--filter", "scan_angle -10..10", "-o", "c.las", "--quiet"});
+    EXPECT_EQ(run_json({"info", "c.las", "--json"})["points"], 4) << "three of 0 degrees, and one of 5";
+  }
+  // A file of another format knows no scan angle.
+  ok({"convert", "b.las", "a.csv", "--filter", "scan_angle -10..10", "-o", "c.las", "--quiet"});
+  EXPECT_EQ(run_json({"info", "c.las", "--json"})["points"], 1);
+  EXPECT_THAT(ok({"convert", "b.las", "a.csv", "-o", "two.las"}).err,
+              HasSubstr("3 points have no classification: it is written as 0"));
+  EXPECT_EQ(text("two.las").substr(105, 2), std::string("\x16\0", 2));
+}
+
 TEST_F(ReachTest, ConvertToPlyKeepsColumnsOfZeros) {
   write("p.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n");
   ok({"convert", "p.csv", "-o", "p.las", "--quiet"});
