@@ -103,6 +103,13 @@ void extend(std::vector<T>& a, std::size_t a_size, const std::vector<T>& b, std:
   a.resize(a_size + b_size, missing);
 }
 
+/// The scalar `scanner`, or what it would be: the only scanner there is, or none that is known.
+ScalarField scanner_numbers(const PointCloud& cloud) {
+  if (const ScalarField* field = cloud.scalar("scanner")) return *field;
+  const float number = cloud.scanners.size() == 1 ? 0 : std::numeric_limits<float>::quiet_NaN();
+  return {"scanner", 0, std::vector<float>(cloud.size(), number)};
+}
+
 }  // namespace
 
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
@@ -138,6 +145,13 @@ void append(PointCloud& cloud, const PointCloud& other) {
     return;
   }
   if (cloud.empty()) cloud.origin = other.origin;  // that of no points is anywhere
+  const bool has_scanners = !cloud.scanners.empty() || !other.scanners.empty();
+  ScalarField their_scanners;
+  if (has_scanners) {
+    cloud.set_scalar(scanner_numbers(cloud));
+    their_scanners = scanner_numbers(other);
+    their_scanners.offset += double(cloud.scanners.size());  // they come behind ours
+  }
   const std::size_t n = cloud.size(), m = other.size();
   const dvec3 shift = other.origin - cloud.origin;
   cloud.positions.reserve(n + m);
@@ -147,7 +161,8 @@ void append(PointCloud& cloud, const PointCloud& other) {
   extend(cloud.radii, n, other.radii, m, 0.0f);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (ScalarField& field : cloud.scalars) {
-    const ScalarField* theirs = other.scalar(field.name);
+    const ScalarField* theirs =
+        has_scanners && field.name == "scanner" ? &their_scanners : other.scalar(field.name);
     field.values.resize(n, nan);
     if (theirs) {
       const double delta = theirs->offset - field.offset;

@@ -106,7 +106,8 @@ Bounds robust_bounds(const PointCloud& cloud, double low = 0.02, double high = 0
 /// `source_index`.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
 /// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal
-/// 0, radius 0, white, NaN scalar.
+/// 0, radius 0, white, NaN scalar. Scanners of `other` come behind those of `cloud`, and so do their numbers
+/// in the scalar `scanner`, which is there when either side has scanners.
 void append(PointCloud& cloud, const PointCloud& other);
 /// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow.
 void transform(PointCloud& cloud, const dmat4& world_from_old);

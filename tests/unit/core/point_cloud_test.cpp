@@ -45,6 +45,28 @@ TEST(PointCloud, AppendToNothingTakesItsOrigin) {
   EXPECT_EQ(nothing.world(2), tile.world(2));
 }
 
+TEST(PointCloud, AppendTellsScannersApart) {
+  PointCloud one = line(2, {0, 0, 0}), another = line(1, {0, 0, 0}), several = line(2, {0, 0, 0});
+  one.scanners = {{1, 0, 0}};
+  another.scanners = {{2, 0, 0}};
+  several.scanners = {{3, 0, 0}, {4, 0, 0}};
+  several.set_scalar({"scanner", 0, {1, 0}});
+  append(one, another);
+  append(one, several);
+  append(one, line(1, {0, 0, 0}));
+  ASSERT_EQ(one.scanners.size(), 4u);
+  const ScalarField* scanner = one.scalar("scanner");
+  ASSERT_TRUE(scanner);
+  const double expected[] = {0, 0, 1, 3, 2};
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(scanner->value(i), expected[i]) << i;
+  EXPECT_TRUE(std::isnan(scanner->value(5))) << "seen by none of them";
+
+  PointCloud unknown = line(1, {0, 0, 0});
+  append(unknown, another);
+  EXPECT_TRUE(std::isnan(unknown.scalar("scanner")->value(0)));
+  EXPECT_EQ(unknown.scalar("scanner")->value(1), 0);
+}
+
 TEST(PointCloud, SubsampleIsDeterministicAndKeepsSourceIndex) {
   const PointCloud cloud = line(1000, {0, 0, 0});
   const PointCloud a = subsample(cloud, 100), b = subsample(cloud, 100);
