@@ -78,7 +78,8 @@ struct PointCloud {
   std::vector<std::uint32_t> source_index;  ///< place in the file; empty = identity (file order)
   std::vector<std::uint32_t> grid_index;    ///< place in its Grid; empty when nothing is organised
   std::vector<Grid> grids;
-  std::vector<dvec3> scanners;  ///< world positions of scanners the file knows; scalar `scanner` picks one
+  /// World positions of scanners; scalar `scanner` picks one. NaN: the file does not say where it stood.
+  std::vector<dvec3> scanners;
   UpAxis up = UpAxis::pos_z;
   bool up_is_known = false;  ///< else it is the custom of the format, or a guess
   std::string crs;           ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty

@@ -7,7 +7,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
+#include <optional>
 
 #include "io/e57_file.h"
 #include "io/format.h"
@@ -36,6 +38,14 @@ struct Data3D {
   double rotation[4] = {1, 0, 0, 0};  // w x y z
   dvec3 translation{0};
   bool has_pose = false;
+
+  /// Without a pose the scanner's place is the origin only where distances are measured from it.
+  std::optional<dvec3> scanner() const {
+    const bool is_spherical = std::any_of(fields.begin(), fields.end(), [](const PrototypeField& field) {
+      return field.name == "sphericalRange";
+    });
+    return has_pose || is_spherical ? std::optional(translation) : std::nullopt;
+  }
 };
 
 class E57Reader {
@@ -61,9 +71,11 @@ class E57Reader {
       first += std::size_t(scans_[s].points);
     }
     table.build(false, progress, result);
-    // Without a pose the scanner's place is the origin only where the scan is spherical, or says that it
-    // stands there.
-    for (const Data3D& scan : scans_) result.cloud.scanners.push_back(scan.translation);
+    // Of several scans each has its place in the list: their points number them.
+    const dvec3 unknown(std::numeric_limits<double>::quiet_NaN());
+    for (const Data3D& scan : scans_)
+      if (scan.scanner() || scans_.size() > 1)
+        result.cloud.scanners.push_back(scan.scanner().value_or(unknown));
     if (scans_.size() > 1) result.report.notes.push_back(std::to_string(scans_.size()) + " scans");
     result.cloud.up = UpAxis::pos_z;
     return result;

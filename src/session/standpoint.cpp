@@ -116,7 +116,8 @@ Standpoint standpoint_for(const Subject& subject, UpAxis up) {
 }
 
 dvec3 place_inside(const PointCloud& cloud) {
-  if (!cloud.scanners.empty()) return cloud.scanners.front();
+  for (const dvec3& scanner : cloud.scanners)
+    if (std::isfinite(scanner.x)) return scanner;
   for (const Grid& grid : cloud.grids)
     if (grid.viewpoint) return *grid.viewpoint;
   return bounds(cloud).center();

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <set>
 
 #include "session/session.h"
+#include "session/standpoint.h"
 #include "synth/synth.h"
 
 using namespace sfumato;
@@ -32,6 +34,14 @@ PointCloud box_of(const dvec3& size, int points = 20'000) {
     cloud.positions.push_back(vec3(p * size));
   }
   return cloud;
+}
+
+TEST(Standpoint, InsideIsWhereAScannerIsKnownToHaveStood) {
+  PointCloud cloud = box_of({4, 2, 2});
+  cloud.scanners.assign(1, dvec3(std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_LT(glm::distance(place_inside(cloud), dvec3(2, 1, 1)), 1e-6) << "the middle";
+  cloud.scanners.push_back({1, 1, 1});
+  EXPECT_EQ(place_inside(cloud), dvec3(1, 1, 1));
 }
 
 /// The range of the points' places in the picture: -1 to 1 is its edges.

@@ -2,6 +2,7 @@
 // statues.
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "io/io.h"
 #include "reference/gl_fixture.h"
@@ -175,6 +176,8 @@ TEST_F(SoftScans, SensorKnowsRangeAngleAndReturns) {
   ASSERT_FALSE(cloud.scanners.empty());
   ScalarField returns{"number_of_returns", 0, std::vector<float>(cloud.size(), 1)};
   for (std::size_t i = 0; i < cloud.size(); i += 3) returns.values[i] = 2;
+  for (std::size_t i = 1; i < cloud.size(); i += 3)  // not known, which is one
+    returns.values[i] = std::numeric_limits<float>::quiet_NaN();
   cloud.set_scalar(returns);
   const PreparedCloud prepared = analysis::prepare(cloud, technique_->needs(), {});
   const PointCloud& points = prepared.cloud;
@@ -188,7 +191,7 @@ TEST_F(SoftScans, SensorKnowsRangeAngleAndReturns) {
     ASSERT_TRUE(hit.has_value());
     error[i] = std::abs(range - hit->t);
     const double cosine = std::max(std::abs(glm::dot(dvec3(points.normals[i]), way / range)), 0.1);
-    sigma[i] = range * range / cosine * shared.value(i);
+    sigma[i] = range * range / cosine * std::max(1.0, shared.value(i));
   }
   std::vector<double> sorted = sigma;
   std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
@@ -220,6 +223,10 @@ TEST_F(SoftScans, SensorNeedsAFileThatKnowsIt) {
   settings.field = "sensor";
   soft::Nearby nearby;
   EXPECT_THROW(soft::evaluate(prepared, settings, nearby), Error);
+  cloud.scanners.assign(1, dvec3(std::numeric_limits<double>::quiet_NaN()));
+  prepared = analysis::prepare(cloud, technique_->needs(), {});
+  EXPECT_THROW(soft::evaluate(prepared, settings, nearby), Error) << "somewhere it stood";
+  cloud.scanners.clear();
 
   // The scanner alone, in the middle of a sphere: all alike, nothing is soft.
   cloud.scanners.push_back(dvec3(0));

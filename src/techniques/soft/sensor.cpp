@@ -36,7 +36,9 @@ std::optional<dvec3> to_scanner(const PointCloud& cloud, const ScalarField* scan
 std::vector<float> sensor_uncertainty(const PreparedCloud& prepared, std::vector<std::string>& notes) {
   const PointCloud& cloud = prepared.cloud;
   const ScalarField *scanner = cloud.scalar("scanner"), *returns = cloud.scalar("number_of_returns");
-  const bool knows_scanner = cloud.scanners.size() == 1 || (scanner && !cloud.scanners.empty());
+  const bool knows_scanner = (scanner || cloud.scanners.size() == 1) &&
+                             std::any_of(cloud.scanners.begin(), cloud.scanners.end(),
+                                         [](const dvec3& p) { return std::isfinite(p.x); });
   if (!knows_scanner && !returns)
     throw Error(
         ErrorCode::usage,
@@ -47,7 +49,7 @@ std::vector<float> sensor_uncertainty(const PreparedCloud& prepared, std::vector
   std::vector<float> sigma(cloud.size());
   for (std::size_t i = 0; i < sigma.size(); ++i) {
     double value = 1;
-    if (returns) value = std::max(returns->value(i), 1.0);  // 0 and NaN: a file that does not say
+    if (returns) value = std::max(1.0, returns->value(i));  // 0 and NaN: a file that does not say
     if (knows_scanner) {
       if (const std::optional<dvec3> way = to_scanner(cloud, scanner, i)) {
         const double range = glm::length(*way);

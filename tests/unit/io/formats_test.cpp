@@ -44,6 +44,7 @@ TEST(E57, ScansOfEveryCodecWithTheirPoses) {
   EXPECT_NEAR(cloud.world(119).z, 2, 1e-4) << "elevation of a quarter turn looks up";
   ASSERT_EQ(cloud.scanners.size(), 2u);
   EXPECT_EQ(cloud.scanners[0], dvec3(1000, 200, 0));
+  EXPECT_EQ(cloud.scanners[1], dvec3(0)) << "a spherical scan is measured from its origin";
   ASSERT_TRUE(cloud.scalar("scanner"));
   EXPECT_EQ(cloud.scalar("scanner")->value(119), 1);
 }
@@ -74,6 +75,15 @@ TEST(E57, PosesTurnNormals) {
   EXPECT_LT(glm::distance(cloud.world(0), dvec3(10, 1, 0)), 1e-6);
   EXPECT_LT(glm::distance(cloud.normals.at(0), vec3(0, 1, 0)), 1e-6f) << "turned, not moved";
   EXPECT_EQ(cloud.normals.at(1), vec3(1, 0, 0));
+}
+
+TEST(E57, WithoutAPoseTheScannerIsUnknown) {
+  EXPECT_TRUE(io::read(test::write_file("a.e57", scans_with_poses({""}))).cloud.scanners.empty());
+  const PointCloud cloud =
+      io::read(test::write_file("b.e57", scans_with_poses({"", quarter_turn_about_z}))).cloud;
+  ASSERT_EQ(cloud.scanners.size(), 2u) << "points number them";
+  EXPECT_TRUE(std::isnan(cloud.scanners[0].x));
+  EXPECT_EQ(cloud.scanners[1], dvec3(10, 0, 0));
 }
 
 TEST(E57, DamageIsAnError) {
