@@ -351,7 +351,7 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats) {
       largest = std::max(largest, stats[std::size_t(column)].max);
       integers = integers && is_integer(columns_[std::size_t(column)].stored);
     }
-    if (!integers && largest <= 1) return 255.0f;
+    if (!integers && largest <= 1.01) return 255.0f;  // computed fractions end a little above 1
     return largest <= 255 ? 1.0f : 1 / 256.0f;
   };
   const float color_factor = factor({color_[0], color_[1], color_[2]});

@@ -23,7 +23,7 @@ namespace {
 
 struct Frame {
   std::filesystem::path depth, color;
-  double fx = 0, fy = 0, cx = 0, cy = 0, scale = 0;
+  double fx = 0, fy = 0, cx = std::nan(""), cy = std::nan(""), scale = 0;
   double q[4] = {0, 0, 0, 1};  // x y z w
   dvec3 place{0};
   bool has_pose = false;
@@ -71,7 +71,8 @@ Frame read_frame(const std::filesystem::path& path) {
       refuse("unknown key '" + key.substr(0, 30) + "', expected depth color fx fy cx cy depth_scale pose");
     }
   }
-  if (frame.depth.empty() || frame.fx == 0 || frame.fy == 0) refuse("needs depth, fx, fy, cx and cy");
+  if (frame.depth.empty() || frame.fx == 0 || frame.fy == 0 || std::isnan(frame.cx) || std::isnan(frame.cy))
+    refuse("needs depth, fx, fy, cx and cy");
   return frame;
 }
 

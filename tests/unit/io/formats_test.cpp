@@ -185,6 +185,12 @@ TEST(Npy, RowsColumnsAndRecords) {
   EXPECT_EQ(wide.colors.at(0), (Rgba8{5, 6, 7, 255}));
   EXPECT_EQ(wide.scalar("pair_1")->value(0), 9);
   EXPECT_EQ(wide.scalar("ring")->value(0), 10);
+  // Fractions that were computed end a little above 1.
+  const PointCloud bright =
+      io::read(test::write_file("g.npy", npy("[('xyz', '<f4', (3,)), ('rgb', '<f4', (3,))]", "1,",
+                                             test::bytes_of(1.0f, 2.0f, 3.0f, 1.0000001f, 0.2f, 0.0f))))
+          .cloud;
+  EXPECT_EQ(bright.colors.at(0), (Rgba8{255, 51, 0, 255}));
   const auto error = test::error_of(
       test::write_file("f.npy", npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4', (99999999999, 99999999999))]",
                                     "1,", test::bytes_of(1.0f, 2.0f, 3.0f))));
@@ -318,6 +324,10 @@ TEST(DepthImage, IsAnOrganisedCloud) {
   for (const char* bad :
        {", \"pose\": [1]}", ", \"zoom\": 1}", ", \"depth_scale\": 0}", ", \"color\": \"none.png\"}"})
     EXPECT_TRUE(test::error_of(test::write_file("c.json", json + bad))) << bad;
+  const std::string without_cy = json.substr(0, json.find(", \"cy\"")) + "}";
+  const auto incomplete = test::error_of(test::write_file("c.json", without_cy));
+  ASSERT_TRUE(incomplete);
+  EXPECT_NE(std::string(incomplete->what()).find("needs depth, fx, fy, cx and cy"), std::string::npos);
   for (std::size_t length = 0; length < picture.size(); length += 3) {
     test::write_file("d.png", picture.substr(0, length));
     const std::optional<Error> error = test::error_of(test::write_file("a.json", json + "}"));
