@@ -21,7 +21,7 @@ constexpr std::uint64_t most_numbers = 512;  ///< of a record
 struct Array {
   std::vector<Column> columns;
   std::uint64_t begin = 0, rows = 0, record = 0;  ///< bytes, points, bytes a point
-  bool big_endian = false, by_column = false;
+  bool big_endian = false, by_column = false, has_names = false;
 };
 
 /// The whole numbers in the text of a tuple.
@@ -142,6 +142,7 @@ class NpyHeader {
     }
     for (Column& column : array_.columns) column.stride = std::size_t(array_.record);
     array_.by_column = false;
+    array_.has_names = true;
   }
 
   StoredType element(std::string_view text) {
@@ -268,7 +269,11 @@ bool is_npy(std::string_view head) { return head.starts_with("\x93NUMPY"); }
 ReadResult read_npy_points(const std::filesystem::path& path, const ReadOptions& options,
                            Progress& progress) {
   const File file(path);
-  return read_array(file, NpyHeader(file, options).parse(), progress);
+  const Array array = NpyHeader(file, options).parse();
+  ReadResult result = read_array(file, array, progress);
+  if (array.has_names && !options.columns.empty())
+    result.report.notes.push_back("--columns has no effect: its records name their own columns");
+  return result;
 }
 
 ReadResult read_kitti(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {

@@ -195,6 +195,26 @@ TEST_F(ReachTest, ConvertToPlyKeepsColumnsOfZeros) {
     EXPECT_EQ(ply["attributes"][name], values) << name;
 }
 
+TEST_F(ReachTest, ColumnsAreThoseOfTextAndOfRowsOfNumbers) {
+  const std::string head = "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 4), }\n";
+  write("rows.npy",
+        std::string("\x93NUMPY\x01\x00", 8) + char(head.size()) + '\0' + head + "\1\2\3\4\5\6\7\10");
+  write("p.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n");
+  ok({"convert", "p.csv", "-o", "records.npy", "--quiet"});
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"info"}, std::vector<std::string>{"convert", "-o", "out.csv"}}) {
+    const auto said_of = [&](const std::string& file) {
+      std::vector<std::string> all = words;
+      all.insert(all.end(), {file, "--columns", "x,y,z,weight"});
+      return ok(all).err;
+    };
+    EXPECT_THAT(said_of("rows.npy"), Not(HasSubstr("--columns has no effect")));
+    EXPECT_THAT(said_of("records.npy"), HasSubstr("--columns has no effect"));
+  }
+  ok({"convert", "rows.npy", "--columns", "x,y,z,weight", "-o", "out.csv", "--quiet"});
+  EXPECT_EQ(text("out.csv"), "x,y,z,weight\n1,2,3,4\n5,6,7,8\n");
+}
+
 TEST_F(ReachTest, ColoursHaveNames) {
   const auto middle = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"cube.ply", "-t", "points", "-o", "a.png", "--resolution", "64x48",

@@ -118,7 +118,8 @@ int info_command(const Words& words) {
             "COPC: read every point for attributes' values and the spacing; others always are");
   line.flag("--strict", options.read.strict,
             "refuse a file of which parts are damaged, instead of leaving those out");
-  line.text("--columns", columns, "x,y,z,...", "text files: names of the columns, instead of the guess");
+  line.text("--columns", columns, "x,y,z,...",
+            "text files, rows of .npy: names of the columns, instead of the guess");
   common.declare(line);
   if (!line.parse(words)) return 0;
   common.apply();
@@ -147,7 +148,8 @@ int info_command(const Words& words) {
       for (const std::string& part : result.report.damage)
         console.complain("sfumato: " + part + io::is_left_out);
       is_partial |= !result.report.damage.empty();
-      if (columns && result.report.format != "text" && result.report.format != "pts")
+      if (columns && result.report.format != "text" && result.report.format != "pts" &&
+          result.report.format != "npy")
         console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +
                     " files name their own columns");
       double spacing = 0;
