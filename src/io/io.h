@@ -22,10 +22,10 @@ struct AttributeStats {
 class RecordTap;
 
 struct ReadOptions {
-  std::vector<std::string> columns;         ///< text files: names by position, wins over the guess
+  std::vector<std::string> columns;         ///< text, rows of .npy: names by position, win over the guess
   std::optional<std::uint64_t> max_points;  ///< deterministic subsample while or after reading
   bool strict = false;                      ///< refuse a file of which parts are damaged
-  bool every_attribute = false;             ///< also those of LAS that are zero everywhere: for conversions
+  bool every_attribute = false;             ///< also LAS user_data and point_source_id of nothing but zeros
   RecordTap* tap = nullptr;  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
 };
 
