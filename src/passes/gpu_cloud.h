@@ -87,6 +87,7 @@ class GpuCloud {
   /// Half spaces of cloud space, at most 6, whose points are left out: where dot(xyz, p) + w > 0. Shadows and
   /// other things that follow from the cloud are made anew when they change.
   void set_cut(std::vector<vec4> planes);
+  const std::vector<vec4>& cut() const { return cut_; }
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
   /// Makes room for shadow factors, which a pass then gives every point (image unit access to

@@ -172,7 +172,7 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
   Key key{{}, light.kind, light.vector, std::size_t(count), size, asked.shadow_distance};
   bool have_all = true, see_through = false;
   for (const GpuCloud* cloud : clouds) {
-    key.clouds.push_back({cloud, cloud->casters_stamp(), cloud->has_normals()});
+    key.clouds.push_back({cloud, cloud->casters_stamp(), cloud->has_normals(), cloud->cut()});
     have_all = have_all && cloud->has_shadow();
     see_through = see_through || cloud->see_through_spacing() > 0;
   }

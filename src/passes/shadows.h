@@ -76,6 +76,7 @@ class ShadowMaps {
       const GpuCloud* cloud;
       std::uint64_t casters;
       bool has_normals;
+      std::vector<vec4> cut;  ///< cut points cast nothing
       bool operator==(const Cloud&) const = default;
     };
     std::vector<Cloud> clouds;

@@ -117,6 +117,35 @@ TEST_F(ShadowTest, ATiltedPlaneIsFullyLit) {
   EXPECT_GT(std::count_if(m.begin(), m.end(), [](float v) { return v < 1; }), 100);
 }
 
+// A wall that is cut off casts nothing, whether shadows were found before or not.
+TEST_F(ShadowTest, WhatIsCutOffCastsNothing) {
+  PointCloud cloud = sheet(60, 1, 0);
+  const std::size_t plane = cloud.size();
+  append(cloud, sheet(60, 1, 1));
+  prepared_ = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
+  const RenderSettings settings = hard("dir:0,0,1");
+  gl::Timers timers(false);
+  ShadowMaps maps;
+  const auto dark_points = [&] {
+    maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress());
+    std::size_t dark = 0;
+    for (GpuCloud::Chunk& chunk : gpu.chunks()) {
+      std::vector<float> values(chunk.count);
+      chunk.shadow.buffer().download(values.data(), values.size() * sizeof(float));
+      for (std::uint32_t i = 0; i < chunk.count; ++i)
+        dark += prepared_.cloud.source_index[chunk.first + i] < plane && values[i] < 0.5f;
+    }
+    return dark;
+  };
+  EXPECT_GT(dark_points(), plane * 9 / 10);
+  const float middle = 0.5f - float(prepared_.cloud.origin.z);
+  gpu.set_cut({{0, 0, 1, -middle}});  // what is above
+  EXPECT_EQ(dark_points(), 0u);
+  gpu.set_cut({});
+  EXPECT_GT(dark_points(), plane * 9 / 10);
+}
+
 // The penumbra of a straight edge under a disc-shaped light is the share of the disc that is seen.
 TEST_F(ShadowTest, PenumbraIsTheVisibleShareOfTheLight) {
   const double light_height = 8, edge_height = 1, light_radius = 2;
