@@ -9,6 +9,7 @@ layout(binding = UNIT_INPUT + 1) uniform sampler2D opacity_map;
 #else
 layout(binding = UNIT_INPUT + 1) uniform sampler2D sum_so_far;
 uniform float share;
+uniform float elsewhere;         // light of what is not in the map: nothing casts there, or another face sees it
 #endif
 #if defined(LAYER) || defined(PASSED)
 layout(binding = UNIT_INPUT + 2) uniform sampler2D passed;
@@ -30,7 +31,11 @@ bool filter_pixel(ivec2 pixel) {
   ivec2 size = textureSize(light_map, 0);
   bool is_seen = t > 0.0 && (light_orthographic || depth > 0.0) && all(greaterThanEqual(texel, vec2(0.0))) &&
                  all(lessThan(texel, vec2(size)));
-  float lit = 1.0;  // beyond the light map nothing casts a shadow
+#ifdef LAYER
+  float lit = 1.0;
+#else
+  float lit = elsewhere;
+#endif
   if (is_seen) {
     // Four texels, weighted: the outline on a smooth plane would show every texel.
     vec2 corner = floor(texel - 0.5), f = texel - 0.5 - corner;

@@ -71,7 +71,8 @@ std::vector<Camera> ShadowMaps::light_cameras(const Light& light, const Bounds& 
     for (double sign : {1.0, -1.0}) {
       dvec3 direction(0), up(0);
       direction[axis] = sign;
-      up[(axis + 1) % 3] = 1;
+      // A map holds its left and its upper border: so every edge of the cube belongs to one face.
+      up[(axis + (sign > 0 ? 1 : 2)) % 3] = 1;
       camera.target = camera.position + direction;
       camera.up = up;
       camera.fit_depth_range(box);
@@ -227,7 +228,7 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
       const View& view = views.emplace_back(cameras[face], origin);
       draw_map(clouds, view, spacing, d_min, map, timers);
       auto timing = timers.scope("lit test");
-      if (caught) test_ground(*caught, see_through, view, map, d_min, share);
+      if (caught) test_ground(*caught, see_through, cameras.size() > 1, view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
       if (views.size() < most && !is_last) continue;
       for (GpuCloud* cloud : clouds)
@@ -370,7 +371,7 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
-void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, const View& light_view,
+void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, bool is_face, const View& light_view,
                              const gl::Texture& map, float d_min, float share) {
   ScreenPass& pass = ground_pass_[has_passed];
   if (!pass) {
@@ -378,7 +379,7 @@ void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, const View
     if (has_passed) defines.push_back("PASSED");
     pass = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, defines);
   }
-  pass.set("share", share);
+  pass.set("share", share).set("elsewhere", is_face ? 0.0f : 1.0f);
   if (has_passed) ground_passed_.bind(binding::input + 2);
   run_ground(catcher, pass, light_view, d_min, {&map, &catcher.factor}, catcher.factor);
 }

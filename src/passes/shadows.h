@@ -101,8 +101,9 @@ class ShadowMaps {
   /// opacities bound behind. `is_first`: the points know nothing yet.
   void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
                    std::span<const gl::Texture> maps, float d_min, bool is_first, float share = 0);
-  void test_ground(const Catcher& catcher, bool has_passed, const View& light_view, const gl::Texture& map,
-                   float d_min, float share);
+  /// `is_face`: one of several maps of a light sample, of which each counts for what it sees.
+  void test_ground(const Catcher& catcher, bool has_passed, bool is_face, const View& light_view,
+                   const gl::Texture& map, float d_min, float share);
   void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
                          const gl::Texture& opacity, float d_min);
   void run_ground(const Catcher& catcher, ScreenPass& pass, const View& light_view, float d_min,

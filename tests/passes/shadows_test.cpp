@@ -297,6 +297,34 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
     }
 }
 
+// Each of the six maps of a light inside the cloud counts for the ground that it sees.
+TEST_F(ShadowTest, ALightInsideTheCloudShinesOnTheGroundOnce) {
+  PointCloud cloud = sphere_cloud(5000, 0.5f, vec3(0, 0, 1));
+  append(cloud, sheet(20, 0.2f, 3));
+  for (const bool see_through : {false, true}) {
+    prepared_ = analysis::prepare(cloud, {}, {});
+    GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
+    if (see_through) set_casters(gpu, std::vector<float>(cloud.size(), 0.5f), "test");
+    const View view(camera_above(4, 6, 100), prepared_.cloud.origin);
+    const RenderSettings settings = hard("0,0,2.5");
+    ASSERT_EQ(ShadowMaps::light_cameras(Light::parse("0,0,2.5"), gpu.bounds(), 0.1).size(), 6u);
+    gl::Timers timers(false);
+    ShadowMaps maps;
+    gl::Texture factor("ground factor", GL_R32F, 100, 100);
+    maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
+                Ground{}, &factor);
+    const Image<float> lit = factor.download<float>();
+    // The light 1.5 above the centre of a sphere of 0.5 throws its outline 2.5 tan(asin(1/3)) = 0.884 wide;
+    // the faces meet on the ground 2.5 from the middle.
+    for (int y = 0; y < 100; ++y)
+      for (int x = 0; x < 100; ++x) {
+        const double r = std::hypot(x - 49.5, y - 49.5) * 6 / 100;
+        if (r < 0.75) ASSERT_NEAR(lit.at(x, y), see_through ? 0.25 : 0, 1e-5) << r;
+        if (r > 1.05) ASSERT_NEAR(lit.at(x, y), 1, 1e-5) << r << " " << x << " " << y;
+      }
+  }
+}
+
 // Seen from the light, every surface of opacity a lets 1 - a pass, and what it lets pass is multiplied.
 TEST_F(ShadowTest, SeeThroughCastersDarkenByTheirOpacity) {
   struct Caster {
