@@ -412,6 +412,31 @@ TEST_F(Table, GrowsUntilTheOrderDoesNotMatter) {
     for (int x = 0; x < 64; ++x) ASSERT_EQ(before.at(x, y), after.at(x, y)) << x << "," << y;
 }
 
+// What a small picture needed may be more than there is room for in a large one, which then has what fits.
+TEST_F(Table, GrownInASmallPictureServesALargeOne) {
+  options_.hash_bits = 2;
+  options_.weight_threshold = 30;  // no bin counts, so that all of them stay
+  PointCloud cloud;
+  for (int k = 0; k < 120; ++k) add_disc(cloud, {0, 0.2f * float(k), 0}, 0.05f, {200, 100, 50, 255});
+  add_disc(cloud, {100, 0, 0}, 0.05f, {200, 100, 50, 255});
+  Camera camera;
+  camera.position = {0, -4, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = 2;
+  camera.width = camera.height = 31;
+  choose(cloud, camera);
+  ASSERT_EQ(table_.slots(), 128);
+  const std::int64_t room = gl::limits().max_texture_buffer_size;
+  if (room > std::int64_t(1) << 28) GTEST_SKIP() << "this driver's largest table takes gigabytes";
+  camera.width = 1024;
+  camera.height = int(room / 1024 / 128) + 1;
+  camera.position.x = camera.target.x = 100;
+  options_.weight_threshold = 0.5f;
+  const Image<vec4> choice = choose(camera);
+  EXPECT_EQ(table_.slots(), 64);
+  EXPECT_EQ(choice.at(camera.width / 2, camera.height / 2).x, 0) << "the first bin";
+}
+
 // What lies beyond the dense bins goes to the last one only, though bins overlap: the one before it ends
 // where it ends.
 TEST_F(Table, TheLastDenseBinAloneTakesTheRest) {

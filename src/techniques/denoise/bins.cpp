@@ -20,6 +20,12 @@ void resize(gl::TextureBuffer& buffer, const char* label, GLenum format, std::si
   if (buffer.buffer().bytes() != 4 * words) buffer = gl::TextureBuffer(label, format, 4 * words);
 }
 
+/// Of a pixel: what texture buffers hold.
+std::size_t most_slots(const View& view) {
+  return std::size_t(gl::limits().max_texture_buffer_size) /
+         (std::size_t(view.width()) * std::size_t(view.height()));
+}
+
 void finish_atomics() {
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                   GL_FRAMEBUFFER_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
@@ -159,8 +165,7 @@ void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShap
 bool BinTable::grow(BinOptions& options, const View& view) {
   if (options.layout == Layout::dense || counts().overflow == 0) return false;
   constexpr int most_bits = 8;
-  const std::size_t pixels = std::size_t(view.width()) * std::size_t(view.height());
-  const std::size_t most = std::size_t(gl::limits().max_texture_buffer_size) / pixels;
+  const std::size_t most = most_slots(view);
   if (options.hash_bits < most_bits && (std::size_t(2) << options.hash_bits) <= most) {
     grown_bits_ = ++options.hash_bits;
     return true;
@@ -177,6 +182,9 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
   BinOptions options = asked;
   if (asked_bits_ != asked.hash_bits) asked_bits_ = grown_bits_ = asked.hash_bits;
   options.hash_bits = grown_bits_;  // an orbit grows once
+  // A small picture may have grown it beyond what a large one has room for.
+  while (options.hash_bits > asked.hash_bits && (std::size_t(1) << options.hash_bits) > most_slots(view))
+    --options.hash_bits;
   do {
     {
       auto timing = timers.scope("clear bins");
