@@ -311,6 +311,22 @@ TEST_F(LayersTest, CascadeGivesThePicturesOfPasses) {
   }
 }
 
+// Lists stand below each other in a texture, which has no room for those of a high picture.
+TEST_F(LayersTest, HighPicturesAreDrawnInPasses) {
+  show(renderer_, tori(3000), {});
+  Camera camera = front_camera(24, gl::limits().max_texture_size / 2, 3.4);  // tori three quarters as high
+  ASSERT_FALSE(renderer_.is_tiled(camera));
+  Values values{{"layers", "3"}, {"peeling", "passes"}};
+  const RenderOutput passes = render(camera, values);
+  values["peeling"] = "cascade";
+  const RenderOutput high = render(camera, values);
+  EXPECT_TRUE(std::ranges::equal(passes.color_linear, high.color_linear));
+  EXPECT_NE(technique_->notes().at(0).find("(passes)"), std::string::npos) << technique_->notes().at(0);
+  camera.height = 54;
+  render(camera, values);
+  EXPECT_NE(technique_->notes().at(0).find("(cascade)"), std::string::npos) << technique_->notes().at(0);
+}
+
 // At the size of the paper's largest scene: hundreds of points a pixel, far more than a list holds.
 TEST_F(LayersTest, CascadeGivesThePictureOfPassesAtSixMillionPoints) {
   synth::SampleOptions options;

@@ -153,6 +153,7 @@ class Layers final : public Technique {
     }
 
     if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
+    cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view);
     peel_.begin(view, footprint_, cascade_, bin_);
     for (peeled_ = 0; peeled_ < last;) {
       ++peeled_;
@@ -227,7 +228,6 @@ class Layers final : public Technique {
     const float pixels = discs ? 1 : float(n_background_ + n_occluded_);
     d_min_ = parameters_.min_layer_distance.resolve(thickness + pixels * spacing.pixel);
     bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
-    cascade_ = parameters_.peeling == Peeling::cascade;
     choose_opacities(frame);
 
     // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.

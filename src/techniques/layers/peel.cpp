@@ -1,6 +1,12 @@
 #include "techniques/layers/peel.h"
 
+#include "gl/context.h"
+
 namespace sfumato::layers {
+
+bool Peel::can_cascade(const View& view) {
+  return view.height() <= gl::limits().max_texture_size / PointsToPixels::list_length;
+}
 
 void Peel::begin(const View& view, const Footprint& footprint, bool cascade, float bin) {
   bin_ = bin;

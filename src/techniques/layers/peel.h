@@ -9,6 +9,8 @@ namespace sfumato::layers {
 
 class Peel {
  public:
+  /// Whether lists for a picture of this height fit a texture.
+  static bool can_cascade(const View& view);
   /// With `cascade`, a visit keeps lists of the nearest depths, and only lists that end too early cost
   /// another one; without, every layer is a visit. The layers are the same, bit by bit, for limits that are
   /// multiples of `bin`.
