@@ -1,10 +1,12 @@
 #include "passes/light.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+#include <iterator>
 
 #include "core/error.h"
+#include "core/numbers.h"
 
 namespace sfumato {
 
@@ -12,22 +14,17 @@ Light Light::parse(std::string_view text) {
   Light light;
   if (text == "headlight") return light;
   const bool directional = text.starts_with("dir:");
-  try {
-    // Doubles: a point light may stand at UTM coordinates.
-    std::string numbers(text.substr(directional ? 4 : 0));
-    std::size_t used = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      light.vector[axis] = std::stod(numbers, &used);
-      numbers.erase(0, used);
-      if (axis < 2) {
-        if (numbers.empty() || numbers[0] != ',') throw std::invalid_argument("comma");
-        numbers.erase(0, 1);
-      }
-    }
-    if (!numbers.empty()) throw std::invalid_argument("rest");
-    if (!std::isfinite(light.vector.x + light.vector.y + light.vector.z)) throw std::invalid_argument("nan");
-  } catch (const std::exception&) {
-    throw Error(ErrorCode::usage, "--light '" + std::string(text) + "' is not headlight, X,Y,Z or dir:X,Y,Z");
+  // Doubles: a point light may stand at UTM coordinates.
+  std::string_view numbers = text.substr(directional ? 4 : 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    numbers.remove_prefix(std::min(numbers.find_first_not_of(' '), numbers.size()));
+    const std::size_t end = axis < 2 ? numbers.find(',') : numbers.size();
+    const auto number = end == numbers.npos ? std::nullopt : parse_real(numbers.substr(0, end));
+    if (!number || !std::isfinite(*number))
+      throw Error(ErrorCode::usage,
+                  "--light '" + std::string(text) + "' is not headlight, X,Y,Z or dir:X,Y,Z");
+    light.vector[axis] = *number;
+    numbers.remove_prefix(axis < 2 ? end + 1 : end);
   }
   light.kind = directional ? Kind::directional : Kind::point;
   if (directional) {
@@ -48,12 +45,21 @@ Light key_light(const Camera& camera, UpAxis up_axis) {
   return light;
 }
 
+std::string light_text_of(const dvec3& towards) {
+  std::string text = "dir:";
+  for (int axis = 0; axis < 3; ++axis) {
+    char number[32];
+    const auto [end, error] =
+        std::to_chars(number, std::end(number), towards[axis], std::chars_format::fixed, 6);
+    text.append(axis ? "," : "").append(number, end);
+  }
+  return text;
+}
+
 void fix_light(RenderSettings& settings, const Camera& camera, UpAxis up) {
   if (settings.shadows == Shadows::off || Light::parse(settings.light_text).kind != Light::Kind::headlight)
     return;
-  const dvec3 towards = key_light(camera, up).vector;
-  settings.light_text =
-      "dir:" + std::to_string(towards.x) + "," + std::to_string(towards.y) + "," + std::to_string(towards.z);
+  settings.light_text = light_text_of(key_light(camera, up).vector);
 }
 
 void RenderSettings::describe(ParamList& p) {

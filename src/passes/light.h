@@ -24,6 +24,9 @@ struct Light {
   static Light parse(std::string_view text);
 };
 
+/// A directional light as `Light::parse` reads it; `towards`: unit direction.
+std::string light_text_of(const dvec3& towards);
+
 /// Phong terms: colour = albedo (ambient + m diffuse n.l) + m specular (r.v)^shininess, m = shadow factor
 /// (Dobrev 2010, Sec. 4: c = k_a + m (k_d + k_s)).
 struct Phong {

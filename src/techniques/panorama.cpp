@@ -85,8 +85,7 @@ RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, co
   if (settings.shadows != Shadows::off && Light::parse(settings.light_text).kind == Light::Kind::headlight) {
     const dvec3 from =
         glm::normalize(1.2 * level_up - 0.6 * ahead - 0.7 * right);  // as key_light, for all six
-    fixed.light_text =
-        "dir:" + std::to_string(from.x) + "," + std::to_string(from.y) + "," + std::to_string(from.z);
+    fixed.light_text = light_text_of(from);
   }
   const RenderSettings& used = fixed.light_text == settings.light_text ? settings : fixed;
 
