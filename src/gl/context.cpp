@@ -58,6 +58,28 @@ void GLAPIENTRY on_message(GLenum source, GLenum, GLuint, GLenum severity, GLsiz
   messages->emplace_back(text, length < 0 ? std::strlen(text) : std::size_t(length));
 }
 
+/// What is current on this thread, ours or not, to be put back.
+class Before {
+ public:
+  EGLContext context() const { return context_; }
+  /// `own`: a display of ours.
+  void put_back(EGLDisplay own) const {
+    eglBindAPI(api_);
+    if (context_ == EGL_NO_CONTEXT)
+      eglMakeCurrent(own, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    else
+      eglMakeCurrent(display_, draw_, read_, context_);
+    current = current_;
+  }
+
+ private:
+  EGLenum api_ = eglQueryAPI();
+  EGLDisplay display_ = eglGetCurrentDisplay();
+  EGLContext context_ = eglGetCurrentContext();
+  EGLSurface draw_ = eglGetCurrentSurface(EGL_DRAW), read_ = eglGetCurrentSurface(EGL_READ);
+  Current current_ = current;
+};
+
 }  // namespace
 
 struct Context::Egl {
@@ -125,9 +147,11 @@ bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
 
 void Context::Egl::close() {
   if (display == EGL_NO_DISPLAY) return;
-  if (context == EGL_NO_CONTEXT || eglGetCurrentContext() == context)
-    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
+  if (context != EGL_NO_CONTEXT) {
+    if (eglGetCurrentContext() == context)
+      eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglDestroyContext(display, context);
+  }
   {
     const std::lock_guard lock(display_uses().mutex);
     if (--display_uses().count[display] == 0) eglTerminate(display);
@@ -147,6 +171,12 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   if (!has_extension(client, "EGL_EXT_platform_base"))
     fail("no OpenGL: EGL cannot open a display by platform");
 
+  const struct Return {
+    Before before;
+    ~Return() {
+      if (before.context() != EGL_NO_CONTEXT) before.put_back(EGL_NO_DISPLAY);
+    }
+  } to_what_was_current;
   std::unique_ptr<Context> context(new Context);
   context->preferences_ = std::move(preferences);
   context->egl_ = std::make_unique<Egl>();
@@ -214,11 +244,9 @@ Context::~Context() {
   if (egl_) egl_->close();
 }
 
-struct Context::Use::Before {
-  EGLDisplay own_display, display;
-  EGLContext context;
-  EGLSurface draw, read;
-  Current current;
+struct Context::Use::Outside {
+  EGLDisplay own;
+  Before before;
 };
 
 Context::Use::Use(Context& context) {
@@ -226,9 +254,7 @@ Context::Use::Use(Context& context) {
     current = {&context.limits_, &context.preferences_, &context.pacing_};
     return;
   }
-  before_ = std::make_unique<Before>(Before{context.egl_->display, eglGetCurrentDisplay(),
-                                            eglGetCurrentContext(), eglGetCurrentSurface(EGL_DRAW),
-                                            eglGetCurrentSurface(EGL_READ), current});
+  outside_ = std::make_unique<Outside>(Outside{context.egl_->display, {}});
   if (!eglMakeCurrent(context.egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context.egl_->context))
     throw Error(ErrorCode::no_gl,
                 "the OpenGL context is in use on another thread; give each thread a renderer of its own");
@@ -236,12 +262,7 @@ Context::Use::Use(Context& context) {
 }
 
 Context::Use::~Use() {
-  if (!before_) return;
-  if (before_->context == EGL_NO_CONTEXT)
-    eglMakeCurrent(before_->own_display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  else
-    eglMakeCurrent(before_->display, before_->draw, before_->read, before_->context);
-  current = before_->current;
+  if (outside_) outside_->before.put_back(outside_->own);
 }
 
 std::vector<std::string> Context::take_messages() {

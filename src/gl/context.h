@@ -25,8 +25,8 @@ struct Limits {
 
 class Context {
  public:
-  /// Creates and makes current: the first device that offers OpenGL 4.5, else the surfaceless platform.
-  /// Throws Error(no_gl) with what is missing and what to install.
+  /// On the first device that offers OpenGL 4.5, else the surfaceless platform. Where another context is
+  /// current it stays so, else the new one is. Throws Error(no_gl) with what is missing and what to install.
   static std::unique_ptr<Context> create_headless(Preferences preferences = Preferences::from_environment());
   /// What the context made goes with it: delete GL objects of yours before, inside a `Use`.
   ~Context();
@@ -43,8 +43,8 @@ class Context {
     Use& operator=(const Use&) = delete;
 
    private:
-    struct Before;
-    std::unique_ptr<Before> before_;  ///< nothing when it was current already
+    struct Outside;
+    std::unique_ptr<Outside> outside_;  ///< nothing when it was current already
   };
 
   const Limits& limits() const { return limits_; }

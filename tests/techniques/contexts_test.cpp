@@ -1,4 +1,7 @@
 // Renderers of their own: interleaved on a thread, side by side on two, one after the other.
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
 #include <algorithm>
 #include <map>
 #include <thread>
@@ -35,7 +38,7 @@ TEST(ContextsTest, InterleavedOnOneThread) {
   const auto expected = alone();
   HeadlessRenderer first;
   first.set_cloud(cloud_of(0));
-  HeadlessRenderer second;  // its context is current now
+  HeadlessRenderer second;
   second.set_cloud(cloud_of(1));
   for (const std::string& technique : drawn) {
     EXPECT_TRUE(std::ranges::equal(picture(first, technique, 0).color, expected.at({technique, 0})))
@@ -74,6 +77,43 @@ TEST(ContextsTest, ARendererThatGoesTakesNothingWithIt) {
   EXPECT_TRUE(std::any_of(before.begin(), before.end(), [](const Rgba8& c) {
     return !(c == Rgba8{255, 255, 255, 255});
   }));
+}
+
+/// A program's own context, current on this thread, on the display that renderers choose: one a process.
+class Program {
+ public:
+  Program() {
+    {
+      const std::unique_ptr<gl::Context> probe = gl::Context::create_headless();
+      display_ = eglGetCurrentDisplay();
+    }
+    eglInitialize(display_, nullptr, nullptr);
+    eglBindAPI(EGL_OPENGL_API);
+    context_ = eglCreateContext(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, nullptr);
+    make_current();
+  }
+  ~Program() {
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglDestroyContext(display_, context_);
+  }
+  bool make_current() { return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_); }
+  bool is_current() const { return context_ != EGL_NO_CONTEXT && eglGetCurrentContext() == context_; }
+
+ private:
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+};
+
+TEST(ContextsTest, TheProgramsOwnContextStaysCurrent) {
+  Program program;
+  ASSERT_TRUE(program.is_current());
+  HeadlessRenderer renderer;
+  EXPECT_TRUE(program.is_current()) << "after one was made";
+  renderer.set_cloud(cloud_of(0));
+  picture(renderer, "points", 0);
+  EXPECT_TRUE(program.is_current()) << "after a picture";
+  { const HeadlessRenderer other; }
+  EXPECT_TRUE(program.is_current()) << "after one has gone";
 }
 
 TEST(ContextsTest, ARendererOfAnotherThreadIsRefused) {
