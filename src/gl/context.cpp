@@ -6,8 +6,6 @@
 #include <sys/mman.h>
 
 #include <cstring>
-#include <map>
-#include <mutex>
 #include <utility>
 
 #include "core/error.h"
@@ -90,23 +88,10 @@ struct Context::Egl {
   void close();
 };
 
-/// A display is one for the whole process: contexts of other threads need it until the last of them has gone.
-struct DisplayUses {
-  std::mutex mutex;
-  std::map<EGLDisplay, int> count;
-};
-static DisplayUses& display_uses() {
-  static DisplayUses uses;
-  return uses;
-}
-
 /// Makes a context of this display current; false, and a reason, when it cannot do what we need.
 bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
-  {
-    const std::lock_guard lock(display_uses().mutex);
-    if (!eglInitialize(candidate, nullptr, nullptr)) return false;
-    ++display_uses().count[candidate];
-  }
+  // A display is one for the whole process, and stays: the program or another thread may use it, too.
+  if (!eglInitialize(candidate, nullptr, nullptr)) return false;
   display = candidate;
   auto refuse = [&](const char* reason) {
     lacks = reason;
@@ -151,10 +136,6 @@ void Context::Egl::close() {
     if (eglGetCurrentContext() == context)
       eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglDestroyContext(display, context);
-  }
-  {
-    const std::lock_guard lock(display_uses().mutex);
-    if (--display_uses().count[display] == 0) eglTerminate(display);
   }
   display = EGL_NO_DISPLAY;
   context = EGL_NO_CONTEXT;

@@ -116,6 +116,17 @@ TEST(ContextsTest, TheProgramsOwnContextStaysCurrent) {
   EXPECT_TRUE(program.is_current()) << "after one has gone";
 }
 
+// What its renderers shared with the program, the display, is there when the last of them has gone.
+TEST(ContextsTest, TheProgramsDisplayStays) {
+  Program program;
+  { const HeadlessRenderer renderer; }
+  ASSERT_TRUE(program.make_current());
+  ASSERT_TRUE(program.is_current());
+  GLuint texture = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+  EXPECT_TRUE(glIsTexture(texture));
+}
+
 TEST(ContextsTest, ARendererOfAnotherThreadIsRefused) {
   HeadlessRenderer renderer;
   renderer.set_cloud(cloud_of(0));
