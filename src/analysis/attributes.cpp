@@ -127,14 +127,11 @@ class Completion {
     std::vector<float> narrow(flatness.size(), 1.0f);
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
     const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
-    // Radii that were shrunk before for another technique, as they were.
-    std::vector<float> whole_radii;
-    if (uncertainty && !radii && !prepared_.shrunk.empty()) whole_radii = cloud_.radii;
     const auto radius_in = [&](std::span<const std::uint32_t> ids, std::span<const float> distances2) {
       const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
       return farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
     };
-    if (normals || radii || keep || !whole_radii.empty())
+    if (normals || radii || keep)
       for_each_neighborhood(
           tree_, int(k_),
           [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
@@ -156,26 +153,27 @@ class Completion {
                 narrow[i] = std::min(1.0f, width_of(*frame, ids.size()) / new_radii[i]);
               }
             }
-            if (!whole_radii.empty() && prepared_.shrunk[i] < 1) whole_radii[i] = radius_in(ids, distances2);
             if (keep) kept.keep(i, ids);
           },
           normals ? "normals" : "radii", progress_);
     take_near_normals(near_normals, scatter, new_normals, flatness);
-    const ScalarField* unevenness = uncertainty ? cloud_.scalar(unevenness_name) : nullptr;
-    const std::vector<float>& radii_on_surface = radii                 ? new_radii
-                                                 : whole_radii.empty() ? cloud_.radii
-                                                                       : whole_radii;
-    if (unevenness) {
-      ScalarField field{"uncertainty", 0, radii_on_surface, StoredType::float32};
-      for (std::size_t i = 0; i < field.values.size(); ++i) field.values[i] *= float(unevenness->value(i));
-      cloud_.set_scalar(std::move(field));
-    } else if (uncertainty) {
-      cloud_.set_scalar(measure_uncertainty(normals ? new_normals : cloud_.normals, radii_on_surface,
-                                            keep ? &kept : nullptr));
-    }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
-    if (shrink) shrink_in_clutter(flatness, narrow, new_radii);
+    std::vector<float> shrunk;
+    if (shrink) shrunk = shrink_in_clutter(flatness, narrow, new_radii);
+    // A call before this one may have shrunk them for another technique: the same division brings them back.
+    const Radii sized{radii ? new_radii : cloud_.radii, radii ? shrunk : prepared_.shrunk};
+    const ScalarField* unevenness = uncertainty ? cloud_.scalar(unevenness_name) : nullptr;
+    if (unevenness) {
+      ScalarField field{"uncertainty", 0, std::vector<float>(cloud_.size()), StoredType::float32};
+      for (std::size_t i = 0; i < field.values.size(); ++i)
+        field.values[i] = sized.on_surface(i) * float(unevenness->value(i));
+      cloud_.set_scalar(std::move(field));
+    } else if (uncertainty) {
+      cloud_.set_scalar(
+          measure_uncertainty(normals ? new_normals : cloud_.normals, sized, keep ? &kept : nullptr));
+    }
+    if (!shrunk.empty()) prepared_.shrunk = std::move(shrunk);
     if (normals) cloud_.normals = std::move(new_normals);
     if (radii) cloud_.radii = std::move(new_radii);
   }
@@ -184,6 +182,10 @@ class Completion {
   struct NearNormal {
     std::uint32_t point;
     vec3 normal;  ///< 0: the point has one
+  };
+  struct Radii {
+    const std::vector<float>&drawn, &shrunk;  ///< as in PreparedCloud
+    float on_surface(std::size_t i) const { return shrunk.empty() ? drawn[i] : drawn[i] / shrunk[i]; }
   };
 
   /// Where the nearest few lie in a plane and all neighbours do not, at an edge, on an ear thinner than those
@@ -202,15 +204,16 @@ class Completion {
     }
   }
 
-  void shrink_in_clutter(const std::vector<float>& flatness, const std::vector<float>& narrow,
-                         std::vector<float>& radii) {
+  /// Returns by how much: PreparedCloud::shrunk.
+  std::vector<float> shrink_in_clutter(const std::vector<float>& flatness, const std::vector<float>& narrow,
+                                       std::vector<float>& radii) {
     const auto less = [](float f) { return f < 1; };
     if (std::none_of(flatness.begin(), flatness.end(), less) &&
         std::none_of(narrow.begin(), narrow.end(), less))
-      return;
+      return {};
     const SurfaceShares shares = surface_shares(cloud_.positions, flatness, int(k_), progress_);
     const bool tells = tells_clutter(radii.size(), k_);
-    prepared_.shrunk.resize(radii.size());
+    std::vector<float> ratio(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const float least = options_.clutter_radius,
@@ -227,17 +230,18 @@ class Completion {
         const float twig = std::max(least, most_in_crown * prepared_.median_radius / radii[i]);
         if (twig < 1)
           shrunk = std::min(shrunk, std::lerp(twig, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
-        prepared_.shrunk[i] = shrunk;
+        ratio[i] = shrunk;
         radii[i] *= shrunk;
       }
     });
+    return ratio;
   }
 
-  ScalarField measure_uncertainty(const std::vector<vec3>& normals, const std::vector<float>& radii,
+  ScalarField measure_uncertainty(const std::vector<vec3>& normals, const Radii& radii,
                                   const KeptNeighbors* kept) {
     ScalarField field{"uncertainty", 0, std::vector<float>(cloud_.size()), StoredType::float32};
     auto measure = [&](std::uint32_t i, std::span<const std::uint32_t> ids) {
-      field.values[i] = uncertainty_of(normals, radii[i], i, ids);
+      field.values[i] = uncertainty_of(normals, radii.on_surface(i), i, ids);
     };
     if (kept)
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cloud_.size(), 65'536), [&](const auto& range) {

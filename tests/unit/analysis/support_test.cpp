@@ -251,6 +251,20 @@ TEST(Support, UncertaintyIsTheSameWhoeverAsksFirst) {
   EXPECT_EQ(later.cloud.scalar("uncertainty")->values, at_once.cloud.scalar("uncertainty")->values);
 }
 
+// Radii that were there before others were found have other sizes than those of their neighbours' distances.
+TEST(Support, UncertaintyOfRadiiThatWereThereIsTheSameWhoeverAsksFirst) {
+  PointCloud cloud = cloud_of(uniform_cube(6000));
+  cloud.radii.assign(cloud.size(), 0);
+  for (std::size_t i = 0; i < cloud.size(); i += 2) cloud.radii[i] = 0.2f + 1e-5f * float(i);
+  constexpr Attributes shape = Attribute::normal | Attribute::radius;
+  const PreparedCloud at_once = prepare(cloud, shape | Attribute::uncertainty, {});
+  PreparedCloud later = prepare(cloud, shape, {});
+  ASSERT_FALSE(later.shrunk.empty());
+  complete(later, Attribute::uncertainty, {});
+  EXPECT_EQ(later.cloud.radii, at_once.cloud.radii);
+  EXPECT_EQ(later.cloud.scalar("uncertainty")->values, at_once.cloud.scalar("uncertainty")->values);
+}
+
 TEST(Support, OnlyFlatPlacesHaveLargeDiscs) {
   // Dense ground, and above it a box with a tenth of its points per area, whose discs are three times as
   // large: within a face they close it, across an edge they would stand out.
