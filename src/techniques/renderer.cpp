@@ -96,6 +96,13 @@ void paste(const RenderOutput& part, int from_x, int from_y, int width, int heig
   paste(part.normal, from_x, from_y, width, height, picture.normal, x, y);
 }
 
+/// Side of what all of them can draw in one go, px.
+int largest_canvas(std::span<const Item> items) {
+  std::int64_t pixels = Renderer::most_pixels;
+  for (const Item& item : items) pixels = std::min(pixels, item.technique->most_pixels());
+  return int(std::sqrt(double(pixels)));
+}
+
 }  // namespace
 
 float edl_strength(std::span<const Item> items, bool own_colors) {
@@ -143,7 +150,9 @@ struct Renderer::State {
   int reach_px(std::span<const Item> items, const Camera& camera, const RenderSettings& settings);
   std::uint64_t points_seen(std::span<const Item> items, const Camera& camera);
   /// Of tiles that all of them can draw with their overlap, px.
-  int tile_side(std::span<const Item> items, int overlap) const;
+  static int tile_side(std::span<const Item> items, int overlap);
+  /// Of tiles of which at least a quarter of the side is kept, px.
+  static int most_overlap(std::span<const Item> items);
 };
 
 void Renderer::State::average(int sample, int samples, gl::Timers& timers) {
@@ -206,14 +215,15 @@ std::uint64_t Renderer::State::points_seen(std::span<const Item> items, const Ca
   return count;
 }
 
-int Renderer::State::tile_side(std::span<const Item> items, int overlap) const {
-  int side = 2048;
-  for (const Item& item : items) {
-    // The overlap is rounded up to the grid on either side.
-    const double canvas = std::sqrt(double(item.technique->most_pixels()));
-    side = int(std::min(double(side), canvas - 2 * (overlap + tile_grid)));
-  }
+int Renderer::State::tile_side(std::span<const Item> items, int overlap) {
+  // The overlap is rounded up to the grid on either side.
+  const int side = std::min(2048, largest_canvas(items) - 2 * (overlap + tile_grid));
   return std::max(side / tile_grid, 1) * tile_grid;
+}
+
+int Renderer::State::most_overlap(std::span<const Item> items) {
+  const int canvas = largest_canvas(items);
+  return std::max(0, (canvas - canvas / 4) / 2 - tile_grid);
 }
 
 Ground Renderer::State::ground_below_all() const {
@@ -422,7 +432,10 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
   State& s = *state_;
   const gl::Context::Use use(s.context);
   const Camera camera = s.prepare(items, asked);
-  const int overlap = s.reach_px(items, camera, settings);
+  const int reach = s.reach_px(items, camera, settings),
+            overlap = std::min(reach, State::most_overlap(items));
+  if (overlap < reach)
+    out.notes.push_back("pixels see farther than tiles of this picture overlap: their borders may show");
   const int wanted = gl::preferences().tile_side, side = wanted > 0 ? wanted : s.tile_side(items, overlap);
   const std::vector<TileSpan> columns = tile_spans(camera.width, side, overlap),
                               rows = tile_spans(camera.height, side, overlap);

@@ -105,6 +105,22 @@ TEST_F(Tiles, ServeTechniquesThatCannotHoldThePicture) {
     }
 }
 
+// Splats that reach across hundreds of pixels, of which a tile can hold no more beside what is kept of it.
+TEST_F(Tiles, HoldWhatTechniquesCanWhereverPixelsSee) {
+  Renderer renderer(context());
+  const auto technique = find_technique("denoise").create();
+  set_parameter(*technique, "bins", "dense");
+  set_parameter(*technique, "dense_bins", "256");
+  show(renderer, sphere_cloud(30), technique->needs());
+  const Camera camera = front_camera(1200, 450);
+  if (technique->most_pixels() >= 1200 * 450) GTEST_SKIP() << "this driver holds it";
+  const RenderOutput picture = renderer.render(*technique, camera, {}, all_outputs());
+  EXPECT_TRUE(std::isfinite(picture.depth.at(600, 225)));
+  EXPECT_NE(std::find(picture.notes.begin(), picture.notes.end(),
+                      "pixels see farther than tiles of this picture overlap: their borders may show"),
+            picture.notes.end());
+}
+
 TEST_F(Tiles, RefuseMoreThanFloatsTellApart) {
   Renderer renderer(context());
   show(renderer, sphere_cloud(100), {});
