@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "core/color.h"
 #include "core/colormap.h"
@@ -143,6 +144,50 @@ void color_files(const ScalarField& field, const ColorSettings& settings, Colori
   }
 }
 
+constexpr std::size_t most_things = 8;  // colours that are told apart at a glance
+
+/// Numbers of LAS that tell things apart instead of measuring them, and are few: a ramp between flight line
+/// 66 and 67 shows nothing.
+bool names_things(const ScalarField& field) {
+  static const std::set<std::string> names{"point_source_id", "return_number", "number_of_returns",
+                                           "scanner_channel", "scan_channel",  "user_data",
+                                           "scanner",         "cluster"};
+  if (!names.contains(field.name)) return false;
+  std::vector<float> found;
+  for (const float value : field.values) {
+    if (!std::isfinite(value) || std::find(found.begin(), found.end(), value) != found.end()) continue;
+    found.push_back(value);
+    if (found.size() > most_things || value != std::round(value)) return false;
+  }
+  return found.size() > 1;
+}
+
+/// A colour for each of these numbers.
+void color_numbers(const ScalarField& field, Coloring& out) {
+  out.kind = ColorKind::files;
+  std::map<long, std::size_t> counts;
+  for (std::size_t i = 0; i < field.values.size(); ++i)
+    if (std::isfinite(field.values[i])) ++counts[std::lround(field.value(i))];
+  // By the number itself, so that it has its colour in every view; by its place where two would share one.
+  std::map<long, Rgba8> colors;
+  std::set<long> taken;
+  for (const auto& [number, points] : counts) taken.insert(std::abs(number) % long(most_things));
+  for (const auto& [number, points] : counts) {
+    const std::size_t place =
+        taken.size() == counts.size() ? std::size_t(std::abs(number)) % most_things : colors.size();
+    colors[number] = swatch_color(place);
+    out.swatches.push_back({std::to_string(number), colors[number], points});
+  }
+  out.colors.reserve(field.values.size());
+  float last = std::numeric_limits<float>::quiet_NaN();
+  Rgba8 color = unknown_gray;
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    const float value = field.values[i];
+    if (std::isfinite(value) && value != last) last = value, color = colors[std::lround(field.value(i))];
+    out.colors.push_back(std::isfinite(value) ? color : unknown_gray);
+  }
+}
+
 void color_normals(const PointCloud& cloud, Coloring& out) {
   if (cloud.normals.empty())
     throw Error(ErrorCode::usage, "cannot colour by normal: the cloud has no normals");
@@ -246,6 +291,9 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   } else if (out.source == "file" && !settings.file_names.empty() && settings.colormap.empty() &&
              !settings.range) {
     color_files(*cloud.scalar("file"), settings, out);
+  } else if (const ScalarField* field = cloud.scalar(out.source);
+             field && settings.colormap.empty() && !settings.range && names_things(*field)) {
+    color_numbers(*field, out);
   } else {
     color_scalar(out.source == "elevation" && !cloud.scalar("elevation") ? elevation(cloud)
                                                                          : *cloud.scalar(out.source),

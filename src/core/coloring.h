@@ -23,6 +23,7 @@ struct ColorSettings {
   std::vector<std::string> file_names;  ///< what the numbers of the scalar `file` stand for, from 1
 };
 
+/// files: also other numbers that name things, such as flight lines.
 enum class ColorKind { rgb, scalar, classes, normal, files };
 
 struct ClassShare {

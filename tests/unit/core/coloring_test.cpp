@@ -234,4 +234,36 @@ TEST(Coloring, HidesNoiseClassesAndWithheldPoints) {
   EXPECT_EQ(hide_classes(cloud, {}), 0u);
 }
 
+// Flight lines 66 to 68 are three things, and no number lies between them.
+TEST(Coloring, FewNumbersThatNameThingsAreSwatches) {
+  PointCloud cloud;
+  ScalarField lines{"point_source_id", 0, {}, StoredType::uint16}, heat{"heat", 0, {}, StoredType::uint16};
+  for (int i = 0; i < 90; ++i) {
+    cloud.positions.push_back(vec3(float(i), 0, 0));
+    lines.values.push_back(float(66 + i % 3));
+    heat.values.push_back(float(66 + i % 3));
+  }
+  cloud.scalars = {lines, heat};
+  ColorSettings settings;
+  settings.color_by = "point_source_id";
+  const Coloring named = color_points(cloud, settings);
+  ASSERT_EQ(named.swatches.size(), 3u);
+  EXPECT_EQ(named.swatches[2].label, "68");
+  EXPECT_EQ(named.swatches[2].points, 30u);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(named.colors[std::size_t(i)], named.swatches[std::size_t(i)].color);
+  EXPECT_NE(named.colors[0], named.colors[1]);
+  // A line has its colour where others are out of view as well.
+  PointCloud one = cloud;
+  for (float& value : one.scalars[0].values) value = value == 66 ? 67 : value;
+  EXPECT_EQ(color_points(one, settings).colors[1], named.colors[1]);
+  settings.colormap = "viridis";
+  EXPECT_TRUE(color_points(cloud, settings).swatches.empty()) << "a ramp that is asked for";
+  settings.colormap.clear();
+  settings.color_by = "heat";
+  EXPECT_TRUE(color_points(cloud, settings).swatches.empty()) << "a measured number";
+  settings.color_by = "point_source_id";
+  for (std::size_t i = 0; i < 90; ++i) cloud.scalars[0].values[i] = float(i);
+  EXPECT_TRUE(color_points(cloud, settings).swatches.empty()) << "more than colours tell apart";
+}
+
 }  // namespace
