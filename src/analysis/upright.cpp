@@ -221,7 +221,11 @@ Upright guess_upright(const PointCloud& cloud) {
   const int thin = by_size[0], own = int(cloud.up) / 2;
   if (by_size[2] == own && size[own] > figure * size[by_size[1]] && sample.is_closed_along(thin))
     return custom;
-  if (thin > 0 && size[thin] < flat * size[by_size[1]])
+  const bool is_flat = size[thin] < flat * size[by_size[1]];
+  // A survey has a vertical: what is flat in it and does not lie is a facade, or a profile cut out of the
+  // whole.
+  if (is_flat && thin != own && (cloud.las || !cloud.crs.empty())) return custom;
+  if (thin > 0 && is_flat)
     return {axis_of(thin, true), std::string("flat: thin along ") + "xyz"[thin], -45, 30};
 
   if (thin == 2 && sample.most_heights < mostly_flat * size[by_size[1]])
