@@ -355,6 +355,11 @@ void refuse_name(const std::string& what, const std::string& name, const std::ve
 Camera StandMethods::first_view(const Stand& stand, int width, int height) {
   return sfumato::first_view(stand.pose, width, height);
 }
+Camera StandMethods::first_of_turn(const Stand& stand, int width, int height) {
+  Camera camera = first_view(stand, width, height);
+  step_back(camera, sfumato::up_vector(stand.pose.upright.up), stand.pose.subject);
+  return camera;
+}
 Camera StandMethods::view(const Stand& stand, const py::dict& wishes) {
   return view_of(stand.pose, view_wishes(wishes));
 }
@@ -378,6 +383,10 @@ void bind_stage(py::module_& module) {
       .def("first_view",
            [](const StageHandle& self, int width, int height) {
              return StandMethods::first_view(self.get().stand(), width, height);
+           })
+      .def("first_of_turn",
+           [](const StageHandle& self, int width, int height) {
+             return StandMethods::first_of_turn(self.get().stand(), width, height);
            })
       .def("inside", [](const StageHandle& self,
                         const Camera& camera) { return StandMethods::inside(self.get().stand(), camera); })

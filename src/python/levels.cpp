@@ -157,6 +157,7 @@ dmat4 transform_of(const std::vector<double>& rows) {
 void bind_levels(py::module_& module) {
   py::class_<Stand>(module, "Stand")
       .def("first_view", &StandMethods::first_view)
+      .def("first_of_turn", &StandMethods::first_of_turn)
       .def("view", &StandMethods::view)
       .def("inside", &StandMethods::inside)
       .def_property_readonly("up", [](const Stand& self) { return to_string(self.pose.upright.up); })

@@ -22,6 +22,8 @@ struct Levels {
 /// The methods that whoever has a stand gives to Python.
 struct StandMethods {
   static Camera first_view(const Stand& stand, int width, int height);
+  /// The same, as far back as a turn needs.
+  static Camera first_of_turn(const Stand& stand, int width, int height);
   static Camera view(const Stand& stand, const py::dict& wishes);
   /// From the place inside, in the same direction.
   static Camera inside(const Stand& stand, Camera camera);

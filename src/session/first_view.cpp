@@ -129,13 +129,42 @@ void make_orthographic(Camera& camera) {
   camera.height_world = 2 * std::tan(0.5 * camera.fov_y) * glm::length(camera.target - camera.position);
 }
 
-void fit(Camera& camera, const Subject& subject) {
-  if (!subject.room) return fit(camera, subject.points);
+namespace {
+
+/// The points that are drawn for who looks from there.
+std::vector<dvec3> drawn_for(const Camera& camera, const Subject& subject) {
+  if (!subject.room) return subject.points;
   const std::vector<glm::dvec4> walls = walls_before(*subject.room, camera);
   std::vector<dvec3> drawn;
   for (const dvec3& point : subject.points)
     if (!is_behind(walls, point)) drawn.push_back(point);
-  fit(camera, drawn.empty() ? subject.points : drawn);
+  return drawn.empty() ? subject.points : drawn;
+}
+
+}  // namespace
+
+void fit(Camera& camera, const Subject& subject) { fit(camera, drawn_for(camera, subject)); }
+
+void step_back(Camera& camera, const dvec3& up, const Subject& subject) {
+  constexpr int sides = 24;
+  constexpr double shown = 0.98;  // of the picture
+  const dvec3 way = camera.position - camera.target;
+  const double before = glm::length(way);
+  const double tan_y = shown * std::tan(0.5 * camera.fov_y), aspect = double(camera.width) / camera.height;
+  double distance = before, height = camera.height_world;
+  for (const Camera& side : orbit(camera, up, sides, 360)) {
+    const dmat4 to_eye = side.view();
+    for (const dvec3& world : drawn_for(side, subject)) {
+      const dvec3 p(to_eye * glm::dvec4(world, 1));
+      const double half = std::max(std::abs(p.y), std::abs(p.x) / aspect);
+      distance = std::max(distance, half / tan_y + p.z + before);
+      height = std::max(height, 2 * half / shown);
+    }
+  }
+  if (camera.orthographic())
+    camera.height_world = height;
+  else
+    camera.position = camera.target + distance / before * way;
 }
 
 std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees) {
@@ -250,7 +279,8 @@ Bounds without_strays(const PointCloud& cloud, const Bounds& inner, Bounds box) 
 }  // namespace
 
 Subject subject_of(const PointCloud& cloud) {
-  Bounds box = robust_bounds(cloud);
+  constexpr std::size_t each_counts = 100;  // of fewer, none is a stray
+  Bounds box = cloud.size() < each_counts ? bounds(cloud) : robust_bounds(cloud);
   const Bounds full = without_strays(cloud, box, bounds(cloud));
   const double room = box.diagonal() / 3;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);

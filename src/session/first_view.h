@@ -44,6 +44,9 @@ void fit(Camera& camera, const std::vector<dvec3>& points);
 /// Likewise the points of a subject that are drawn for who looks from this side.
 void fit(Camera& camera, const Subject& subject);
 
+/// Moves the camera back from its target until a turn about `up` shows all of the subject from every side.
+void step_back(Camera& camera, const dvec3& up, const Subject& subject);
+
 /// The sides that have a name.
 struct NamedView {
   const char* name;

@@ -479,6 +479,8 @@ TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
       "x 1.01..: points", "-t", "splats", "-o", "e.png", "--shadows", "hard", "--camera", "seen.json",
       "--quiet"});
   EXPECT_TRUE(std::ranges::equal(read_png("e.png"), read_png("c.png")));
+  // As other programs copy a matrix.
+  ok({"cube.ply", "cube.ply", "--transform", "2:\n1 0 0 1\n0 1 0 0\n0, 0, 1, 0\n0 0 0 1\n", "-o", "g.png"});
   EXPECT_THAT(run({"cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "-o", "f.png"}).err,
               HasSubstr("there are 1 files"));
   EXPECT_THAT(run({"cube.ply", "--transform", "1: 1,0,0,1,0,1,0,0,0,0,1,0,1,0,0,1", "-o", "f.png"}).err,

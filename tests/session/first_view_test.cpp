@@ -10,6 +10,7 @@
 
 #include "session/session.h"
 #include "session/standpoint.h"
+#include "session/view_wishes.h"
 #include "synth/synth.h"
 
 using namespace sfumato;
@@ -64,6 +65,56 @@ TEST(FirstView, MarginsAreEqualAndNothingIsCut) {
       EXPECT_NEAR(low.y, -high.y, 1e-3) << size.x;
       EXPECT_NEAR(std::max(high.x, high.y), 0.92, 0.01) << size.x << ": as large as the margin allows";
     }
+}
+
+TEST(FirstView, OfAHandfulOfPointsEachIsShown) {
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0.2f, 1, 0}, {0.5f, 0.5f, 3}, {9, 9, 9}};
+  EXPECT_EQ(pose_of(cloud).subject.points.size(), 5u);
+}
+
+// A facade, or a profile cut out of a forest: surveys have a vertical, meshes without one lie as they are
+// thin.
+TEST(FirstView, WhatIsFlatInASurveyStands) {
+  PointCloud facade = box_of({20, 0.5, 12});
+  scene::Scene mesh, survey;
+  mesh.cloud = facade;
+  survey.cloud = facade;
+  survey.cloud.las.emplace();
+  EXPECT_EQ(stand_upright(mesh).upright.up, UpAxis::pos_y);
+  EXPECT_EQ(stand_upright(survey).upright.up, UpAxis::pos_z);
+  // Ground lies in both.
+  mesh.cloud = box_of({20, 12, 0.5});
+  EXPECT_EQ(stand_upright(mesh).upright.up, UpAxis::pos_z);
+}
+
+TEST(FirstView, ATurnShowsAllFromEverySide) {
+  const Pose pose = pose_of(box_of({20, 4, 3}));
+  for (const bool parallel : {false, true}) {
+    // From where it looks short.
+    ViewWishes wishes;
+    wishes.azimuth = 90;
+    wishes.size = {320, 200};
+    Camera camera = view_of(pose, wishes);
+    if (parallel) make_orthographic(camera);
+    const auto outside = [&](const Camera& start) {
+      std::size_t most = 0;
+      for (const Camera& side : orbit(start, dvec3(0, 0, 1), 12, 360)) {
+        const dmat4 clip = side.projection_matrix() * side.view();
+        std::size_t count = 0;
+        for (const dvec3& p : pose.subject.points) {
+          const glm::dvec4 at = clip * glm::dvec4(p, 1);
+          count += std::max(std::abs(at.x), std::abs(at.y)) > at.w;
+        }
+        most = std::max(most, count);
+      }
+      return most;
+    };
+    EXPECT_GT(outside(camera), 1000u);
+    step_back(camera, dvec3(0, 0, 1), pose.subject);
+    EXPECT_EQ(outside(camera), 0u);
+  }
 }
 
 TEST(FirstView, WhatStandsIsSeenFromItsHeightAndWhatLiesFromAbove) {

@@ -26,6 +26,10 @@ struct CameraOptions {
   /// both.
   Camera resolve(const Pose& pose) const;
 
+  /// Whether it was said where the camera stands or how large things are, not only from which side.
+  bool stands_somewhere() const {
+    return file || position || focal_point || look_at || distance || zoom || preset || panorama;
+  }
   /// Whether anything but the picture's size was asked for.
   bool moves_camera() const;
 

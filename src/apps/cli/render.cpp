@@ -112,9 +112,15 @@ void check_names(const RenderOptions& options, const Choice& choice) {
   }
 }
 
-std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis up) {
+std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis axis,
+                               const Subject& subject) {
   if (options.path.empty()) return {first};
-  if (options.path == "orbit") return orbit(first, up_vector(up), options.frame_count, options.orbit_degrees);
+  if (options.path == "orbit") {
+    Camera start = first;
+    const dvec3 up = up_vector(axis);
+    if (!options.camera.stands_somewhere()) step_back(start, up, subject);
+    return orbit(start, up, options.frame_count, options.orbit_degrees);
+  }
   std::vector<Camera> keys = io::read_camera_path(options.path);
   for (Camera& key : keys) key = key.resized(first.width, first.height);
   return interpolate(keys, options.frame_count);
@@ -171,8 +177,9 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
   sight.pose = pose_of(sight.scene, options, report, console);
   sight.camera = first_camera(options, sight.pose, sight.scene.cloud);
-  sight.cameras = options.sequence || options.each ? std::vector{sight.camera}
-                                                   : cameras_of(options, sight.camera, sight.scene.cloud.up);
+  sight.cameras = options.sequence || options.each
+                      ? std::vector{sight.camera}
+                      : cameras_of(options, sight.camera, sight.scene.cloud.up, sight.pose.subject);
   if (!leveled) return sight;
   sight.scene = {};
   std::vector<Camera> first = sight.cameras;

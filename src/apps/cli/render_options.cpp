@@ -260,8 +260,17 @@ void RenderOptions::expand_files() {
     if (colon == std::string::npos) wrong("there is no colon after the file's number");
     const long n = parse_whole("--transform", text.substr(0, colon), 1);
     if (std::size_t(n) > files.size()) wrong("there are " + std::to_string(files.size()) + " files");
-    const std::vector<double> numbers = parse_numbers(
-        "--transform", text.substr(std::min(text.size(), text.find_first_not_of(' ', colon + 1))), 16);
+    // Commas, blanks and lines alike: matrices are copied from other programs.
+    std::string commas;
+    for (const char c : text.substr(colon + 1)) {
+      const bool parts = c == ',' || std::isspace(static_cast<unsigned char>(c));
+      if (!parts)
+        commas += c;
+      else if (!commas.empty() && commas.back() != ',')
+        commas += ',';
+    }
+    if (commas.ends_with(',')) commas.pop_back();
+    const std::vector<double> numbers = parse_numbers("--transform", commas, 16);
     const auto matrix = transform_of_rows(numbers);
     if (!matrix) wrong("the last row of a transform is 0 0 0 1, and it flattens nothing");
     if (scene_files.size() < files.size()) scene_files.resize(files.size());

@@ -360,8 +360,8 @@ class Renderer:
         return Camera._of(self._stand.view(wishes))
 
     def orbit(self, frames=120, degrees=360.0, start=None, size=None):
-        """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view."""
-        camera = self._camera(start, size) or self._stand.first_view(*_size(size or (1280, 720)))
+        """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view, from as far away as the other sides need."""
+        camera = self._camera(start, size) or self._stand.first_of_turn(*_size(size or (1280, 720)))
         return orbit(camera, frames, degrees, self._stand.up_vector)
 
     def frames(self, cameras, technique=None, outputs=("rgba",), progress=None, **parameters):
