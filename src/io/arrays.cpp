@@ -16,7 +16,7 @@
 namespace sfumato::io {
 namespace {
 
-constexpr std::uint64_t most_numbers = 512;  ///< of a record
+constexpr std::uint64_t most_numbers_a_record = 512;  ///< of a record
 
 struct Array {
   std::vector<Column> columns;
@@ -131,9 +131,9 @@ class NpyHeader {
       const StoredType type = element(parts[i + 2]);
       std::uint64_t width = 1;
       for (const std::uint64_t size : sizes_in(parts[i + 3]))
-        width = std::min(size, most_numbers + 1) * std::min(width, most_numbers + 1);
-      if (array_.columns.size() + width > most_numbers)
-        fail("found records of more than " + std::to_string(most_numbers) +
+        width = std::min(size, most_numbers_a_record + 1) * std::min(width, most_numbers_a_record + 1);
+      if (array_.columns.size() + width > most_numbers_a_record)
+        fail("found records of more than " + std::to_string(most_numbers_a_record) +
              " numbers, which are not read; save fewer");
       for (const std::string& name : columns_named(std::string(parts[i]), std::size_t(width))) {
         array_.columns.push_back({name, type, type, std::size_t(array_.record), 0});
