@@ -58,7 +58,7 @@ struct Pictures {
 };
 
 /// Owns an OpenGL context: use each instance on the thread that made it. Several instances, on one thread or
-/// on several, do not know of each other.
+/// on several, do not know of each other; another context that is current on the thread (EGL) stays so.
 class HeadlessRenderer {
  public:
   /// Throws Error(no_gl) that says what lacks when there is no OpenGL 4.5.
