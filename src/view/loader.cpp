@@ -232,15 +232,14 @@ void Loader::Work::give_more(const LoadJob& job) {
 Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch) {
   const std::string key = key_of(job) + stamp_of(job.files);
   const bool is_new = job.anew || !nodes_ || nodes_key_ != key;
-  if (is_new) {
-    nodes_ = std::make_shared<io::ChunkCache>(job.memory / scene::share_of_kept_nodes);
-    nodes_key_ = key;
-  }
+  if (is_new) nodes_ = std::make_shared<io::ChunkCache>(job.memory / scene::share_of_kept_nodes);
   files.keep_nodes(nodes_);
   if (is_new) {
+    nodes_key_.clear();  // until the classes are known: this may be called off
     // What is selected is not all that there is to select from.
     classes_ = classes_of(files.unselected().overview(watch).cloud);
     for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
+    nodes_key_ = key;
   }
   Loaded known;
   known.id = job.id;

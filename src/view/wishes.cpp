@@ -4,6 +4,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/numbers.h"
 #include "view/controls.h"
 
 namespace sfumato::view {
@@ -19,16 +20,17 @@ std::string text_of(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
 std::vector<double> two_numbers(const std::string& text) {
   const std::size_t comma = text.find(',');
-  try {
-    if (comma != std::string::npos) {
-      std::size_t end = 0;
-      const double a = std::stod(text.substr(0, comma)), b = std::stod(text.substr(comma + 1), &end);
-      if (end == text.size() - comma - 1 && a != b) return {a, b};
-    }
-  } catch (const std::exception&) {
-    // No number at all: the same complaint.
+  if (comma != std::string::npos) {
+    const auto a = parse_real(trimmed(std::string_view(text).substr(0, comma))),
+               b = parse_real(trimmed(std::string_view(text).substr(comma + 1)));
+    if (a && b && *a != *b) return {*a, *b};
   }
   throw Error(ErrorCode::usage, "--color-range: '" + text + "' is not two different numbers A,B");
 }
@@ -36,11 +38,6 @@ std::vector<double> two_numbers(const std::string& text) {
 vec3 color_of(const std::string& text) {
   if (const auto color = parse_color(text)) return *color;
   throw Error(ErrorCode::usage, "'" + text + "' is no colour");
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(' ');
-  return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
 std::string rows_text(const dmat4& matrix) {
@@ -141,10 +138,9 @@ ColorSettings Wishes::color() const {
     settings.range = {range[0], range[1]};
   }
   if (!exposure.empty()) {
-    const std::vector<float> number = numbers_of(exposure);
-    if (number.size() != 1 || !(number[0] >= 0.1f && number[0] <= 100))
+    settings.exposure = parse_real(trimmed(exposure));
+    if (!settings.exposure || !(*settings.exposure >= 0.1 && *settings.exposure <= 100))
       throw Error(ErrorCode::usage, "--exposure: '" + exposure + "' is no number in [0.1, 100]");
-    settings.exposure = std::stod(exposure);
   }
   if (!point_color.empty()) settings.solid = to_rgba8(color_of(point_color));
   return settings;
