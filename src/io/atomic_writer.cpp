@@ -111,6 +111,9 @@ void AtomicWriter::open_beside() {
   // A name that is too long must not show only when everything has been written.
   if (!exists_ && errno != ENOENT) fail("cannot create it");
   const std::filesystem::path folder = folder_of(target_);
+  if (std::error_code error; !std::filesystem::is_directory(folder, error))
+    throw Error(ErrorCode::io, path_.string() + ": there is no folder " + folder.string() +
+                                   "; make it, or name a file elsewhere");
   sweep(folder);
   handle_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (handle_ >= 0 && ::access(name_of_handle(handle_).c_str(), F_OK) != 0)

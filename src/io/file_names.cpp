@@ -32,10 +32,15 @@ void FileNames::input(const std::string& role, const std::filesystem::path& file
 void FileNames::output(const std::string& role, const std::filesystem::path& file) {
   if (!is_standard_output(file)) refuse_special_file(follow_links(file));
   const auto [use, is_new] = uses_.emplace(identity(file), Use{role, true});
-  if (is_new) return;
-  throw Error(ErrorCode::usage, role + " " + file.string() + ": " +
-                                    (use->second.is_output ? "is also written by " : "would replace ") +
-                                    use->second.role + "; name another file");
+  if (!is_new)
+    throw Error(ErrorCode::usage, role + " " + file.string() + ": " +
+                                      (use->second.is_output ? "is also written by " : "would replace ") +
+                                      use->second.role + "; name another file");
+  // Permissions do not tell what a file system refuses: a writer that is not committed leaves nothing.
+  const std::filesystem::path target = is_standard_output(file) ? file : follow_links(file);
+  std::error_code error;
+  if (folders_.insert(target.parent_path()).second || std::filesystem::exists(target, error))
+    const AtomicWriter writer(file);
 }
 
 }  // namespace sfumato::io

@@ -158,4 +158,37 @@ TEST_F(CommandTest, VideosAreMadeByFfmpegOrRefusedBeforeAnythingIsRead) {
   EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "orbit.mp4"}));
 }
 
+/// Of a file that cannot be read: code 2 would say that it was tried.
+TEST_F(CommandTest, WhatCannotBeWrittenIsRefusedBeforeAnythingIsRead) {
+  write("words.xyz", "no numbers here\n");
+  write("ffmpeg", "#!/bin/sh\nexec cat\n");
+  std::filesystem::permissions(path("ffmpeg"), std::filesystem::perms::owner_all);
+  const std::string before = std::getenv("PATH") ? std::getenv("PATH") : "";
+  setenv("PATH", (path("").string() + ":" + before).c_str(), 1);
+  const std::vector<std::vector<std::string>> missing = {
+      {"words.xyz", "-o", "no/a.png"},
+      {"words.xyz", "-o", "a.png", "--output-depth", "no/a.npy"},
+      {"words.xyz", "-o", "a.png", "--output-camera", "no/a.json"},
+      {"words.xyz", "-o", "a.png", "--save-preset", "no/a.json"},
+      {"words.xyz", "-t", "points,splats", "--output-panels", "no/{technique}.png"},
+      {"words.xyz", "--path", "orbit", "-o", "no/a.mp4"},
+      {"words.xyz", "--path", "orbit", "-o", "no/{n:04}.png"},
+      {"words.xyz", "words.xyz", "--each", "-o", "no/{n}.png"},
+      {"convert", "words.xyz", "-o", "no/a.ply"},
+      {"build", "words.xyz", "-o", "no/a.copc.laz"},
+      {"synth", "spheres", "-o", "no/a.ply"}};
+  for (const std::vector<std::string>& words : missing) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 6) << words.back() << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("there is no folder no; make it")) << words.back();
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  // A folder that nobody writes to, whoever asks.
+  const Outcome outcome = run({"words.xyz", "-o", "/proc/a.png"});
+  EXPECT_EQ(outcome.code, 6) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("check the folder, permissions"));
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(files(), (std::vector<std::string>{"ffmpeg", "words.xyz"}));
+}
+
 }  // namespace

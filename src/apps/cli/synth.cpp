@@ -20,13 +20,20 @@ void write_truth(const synth::Scene& scene, const std::string& folder, const Cam
                  Console& console) {
   const synth::Truth truth = synth::truth(scene, camera, console);
   const std::filesystem::path out(folder);
-  std::filesystem::create_directories(out);
   io::write_npy(out / "depth.npy", truth.depth);
   io::write_npy(out / "normal.npy", truth.normal);
   io::write_npy(out / "color.npy", truth.color);
   io::write_npy(out / "class.npy", truth.class_id);
   io::write_camera(out / "camera.json", camera);
   console.say("wrote " + folder + ": depth.npy normal.npy color.npy class.npy camera.json");
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw Error(ErrorCode::io, "--truth " + folder + ": cannot make the folder (" + error.message() +
+                                   "); name one that can be written to");
 }
 
 std::string scene_list() {
@@ -67,6 +74,7 @@ int synth_command(const Words& words) {
   io::FileNames names;
   if (input) names.input("--input", *input);
   if (camera_file) names.input("--camera", *camera_file);
+  if (truth_folder) make_folder(*truth_folder);
   if (!output.empty()) names.output("-o", output);
   if (truth_folder)
     for (const char* name : {"depth.npy", "normal.npy", "color.npy", "class.npy", "camera.json"})
