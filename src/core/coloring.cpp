@@ -1,6 +1,7 @@
 #include "core/coloring.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -239,6 +240,35 @@ void expose(std::vector<Rgba8>& colors, double exposure) {
 
 }  // namespace
 
+namespace {
+
+/// What other programs call what colours come from.
+std::string nearest_source(std::string_view wanted, const std::vector<std::string>& names) {
+  static const std::map<std::string, std::string, std::less<>> synonyms = {{"height", "elevation"},
+                                                                           {"altitude", "elevation"},
+                                                                           {"z", "elevation"},
+                                                                           {"color", "rgb"},
+                                                                           {"colour", "rgb"},
+                                                                           {"colors", "rgb"},
+                                                                           {"colours", "rgb"},
+                                                                           {"rgba", "rgb"},
+                                                                           {"class", "classification"},
+                                                                           {"classes", "classification"},
+                                                                           {"label", "classification"},
+                                                                           {"reflectance", "intensity"},
+                                                                           {"amplitude", "intensity"},
+                                                                           {"normals", "normal"},
+                                                                           {"none", "clay"}};
+  std::string plain;
+  for (const char c : wanted) plain += char(std::tolower(static_cast<unsigned char>(c)));
+  const auto found = synonyms.find(plain);
+  if (found != synonyms.end() && std::find(names.begin(), names.end(), found->second) != names.end())
+    return found->second;
+  return nearest_word(wanted, names);
+}
+
+}  // namespace
+
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
   if (color_by == "auto") {
     if (has_colors(cloud)) return "rgb";
@@ -253,7 +283,7 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
   std::vector<std::string> names = {"auto", "elevation", "normal", "clay"};
   if (has_colors(cloud)) names.push_back("rgb");
   for (const ScalarField& field : cloud.scalars) names.push_back(field.name);
-  const std::string near = nearest_word(color_by, names);
+  const std::string near = nearest_source(color_by, names);
   std::string all;
   for (const std::string& name : names) all += " " + name;
   throw Error(ErrorCode::usage, "the cloud has no '" + std::string(color_by) + "' to colour by" +

@@ -1,6 +1,7 @@
 #include "core/param.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -305,6 +306,11 @@ std::optional<double> parse_count(std::string_view text) {
 }
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+  // RGB is rgb, and Point-Size point_size.
+  const auto same = [](char a, char b) {
+    const auto plain = [](char c) { return c == '-' ? '_' : std::tolower(static_cast<unsigned char>(c)); };
+    return plain(a) == plain(b);
+  };
   std::string best;
   // A third of the letters may differ: two letters of a word of three make another word.
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
@@ -314,7 +320,7 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
     for (std::size_t i = 1; i <= word.size(); ++i) {
       std::size_t diagonal = std::exchange(row[0], i);
       for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t replace = diagonal + (word[i - 1] != candidate[j - 1]);
+        const std::size_t replace = diagonal + !same(word[i - 1], candidate[j - 1]);
         diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replace}));
       }
     }

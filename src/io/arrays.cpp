@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "io/columns.h"
+#include "core/counted.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/npy_array.h"
@@ -70,7 +71,7 @@ class NpyHeader {
     read_types();
     const std::uint64_t held = (file_.size() - array_.begin) / std::max<std::uint64_t>(1, array_.record);
     if (array_.rows > held)
-      fail("the file ends after " + std::to_string(held) + " rows, expected " + std::to_string(array_.rows) +
+      fail("the file ends after " + counted(held, "row") + ", expected " + std::to_string(array_.rows) +
            "; it is cut short, fetch it again");
     return array_;
   }
@@ -165,7 +166,7 @@ class NpyHeader {
                                           std::to_string(options_.columns.size()));
       return options_.columns;
     }
-    if (width < 3) fail("found " + std::to_string(width) + " columns, expected x y z and more");
+    if (width < 3) fail("found " + counted(width, "column") + ", expected x y z and more");
     // The same guess as for text, from the first rows.
     std::vector<std::vector<double>> rows;
     if (!array_.by_column && !array_.big_endian &&

@@ -21,7 +21,7 @@ class FileNames {
     std::string role;
     bool is_output = false;
   };
-  std::map<std::string, Use> uses_;  ///< by what tells files apart, whatever they are called
+  std::map<std::string, Use> uses_;          ///< by what tells files apart, whatever they are called
   std::set<std::filesystem::path> folders_;  ///< that can be written to
 };
 

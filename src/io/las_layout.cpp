@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "core/counted.h"
+
 namespace sfumato::io::las {
 namespace {
 
@@ -265,7 +267,8 @@ WriteLayout choose_layout(const PointCloud& cloud) {
       if (!is_float(field->type)) {
         source.missing = field->name == "return_number" || field->name == "number_of_returns";
         if (ranges[i].missing > 0)
-          layout.notes.push_back(std::to_string(ranges[i].missing) + " points have no " + field->name +
+          layout.notes.push_back(counted(ranges[i].missing, "point") +
+                                 (ranges[i].missing == 1 ? " has no " : " have no ") + field->name +
                                  ": it is written as " + text_of(source.missing));
       }
     } else {

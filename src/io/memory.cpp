@@ -4,6 +4,7 @@
 #include <functional>
 #include <utility>
 
+#include "core/counted.h"
 #include "io/columns.h"
 #include "io/parallel.h"
 
@@ -42,8 +43,9 @@ MemoryResult read_memory(std::span<const MemoryColumn> given, std::size_t rows, 
   PointCloud& cloud = result.cloud;
   if (result.report.points_dropped > 0) {
     result.kept = std::move(cloud.grid_index);
-    result.report.notes.push_back(std::to_string(result.report.points_dropped) + " of " +
-                                  std::to_string(rows) + " points are not finite and left out");
+    result.report.notes.push_back(
+        std::to_string(result.report.points_dropped) + " of " + counted(rows, "point") + " " +
+        (result.report.points_dropped == 1 ? "is" : "are") + " not finite and left out");
   }
   std::vector<std::uint32_t>().swap(
       cloud.grid_index);  // "= {}" would keep its memory as long as the cloud lives

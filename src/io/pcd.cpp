@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "io/columns.h"
+#include "core/counted.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/parallel.h"
@@ -215,8 +216,8 @@ void need_positions(const File& file, std::vector<Column>& columns) {
 
 [[noreturn]] void too_short(const File& file, const PcdHeader& header, std::uint64_t held) {
   bad_input(file.path(), "byte " + std::to_string(file.size()),
-            "the file ends after " + std::to_string(held) + " points, expected " +
-                std::to_string(header.points) + "; it is cut short, fetch it again");
+            "the file ends after " + counted(held, "point") + ", expected " + std::to_string(header.points) +
+                "; it is cut short, fetch it again");
 }
 
 void decode_in_parallel(CloudBuilder& builder, std::size_t count, Progress& progress, ReadResult& result,

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "io/columns.h"
+#include "core/counted.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/parallel.h"
@@ -34,7 +35,9 @@ std::vector<Column> vertex_columns(const File& file, const PlyElement& vertex) {
   return columns;
 }
 
-std::string count_of(const PlyElement& vertex) { return std::to_string(vertex.count) + " vertices"; }
+std::string count_of(const PlyElement& vertex) {
+  return std::to_string(vertex.count) + (vertex.count == 1 ? " vertex" : " vertices");
+}
 
 /// Points of fixed-size records: each thread reads its share of the file in big blocks.
 void read_records(const File& file, const PlyHeader& header, std::uint64_t begin, bool keep_places,
@@ -45,7 +48,7 @@ void read_records(const File& file, const PlyHeader& header, std::uint64_t begin
   const std::uint64_t room = file.size() - std::min(begin, file.size());
   if (vertex.count > room / size)
     bad_input(file.path(), "byte " + std::to_string(file.size()),
-              "the file ends after " + std::to_string(room / size) + " points, expected " + count_of(vertex) +
+              "the file ends after " + counted(room / size, "point") + ", expected " + count_of(vertex) +
                   " of " + std::to_string(size) + " bytes; it is cut short, fetch it again");
   const std::size_t count = std::size_t(vertex.count);
   CloudBuilder builder(std::move(columns), count, header.big_endian, keep_places);
@@ -80,7 +83,7 @@ void read_walked(const File& file, const PlyHeader& header, std::uint64_t begin,
   const std::uint64_t room = file.size() - std::min(begin, file.size());
   if (vertex.count > room / least)
     bad_input(file.path(), "byte " + std::to_string(file.size()),
-              "the file has room for at most " + std::to_string(room / least) + " points, expected " +
+              "the file has room for at most " + counted(room / least, "point") + ", expected " +
                   count_of(vertex) + "; it is cut short, fetch it again");
   const std::size_t width = columns.size();
   for (std::size_t k = 0; k < width; ++k) {
@@ -144,7 +147,7 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
   const std::uint64_t left = text.rows - std::min(text.rows, before);
   if (vertex.count > left)
     bad_input(file.path(), "line " + std::to_string(text.lines),
-              "the file ends after " + std::to_string(left) + " points, expected " + count_of(vertex) +
+              "the file ends after " + counted(left, "point") + ", expected " + count_of(vertex) +
                   "; it is cut short, fetch it again");
   read_rows(file, text, before, before + vertex.count, grammar, std::move(columns), keep_places, progress,
             result);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "io/columns.h"
+#include "core/counted.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/text_dialect.h"
@@ -248,8 +249,9 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
     for (std::vector<double>& row : rows) row.erase(row.begin());
   std::vector<std::string> names = guess_columns(rows, dialect.label ? width - 1 : width);
   if (dialect.label) names.insert(names.begin(), "_");
-  notes.push_back("columns guessed from the first " + std::to_string(beginning.rows.size()) +
-                  " lines: " + join(names) + " (--columns names them otherwise)");
+  notes.push_back("columns guessed from the first " +
+                  (beginning.rows.size() == 1 ? "line" : counted(beginning.rows.size(), "line")) + ": " +
+                  join(names) + " (--columns names them otherwise)");
   return names;
 }
 

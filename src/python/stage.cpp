@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "labels/legend.h"
 #include "passes/shadows.h"
@@ -109,8 +110,7 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
     notes_.push_back("technique: " + chosen.name + " (" + chosen.reason +
                      "); technique=\"NAME\" chooses another");
   if (session_->left_out() > 0)
-    notes_.push_back(std::to_string(session_->left_out()) +
-                     " points share their places with others and are left out");
+    notes_.push_back(are(session_->left_out(), "point") + " left out: others share their place");
   points_ = 0;
   for (std::size_t part = 0; part < session_->parts().size(); ++part) points_ += session_->cloud(part).size();
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/survey.h"
+#include "core/counted.h"
 
 namespace sfumato {
 namespace {
@@ -50,7 +51,7 @@ std::string percent(float share) { return std::to_string(int(std::lround(100 * s
 TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree,
                                  bool by_levels) {
   const std::size_t points = places_of(prepared.cloud.positions);
-  if (points < few) return {"points", "only " + std::to_string(points) + " points"};
+  if (points < few) return {"points", "only " + counted(points, "point")};
   const analysis::Survey survey = analysis::survey(tree);
   const auto choice = [&](const char* technique, std::string reason) {
     return TechniqueChoice{technique, std::move(reason), survey.surface_share, survey.line_share};

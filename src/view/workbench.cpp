@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/counted.h"
 #include "core/error.h"
 
 namespace sfumato::view {
@@ -394,9 +395,9 @@ void Workbench::take_loaded(Loaded loaded) {
   }
   had_whole_ = had_whole_ || !loaded.is_sample;
   if (on_message)
-    on_message({loaded.is_sample ? "a sample of " + std::to_string(loaded.points_shown) +
-                                       " points, while the files are read"
-                                 : std::to_string(loaded.points_shown) + " points are read",
+    on_message({loaded.is_sample
+                    ? "a sample of " + counted(loaded.points_shown, "point") + ", while the files are read"
+                    : are(loaded.points_shown, "point") + " read",
                 false});
   send_scene(loaded, is_another_view);
   scene_ = std::move(loaded);
@@ -469,7 +470,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
   } else if (auto* profile = std::get_if<Profile>(&answer)) {
     if (profile->id != profile_id_) return;
     if (profile->points.empty()) return say("no point within the corridor: make it wider", true);
-    say("profile of " + std::to_string(profile->points.size()) + " points");
+    say("profile of " + counted(profile->points.size(), "point"));
     profile_ = std::make_shared<const Profile>(std::move(*profile));
   } else if (auto* off = std::get_if<CalledOff>(&answer)) {
     if (off->id == in_flight_ && in_flight_) {

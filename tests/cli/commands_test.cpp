@@ -200,4 +200,14 @@ TEST_F(CommandTest, SynthWritesTheTruth) {
   EXPECT_EQ(read_npy("truth/class.npy").type, "|u1");
 }
 
+TEST_F(CommandTest, OneIsNotSpokenOfAsMany) {
+  write("one.xyz", "1 2 3\n");
+  const Outcome converted = run({"convert", "one.xyz", "-o", "one.ply"});
+  EXPECT_THAT(converted.err, HasSubstr("from the first line: x,y,z"));
+  EXPECT_THAT(converted.err, HasSubstr("wrote one.ply (1 point)"));
+  const Outcome drawn = run({"one.ply", "-o", "one.png", "--resolution", "64x48"});
+  EXPECT_THAT(drawn.err, HasSubstr("points (only 1 point)"));
+  EXPECT_THAT(drawn.err, HasSubstr("wrote one.png (1 point, coloured by clay)"));
+}
+
 }  // namespace

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "common_options.h"
 #include "console.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "io/atomic_writer.h"
 #include "io/file_names.h"
@@ -85,10 +86,10 @@ int build_command(const Words& words) {
   const copc::BuildReport report = copc::build({inputs.begin(), inputs.end()}, output, options, console);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   for (const std::string& note : report.notes) console.say("sfumato: " + note);
-  const std::string of =
-      report.points == report.points_read ? "" : " of " + std::to_string(report.points_read);
-  console.say(fmt::format("wrote {} ({}{} points, {} nodes in {} levels, {:.3g} MB)", output, report.points,
-                          of, report.nodes, report.levels, double(report.bytes) / 1e6));
+  console.say(fmt::format("wrote {} ({}, {} in {}, {:.3g} MB)", output,
+                          counted_of(report.points, report.points_read, "point"),
+                          counted(report.nodes, "node"), counted(std::uint64_t(report.levels), "level"),
+                          double(report.bytes) / 1e6));
   console.tell(fmt::format("spacing {:.6g} at the root; {:.1f} s, {:.2f} million points a second",
                            report.spacing, seconds, double(report.points_read) / 1e6 / seconds));
   return 0;

@@ -52,7 +52,7 @@ void CameraOptions::declare(CommandLine& line) {
 
 std::optional<dvec3> CameraOptions::vector(const char* option, const std::optional<std::string>& text) const {
   if (!text) return std::nullopt;
-  const std::vector<double> v = parse_numbers(option, *text, 3);
+  const std::vector<double> v = parse_numbers(option, *text, 3, "X,Y,Z");
   for (double number : v)
     if (std::abs(number) > 1e15)
       throw Error(ErrorCode::usage,

@@ -305,19 +305,22 @@ long parse_whole(const std::string& option, std::string_view text, long least) {
   return long(*value);
 }
 
-std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count) {
+std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count,
+                                  const std::string& form) {
   std::vector<double> values;
   for (const std::string& word : split(text, ',')) values.push_back(parse_number(option, word));
   if (values.size() != count)
-    throw Error(ErrorCode::usage,
-                option + ": '" + std::string(text) + "' is not " + std::to_string(count) +
-                    " numbers separated by commas" +
-                    (values.size() == 2 * count ? "; write decimals with a point: 1.5" : ""));
+    throw Error(ErrorCode::usage, option + ": '" + std::string(text) + "' is not " + std::to_string(count) +
+                                      " numbers separated by commas" +
+                                      (values.size() == 2 * count ? "; write decimals with a point: 1.5"
+                                       : form.empty()             ? ""
+                                                                  : "; write " + form));
   return values;
 }
 
 Bounds parse_box(const std::string& option, const std::string& text) {
-  const std::vector<double> v = parse_numbers(option, text, 6);
+  const std::vector<double> v = parse_numbers(
+      option, text, 6, "X0,Y0,Z0,X1,Y1,Z1: the corner of the smallest numbers, then that of the largest");
   const Bounds box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   for (int k = 0; k < 3; ++k)
     if (box.min[k] > box.max[k])

@@ -86,7 +86,8 @@ class CommandLine {
 double parse_number(const std::string& option, std::string_view text);
 /// Also as 1e6, 250k or 2M.
 long parse_whole(const std::string& option, std::string_view text, long least);
-std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count);
+std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count,
+                                  const std::string& form = "");
 /// "X0,Y0,Z0,X1,Y1,Z1", the smaller numbers first.
 Bounds parse_box(const std::string& option, const std::string& text);
 /// "1280x720" or "1280,720".

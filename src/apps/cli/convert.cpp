@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "common_options.h"
 #include "console.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "input_options.h"
 #include "io/file_names.h"
@@ -125,9 +126,7 @@ int convert_command(const Words& words) {
   if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
     console.say("sfumato: " + output + ": files of this format are taken as +Z up, this cloud is " +
                 to_string(scene.cloud.up) + " up: render it with --up " + to_string(scene.cloud.up));
-  const std::string of =
-      scene.cloud.size() == scene.points_read ? "" : " of " + std::to_string(scene.points_read);
-  console.say("wrote " + output + " (" + std::to_string(scene.cloud.size()) + of + " points)");
+  console.say("wrote " + output + " (" + counted_of(scene.cloud.size(), scene.points_read, "point") + ")");
   return scene.damage.empty() ? 0 : int(ErrorCode::partial);
 }
 

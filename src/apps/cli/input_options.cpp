@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/counted.h"
 #include "core/error.h"
 
 namespace sfumato::cli {
@@ -71,8 +72,9 @@ std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions&
 }
 
 std::string missing_points(std::uint64_t missing, std::uint64_t points) {
-  return std::to_string(missing) + " of " + std::to_string(points) +
-         " points are missing: they lie in damaged parts (--strict refuses such files)";
+  return std::to_string(missing) + " of " + counted(points, "point") +
+         (missing == 1 ? " is missing: it lies" : " are missing: they lie") +
+         " in damaged parts (--strict refuses such files)";
 }
 
 }  // namespace sfumato::cli

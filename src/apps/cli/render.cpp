@@ -9,6 +9,7 @@
 #include "batch.h"
 #include "commands.h"
 #include "console.h"
+#include "core/counted.h"
 #include "core/version.h"
 #include "help.h"
 #include "io/camera_json.h"
@@ -34,7 +35,8 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
   if (const std::string note = unused_columns(scene, options.input.scene); !note.empty())
     console.say("sfumato: " + note);
   for (const io::ReadReport& file : scene.files)
-    console.tell(fmt::format("read {}: {}, {} points", file.file.string(), file.format, file.points));
+    console.tell(
+        fmt::format("read {}: {}, {}", file.file.string(), file.format, counted(file.points, "point")));
   report.points_read += scene.points_read;
   report.points_hidden += scene.selected.hidden;
   report.points_left_out +=
@@ -228,8 +230,8 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
     for (const std::string& note : report.techniques[i].notes)
       console.say(report.draw.empty() ? choice.techniques[i]->name + ": " + note : note);
   if (report.points_hidden > 0)
-    console.say(fmt::format("{} points are withheld or of a hidden class (--hide-classes {})",
-                            report.points_hidden, options.input.hide_classes()));
+    console.say(fmt::format("{} withheld or of a hidden class (--hide-classes {})",
+                            are(report.points_hidden, "point"), options.input.hide_classes()));
   console.tell(resolved_text(choice));
   if (options.timings) console.say(timings_text(report, choice));
   if (report.blank_pictures > 0) {
@@ -246,11 +248,12 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
   if (report.outputs.empty()) return;
   const std::string& first = report.outputs.front();
   if (is_video(first))
-    return console.say(fmt::format("wrote {} ({} frames of 1/25 s)", first, report.frames));
+    return console.say(
+        fmt::format("wrote {} ({} of 1/25 s)", first, counted(std::uint64_t(report.frames), "frame")));
   console.say(report.frames > 1
                   ? fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames)
-                  : fmt::format("wrote {} ({} points, coloured by {})", first, report.points_rendered,
-                                report.color_by));
+                  : fmt::format("wrote {} ({}, coloured by {})", first,
+                                counted(report.points_rendered, "point"), report.color_by));
 }
 
 /// Several files, one picture each: what is wrong with one file is told, and the others are made.

@@ -8,6 +8,7 @@
 
 #include "core/color.h"
 #include "core/colormap.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "io/atomic_writer.h"
 #include "session/preset.h"
@@ -237,7 +238,7 @@ void RenderOptions::check(std::size_t technique_count) {
       if (given) refuse(std::string(option) + " does not go with --color, which paints every point alike");
   }
   if (!color_range.empty()) {
-    const std::vector<double> v = parse_numbers("--color-range", color_range, 2);
+    const std::vector<double> v = parse_numbers("--color-range", color_range, 2, "A,B");
     if (v[0] == v[1]) refuse("--color-range: '" + color_range + "' is empty");
     color.range = {v[0], v[1]};
   }
@@ -259,7 +260,8 @@ void RenderOptions::expand_files() {
     };
     if (colon == std::string::npos) wrong("there is no colon after the file's number");
     const long n = parse_whole("--transform", text.substr(0, colon), 1);
-    if (std::size_t(n) > files.size()) wrong("there are " + std::to_string(files.size()) + " files");
+    if (std::size_t(n) > files.size())
+      wrong(files.size() == 1 ? "there is 1 file" : "there are " + counted(files.size(), "file"));
     // Commas, blanks and lines alike: matrices are copied from other programs.
     std::string commas;
     for (const char c : text.substr(colon + 1)) {

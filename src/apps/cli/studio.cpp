@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "analysis/coincident.h"
+#include "core/counted.h"
 #include "core/version.h"
 #include "io/camera_json.h"
 #include "io/image_exr.h"
@@ -68,8 +69,8 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
   for (const std::string& note : session_.notes()) console_.say("sfumato: " + note);
   if (session_.left_out() > 0)
-    console_.say(fmt::format("{} points share their places with {} others and are left out",
-                             session_.left_out(), analysis::most_in_one_place));
+    console_.say(fmt::format("{} left out: {} others share their place", are(session_.left_out(), "point"),
+                             analysis::most_in_one_place));
   const Coloring& coloring = session_.coloring();
   report_.color_by = coloring.source;
   report_.exposure = coloring.exposure;

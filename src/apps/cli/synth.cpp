@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "core/counted.h"
 #include "core/param.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"
@@ -87,7 +88,7 @@ int synth_command(const Words& words) {
   if (!output.empty()) {
     const PointCloud cloud = synth::sample(scene, options, console);
     io::write(output, cloud, console);
-    console.say("wrote " + output + " (" + std::to_string(cloud.size()) + " points)");
+    console.say("wrote " + output + " (" + counted(cloud.size(), "point") + ")");
   }
   if (truth_folder) write_truth(scene, *truth_folder, *camera, console);
   return 0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/counted.h"
 #include "panel_tools.h"
 
 namespace sfumato::viewer {
@@ -96,8 +97,7 @@ void Interface::draw_status(float y, float width, float height) {
   ImGui::PopStyleVar();
   std::string text;
   if (const view::Loaded* scene = bench_.scene()) {
-    text = fmt::format("{} points", scene->points_shown);
-    if (scene->points_read > scene->points_shown) text += fmt::format(" of {}", scene->points_read);
+    text = counted_of(scene->points_shown, std::max(scene->points_read, scene->points_shown), "point");
   }
   if (const view::Picture* shown = picture()) {
     const view::Quality quality = bench_.shown_quality();

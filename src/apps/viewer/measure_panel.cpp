@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/counted.h"
 #include "interface.h"
 #include "io/image_png.h"
 #include "labels/plot.h"
@@ -19,7 +20,8 @@ Image<Rgba8> picture_of(const view::Profile& profile, const std::string& unit, i
   for (const view::ProfilePoint& each : profile.points)
     points.push_back({each.along, each.height, each.color});
   labels::PlotLook look;
-  look.title = fmt::format("{} points within {:.4g} {}", profile.points.size(), profile.width, unit);
+  look.title =
+      fmt::format("{} within {:.4g} {}", counted(profile.points.size(), "point"), profile.width, unit);
   look.x_label = fmt::format("distance ({})", unit);
   look.high_x = profile.length;
   return labels::draw_plot(points, look, width, height);

@@ -67,6 +67,8 @@ TEST(Param, RefusesAndKeepsTheOldValue) {
   EXPECT_EQ(nearest_word("point_siz", {"point_size", "size_mode"}), "point_size");
   EXPECT_EQ(nearest_word("gpu", {"up"}), "") << "two of three letters differ";
   EXPECT_EQ(nearest_word("on", {"off", "hard"}), "");
+  EXPECT_EQ(nearest_word("RGB", {"auto", "rgb"}), "rgb") << "case makes no other word";
+  EXPECT_EQ(nearest_word("Point-Size", {"point_size", "size_mode"}), "point_size");
   EXPECT_EQ(nearest_word("zebra", {"point_size", "size_mode"}), "");
 }
 

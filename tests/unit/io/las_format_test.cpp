@@ -344,8 +344,8 @@ TEST(LasWriter, PointsWithoutAStandardDimensionLeaveItInItsPlace) {
   cloud.set_scalar({"ring", 0, {5, nan}, StoredType::uint8});
   const auto path = test::temporary("mixed.las");
   const io::WriteReport report = io::write(path, cloud);
-  EXPECT_THAT(report.notes, testing::Contains("1 points have no classification: it is written as 0"));
-  EXPECT_THAT(report.notes, testing::Contains("1 points have no return_number: it is written as 1"));
+  EXPECT_THAT(report.notes, testing::Contains("1 point has no classification: it is written as 0"));
+  EXPECT_THAT(report.notes, testing::Contains("1 point has no return_number: it is written as 1"));
   const Bytes bytes = test::load(path);
   EXPECT_EQ(test::get<std::uint16_t>(bytes, 105), 20 + 4) << "format 0, and a float for the ring";
   const auto first = std::size_t(test::get<std::uint32_t>(bytes, 96));

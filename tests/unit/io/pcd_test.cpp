@@ -137,7 +137,7 @@ TEST(PcdTest, BadFilesAreOneLine) {
     return bytes.replace(bytes.find(from), from.size(), to);
   };
   const std::pair<std::string, const char*> cases[] = {
-      {good + std::string(23, '\0'), "after 1 points, expected 2"},
+      {good + std::string(23, '\0'), "after 1 point, expected 2"},
       {replaced("POINTS 2", "POINTS 3"), "expected WIDTH x HEIGHT = 2"},
       {replaced("WIDTH 2", "WIDTH x"), "line 7: found WIDTH 'x'"},
       {replaced("SIZE 4 4 4", "SIZE 4 4 3"), "'z' of type F3"},

@@ -376,7 +376,7 @@ TEST(PlyTest, BadHeadersAreNamedByTheirLine) {
               "element vertex 4000000000000\n" + xyz + "property list uchar int a\n") +
            "abc",
        "at most 0 points"},
-      {"ascii promise", header("ascii", "element vertex 4000000000000\n" + xyz) + "1 2 3\n", "1 points"},
+      {"ascii promise", header("ascii", "element vertex 4000000000000\n" + xyz) + "1 2 3\n", "1 point,"},
       {"list before",
        header("binary_little_endian", "element f 9\nproperty list uint int a\nelement vertex 1\n" + xyz) +
            bytes_of(std::uint32_t(4000000000u), 1, 2, 3, 4, 5),
