@@ -172,6 +172,8 @@ void Workbench::shoot(int width, int height) {
   if (scene_failed_ || wishes_.files.empty()) return say("there is no picture to save", true);
   if (has_sample_only() && !loading_)
     return say("only a sample could be read: there is no picture of the whole to save", true);
+  if (load_failed_)
+    return say("what is shown is not what could not be read: there is no picture to save", true);
   if (is_loading_wishes()) {
     shot_after_loading_ = ivec2(width, height);
     return say("the picture is saved once everything is loaded");
@@ -239,7 +241,7 @@ void Workbench::play(bool on) {
 void Workbench::load(bool anew) {
   load_id_ = next_id_++;
   loading_ = true;
-  scene_failed_ = false;
+  scene_failed_ = load_failed_ = false;
   is_to_read_anew_ = false;
   wanted_key_ = wishes_.scene_key();
   if (loaded_key_ != wanted_key_) file_times_.clear();
@@ -275,12 +277,13 @@ Workbench::SeenView Workbench::window_view() const {
 }
 
 bool Workbench::is_coarser_than_wanted() const {
-  return follows_view() && !scene_failed_ && (!whole_ready_ || reading_view_ || read_view_ != wanted_view());
+  return follows_view() && !scene_failed_ && !load_failed_ &&
+         (!whole_ready_ || reading_view_ || read_view_ != wanted_view());
 }
 
 /// Reads what the view shows of files with levels, once the hand rests.
 void Workbench::follow_view() {
-  if (!follows_view() || loading_ || width_ <= 0) return;
+  if (!follows_view() || loading_ || load_failed_ || width_ <= 0) return;
   const SeenView wanted = wanted_view();
   if (read_view_ == wanted) {
     if (!delayed_shots_.empty() && whole_ready_ && !reading_view_) {
@@ -351,6 +354,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.is_shown) return;
   if (loaded.failure) {
     loading_ = false;
+    load_failed_ = !is_another_view;
     shot_after_loading_.reset();
     delayed_shots_.clear();
     if (!scene_) fatal_ = loaded.failure;
@@ -663,7 +667,7 @@ std::optional<double> Workbench::wait_ms(double now_ms) const {
     const double until = is_to_read_anew_ ? 0 : std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
     wait = std::min(wait.value_or(until), until);
   }
-  if (follows_view() && !loading_ && read_view_ != wanted_view())
+  if (follows_view() && !loading_ && !load_failed_ && read_view_ != wanted_view())
     wait = std::min(wait.value_or(Refinement::rest_ms), Refinement::rest_ms);
   if (watch || !start_.shader_folder.empty()) wait = std::min(wait.value_or(500), 500.0);
   return wait;

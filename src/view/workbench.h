@@ -210,7 +210,7 @@ class Workbench {
   double key_changed_ms_ = -1e9;
   bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be
   bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false,
-       scene_failed_ = false;
+       scene_failed_ = false, load_failed_ = false;  ///< the last: what is shown is not what is wished for
   bool timings_ = false, had_whole_ = false;
   std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
   std::optional<Loaded> scene_;

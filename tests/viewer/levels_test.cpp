@@ -60,12 +60,14 @@ class LevelsTest : public testing::Test {
   bool wait(Workbench& bench, const std::function<bool()>& done) {
     for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
       bench.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
-      for (const Message& message : bench.take_messages()) EXPECT_FALSE(message.is_error) << message.text;
+      for (const Message& message : bench.take_messages())
+        if (message.is_error) mistakes_.push_back(message.text);
       if (done()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     return false;
   }
+  void TearDown() override { EXPECT_THAT(mistakes_, ::testing::IsEmpty()); }
   bool settle(Workbench& bench) {
     return wait(bench, [&] { return bench.settled(); });
   }
@@ -90,6 +92,7 @@ class LevelsTest : public testing::Test {
 
   static inline std::filesystem::path folder_;
   Clock::time_point began_ = Clock::now();
+  std::vector<std::string> mistakes_;
 };
 
 TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
@@ -247,6 +250,26 @@ TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
   ASSERT_TRUE(settle(bench));
   EXPECT_FALSE(has_walls(*bench.scene()));
   EXPECT_EQ(bench.scene()->classes.size(), 2u);
+}
+
+// What cannot be opened is said once, and not again for every view of what is still on the screen.
+TEST_F(LevelsTest, AFileThatCannotBeReadIsSaidOnce) {
+  Workbench bench(start());
+  bench.set_size(width, height);
+  ASSERT_TRUE(settle(bench));
+  bench.open({(folder_ / "missing.copc.laz").string()}, false);
+  ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
+  ASSERT_TRUE(settle(bench));
+  for (int n = 0; n < 2; ++n) {
+    bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
+    ASSERT_TRUE(settle(bench));
+  }
+  EXPECT_THAT(std::exchange(mistakes_, {}), ::testing::SizeIs(1));
+  bench.undo();  // the turn
+  bench.undo();
+  ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
+  ASSERT_TRUE(settle(bench));
+  EXPECT_TRUE(bench.scene()->nodes);
 }
 
 }  // namespace

@@ -65,6 +65,11 @@ class WorkbenchTest : public ::testing::Test {
   bool load(Workbench& bench) {
     return wait(bench, [&] { return bench.loading(); }) && settle(bench);
   }
+  /// The pictures that were asked for, once all of them are there.
+  std::vector<Shot> shots(Workbench& bench) {
+    EXPECT_TRUE(wait(bench, [&] { return !bench.shooting(); }));
+    return bench.take_shots();
+  }
   static void turn(Workbench& bench) {
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
   }
@@ -173,6 +178,26 @@ TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
   ASSERT_TRUE(load(bench));
   EXPECT_EQ(bench.wishes().camera, turned);
   EXPECT_EQ(bench.frames().size(), 2u);
+}
+
+// The old scene stays on the screen, but there is no command that draws it.
+TEST_F(WorkbenchTest, SavesNoPictureOfWhatCannotBeOpened) {
+  const std::string here = write("here.las", 0);
+  Workbench bench(start(here));
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  bench.open({(folder_ / "missing.las").string()}, false);
+  ASSERT_TRUE(load(bench));
+  ASSERT_EQ(mistakes_, 1);
+  bench.shoot(64, 40);
+  EXPECT_TRUE(shots(bench).empty());
+  EXPECT_EQ(mistakes_, 2);
+  bench.undo();
+  ASSERT_TRUE(load(bench));
+  bench.shoot(64, 40);
+  const std::vector<Shot> saved = shots(bench);
+  ASSERT_EQ(saved.size(), 1u);
+  EXPECT_THAT(saved[0].words, Contains(here));
 }
 
 // Each frame stands where its transform puts it, and undo leaves the one that is shown.
