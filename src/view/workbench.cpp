@@ -175,7 +175,7 @@ void Workbench::shoot(int width, int height) {
   if (load_failed_)
     return say("what is shown is not what could not be read: there is no picture to save", true);
   if (is_loading_wishes()) {
-    shot_after_loading_ = ivec2(width, height);
+    shots_after_loading_.push_back({width, height, wishes_});
     return say("the picture is saved once everything is loaded");
   }
   if (follows_view()) {
@@ -200,9 +200,20 @@ bool Workbench::is_loading_wishes() const {
 
 /// Saves what was asked for while files were read.
 void Workbench::shoot_what_is_loaded() {
-  if (!shot_after_loading_ || is_loading_wishes()) return;
-  const auto size = *std::exchange(shot_after_loading_, std::nullopt);
-  shoot(size.x, size.y);
+  if (shots_after_loading_.empty() || is_loading_wishes()) return;
+  for (ShotAfterLoading& each : std::exchange(shots_after_loading_, {})) {
+    // From where it was asked for, unless other points were wished for since.
+    if (each.wishes.scene_key() != loaded_key_) each.wishes = wishes_;
+    std::swap(wishes_, each.wishes);
+    shoot(each.width, each.height);
+    std::swap(wishes_, each.wishes);
+  }
+}
+
+void Workbench::amend(const std::function<void(Wishes&)>& edit) {
+  history_.amend(edit);
+  for (ShotAfterLoading& each : shots_after_loading_) edit(each.wishes);
+  edit(wishes_);
 }
 
 bool Workbench::is_frame(const Wishes& wishes) const {
@@ -355,7 +366,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.failure) {
     loading_ = false;
     load_failed_ = !is_another_view;
-    shot_after_loading_.reset();
+    shots_after_loading_.clear();
     delayed_shots_.clear();
     if (!scene_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
@@ -390,8 +401,7 @@ void Workbench::take_loaded(Loaded loaded) {
       each.input.emplace_back("up", to_string(loaded.pose.upright.up));
     };
     const bool is_wanted = wishes_.scene_key() == loaded_key_;
-    history_.amend(place);
-    place(wishes_);
+    amend(place);
     if (is_wanted) loaded_key_ = wanted_key_ = wishes_.scene_key();
     sample_camera_.reset();
     if (loaded.is_sample) sample_camera_ = first;
@@ -427,8 +437,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
         if (each.technique.empty())
           each.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
       };
-      history_.amend(settle);  // nothing chooses again where a hand goes back to
-      settle(wishes_);
+      amend(settle);  // nothing chooses again where a hand goes back to
     }
     touched();
   } else if (auto* picture = std::get_if<Picture>(&answer)) {
@@ -492,7 +501,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     } else if (of_scene) {
       loading_ = false;
       scene_failed_ = true;
-      shot_after_loading_.reset();
+      shots_after_loading_.clear();
       delayed_shots_.clear();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;

@@ -125,7 +125,9 @@ class Workbench {
   /// with levels, what it shows is read before.
   void shoot(int width, int height);
   std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
-  bool shooting() const { return shot_after_loading_ || !delayed_shots_.empty() || !waiting_shots_.empty(); }
+  bool shooting() const {
+    return !shots_after_loading_.empty() || !delayed_shots_.empty() || !waiting_shots_.empty();
+  }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -163,6 +165,11 @@ class Workbench {
     SeenView view;
     Wishes wishes;
   };
+  /// A picture that was asked for while files were read.
+  struct ShotAfterLoading {
+    int width = 0, height = 0;
+    Wishes wishes;
+  };
 
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
@@ -182,6 +189,8 @@ class Workbench {
   }
   bool is_frame(const Wishes& wishes) const;
   void shoot_what_is_loaded();
+  /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
+  void amend(const std::function<void(Wishes&)>& edit);
   void paint_shot(int width, int height);
   void send_scene(Loaded& loaded, bool is_another_view);
   PictureJob job_for(const Quality& quality, int width, int height) const;
@@ -224,8 +233,8 @@ class Workbench {
   std::uint64_t profile_id_ = 0;
   std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
   bool reading_view_ = false;
-  bool stand_in_is_due_ = false;             ///< `points` of a view that the technique has yet to measure
-  std::optional<ivec2> shot_after_loading_;  ///< its size in pixels
+  bool stand_in_is_due_ = false;  ///< `points` of a view that the technique has yet to measure
+  std::vector<ShotAfterLoading> shots_after_loading_;
   std::deque<DelayedShot> delayed_shots_;
   std::vector<Shot> shots_;
   std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;

@@ -200,6 +200,31 @@ TEST_F(WorkbenchTest, SavesNoPictureOfWhatCannotBeOpened) {
   EXPECT_THAT(saved[0].words, Contains(here));
 }
 
+TEST_F(WorkbenchTest, SavesEveryPictureThatWasAskedForWhileFilesWereRead) {
+  Workbench bench(start(write("here.las", 0)));
+  bench.set_size(320, 200);
+  bench.shoot(64, 40);
+  bench.shoot(80, 50);
+  std::vector<Shot> saved = shots(bench);
+  ASSERT_EQ(saved.size(), 2u);
+  EXPECT_EQ(saved[0].picture.image.width(), 64);
+  EXPECT_EQ(saved[1].picture.image.width(), 80);
+  ASSERT_TRUE(settle(bench));
+  EXPECT_EQ(saved[0].words, bench.wishes().words(64, 40));
+  // Each of them from where it was asked for.
+  hide_class(bench, 6);
+  const Wishes first = bench.wishes();
+  bench.shoot(64, 40);
+  turn(bench);
+  bench.shoot(64, 40);
+  saved = shots(bench);
+  ASSERT_EQ(saved.size(), 2u);
+  EXPECT_EQ(saved[0].words, first.words(64, 40));
+  EXPECT_EQ(ViewCamera::from(saved[0].picture.camera), first.camera);
+  EXPECT_EQ(saved[1].words, bench.wishes().words(64, 40));
+  EXPECT_EQ(mistakes_, 0);
+}
+
 // Each frame stands where its transform puts it, and undo leaves the one that is shown.
 TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   Start sequence = start(write("f1.las", 0));
