@@ -47,7 +47,11 @@ struct Wishes {
   std::vector<DrawRow>
       draw;  ///< the first that selects a point draws it; the others are drawn by `technique`
   ViewCamera camera;
-  bool frame_on_load = true;  ///< `camera` is yet to be found, by what the files hold
+  ViewCamera home;            ///< the first view of these files
+  bool frame_on_load = true;  ///< both are yet to be found, by what the files hold
+
+  /// The files are seen from there first.
+  void place(const ViewCamera& first) { camera = home = first, frame_on_load = false; }
 
   /// A parameter of `technique`, of all techniques, or of the analysis. Throws Error(usage) as Look::set
   /// does.

@@ -53,6 +53,7 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
 
 void Workbench::move(const std::string& what, const std::function<void(Navigator&)>& edit) {
   navigator_.set_camera(wishes_.camera);
+  navigator_.set_home(wishes_.home);
   edit(navigator_);
   if (navigator_.camera() == wishes_.camera) return;
   wishes_.camera = navigator_.camera();
@@ -389,9 +390,9 @@ void Workbench::take_loaded(Loaded loaded) {
       if (!loaded.is_sample) say(error.what(), true);
       first = ViewCamera::from(first_view(loaded.pose, width_, height_));
     }
-    navigator_.set_home(first);
     const auto place = [&](Wishes& each) {
       if (!each.frame_on_load || each.files != wishes_.files) return;
+      each.home = first;
       // A hand that has turned the sample goes on from there.
       if (!sample_camera_ || each.camera == *sample_camera_) each.camera = first;
       each.frame_on_load = loaded.is_sample;  // the whole says where it is, exactly

@@ -465,6 +465,11 @@ TEST_F(WindowTest, TakesASceneThatIsDropped) {
   ASSERT_EQ(drop_files({path("scene.json").string()}, 475, 350), "");
   wait_for("final picture", 2);
   const std::string saved = save();
+  hand("mousemove 475 350 key KP_7");
+  wait_for("final picture", 3);
+  hand("key r");
+  wait_for("final picture", 4);
+  EXPECT_TRUE(equal(read_png(save()), read_png(saved)));  // home is where the scene is seen from
   close();
   const Outcome plain = run({"--scene", "scene.json", "--resolution", "950x694", "-o", "plain.png"});
   ASSERT_EQ(plain.code, 0) << plain.err;

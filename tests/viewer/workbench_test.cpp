@@ -70,6 +70,9 @@ class WorkbenchTest : public ::testing::Test {
     EXPECT_TRUE(wait(bench, [&] { return !bench.shooting(); }));
     return bench.take_shots();
   }
+  static void reset(Workbench& bench) {
+    bench.move("reset", [](Navigator& hand) { hand.reset(); });
+  }
   static void turn(Workbench& bench) {
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
   }
@@ -223,6 +226,37 @@ TEST_F(WorkbenchTest, SavesEveryPictureThatWasAskedForWhileFilesWereRead) {
   EXPECT_EQ(ViewCamera::from(saved[0].picture.camera), first.camera);
   EXPECT_EQ(saved[1].words, bench.wishes().words(64, 40));
   EXPECT_EQ(mistakes_, 0);
+}
+
+// What R goes back to belongs to the files that are shown.
+TEST_F(WorkbenchTest, ResetGoesToTheFirstViewOfTheFilesThatAreShown) {
+  const std::string here = write("here.las", 0), there = write("there.las", 5000);
+  Workbench bench(start(here));
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  const ViewCamera of_here = bench.wishes().camera;
+  bench.open({there}, false);
+  ASSERT_TRUE(load(bench));
+  const ViewCamera of_there = bench.wishes().camera;
+  bench.undo();
+  ASSERT_TRUE(load(bench));
+  turn(bench);
+  reset(bench);
+  EXPECT_EQ(bench.wishes().camera, of_here);
+  // A scene that says from where it is seen.
+  ViewCamera above = of_there;
+  above.position.z += 500;
+  bench.change("preset", [&](Wishes& next) { next.files = {there}, next.place(above); });
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.wishes().camera, above);
+  turn(bench);
+  reset(bench);
+  EXPECT_EQ(bench.wishes().camera, above);
+  bench.undo(), bench.undo(), bench.undo();
+  ASSERT_TRUE(load(bench));
+  turn(bench);
+  reset(bench);
+  EXPECT_EQ(bench.wishes().camera, of_here);
 }
 
 // Each frame stands where its transform puts it, and undo leaves the one that is shown.

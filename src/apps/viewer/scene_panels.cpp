@@ -61,7 +61,7 @@ void Interface::take_preset(const std::string& file) {
     for (const scene::SceneFile& each : preset.files)
       next.files.push_back(each.name), next.transforms.push_back(each.transform);
     if (preset.camera)
-      next.camera = view::ViewCamera::from(*preset.camera), next.frame_on_load = false;
+      next.place(view::ViewCamera::from(*preset.camera));
     else if (next.scene_key() != bench_.wishes().scene_key())
       next.frame_on_load = true;
   });
