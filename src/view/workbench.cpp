@@ -56,12 +56,14 @@ void Workbench::move(const std::string& what, const std::function<void(Navigator
   navigator_.set_home(wishes_.home);
   edit(navigator_);
   if (navigator_.camera() == wishes_.camera) return;
+  play(false);  // a hand takes over
   wishes_.camera = navigator_.camera();
   history_.record(wishes_, what, now_ms_);
   touched();
 }
 
 void Workbench::undo() {
+  play(false);
   if (!history_.can_undo()) return say("nothing to undo");
   wishes_ = history_.undo();
   touched();
@@ -69,6 +71,7 @@ void Workbench::undo() {
 
 void Workbench::redo() {
   if (!history_.can_redo()) return say("nothing to redo");
+  play_began_ms_.reset();  // a step of its own would leave nothing to redo
   wishes_ = history_.redo();
   touched();
 }
@@ -247,6 +250,8 @@ void Workbench::show_frame(std::size_t i) {
 void Workbench::play(bool on) {
   if (on && path.keys().size() < 2)
     return say("a path needs two keys at least: K adds the present view", true);
+  // Where it was left is somewhere to come back to.
+  if (playing()) history_.record(wishes_, "play", now_ms_);
   play_began_ms_ = on ? std::optional(now_ms_) : std::nullopt;
 }
 
@@ -621,14 +626,10 @@ void Workbench::tick(double now_ms) {
   if (began_ms_ < 0) began_ms_ = now_ms;
   if (play_began_ms_) {
     const double time = play_time_s();
-    if (time > path.duration_s()) {
-      play_began_ms_.reset();
-      wishes_.camera = path.keys().back();
-      touched();
-    } else {
-      wishes_.camera = path.at(time);
-      touched();
-    }
+    const bool is_over = time > path.duration_s();
+    if (!path.empty()) wishes_.camera = is_over ? path.keys().back() : path.at(time);
+    if (is_over) play(false);
+    touched();
   }
   if (width_ > 0)
     if (auto loaded = loader_->take()) take_loaded(std::move(*loaded));

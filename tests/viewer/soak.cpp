@@ -229,7 +229,7 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
           const view::ViewCamera camera = next.camera;
           next = plain;
           next.files = {file};
-          next.camera = camera, next.frame_on_load = false;
+          next.place(camera);
         });
         const double asked_ms = now_ms();
         if (!until(300, [&] { return now_ms() - asked_ms > 500 && bench.settled(); }))

@@ -259,6 +259,50 @@ TEST_F(WorkbenchTest, ResetGoesToTheFirstViewOfTheFilesThatAreShown) {
   EXPECT_EQ(bench.wishes().camera, of_here);
 }
 
+// Undo goes back to where the path was left, and then to where it was begun.
+TEST_F(WorkbenchTest, APathThatWasPlayedIsAStep) {
+  Workbench bench(start(write("here.las", 0)));
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  bench.path.seconds_per_key = 0.2;
+  bench.path.add(bench.wishes().camera);
+  turn(bench);
+  const ViewCamera last = bench.wishes().camera;
+  bench.path.add(last);
+  turn(bench);
+  const ViewCamera before = bench.wishes().camera;
+  bench.play(true);
+  ASSERT_TRUE(wait(bench, [&] { return !bench.playing(); }));
+  EXPECT_EQ(bench.wishes().camera, last);
+  turn(bench);
+  bench.undo();
+  EXPECT_EQ(bench.wishes().camera, last);
+  bench.undo();
+  EXPECT_EQ(bench.wishes().camera, before);
+  // A hand that goes on takes over.
+  bench.path.seconds_per_key = 20;
+  bench.play(true);
+  ASSERT_TRUE(wait(bench, [&] { return bench.play_time_s() > 0.1; }));
+  const ViewCamera left = bench.wishes().camera;
+  turn(bench);
+  EXPECT_FALSE(bench.playing());
+  bench.undo();
+  EXPECT_EQ(bench.wishes().camera, left);
+  bench.undo();
+  EXPECT_EQ(bench.wishes().camera, before);
+  bench.play(true);
+  ASSERT_TRUE(wait(bench, [&] { return bench.play_time_s() > 0.1; }));
+  bench.undo();
+  EXPECT_FALSE(bench.playing());
+  EXPECT_EQ(bench.wishes().camera, before);
+  // Nor is there anything to play without keys.
+  bench.play(true);
+  bench.path.clear();
+  tick(bench);
+  EXPECT_FALSE(bench.playing());
+  EXPECT_EQ(bench.wishes().camera, before);
+}
+
 // Each frame stands where its transform puts it, and undo leaves the one that is shown.
 TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   Start sequence = start(write("f1.las", 0));
