@@ -232,9 +232,10 @@ const std::vector<scene::SceneFile>& Workbench::frames() const {
 }
 
 std::size_t Workbench::frame() const {
-  std::size_t i = 0;
-  while (i < frames().size() && frames_[i].name != wishes_.files.front()) ++i;
-  return i;
+  const std::vector<scene::SceneFile>& all = frames();
+  const auto is_shown = [&](const scene::SceneFile& each) { return each.name == wishes_.files.front(); };
+  if (frame_ < all.size() && is_shown(all[frame_])) return frame_;
+  return std::size_t(std::find_if(all.begin(), all.end(), is_shown) - all.begin());
 }
 
 void Workbench::show_frame(std::size_t i) {
@@ -244,6 +245,7 @@ void Workbench::show_frame(std::size_t i) {
   };
   history_.amend(show);  // nobody undoes the time that went by
   show(wishes_);
+  frame_ = i;
   frame_since_ms_ = now_ms_;
 }
 

@@ -243,6 +243,7 @@ class Workbench {
   std::optional<Failure> fatal_;
   std::optional<double> play_began_ms_;
   std::vector<scene::SceneFile> frames_;
+  std::size_t frame_ = 0;  ///< the last that was shown: a sequence may have a file twice
   bool is_playing_frames_ = false;
   double frame_since_ms_ = 0;
   std::optional<double> frame_stood_ms_;  ///< since then its whole picture is shown

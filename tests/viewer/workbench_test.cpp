@@ -303,6 +303,23 @@ TEST_F(WorkbenchTest, APathThatWasPlayedIsAStep) {
   EXPECT_EQ(bench.wishes().camera, before);
 }
 
+TEST_F(WorkbenchTest, ASequenceMayShowAFileTwice) {
+  const std::string one = write("f1.las", 0), two = write("f2.las", 1);
+  Start sequence = start(one);
+  sequence.frames = scene::files_of({one, one, two, one});
+  Workbench bench(sequence);
+  bench.set_size(320, 200);
+  ASSERT_TRUE(settle(bench));
+  bench.frames_per_second = 20;
+  bench.play_frames(true);
+  for (const std::size_t frame : {1u, 2u, 3u, 0u, 1u})
+    ASSERT_TRUE(wait(bench, [&] { return bench.frame() == frame; })) << frame;
+  bench.play_frames(false);
+  bench.show_frame(3);
+  EXPECT_EQ(bench.frame(), 3u);
+  EXPECT_EQ(bench.wishes().files, std::vector{one});
+}
+
 // Each frame stands where its transform puts it, and undo leaves the one that is shown.
 TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   Start sequence = start(write("f1.las", 0));
