@@ -210,7 +210,13 @@ void transform(PointCloud& cloud, const dmat4& world_from_old) {
   for (dvec3& scanner : cloud.scanners) scanner = moved(scanner);
   for (Grid& grid : cloud.grids)
     if (grid.viewpoint) grid.viewpoint = moved(*grid.viewpoint);
-  cloud.las.reset();  // its steps are those of the old coordinates
+  // The steps of coordinates are those of the old ones; kinds of time and colours stay.
+  if (cloud.las) cloud.las->scale = dvec3(0);
+  const dvec3 up = turn * up_vector(cloud.up);
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::abs(up[k]) > std::abs(up[axis])) axis = k;
+  cloud.up = UpAxis(2 * axis + (up[axis] > 0 ? 0 : 1));
   cloud.origin = origin;
 }
 

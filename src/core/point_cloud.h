@@ -44,8 +44,8 @@ struct LasStep {
 
 /// Fixed-point description of LAS coordinates, kept so that LAS -> LAS/LAZ loses nothing.
 struct LasScaling {
-  dvec3 scale{0.001}, offset{0};
-  bool colors_16bit = true;  ///< false: the file held 0..255 in its 16-bit fields
+  dvec3 scale{0.001}, offset{0};  ///< a scale of 0: none, writers choose one
+  bool colors_16bit = true;       ///< false: the file held 0..255 in its 16-bit fields
   bool colors_shifted =
       false;              ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
   int point_format = -1;  ///< of the file, 0 to 10; -1 unknown
@@ -110,7 +110,8 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ord
 /// 0, radius 0, white, NaN scalar. Scanners of `other` come behind those of `cloud`, and so do their numbers
 /// in the scalar `scanner`, which is there when either side has scanners.
 void append(PointCloud& cloud, const PointCloud& other);
-/// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow.
+/// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow, and
+/// `up` to the nearest axis.
 void transform(PointCloud& cloud, const dmat4& world_from_old);
 /// Deterministic subsample of at most `max_points` points, in file order.
 PointCloud subsample(const PointCloud& cloud, std::size_t max_points);

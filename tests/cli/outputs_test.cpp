@@ -191,4 +191,31 @@ TEST_F(CommandTest, WhatCannotBeWrittenIsRefusedBeforeAnythingIsRead) {
   EXPECT_EQ(files(), (std::vector<std::string>{"ffmpeg", "words.xyz"}));
 }
 
+TEST_F(CommandTest, ConvertMovesFiles) {
+  write("a.csv",
+        "x,y,z,nx,ny,nz,intensity\n500000.125,5400000.5,3,0,0,1,7\n500001.125,5400002.5,4,0,1,0,8\n");
+  const std::string quarter = "0,-1,0,0.5,1,0,0,0,0,0,1,-3,0,0,0,1";
+  ASSERT_EQ(run({"convert", "a.csv", "-o", "b.csv", "--transform", quarter}).code, 0)
+      << "one file needs no number";
+  EXPECT_EQ(text("b.csv"),
+            "x,y,z,nx,ny,nz,intensity\n-5400000,500000.125,0,0,0,1,7\n-5400002,500001.125,1,-1,0,0,8\n");
+  ASSERT_EQ(
+      run({"convert", "a.csv", "a.csv", "-o", "c.csv", "--transform", "2: 1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,1"})
+          .code,
+      0);
+  EXPECT_THAT(text("c.csv"),
+              HasSubstr("\n500001.125,5400002.5,4,0,1,0,8,1\n500000.625,5400000.5,3,0,0,1,7,2\n"));
+  EXPECT_THAT(run({"convert", "a.csv", "a.csv", "-o", "d.csv", "--transform", quarter}).err,
+              HasSubstr("there is no colon after the file's number"));
+  // Its kind of numbers stays that of the file, its coordinate system is not known to hold.
+  write("a.ply",
+        "ply\nformat ascii 1.0\ncomment crs EPSG:25832\nelement vertex 1\nproperty double x\n"
+        "property double y\nproperty double z\nend_header\n500000.125 5400000.5 3\n");
+  const Outcome moved = run({"convert", "a.ply", "-o", "b.ply", "--transform", quarter});
+  EXPECT_EQ(moved.code, 0);
+  EXPECT_THAT(moved.err,
+              HasSubstr("its coordinate system is kept, which holds only where --transform stays"));
+  EXPECT_THAT(text("b.ply"), HasSubstr("EPSG:25832"));
+}
+
 }  // namespace

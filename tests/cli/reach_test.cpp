@@ -482,7 +482,7 @@ TEST_F(ReachTest, ASceneKeepsFilesRulesTransformsAndCamera) {
   // As other programs copy a matrix.
   ok({"cube.ply", "cube.ply", "--transform", "2:\n1 0 0 1\n0 1 0 0\n0, 0, 1, 0\n0 0 0 1\n", "-o", "g.png"});
   EXPECT_THAT(run({"cube.ply", "--transform", "2: 1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1", "-o", "f.png"}).err,
-              HasSubstr("there are 1 files"));
+              HasSubstr("there is 1 file;"));
   EXPECT_THAT(run({"cube.ply", "--transform", "1: 1,0,0,1,0,1,0,0,0,0,1,0,1,0,0,1", "-o", "f.png"}).err,
               HasSubstr("the last row"));
   // What a rule with none selects is not there.

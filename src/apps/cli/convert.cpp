@@ -1,5 +1,7 @@
 // sfumato convert: between the formats that can be written, several files into one, and only the points
 // wanted; with shadow factors where they are asked for.
+#include <algorithm>
+
 #include "commands.h"
 #include "common_options.h"
 #include "console.h"
@@ -71,11 +73,26 @@ class ShadowOptions {
   std::string wanted_ = "off", last_of_light_;
 };
 
+/// Of files that were moved, what may depend on where they were and stays as it was.
+void tell_what_stays(const scene::Scene& scene, const std::vector<scene::SceneFile>& placed,
+                     Console& console) {
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (!placed[i].transform) continue;
+    if (!scene.files[i].crs.empty() && scene.cloud.crs == scene.files[i].crs)
+      console.say("sfumato: " + placed[i].name +
+                  ": its coordinate system is kept, which holds only where --transform stays within it");
+    const auto& attributes = scene.files[i].attributes;
+    if (std::any_of(attributes.begin(), attributes.end(), [](const auto& a) { return a.name == "rot_0"; }))
+      console.say("sfumato: " + placed[i].name +
+                  ": centres and normals are moved; rot_*, scale_* and f_rest_* of Gaussian splats are not");
+  }
+}
+
 }  // namespace
 
 int convert_command(const Words& words) {
   std::string output;
-  Words inputs;
+  Words inputs, transforms;
   InputOptions input("none");
   CommonOptions common;
   CommandLine line(
@@ -87,6 +104,7 @@ int convert_command(const Words& words) {
   ShadowOptions shadows;
   common.declare(line);
   input.declare(line);
+  declare_transforms(line, transforms);
   shadows.declare(line);
   line.usage("sfumato convert IN... -o OUT");
   if (!line.parse(words)) return 0;
@@ -104,6 +122,7 @@ int convert_command(const Words& words) {
     throw Error(ErrorCode::usage, "-o " + output + ": clouds are written as " + written_extensions());
 
   inputs = scene::expand_inputs(inputs);
+  const std::vector<scene::SceneFile> placed = placed_files(inputs, transforms);
   io::FileNames names;
   for (const std::string& file : inputs)
     if (file != "-") names.input("the input", file);
@@ -113,13 +132,14 @@ int convert_command(const Words& words) {
   if (shadows.is_asked()) context = gl::Context::create_headless();
   Console console(common);
   input.scene.read.every_attribute = true;
-  scene::Scene scene = scene::read_scene(inputs, input.scene, console);
+  scene::Scene scene = scene::read_scene(placed, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, input.scene); !note.empty())
     console.say("sfumato: " + note);
+  tell_what_stays(scene, placed, console);
   if (context) shadows.add(scene, input.scene.up, *context, console);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
     console.say("sfumato: " + output + ": " + note);

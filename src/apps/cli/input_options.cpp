@@ -1,9 +1,11 @@
 #include "input_options.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/counted.h"
 #include "core/error.h"
+#include "session/preset.h"
 
 namespace sfumato::cli {
 namespace {
@@ -62,6 +64,43 @@ void InputOptions::check() {
   if (max_points_) scene.read.max_points = std::uint64_t(parse_whole("--max-points", *max_points_, 1));
   if (up_ && *up_ != "auto" && !(scene.up = parse_up_axis(*up_)))
     throw Error(ErrorCode::usage, "--up: '" + *up_ + "' is not one of auto +X -X +Y -Y +Z -Z");
+}
+
+void declare_transforms(CommandLine& line, Words& transforms) {
+  line.texts(
+      "--transform", transforms, "\"N: 16 NUMBERS\"",
+      "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
+}
+
+std::vector<scene::SceneFile> placed_files(const Words& files, const Words& transforms) {
+  std::vector<scene::SceneFile> placed = scene::files_of(files);
+  for (const std::string& text : transforms) {
+    const std::size_t colon = text.find(':');
+    const auto wrong = [&](const std::string& why) {
+      throw Error(ErrorCode::usage,
+                  "--transform: '" + text + "': " + why +
+                      "; write \"N: 16 numbers\", such as \"2: 1,0,0,12.5,0,1,0,3,0,0,1,0,0,0,0,1\"");
+    };
+    if (colon == std::string::npos && files.size() > 1) wrong("there is no colon after the file's number");
+    const long n = colon == std::string::npos ? 1 : parse_whole("--transform", text.substr(0, colon), 1);
+    if (std::size_t(n) > files.size())
+      wrong(files.size() == 1 ? "there is 1 file" : "there are " + counted(files.size(), "file"));
+    // Commas, blanks and lines alike: matrices are copied from other programs.
+    std::string commas;
+    for (const char c : text.substr(colon + 1)) {  // npos + 1 is 0
+      const bool parts = c == ',' || std::isspace(static_cast<unsigned char>(c));
+      if (!parts)
+        commas += c;
+      else if (!commas.empty() && commas.back() != ',')
+        commas += ',';
+    }
+    if (commas.ends_with(',')) commas.pop_back();
+    const std::vector<double> numbers = parse_numbers("--transform", commas, 16);
+    placed[std::size_t(n - 1)].transform = transform_of_rows(numbers);
+    if (!placed[std::size_t(n - 1)].transform)
+      wrong("the last row of a transform is 0 0 0 1, and it flattens nothing");
+  }
+  return placed;
 }
 
 std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options) {

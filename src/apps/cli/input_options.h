@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_line.h"
 #include "scene/scene.h"
@@ -26,6 +27,11 @@ class InputOptions {
   std::optional<std::string> crop_, crop_relative_, show_classes_, columns_, max_points_, up_;
   Words filters_;
 };
+
+/// Declares --transform, and whose points it moves.
+void declare_transforms(CommandLine& line, Words& transforms);
+/// The files with their transforms: "N: 16 numbers", N counts from 1 and may be left out for a single file.
+std::vector<scene::SceneFile> placed_files(const Words& files, const Words& transforms);
 
 /// What --columns could not do: the files are no text. Empty when there is nothing to say.
 std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options);

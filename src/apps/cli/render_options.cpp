@@ -54,9 +54,7 @@ void RenderOptions::declare(CommandLine& line) {
   line.text("--scene", scene, "FILE.json",
             "files, --draw, look and camera saved before; those given here win");
   line.text("--save-scene", save_scene, "FILE.json", "save the files as well");
-  line.texts(
-      "--transform", transforms, "\"N: 16 NUMBERS\"",
-      "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
+  declare_transforms(line, transforms);
   line.flag("--watch", watch, "the window reads files again when they change");
   line.text("--shader-dir", shader_folder, "FOLDER",
             "a checkout whose shaders are used in place of those built in; the window compiles them again "
@@ -252,31 +250,11 @@ void RenderOptions::check(std::size_t technique_count) {
 
 void RenderOptions::expand_files() {
   files = scene::expand_inputs(files);
-  for (const std::string& text : transforms) {
-    const std::size_t colon = text.find(':');
-    const auto wrong = [&](const std::string& why) {
-      refuse("--transform: '" + text + "': " + why +
-             "; write \"N: 16 numbers\", such as \"2: 1,0,0,12.5,0,1,0,3,0,0,1,0,0,0,0,1\"");
-    };
-    if (colon == std::string::npos) wrong("there is no colon after the file's number");
-    const long n = parse_whole("--transform", text.substr(0, colon), 1);
-    if (std::size_t(n) > files.size())
-      wrong(files.size() == 1 ? "there is 1 file" : "there are " + counted(files.size(), "file"));
-    // Commas, blanks and lines alike: matrices are copied from other programs.
-    std::string commas;
-    for (const char c : text.substr(colon + 1)) {
-      const bool parts = c == ',' || std::isspace(static_cast<unsigned char>(c));
-      if (!parts)
-        commas += c;
-      else if (!commas.empty() && commas.back() != ',')
-        commas += ',';
-    }
-    if (commas.ends_with(',')) commas.pop_back();
-    const std::vector<double> numbers = parse_numbers("--transform", commas, 16);
-    const auto matrix = transform_of_rows(numbers);
-    if (!matrix) wrong("the last row of a transform is 0 0 0 1, and it flattens nothing");
+  const std::vector<scene::SceneFile> moved = placed_files(files, transforms);
+  for (std::size_t n = 0; n < moved.size(); ++n) {
+    if (!moved[n].transform) continue;
     if (scene_files.size() < files.size()) scene_files.resize(files.size());
-    scene_files[std::size_t(n - 1)] = {files[std::size_t(n - 1)], matrix};
+    scene_files[n] = moved[n];
   }
 }
 

@@ -84,4 +84,23 @@ TEST(PointCloud, RobustBoundsIgnoreAFewStrayPoints) {
   EXPECT_EQ(bounds(cloud).max.x, 1e6);
 }
 
+TEST(PointCloud, TransformTurnsWhatHasADirectionAndKeepsWhatHasNone) {
+  PointCloud cloud = line(3, {6e6, 5e5, 10});
+  cloud.normals.assign(3, vec3(0, 0, 1));
+  cloud.radii.assign(3, 0.5f);
+  cloud.las = LasScaling{dvec3(0.01), dvec3(6e6, 5e5, 0), false, false, 3, 1, {}};
+  cloud.up = UpAxis::pos_y;
+  // x to y to z to x, twice as large, and moved.
+  transform(cloud, dmat4({0, 2, 0, 0}, {0, 0, 2, 0}, {2, 0, 0, 0}, {0.25, 0.5, 1e6, 1}));
+  EXPECT_EQ(cloud.world(2), dvec3(20.25, 2 * (6e6 + 2) + 0.5, 2e6));
+  EXPECT_EQ(cloud.normals[0], vec3(1, 0, 0));
+  EXPECT_EQ(cloud.radii[0], 1);
+  EXPECT_EQ(cloud.scalar("order")->value(2), 1e9 + 2);
+  EXPECT_EQ(cloud.up, UpAxis::pos_z);
+  ASSERT_TRUE(cloud.las);
+  EXPECT_EQ(cloud.las->point_format, 3);
+  EXPECT_EQ(cloud.las->time_and_returns, 1);
+  EXPECT_EQ(cloud.las->scale, dvec3(0)) << "the old steps are not those of the new places";
+}
+
 }  // namespace
