@@ -341,6 +341,44 @@ void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, PointClo
     for (vec3& p : cloud.positions) p = vec3(dvec3(p) - cloud.origin);
 }
 
+namespace {
+
+/// The distance between floats around `value`.
+double float_step(double value) { return std::exp2(std::floor(std::log2(std::abs(value))) - 23); }
+
+/// What is said of 32-bit coordinates so far from the origin that their steps show: from a quarter of the
+/// spacing on, where the normal of 24 neighbours turns by some 2 degrees. Their spacing is that of a surface
+/// as large as the two larger sides of the cloud, robustly. A grid whose own step is wider, as of heights at
+/// whole metres, loses nothing.
+std::string coarse_floats(const PointCloud& cloud) {
+  if (cloud.size() < 2) return "";
+  const std::size_t stride = 1 + cloud.size() / 10'000;
+  dvec3 extent(0), step(0);
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> sample;
+    for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.world(i)[k]);
+    const std::size_t last = sample.size() - 1;
+    const double low = nth_value(sample, last / 50), high = nth_value(sample, last - last / 50);
+    extent[k] = high - low;
+    const double largest = std::max(std::abs(low), std::abs(high));
+    if (!(largest > 1e-30)) continue;
+    const double own = float_step(largest);
+    const bool on_wider_grid = std::all_of(sample.begin(), sample.end(), [&](double value) {
+      return std::abs(value) < largest / 2 || std::fmod(value, 2 * own) == 0;
+    });
+    if (!on_wider_grid) step[k] = own;
+  }
+  const int coarsest = step.y > step.x ? (step.z > step.y ? 2 : 1) : (step.z > step.x ? 2 : 0);
+  const double area = std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
+  const double spacing = std::sqrt(area / double(cloud.size()));
+  if (!(step[coarsest] > 0.25 * spacing)) return "";
+  return "its coordinates are 32-bit floats, which are " + short_text(step[coarsest]) + " apart along " +
+         "xyz"[coarsest] + " (its points: about " + short_text(spacing) +
+         "): surfaces are in steps; export it with doubles, or with an origin near the scan";
+}
+
+}  // namespace
+
 void CloudBuilder::finish_colors(const std::vector<Stats>& stats) {
   if (raw_colors_.empty()) return;
   // Fractions, bytes in a wider type, or 16 bit: the file does not say, its largest value does.
@@ -395,6 +433,11 @@ void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
   }
   PointCloud& cloud = result.cloud;
   finish_positions(report.bounds_min, report.bounds_max, cloud);
+  const bool of_floats = std::any_of(std::begin(xyz_), std::end(xyz_), [&](int column) {
+    return columns_[std::size_t(column)].stored == StoredType::float32;
+  });
+  if (of_floats && !wide_positions_)
+    if (std::string note = coarse_floats(cloud); !note.empty()) report.notes.push_back(std::move(note));
   finish_colors(stats);
   cloud.normals = std::move(normals_);
   cloud.colors = std::move(colors_);

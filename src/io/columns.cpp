@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -154,6 +155,12 @@ dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {
     origin[k] = std::round(0.5 * (min[k] + max[k]) / step) * step;
   }
   return origin;
+}
+
+std::string short_text(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", number);
+  return text;
 }
 
 ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values,

@@ -59,6 +59,9 @@ dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float);
 ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values,
                         const Stats& stats);
 
+/// Two digits, for notes.
+std::string short_text(double number);
+
 class CloudBuilder {
  public:
   /// Rows [begin, end) of the arrays. Decoding drops non-finite points, so a cursor may end up short.

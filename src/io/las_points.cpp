@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/order.h"
+#include "io/columns.h"
 #include "io/large_vector.h"
 
 namespace sfumato::io::las {
@@ -306,8 +307,11 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
       // A float holds 2^24 steps; beyond that the file's last digits are lost, least where most points are.
       if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > 15e6) {
         cloud.origin[axis] = header_.scale[axis] * median_step(axis) + header_.offset[axis];
-        result.report.notes.push_back(std::string("the ") + "xyz"[axis] +
-                                      " coordinates have more digits than a float holds and are rounded");
+        const double reach = std::max(std::abs(a - cloud.origin[axis]), std::abs(b - cloud.origin[axis]));
+        result.report.notes.push_back(
+            std::string("the ") + "xyz"[axis] +
+            " coordinates have more digits than a float holds and are rounded, by " +
+            short_text(std::exp2(std::floor(std::log2(reach)) - 24)) + " at most");
       }
     }
   }

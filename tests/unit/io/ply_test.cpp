@@ -25,6 +25,27 @@ std::string header(const std::string& format, const std::string& body) {
 }
 const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
 
+/// A field of 40 x 40 points `spacing` apart, its corner at `north`, of coordinates of that type.
+std::vector<std::string> notes_of_field(const std::string& type, double north, double spacing) {
+  std::string text = header("ascii", "element vertex 1600\nproperty " + type + " x\nproperty " + type +
+                                         " y\nproperty " + type + " z\n");
+  for (int i = 0; i < 1600; ++i) {
+    const double values[] = {spacing * (i % 40), north + spacing * (i / 40), 0.1 * (i % 7)};
+    for (const double value : values) text += std::to_string(value) + " ";
+    text += "\n";
+  }
+  return io::read(write_file("field.ply", text)).report.notes;
+}
+
+TEST(PlyTest, FloatsThatStandFarApartAreSpokenOf) {
+  EXPECT_THAT(notes_of_field("float", 5421350, 0.7),
+              Contains(HasSubstr("0.5 apart along y (its points: about 0.6")));
+  EXPECT_TRUE(notes_of_field("double", 5421350, 0.7).empty()) << "nothing is lost";
+  EXPECT_TRUE(notes_of_field("float", 0, 0.7).empty());
+  EXPECT_TRUE(notes_of_field("float", 5421350, 3.7).empty()) << "too little to see";
+  EXPECT_TRUE(notes_of_field("float", 5421350, 1).empty()) << "whole metres are floats there";
+}
+
 TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
   const std::string body =
       "comment made by hand\nobj_info nothing\nelement vertex 2\nproperty short s\nproperty double z\n"
