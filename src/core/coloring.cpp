@@ -32,6 +32,12 @@ bool varies(const ScalarField* field) {
                      [&](float v) { return std::isfinite(v) && v != first; });
 }
 
+/// Whether there are several classes: 0 and 1 both say that a point has none.
+bool is_classified(const ScalarField* field) {
+  return varies(field) && std::any_of(field->values.begin(), field->values.end(),
+                                      [&](float v) { return double(v) + field->offset > 1.5; });
+}
+
 /// World coordinate along up, as offset + float.
 ScalarField elevation(const PointCloud& cloud) {
   const dvec3 up = up_vector(cloud.up);
@@ -273,7 +279,8 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
   if (color_by == "auto") {
     if (has_colors(cloud)) return "rgb";
     if (is_land(cloud)) return "elevation";
-    return varies(cloud.scalar("intensity")) ? "intensity" : "clay";
+    if (varies(cloud.scalar("intensity"))) return "intensity";
+    return is_classified(cloud.scalar("classification")) ? "classification" : "clay";
   }
   if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by))
     return std::string(color_by);

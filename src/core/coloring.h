@@ -52,7 +52,8 @@ struct Coloring {
 };
 
 /// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then elevation where the
-/// cloud is land (less than 0.4 times as high as wide), then intensity unless missing or constant, then clay.
+/// cloud is land (less than 0.4 times as high as wide), then intensity unless missing or constant,
+/// then the classes if there are several, then clay.
 /// Throws Error(usage) naming the nearest attribute.
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 

@@ -70,6 +70,11 @@ TEST(Colormap, WrongNameNamesTheNearest) {
 TEST(Coloring, AutoFallsFromColourToIntensityToClay) {
   PointCloud cloud = ramp(4);
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay");
+  cloud.set_scalar(field("classification", {1, 0, 1}));
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay") << "neither is a class";
+  cloud.set_scalar(field("classification", {1, 6, 1}));
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "classification");
+  cloud.set_scalar(field("classification", {6, 6, 6}));
   cloud.set_scalar(field("intensity", {5, 5, 5, 5}));
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay") << "a constant shows nothing";
   cloud.set_scalar(field("intensity", {5, 5, 6, 5}));
