@@ -305,39 +305,51 @@ TEST_F(WindowTest, ItemsAreRows) {
   for (const std::string& each : {both, one, edited}) expect_reproducible(each);
 }
 
-// Times of a GPS differ in digits that neither a float nor five digits have.
-TEST_F(WindowTest, DragsRangesOfLargeNumbers) {
-  {
-    std::ofstream out(path("strip.csv"));
-    out << "x,y,z,gps_time\n";
-    for (int i = 0; i < 5000; ++i)
-      out << i % 100 << "," << i / 100 << "," << i % 7 << "," << 300'000'000 + i % 100 << ".5\n";
+/// Points of which only the times tell one from the next, and what --color-range says of a picture of them.
+class RangeTest : public WindowTest {
+ protected:
+  /// `end`: of the time, behind `begin` and a number from 100 to 199.
+  void open_times(const std::string& begin, const std::string& end, const std::vector<std::string>& more) {
+    {
+      std::ofstream out(path("strip.csv"));
+      out << "x,y,z,gps_time\n";
+      for (int i = 0; i < 5000; ++i)
+        out << i % 100 << "," << i / 100 << "," << i % 7 << "," << begin << 100 + i % 100 << end << "\n";
+    }
+    std::vector<std::string> words{"strip.csv", "-t", "points", "--color-by", "gps_time"};
+    words.insert(words.end(), more.begin(), more.end());
+    open(words);
+    wait_for("final picture");
+    // Parameters are closed and colours opened.
+    hand("mousemove 1010 73 click 1 sleep 0.5 mousemove 1010 123 click 1 sleep 0.7");
   }
-  open({"strip.csv", "-t", "points", "--color-by", "gps_time"});
-  wait_for("final picture");
-  const auto range = [&](const std::string& name) {
+  void drag(int from, int to, int y) {
+    const auto move = [&](int x) { return "mousemove " + std::to_string(x) + " " + std::to_string(y); };
+    hand(move(from) + " sleep 0.3 mousedown 1 sleep 0.3 " + move((2 * from + to) / 3) + " sleep 0.2 " +
+         move(to) + " sleep 0.3 mouseup 1 sleep 0.3 mousemove 475 20");
+  }
+  std::pair<double, double> range(const std::string& name) {
     const std::string command = png_texts(name)["Command"], option = "--color-range=";
     double low = 0, high = 0;
     const std::size_t at = command.find(option);
     EXPECT_NE(at, std::string::npos) << command;
     if (at != std::string::npos)
       EXPECT_EQ(std::sscanf(command.c_str() + at + option.size(), "%lf,%lf", &low, &high), 2) << command;
-    return std::pair(low, high);
-  };
-  // Parameters are closed and colours opened: the histogram is 310 px wide, for 99 seconds.
-  hand("mousemove 1010 73 click 1 sleep 0.5 mousemove 1010 123 click 1 sleep 0.7");
-  hand(
-      "mousemove 1060 235 sleep 0.3 mousedown 1 sleep 0.3 mousemove 1100 235 sleep 0.2 mousemove 1180 235 "
-      "sleep 0.3 mouseup 1 sleep 0.3 mousemove 475 20");
+    return {low, high};
+  }
+};
+
+// Times of a GPS differ in digits that neither a float nor five digits have.
+TEST_F(RangeTest, IsDraggedOfLargeNumbers) {
+  open_times("300000", ".5", {});
+  drag(1060, 1180, 235);  // over the histogram, which is 310 px wide, for 99 seconds
   wait_for("final picture", 2);
   const std::string dragged = save();
   const auto [low, high] = range(dragged);
-  EXPECT_NEAR(low, 300'000'000.5 + 99 * 100.0 / 310, 1);
-  EXPECT_NEAR(high, 300'000'000.5 + 99 * 220.0 / 310, 1);
-  // The field of the lower end, below it.
-  hand(
-      "mousemove 990 273 sleep 0.3 mousedown 1 sleep 0.3 mousemove 1000 273 sleep 0.2 mousemove 1010 273 "
-      "sleep 0.3 mouseup 1 sleep 0.3 mousemove 475 20");
+  EXPECT_NEAR(low, 300'000'100.5 + 99 * 100.0 / 310, 1);
+  EXPECT_NEAR(high, 300'000'100.5 + 99 * 220.0 / 310, 1);
+  // The field of the lower end, below it, has room for all of its digits.
+  drag(1035, 1055, 273);
   wait_for("final picture", 3);
   const auto [moved, kept] = range(save());
   EXPECT_GT(moved, low);
@@ -346,6 +358,22 @@ TEST_F(WindowTest, DragsRangesOfLargeNumbers) {
   EXPECT_THAT(said(), Not(HasSubstr("two different numbers")));
   close();
   expect_reproducible(dragged);
+}
+
+// Two fields of so many digits stand below each other.
+TEST_F(RangeTest, HasRoomForEveryDigit) {
+  open_times("1234567890.0", "", {"--color-range", "1234567890.011,1234567890.018"});
+  drag(1060, 1080, 273);
+  wait_for("final picture", 2);
+  const auto [low, high] = range(save());
+  EXPECT_GT(low, 1234567890.011);
+  EXPECT_EQ(high, 1234567890.018);
+  drag(1060, 1080, 298);
+  wait_for("final picture", 3);
+  const auto [kept, moved] = range(save());
+  EXPECT_EQ(kept, low);
+  EXPECT_GT(moved, high);
+  close();
 }
 
 TEST_F(WindowTest, PicksAndMeasures) {

@@ -10,6 +10,37 @@
 #include "panel_tools.h"
 
 namespace sfumato::viewer {
+namespace {
+
+/// Fields for two numbers that differ by about `span`: beside each other where all of their digits have room,
+/// else below each other, and a small button beside them in any case. True when a hand changed one.
+bool edit_range(double (&range)[2], double span) {
+  const std::string format = fmt::format("%.{}f", view::decimals_of(span));
+  const float speed = std::max(1e-6f, 0.005f * float(span));
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float gap = style.ItemInnerSpacing.x, usual = ImGui::CalcItemWidth();
+  const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  const float room = ImGui::GetContentRegionAvail().x - gap - width_of("range") - style.ItemSpacing.x -
+                     width_of("×") - 2 * style.FramePadding.x;
+  float field = 0;
+  for (const double end : range) field = std::max(field, width_of(view::coordinate_text(end, span)));
+  field += 2 * style.FramePadding.x;
+  const bool is_row = 2 * field + gap <= room;
+  const float width = is_row ? std::max(field, 0.5f * (usual - gap)) : std::max(usual, std::min(field, room));
+  // By the names behind ### a drag goes on when digits come and the fields move.
+  const auto edit = [&](const char* name, double& end) {
+    ImGui::SetNextItemWidth(width);
+    return ImGui::DragScalar(name, ImGuiDataType_Double, &end, speed, nullptr, nullptr, format.c_str());
+  };
+  ImGui::BeginGroup();
+  bool is_changed = edit(is_row ? "###low" : "from###low", range[0]);
+  if (is_row) ImGui::SameLine(0, gap);
+  is_changed |= edit(is_row ? "range###high" : "to###high", range[1]);
+  ImGui::EndGroup();
+  return is_changed;
+}
+
+}  // namespace
 
 void Interface::color_panel() {
   if (!heading("Colour", false)) return;
@@ -44,10 +75,7 @@ void Interface::color_panel() {
     histogram(coloring);
     double range[2] = {coloring.low, coloring.high};
     const double span = std::abs(range[1] - range[0]);
-    const std::string format = fmt::format("%.{}f", view::decimals_of(span));
-    if (ImGui::DragScalarN("range", ImGuiDataType_Double, range, 2, std::max(1e-6f, 0.005f * float(span)),
-                           nullptr, nullptr, format.c_str()) &&
-        range[0] != range[1])
+    if (edit_range(range, span) && range[0] != range[1])
       bench_.change("color-range", [&](view::Wishes& next) { next.set_color_range(range[0], range[1]); });
     tooltip(fmt::format("{} to {}, the ends of the colour map: drag, or Ctrl+click to type",
                         view::coordinate_text(coloring.low, span),
