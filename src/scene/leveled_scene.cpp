@@ -56,10 +56,15 @@ std::uint64_t LeveledScene::points() const {
   return all;
 }
 
-Scene LeveledScene::overview(Progress& progress) {
+Scene LeveledScene::overview(Progress& progress, const std::function<void(const PointCloud&)>& see_all) {
   Scene scene;
   try {
-    scene = coarse(overview_points, progress);
+    scene = gather(coarse_nodes(overview_points), progress);
+    // A box reads other nodes than the whole does.
+    const bool is_all = !options_.selection.crop;
+    if (see_all && is_all) see_all(scene.cloud);
+    if (see_all && !is_all) see_all(unselected().coarse(overview_points, progress).cloud);
+    scene = narrowed(std::move(scene));
   } catch (const NothingSelected& nothing) {
     scene = unselected().coarse(overview_points, progress);
     scene.notes.push_back("nothing of the selection is in the coarse levels (" + std::string(nothing.what()) +
@@ -70,8 +75,12 @@ Scene LeveledScene::overview(Progress& progress) {
   return scene;
 }
 
+copc::NodeSelection LeveledScene::coarse_nodes(std::uint64_t points) const {
+  return copc::select_overview(trees_, std::min(budget_, points), options_.selection.crop);
+}
+
 Scene LeveledScene::coarse(std::uint64_t points, Progress& progress) const {
-  return read(copc::select_overview(trees_, std::min(budget_, points), options_.selection.crop), progress);
+  return read(coarse_nodes(points), progress);
 }
 
 copc::NodeSelection LeveledScene::select(std::span<const copc::View> views, bool has_shadows,
@@ -89,6 +98,10 @@ Scene LeveledScene::read(std::span<const copc::View> views, bool has_shadows, Pr
 }
 
 Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progress) const {
+  return narrowed(gather(selection, progress));
+}
+
+Scene LeveledScene::gather(const copc::NodeSelection& selection, Progress& progress) const {
   if (kept_) kept_->begin_read();
   const auto read_one = [&](std::size_t i) {
     io::ReadResult result =
@@ -97,17 +110,24 @@ Scene LeveledScene::read(const copc::NodeSelection& selection, Progress& progres
       result.cloud = subsample(result.cloud, std::size_t(selection.wanted[i]));
     return result;
   };
-  Scene scene;
-  try {
-    scene = assemble(files_, options_, read_one, true);
-  } catch (const NothingSelected& nothing) {
-    throw NothingSelected(std::string(nothing.what()) +
-                          " (of the points that are read for this view; a nearer one reads finer levels)");
-  }
+  SceneOptions all = options_;
+  all.selection = {};
+  all.read.max_points.reset();
+  Scene scene = assemble(files_, all, read_one, true);
   scene.levels = {selection.points,     selection.points_needed, selection.points_in_files,
                   selection.nodes_read, selection.nodes_needed,  selection.nodes_in_files,
                   selection.widest_px};
   scene.overview = overview_;
+  return scene;
+}
+
+Scene LeveledScene::narrowed(Scene scene) const {
+  try {
+    narrow(scene, files_, options_);
+  } catch (const NothingSelected& nothing) {
+    throw NothingSelected(std::string(nothing.what()) +
+                          " (of the points that are read for this view; a nearer one reads finer levels)");
+  }
   return scene;
 }
 

@@ -1,6 +1,7 @@
 // Scenes of COPC files that are read by their levels.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,7 +24,9 @@ class LeveledScene {
   /// The coarse levels: from where to look follows from them, and what they hold goes with all that is read
   /// later (`Scene::overview`).
   /// Where nothing of the selection is in them, they hold what the whole has, and a note says so.
-  Scene overview(Progress& progress = no_progress());
+  /// `see_all` is given what these levels hold whatever is selected, and whatever box.
+  Scene overview(Progress& progress = no_progress(),
+                 const std::function<void(const PointCloud&)>& see_all = {});
   /// Where it was read before, of the same files and selection.
   void set_overview(std::shared_ptr<const PointCloud> overview) { overview_ = std::move(overview); }
   /// As many whole levels as `points` and the budget allow, the coarsest in any case.
@@ -40,13 +43,18 @@ class LeveledScene {
   void keep_nodes(std::shared_ptr<io::ChunkCache> kept) { kept_ = std::move(kept); }
 
   const std::vector<copc::Tree>& trees() const { return trees_; }
-  /// The same without a selection.
-  LeveledScene unselected() const;
   /// What the headers say of all points, whatever is selected.
   Bounds bounds() const;
   std::uint64_t points() const;
 
  private:
+  /// The same without a selection.
+  LeveledScene unselected() const;
+  copc::NodeSelection coarse_nodes(std::uint64_t points) const;
+  /// All points of the nodes, and what is selected of them.
+  Scene gather(const copc::NodeSelection& nodes, Progress& progress) const;
+  Scene narrowed(Scene scene) const;
+
   std::vector<SceneFile> files_;
   std::vector<copc::Tree> trees_;
   SceneOptions options_;

@@ -234,25 +234,28 @@ Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, 
   const bool is_new = job.anew || !nodes_ || nodes_key_ != key;
   if (is_new) nodes_ = std::make_shared<io::ChunkCache>(job.memory / scene::share_of_kept_nodes);
   files.keep_nodes(nodes_);
-  if (is_new) {
-    nodes_key_.clear();  // until the classes are known: this may be called off
-    // What is selected is not all that there is to select from.
-    classes_ = classes_of(files.unselected().overview(watch).cloud);
+  if (is_new) nodes_key_.clear();  // until the classes are known: this may be called off
+  // What is selected is not all that there is to select from.
+  const auto see_classes = [&](const PointCloud& cloud) {
+    classes_ = classes_of(cloud);
     for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
     nodes_key_ = key;
-  }
+  };
   Loaded known;
   known.id = job.id;
   known.follows_view = true;
   known.is_first = !job.seen;
   known.box = files.bounds();
   scene::Scene overview;
+  if (is_new)
+    overview = files.overview(watch, see_classes);
+  else if (!job.pose)
+    overview = files.overview(watch);
   if (job.pose) {
     files.set_overview(job.overview);
     known.pose = *job.pose;
     known.overview = job.overview;
   } else {
-    overview = files.overview(watch);
     known.overview = overview.overview;
     known.pose = stand_upright(overview, job.options.up, job.cutaway);
   }

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <set>
 #include <thread>
 
 #include "copc/build.h"
@@ -250,6 +252,53 @@ TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
   ASSERT_TRUE(settle(bench));
   EXPECT_FALSE(has_walls(*bench.scene()));
   EXPECT_EQ(bench.scene()->classes.size(), 2u);
+}
+
+// One reading of the coarse levels says which classes there are, whatever is selected of them.
+TEST_F(LevelsTest, OneReadingTellsAllClassesAndWhatIsSelected) {
+  struct Reads : Progress {
+    void update(double, std::string_view) override { ++updates; }  // at every node
+    bool cancelled() const override { return false; }
+    std::atomic<int> updates = 0;
+  };
+  scene::SceneOptions options;
+  options.selection.hide_classes = {6};
+  const auto open = [&] {
+    return *scene::LeveledScene::open(scene::files_of({scan().string()}), options, memory);
+  };
+  std::set<float> seen;
+  std::size_t points_seen = 0;
+  const auto see = [&](const PointCloud& all) {
+    const ScalarField* kind = all.scalar("classification");
+    seen = {kind->values.begin(), kind->values.end()};
+    points_seen = all.size();
+  };
+  Reads alone, both;
+  const scene::Scene expected = open().overview(alone);
+  const scene::Scene scene = open().overview(both, see);
+  EXPECT_EQ(both.updates, alone.updates);
+  EXPECT_EQ(seen, (std::set{2.0f, 6.0f}));
+  EXPECT_EQ(scene.cloud.positions, expected.cloud.positions);
+  EXPECT_GT(scene.selected.hidden, 0u);
+  const ScalarField* kind = scene.cloud.scalar("classification");
+  EXPECT_EQ(std::count(kind->values.begin(), kind->values.end(), 6.0f), 0);
+  EXPECT_EQ(points_seen, scene.cloud.size() + scene.selected.hidden);
+}
+
+// What a box leaves out is seen as well, though nothing is read there for what is selected.
+TEST_F(LevelsTest, ClassesBesideABoxAreKnown) {
+  io::write(folder_ / "beside.las", test::scan(20'000, 7, 1000));
+  copc::build({folder_ / "beside.las"}, folder_ / "beside.copc.laz");
+  const auto files = scene::files_of({scan().string(), (folder_ / "beside.copc.laz").string()});
+  scene::SceneOptions options;
+  auto both = scene::LeveledScene::open(files, options, memory, true);
+  options.selection.crop = both->trees()[1].bounds;
+  std::size_t points_seen = 0;
+  const scene::Scene beside =
+      scene::LeveledScene::open(files, options, memory, true)
+          ->overview(no_progress(), [&](const PointCloud& all) { points_seen = all.size(); });
+  EXPECT_EQ(beside.levels->points, 20'000u);
+  EXPECT_EQ(points_seen, both->overview().cloud.size());
 }
 
 // What cannot be opened is said once, and not again for every view of what is still on the screen.
