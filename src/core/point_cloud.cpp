@@ -110,6 +110,34 @@ ScalarField scanner_numbers(const PointCloud& cloud) {
   return {"scanner", 0, std::vector<float>(cloud.size(), number)};
 }
 
+/// How many numbers a file gives to scanners without saying where any of them stood, as a table does that has
+/// a column of that name: one more than the largest. What is larger than any count of scanners names none.
+std::size_t numbers_without_places(const PointCloud& cloud) {
+  constexpr double most = 65'535;
+  const ScalarField* field =
+      cloud.scalars.empty() || !cloud.scanners.empty() ? nullptr : cloud.scalar("scanner");
+  double largest = -1;
+  for (std::size_t i = 0; field && i < field->values.size(); ++i)
+    if (const double number = std::round(field->value(i)); number <= most)
+      largest = std::max(largest, number);
+  return std::size_t(largest + 1);
+}
+
+/// The first `count` numbers are left to scanners of which nobody knows where they stood.
+void leave_numbers(PointCloud& cloud, std::size_t count) {
+  auto& all = cloud.scanners;
+  const auto is_known = [](const dvec3& place) { return !std::isnan(place.x); };
+  const std::size_t left = std::size_t(std::find_if(all.begin(), all.end(), is_known) - all.begin());
+  if (left >= count) return;
+  ScalarField field = scanner_numbers(cloud);
+  for (std::size_t i = 0; i < field.values.size(); ++i)
+    if (const double number = std::round(field.value(i));
+        number >= double(left) && number < double(all.size()))
+      field.values[i] += float(count - left);
+  cloud.set_scalar(std::move(field));
+  all.insert(all.begin(), count - left, dvec3(std::numeric_limits<double>::quiet_NaN()));
+}
+
 }  // namespace
 
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
@@ -148,9 +176,13 @@ void append(PointCloud& cloud, const PointCloud& other) {
   const bool has_scanners = !cloud.scanners.empty() || !other.scanners.empty();
   ScalarField their_scanners;
   if (has_scanners) {
+    leave_numbers(cloud, numbers_without_places(other));
+    cloud.scanners.resize(std::max(cloud.scanners.size(), numbers_without_places(cloud)),
+                          dvec3(std::numeric_limits<double>::quiet_NaN()));
     cloud.set_scalar(scanner_numbers(cloud));
     their_scanners = scanner_numbers(other);
-    their_scanners.offset += double(cloud.scanners.size());  // they come behind ours
+    if (!other.scanners.empty())
+      their_scanners.offset += double(cloud.scanners.size());  // they come behind ours
   }
   const std::size_t n = cloud.size(), m = other.size();
   const dvec3 shift = other.origin - cloud.origin;

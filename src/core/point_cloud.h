@@ -108,7 +108,8 @@ Bounds robust_bounds(const PointCloud& cloud, double low = 0.02, double high = 0
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
 /// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal
 /// 0, radius 0, white, NaN scalar. Scanners of `other` come behind those of `cloud`, and so do their numbers
-/// in the scalar `scanner`, which is there when either side has scanners.
+/// in the scalar `scanner`, which is there when either side has scanners. Numbers of a file that says of none
+/// of its scanners where it stood stay as they are: the others make room for them.
 void append(PointCloud& cloud, const PointCloud& other);
 /// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow, and
 /// `up` to the nearest axis.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace sfumato;
 
@@ -65,6 +66,47 @@ TEST(PointCloud, AppendTellsScannersApart) {
   append(unknown, another);
   EXPECT_TRUE(std::isnan(unknown.scalar("scanner")->value(0)));
   EXPECT_EQ(unknown.scalar("scanner")->value(1), 0);
+}
+
+// A column `scanner` of a table says which scanner it was, and not where that stood: its numbers stay, and
+// come to name none of the scanners of other files, in whatever order the files are put together.
+TEST(PointCloud, AppendLeavesNumbersOfScannersWithoutPlaces) {
+  PointCloud table = line(3, {0, 0, 0}), longer = line(2, {0, 0, 0}), one = line(1, {0, 0, 0}),
+             two = line(2, {0, 0, 0}), lost = line(1, {0, 0, 0});
+  lost.scanners = {dvec3(std::numeric_limits<double>::quiet_NaN())};
+  table.set_scalar({"scanner", 0, {0, 2, 1e6f}});
+  longer.set_scalar({"scanner", 3, {1, 0}});
+  one.scanners = {{1, 0, 0}};
+  two.scanners = {{2, 0, 0}, {3, 0, 0}};
+  two.set_scalar({"scanner", 0, {1, 0}});
+  // By file: its numbers, and where the scanners of its points stood; 0: unknown.
+  struct File {
+    const PointCloud* cloud;
+    std::vector<double> numbers, places;
+  };
+  const File files[] = {{&table, {0, 2, 1e6}, {0, 0, 0}},
+                        {&longer, {4, 3}, {0, 0}},
+                        {&one, {}, {1}},
+                        {&two, {}, {3, 2}},
+                        {&lost, {}, {0}}};
+  std::vector<int> order{0, 1, 2, 3, 4};
+  do {
+    PointCloud all;
+    for (int i : order) append(all, *files[i].cloud);
+    const ScalarField* scanner = all.scalar("scanner");
+    ASSERT_TRUE(scanner);
+    ASSERT_EQ(scanner->values.size(), 9u);
+    std::size_t at = 0;
+    for (int i : order)
+      for (std::size_t k = 0; k < files[i].places.size(); ++k, ++at) {
+        SCOPED_TRACE(::testing::PrintToString(order) + " file " + std::to_string(i));
+        const double number = scanner->value(at);
+        if (!files[i].numbers.empty()) EXPECT_EQ(number, files[i].numbers[k]);
+        const bool is_known =
+            number < double(all.scanners.size()) && !std::isnan(all.scanners[std::size_t(number)].x);
+        EXPECT_EQ(is_known ? all.scanners[std::size_t(number)].x : 0, files[i].places[k]);
+      }
+  } while (std::next_permutation(order.begin(), order.end()));
 }
 
 TEST(PointCloud, SubsampleIsDeterministicAndKeepsSourceIndex) {
