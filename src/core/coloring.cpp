@@ -129,26 +129,51 @@ void color_classes(const ScalarField& field, Coloring& out) {
   }
 }
 
+long number_of(const ScalarField& field, std::size_t i) {
+  constexpr double most = 0x1p53;  // beyond it whole numbers are not told apart
+  return std::lround(std::clamp(field.value(i), -most, most));
+}
+
+/// How many points have each of the numbers.
+std::map<long, std::size_t> counts_of(const ScalarField& field) {
+  std::map<long, std::size_t> counts;
+  for (std::size_t i = 0; i < field.values.size(); ++i)
+    if (std::isfinite(field.values[i])) ++counts[number_of(field, i)];
+  return counts;
+}
+
+/// Numbers that name something, each with a colour and a line of the legend, in their order; grey where there
+/// is none. `swatch_of`: label and colour of a number.
+template <class SwatchOf>
+void color_names(const ScalarField& field, const std::map<long, std::size_t>& counts,
+                 const SwatchOf& swatch_of, Coloring& out) {
+  out.kind = ColorKind::files;
+  std::map<long, Rgba8> colors;
+  for (const auto& [number, points] : counts) {
+    Swatch swatch = swatch_of(number);
+    swatch.points = points;
+    colors[number] = swatch.color;
+    out.swatches.push_back(std::move(swatch));
+  }
+  out.colors.reserve(field.values.size());
+  float last = std::numeric_limits<float>::quiet_NaN();
+  Rgba8 color = unknown_gray;
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    const float value = field.values[i];
+    if (std::isfinite(value) && value != last) last = value, color = colors[number_of(field, i)];
+    out.colors.push_back(std::isfinite(value) ? color : unknown_gray);
+  }
+}
+
 /// A colour for each file of the scene: a ramp would say that the second is more than the first.
 void color_files(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
-  out.kind = ColorKind::files;
-  std::map<long, std::size_t> counts;
-  out.colors.reserve(field.values.size());
-  for (std::size_t i = 0; i < field.values.size(); ++i) {
-    if (!std::isfinite(field.values[i])) {
-      out.colors.push_back(unknown_gray);
-      continue;
-    }
-    const long number = std::lround(field.value(i));
-    ++counts[number];
-    out.colors.push_back(swatch_color(std::size_t(std::max(0L, number - 1))));
-  }
-  for (const auto& [number, points] : counts) {
+  const auto swatch_of = [&](long number) {
     const std::size_t index = std::size_t(std::max(0L, number - 1));
-    out.swatches.push_back(
-        {index < settings.file_names.size() ? settings.file_names[index] : "file " + std::to_string(number),
-         swatch_color(index), points});
-  }
+    const std::vector<std::string>& names = settings.file_names;
+    return Swatch{index < names.size() ? names[index] : "file " + std::to_string(number),
+                  swatch_color(index)};
+  };
+  color_names(field, counts_of(field), swatch_of, out);
 }
 
 constexpr std::size_t most_things = 8;  // colours that are told apart at a glance
@@ -157,8 +182,8 @@ constexpr std::size_t most_things = 8;  // colours that are told apart at a glan
 /// 66 and 67 shows nothing.
 bool names_things(const ScalarField& field) {
   static const std::set<std::string> names{"point_source_id", "return_number", "number_of_returns",
-                                           "scanner_channel", "scan_channel",  "user_data",
-                                           "scanner",         "cluster"};
+                                           "scanner_channel", "user_data",     "scanner",
+                                           "cluster"};
   if (!names.contains(field.name)) return false;
   std::vector<float> found;
   for (const float value : field.values) {
@@ -171,28 +196,16 @@ bool names_things(const ScalarField& field) {
 
 /// A colour for each of these numbers.
 void color_numbers(const ScalarField& field, Coloring& out) {
-  out.kind = ColorKind::files;
-  std::map<long, std::size_t> counts;
-  for (std::size_t i = 0; i < field.values.size(); ++i)
-    if (std::isfinite(field.values[i])) ++counts[std::lround(field.value(i))];
+  const std::map<long, std::size_t> counts = counts_of(field);
   // By the number itself, so that it has its colour in every view; by its place where two would share one.
-  std::map<long, Rgba8> colors;
-  std::set<long> taken;
-  for (const auto& [number, points] : counts) taken.insert(std::abs(number) % long(most_things));
-  for (const auto& [number, points] : counts) {
-    const std::size_t place =
-        taken.size() == counts.size() ? std::size_t(std::abs(number)) % most_things : colors.size();
-    colors[number] = swatch_color(place);
-    out.swatches.push_back({std::to_string(number), colors[number], points});
-  }
-  out.colors.reserve(field.values.size());
-  float last = std::numeric_limits<float>::quiet_NaN();
-  Rgba8 color = unknown_gray;
-  for (std::size_t i = 0; i < field.values.size(); ++i) {
-    const float value = field.values[i];
-    if (std::isfinite(value) && value != last) last = value, color = colors[std::lround(field.value(i))];
-    out.colors.push_back(std::isfinite(value) ? color : unknown_gray);
-  }
+  const auto own_place = [](long number) { return std::size_t(std::abs(number)) % most_things; };
+  std::set<std::size_t> taken;
+  for (const auto& [number, points] : counts) taken.insert(own_place(number));
+  const bool by_place = taken.size() < counts.size();
+  const auto swatch_of = [&](long number) {
+    return Swatch{std::to_string(number), swatch_color(by_place ? out.swatches.size() : own_place(number))};
+  };
+  color_names(field, counts, swatch_of, out);
 }
 
 void color_normals(const PointCloud& cloud, Coloring& out) {
