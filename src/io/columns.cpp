@@ -123,6 +123,9 @@ void use_usual_names(std::vector<Column>& columns) {
       {"gpstime", "gps_time"},
       {"scan_angle", "scan_angle"},
       {"scan_angle_rank", "scan_angle"},
+      {"scanner_channel", "scanner_channel"},
+      {"scan_channel", "scanner_channel"},
+      {"scanchannel", "scanner_channel"},  // of PDAL
       {"user_data", "user_data"},
       {"point_source_id", "point_source_id"}};
   for (Column& column : columns) {

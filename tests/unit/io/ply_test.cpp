@@ -90,10 +90,12 @@ TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
 TEST(PlyTest, ScalarsOfOtherProgramsHaveTheUsualNames) {
   const std::string body = "element vertex 1\n" + xyz +
                            "property float scalar_Intensity\nproperty float scalar_Return_Number\n"
-                           "property uchar Class\nproperty uchar classification\nproperty float scalar_C2C\n";
-  const PointCloud cloud = io::read(write_file("a.ply", header("ascii", body) + "1 2 3 4 5 6 7 8\n")).cloud;
-  const std::pair<const char*, double> fields[] = {
-      {"intensity", 4}, {"return_number", 5}, {"Class", 6}, {"classification", 7}, {"scalar_C2C", 8}};
+                           "property uchar Class\nproperty uchar classification\nproperty float scalar_C2C\n"
+                           "property uchar ScanChannel\n";
+  const PointCloud cloud = io::read(write_file("a.ply", header("ascii", body) + "1 2 3 4 5 6 7 8 9\n")).cloud;
+  const std::pair<const char*, double> fields[] = {{"scanner_channel", 9}, {"intensity", 4},
+                                                   {"return_number", 5},   {"Class", 6},
+                                                   {"classification", 7},  {"scalar_C2C", 8}};
   for (const auto& [name, value] : fields) {
     ASSERT_NE(cloud.scalar(name), nullptr) << name;
     EXPECT_EQ(cloud.scalar(name)->value(0), value) << name;
