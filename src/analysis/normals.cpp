@@ -65,6 +65,21 @@ std::optional<vec3> widest_direction(const std::vector<vec3>& positions, std::ui
   return solver ? direction_of(*solver, 2) : std::nullopt;
 }
 
+std::optional<dvec3> way_to_scanner(const PointCloud& cloud, const ScalarField* scanner, std::size_t point) {
+  std::size_t which = 0;
+  if (scanner) {
+    const double value = std::round(scanner->value(point));
+    if (!(value >= 0 && value < double(cloud.scanners.size()))) return std::nullopt;
+    which = std::size_t(value);
+  } else if (cloud.scanners.size() != 1) {
+    return std::nullopt;
+  }
+  const dvec3 way = cloud.scanners[which] - cloud.world(point);
+  const double length = glm::length(way);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  return way;
+}
+
 Orientation::Orientation(const PointCloud& cloud)
     : cloud_(cloud), scanner_(cloud.scalar("scanner")), up_(up_vector(cloud.up)) {
   // Tilted, so that the many walls that stand exactly upright do not flip with their noise.
@@ -72,18 +87,8 @@ Orientation::Orientation(const PointCloud& cloud)
 }
 
 std::optional<vec3> Orientation::to_scanner(std::uint32_t point) const {
-  std::size_t which = 0;
-  if (scanner_) {
-    const double value = std::round(scanner_->value(point));
-    if (!(value >= 0 && value < double(cloud_.scanners.size()))) return std::nullopt;
-    which = std::size_t(value);
-  } else if (cloud_.scanners.size() != 1) {
-    return std::nullopt;
-  }
-  const dvec3 way = cloud_.scanners[which] - cloud_.world(point);
-  const double length = glm::length(way);
-  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
-  return vec3(way / length);
+  const std::optional<dvec3> way = way_to_scanner(cloud_, scanner_, point);
+  return way ? std::optional(vec3(*way / glm::length(*way))) : std::nullopt;
 }
 
 vec3 Orientation::facing(std::uint32_t point, const vec3& normal) const {

@@ -28,6 +28,10 @@ struct LocalFrame {
 std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors);
 
+/// The way from a point to the scanner that saw it, world; nothing where nobody knows. `scanner`: the cloud's
+/// scalar of that name, or null.
+std::optional<dvec3> way_to_scanner(const PointCloud& cloud, const ScalarField* scanner, std::size_t point);
+
 /// Gives normals their sign: towards the scanner that saw the point where the cloud knows it (`scanners`,
 /// with the scalar `scanner` where there are several), else by a fixed rule that looks at the normal alone:
 /// upwards.
@@ -39,6 +43,7 @@ class Orientation {
   vec3 fallback(std::uint32_t point) const;
 
  private:
+  /// A unit vector.
   std::optional<vec3> to_scanner(std::uint32_t point) const;
   const PointCloud& cloud_;
   const ScalarField* scanner_;

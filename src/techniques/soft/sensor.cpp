@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "analysis/normals.h"
 #include "analysis/quantiles.h"
 #include "core/error.h"
 
@@ -14,22 +15,6 @@ namespace {
 /// Grazing rays: beyond it the surface no longer fills the beam.
 constexpr double least_cosine = 0.1;
 constexpr double cosine_without_normal = 0.5;
-
-/// From a point to the scanner that measured it.
-std::optional<dvec3> to_scanner(const PointCloud& cloud, const ScalarField* scanner, std::size_t i) {
-  std::size_t which = 0;
-  if (scanner) {
-    const double value = std::round(scanner->value(i));
-    if (!(value >= 0 && value < double(cloud.scanners.size()))) return std::nullopt;
-    which = std::size_t(value);
-  } else if (cloud.scanners.size() != 1) {
-    return std::nullopt;
-  }
-  const dvec3 way = cloud.scanners[which] - cloud.world(i);
-  const double length = glm::length(way);
-  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
-  return way;
-}
 
 }  // namespace
 
@@ -51,7 +36,7 @@ std::vector<float> sensor_uncertainty(const PreparedCloud& prepared, std::vector
     double value = 1;
     if (returns) value = std::max(1.0, returns->value(i));  // 0 and NaN: a file that does not say
     if (knows_scanner) {
-      if (const std::optional<dvec3> way = to_scanner(cloud, scanner, i)) {
+      if (const std::optional<dvec3> way = analysis::way_to_scanner(cloud, scanner, i)) {
         const double range = glm::length(*way);
         const vec3 normal = i < cloud.normals.size() ? cloud.normals[i] : vec3(0);
         const double cosine = glm::dot(normal, normal) > 0.25f
