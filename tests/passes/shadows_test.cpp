@@ -34,6 +34,17 @@ class ShadowTest : public GlTest {
     return cloud;
   }
 
+  /// Shadow factor of the ground in a picture of 100 x 100 pixels that sees `across` of it from above.
+  Image<float> ground_factor(GpuCloud& gpu, const RenderSettings& settings, double across) {
+    const View view(camera_above(4, across, 100), prepared_.cloud.origin);
+    gl::Timers timers(false);
+    ShadowMaps maps;
+    gl::Texture factor("ground factor", GL_R32F, 100, 100);
+    maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
+                Ground{}, &factor);
+    return factor.download<float>();
+  }
+
   /// Shadow factor of every point, in the order of `cloud`.
   std::vector<float> factors(const PointCloud& cloud, const RenderSettings& settings,
                              const std::vector<float>& opacity = {}) {
@@ -281,14 +292,7 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
   // 5000 points cast some 4.5 of them, front and back, into a texel: 1 % of 570 texels stay empty.
   prepared_ = analysis::prepare(sphere_cloud(5000, 0.5f, vec3(0, 0, 1)), {}, {});
   GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
-  const View view(camera_above(4, 2, 100), prepared_.cloud.origin);
-  const RenderSettings settings = hard("dir:0,0,1");
-  gl::Timers timers(false);
-  ShadowMaps maps;
-  gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
-              Ground{}, &factor);
-  const Image<float> lit = factor.download<float>();
+  const Image<float> lit = ground_factor(gpu, hard("dir:0,0,1"), 2);
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
       const double r = std::hypot(x - 49.5, y - 49.5) / 50;
@@ -305,15 +309,8 @@ TEST_F(ShadowTest, ALightInsideTheCloudShinesOnTheGroundOnce) {
     prepared_ = analysis::prepare(cloud, {}, {});
     GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
     if (see_through) set_casters(gpu, std::vector<float>(cloud.size(), 0.5f), "test");
-    const View view(camera_above(4, 6, 100), prepared_.cloud.origin);
-    const RenderSettings settings = hard("0,0,2.5");
     ASSERT_EQ(ShadowMaps::light_cameras(Light::parse("0,0,2.5"), gpu.bounds(), 0.1).size(), 6u);
-    gl::Timers timers(false);
-    ShadowMaps maps;
-    gl::Texture factor("ground factor", GL_R32F, 100, 100);
-    maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
-                Ground{}, &factor);
-    const Image<float> lit = factor.download<float>();
+    const Image<float> lit = ground_factor(gpu, hard("0,0,2.5"), 6);
     // The light 1.5 above the centre of a sphere of 0.5 throws its outline 2.5 tan(asin(1/3)) = 0.884 wide;
     // the faces meet on the ground 2.5 from the middle.
     for (int y = 0; y < 100; ++y)
@@ -384,14 +381,7 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
   prepared_ = analysis::prepare(cloud, {}, {});
   GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
   set_casters(gpu, std::vector<float>(cloud.size(), 0.3f), "test");
-  const View view(camera_above(4, 4, 100), prepared_.cloud.origin);
-  RenderSettings settings = hard("dir:0,0,1");
-  gl::Timers timers(false);
-  ShadowMaps maps;
-  gl::Texture factor("ground factor", GL_R32F, 100, 100);
-  maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress(), &view,
-              Ground{}, &factor);
-  const Image<float> lit = factor.download<float>();
+  const Image<float> lit = ground_factor(gpu, hard("dir:0,0,1"), 4);
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
       const double away = std::max(std::abs(x - 49.5), std::abs(y - 49.5)) / 25;  // the sheets reach 1

@@ -101,6 +101,15 @@ OracleSurface oracle_denoise(const OracleRay& ray, const std::vector<OracleSplat
   return out;
 }
 
+Camera straight_camera(int side) {  // one pixel = 2 / side, straight onto the plane y = 0
+  Camera camera;
+  camera.position = {0, -4, 0};
+  camera.projection = Projection::orthographic;
+  camera.height_world = 2;
+  camera.width = camera.height = side;
+  return camera;
+}
+
 class Denoise : public GlTest {
  protected:
   Denoise() {
@@ -120,14 +129,6 @@ class Denoise : public GlTest {
     Renderer renderer(context());
     show(renderer, cloud, technique.needs());
     return renderer.render(technique, camera, settings_, all_outputs());
-  }
-  static Camera straight_camera(int side) {  // one pixel = 2 / side, straight onto the plane y = 0
-    Camera camera;
-    camera.position = {0, -4, 0};
-    camera.projection = Projection::orthographic;
-    camera.height_world = 2;
-    camera.width = camera.height = side;
-    return camera;
   }
   void expect_like_oracle(const PointCloud& cloud, const Camera& asked, const OracleOptions& o) {
     set("bin_size", std::to_string(o.bin_size));
@@ -419,11 +420,7 @@ TEST_F(Table, GrownInASmallPictureServesALargeOne) {
   PointCloud cloud;
   for (int k = 0; k < 120; ++k) add_disc(cloud, {0, 0.2f * float(k), 0}, 0.05f, {200, 100, 50, 255});
   add_disc(cloud, {100, 0, 0}, 0.05f, {200, 100, 50, 255});
-  Camera camera;
-  camera.position = {0, -4, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 2;
-  camera.width = camera.height = 31;
+  Camera camera = straight_camera(31);
   choose(cloud, camera);
   ASSERT_EQ(table_.slots(), 128);
   const std::int64_t room = gl::limits().max_texture_buffer_size;
@@ -447,11 +444,7 @@ TEST_F(Table, TheLastDenseBinAloneTakesTheRest) {
   PointCloud cloud;
   add_disc(cloud, {0, 0, 0}, 0.3f, {200, 100, 50, 255});
   for (float behind : {0.5f, 0.7f, 0.9f}) add_disc(cloud, {0, behind, 0}, 0.3f, {200, 100, 50, 255});
-  Camera camera;
-  camera.position = {0, -4, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 2;
-  camera.width = camera.height = 21;
+  const Camera camera = straight_camera(21);
   choose(cloud, camera);
   std::uint32_t weights[4];
   table_.weights().buffer().download(weights, sizeof weights, 4 * 4 * (21 * 10 + 10));
@@ -485,11 +478,7 @@ TEST_F(Table, TrackedBinIsTheNearestAboveTheThreshold) {
 }
 
 TEST_F(Table, CoincidentSplatsAddUp) {
-  Camera camera;
-  camera.position = {0, -4, 0};
-  camera.projection = Projection::orthographic;
-  camera.height_world = 2;
-  camera.width = camera.height = 21;
+  const Camera camera = straight_camera(21);
   for (int n : {1, 2, 7, 200}) {
     PointCloud cloud;
     for (int i = 0; i < n; ++i) add_disc(cloud, {0, 0, 0}, 0.3f, {200, 100, 50, 255});

@@ -85,12 +85,17 @@ TEST_F(Tiles, OverlapAsFarAsSparsePointsReach) {
     for (int x = 0; x < 1200; ++x) ASSERT_EQ(whole.rgba8.at(x, y), tiled.rgba8.at(x, y)) << x << " " << y;
 }
 
-// A table of 256 bins for each of these pixels is more than the texture buffers of today's drivers hold.
-TEST_F(Tiles, ServeTechniquesThatCannotHoldThePicture) {
-  Renderer renderer(context());
-  const auto technique = find_technique("denoise").create();
+/// Its table of 256 bins for each pixel is more than the texture buffers of today's drivers hold.
+std::unique_ptr<Technique> denoise_of_many_bins() {
+  std::unique_ptr<Technique> technique = find_technique("denoise").create();
   set_parameter(*technique, "bins", "dense");
   set_parameter(*technique, "dense_bins", "256");
+  return technique;
+}
+
+TEST_F(Tiles, ServeTechniquesThatCannotHoldThePicture) {
+  Renderer renderer(context());
+  const auto technique = denoise_of_many_bins();
   show(renderer, sphere_cloud(5000), technique->needs());
   const Camera camera = front_camera(900, 600);
   if (technique->most_pixels() >= 900 * 600) GTEST_SKIP() << "this driver holds it";
@@ -108,9 +113,7 @@ TEST_F(Tiles, ServeTechniquesThatCannotHoldThePicture) {
 // Splats that reach across hundreds of pixels, of which a tile can hold no more beside what is kept of it.
 TEST_F(Tiles, HoldWhatTechniquesCanWhereverPixelsSee) {
   Renderer renderer(context());
-  const auto technique = find_technique("denoise").create();
-  set_parameter(*technique, "bins", "dense");
-  set_parameter(*technique, "dense_bins", "256");
+  const auto technique = denoise_of_many_bins();
   show(renderer, sphere_cloud(30), technique->needs());
   const Camera camera = front_camera(1200, 450);
   if (technique->most_pixels() >= 1200 * 450) GTEST_SKIP() << "this driver holds it";

@@ -47,6 +47,13 @@ class WindowTest : public DeskTest {
     hand("key ctrl+q");
     EXPECT_EQ(exit_code(), 0) << said();
   }
+  /// The saved picture is what these words draw without a window.
+  void expect_drawn_by(const std::string& name, std::vector<std::string> words) {
+    words.insert(words.end(), {"--resolution", "950x694", "-o", "plain.png"});
+    const Outcome plain = run(words);
+    ASSERT_EQ(plain.code, 0) << plain.err;
+    EXPECT_TRUE(equal(read_png(name), read_png("plain.png"))) << png_texts(name)["Command"];
+  }
   /// The saved picture is what its command draws without a window.
   void expect_reproducible(const std::string& name) {
     const std::string command = png_texts(name)["Command"];
@@ -103,9 +110,7 @@ TEST_F(WindowTest, FirstPictureIsThatOfTheCommand) {
   wait_for("final picture");
   const std::string saved = save();
   close();
-  const Outcome plain = run({"forest.laz", "--resolution", "950x694", "-o", "plain.png"});
-  ASSERT_EQ(plain.code, 0) << plain.err;
-  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png")));
+  expect_drawn_by(saved, {"forest.laz"});
 }
 
 // Points appear while the file is read; what was found of the whole takes over where no hand has moved.
@@ -138,9 +143,7 @@ TEST_F(WindowTest, ShowsASampleWhileItReads) {
   const std::string home = save();
   close();
   unsetenv("SFUMATO_THREADS");
-  const Outcome plain = run({"tori.laz", "-t", "points", "--resolution", "950x694", "-o", "plain.png"});
-  ASSERT_EQ(plain.code, 0) << plain.err;
-  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png")));
+  expect_drawn_by(saved, {"tori.laz", "-t", "points"});
   EXPECT_TRUE(equal(read_png(home), read_png("plain.png")));
   EXPECT_FALSE(equal(read_png(turned), read_png("plain.png")));
   expect_reproducible(turned);
@@ -499,9 +502,7 @@ TEST_F(WindowTest, TakesASceneThatIsDropped) {
   wait_for("final picture", 4);
   EXPECT_TRUE(equal(read_png(save()), read_png(saved)));  // home is where the scene is seen from
   close();
-  const Outcome plain = run({"--scene", "scene.json", "--resolution", "950x694", "-o", "plain.png"});
-  ASSERT_EQ(plain.code, 0) << plain.err;
-  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png"))) << png_texts(saved)["Command"];
+  expect_drawn_by(saved, {"--scene", "scene.json"});
 }
 
 // One that keeps no camera is framed as its files would be.
@@ -518,9 +519,7 @@ TEST_F(WindowTest, FramesASceneWithoutACamera) {
   wait_for("points are read", 2);
   const std::string saved = save();
   close();
-  const Outcome plain = run({"--scene", "scene.json", "--resolution", "950x694", "-o", "plain.png"});
-  ASSERT_EQ(plain.code, 0) << plain.err;
-  EXPECT_TRUE(equal(read_png(saved), read_png("plain.png"))) << png_texts(saved)["Command"];
+  expect_drawn_by(saved, {"--scene", "scene.json"});
 }
 #endif
 

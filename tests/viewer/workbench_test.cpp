@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <thread>
 
 #include "io/io.h"
@@ -22,7 +23,10 @@ class WorkbenchTest : public ::testing::Test {
     folder_ = std::filesystem::path(::testing::TempDir()) / ("sfumato_workbench_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void TearDown() override {
+    bench_.reset();
+    std::filesystem::remove_all(folder_);
+  }
 
   /// A hilly square whose corner is at `x` to the east, of two classes.
   std::string write(const std::string& name, double x, int per_edge = 50) {
@@ -45,6 +49,13 @@ class WorkbenchTest : public ::testing::Test {
     return start;
   }
 
+  /// What `start` names, in a small window, whole.
+  Workbench& show(const Start& start) {
+    bench_ = std::make_unique<Workbench>(start);
+    bench_->set_size(320, 200);
+    EXPECT_TRUE(settle(*bench_));
+    return *bench_;
+  }
   void tick(Workbench& bench) {
     bench.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
     for (const Message& message : bench.take_messages()) mistakes_ += message.is_error;
@@ -81,15 +92,14 @@ class WorkbenchTest : public ::testing::Test {
   }
 
   std::filesystem::path folder_;
+  std::unique_ptr<Workbench> bench_;
   Clock::time_point began_ = Clock::now();
   int mistakes_ = 0;
 };
 
 TEST_F(WorkbenchTest, UndoGoesBackToViewsThatWereSeen) {
   const std::string here = write("here.las", 0), there = write("there.las", 5000);
-  Workbench bench(start(here));
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(start(here));
   turn(bench);
   const ViewCamera of_here = bench.wishes().camera;
   bench.open({there}, false);
@@ -113,9 +123,7 @@ TEST_F(WorkbenchTest, UndoGoesBackToViewsThatWereSeen) {
 // What is undone before it was seen is framed when it comes back.
 TEST_F(WorkbenchTest, RedoFramesWhatWasNeverSeen) {
   const std::string here = write("here.las", 0), there = write("there.las", 5000);
-  Workbench bench(start(here));
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(start(here));
   turn(bench);
   const ViewCamera of_here = bench.wishes().camera;
   bench.open({there}, false);
@@ -150,9 +158,7 @@ TEST_F(WorkbenchTest, UndoKeepsTheTechniqueThatWasChosen) {
 // A file that is open is read again where it stands, and arms nothing for later.
 TEST_F(WorkbenchTest, OpeningWhatIsOpenReadsItAgain) {
   const std::string file = write("here.las", 0, 50);
-  Workbench bench(start(file));
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(start(file));
   turn(bench);
   const ViewCamera turned = bench.wishes().camera;
   write("here.las", 0, 60);
@@ -168,9 +174,7 @@ TEST_F(WorkbenchTest, OpeningWhatIsOpenReadsItAgain) {
 TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
   Start sequence = start(write("f1.las", 0));
   sequence.frames = scene::files_of({sequence.wishes.files.front(), write("f2.las", 1)});
-  Workbench bench(sequence);
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(sequence);
   turn(bench);
   const ViewCamera turned = bench.wishes().camera;
   bench.open({(folder_ / "missing.las").string()}, false);
@@ -186,9 +190,7 @@ TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
 // The old scene stays on the screen, but there is no command that draws it.
 TEST_F(WorkbenchTest, SavesNoPictureOfWhatCannotBeOpened) {
   const std::string here = write("here.las", 0);
-  Workbench bench(start(here));
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(start(here));
   bench.open({(folder_ / "missing.las").string()}, false);
   ASSERT_TRUE(load(bench));
   ASSERT_EQ(mistakes_, 1);
@@ -231,9 +233,7 @@ TEST_F(WorkbenchTest, SavesEveryPictureThatWasAskedForWhileFilesWereRead) {
 // What R goes back to belongs to the files that are shown.
 TEST_F(WorkbenchTest, ResetGoesToTheFirstViewOfTheFilesThatAreShown) {
   const std::string here = write("here.las", 0), there = write("there.las", 5000);
-  Workbench bench(start(here));
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(start(here));
   const ViewCamera of_here = bench.wishes().camera;
   bench.open({there}, false);
   ASSERT_TRUE(load(bench));
@@ -261,9 +261,7 @@ TEST_F(WorkbenchTest, ResetGoesToTheFirstViewOfTheFilesThatAreShown) {
 
 // Undo goes back to where the path was left, and then to where it was begun.
 TEST_F(WorkbenchTest, APathThatWasPlayedIsAStep) {
-  Workbench bench(start(write("here.las", 0)));
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(start(write("here.las", 0)));
   bench.path.seconds_per_key = 0.2;
   bench.path.add(bench.wishes().camera);
   turn(bench);
@@ -307,9 +305,7 @@ TEST_F(WorkbenchTest, ASequenceMayShowAFileTwice) {
   const std::string one = write("f1.las", 0), two = write("f2.las", 1);
   Start sequence = start(one);
   sequence.frames = scene::files_of({one, one, two, one});
-  Workbench bench(sequence);
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(sequence);
   bench.frames_per_second = 20;
   bench.play_frames(true);
   for (const std::size_t frame : {1u, 2u, 3u, 0u, 1u})
@@ -327,9 +323,7 @@ TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   dmat4 moved(1);
   moved[3] = {1000, 0, 0, 1};
   sequence.frames[1].transform = moved;
-  Workbench bench(sequence);
-  bench.set_size(320, 200);
-  ASSERT_TRUE(settle(bench));
+  Workbench& bench = show(sequence);
   bench.show_frame(1);
   ASSERT_TRUE(load(bench));
   EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 1024.5, 1);
