@@ -33,6 +33,9 @@ constexpr double closed_least = 0.5, filled_most = 0.75, figure = 1.5;
 /// and built upon. A table has the bare ones, but legs are less than that; a chest has nothing bare.
 constexpr double ground_least = 0.2, tilt_most = 0.77 /* cos 40 degrees */, above_least = 0.9,
                  bare_least = 0.35, built_least = 0.05;
+/// A base is what lies within this share of the height from below. Of a ball that is 8 % of its outline, of
+/// feet a third, of a plinth, a floor or the rim of a bottom that was not scanned nearly all.
+constexpr double base_height = 0.02;
 /// A side on which this much stands already is not turned upside down.
 constexpr double firm_enough = 0.2;
 
@@ -110,6 +113,11 @@ struct Sample {
     return standing / (across * across) * std::sqrt(broad);
   }
 
+  /// Static stability (Fu, Cohen-Or, Dror and Sheffer 2008, "Upright orientation of man-made objects", 4.1):
+  /// the area of the support polygon, which is the convex hull of the base, over that of the outline seen
+  /// from above; 0 where the centre of mass is not above it. Of the points, whose bodies are not known.
+  double support(int axis, bool positive) const;
+
   /// Whether it is a closed body: of the columns along `axis`, most hold two sheets and nothing between, and
   /// they do not fill their rectangle.
   bool is_closed_along(int axis) const {
@@ -137,6 +145,58 @@ struct Sample {
   /// Towards what stands on the ground, perpendicular to it; nothing where there is no ground.
   std::optional<dvec3> ground_normal() const;
 };
+
+/// The convex hull, anticlockwise (Andrew 1979).
+std::vector<glm::dvec2> hull_of(std::vector<glm::dvec2> points) {
+  const auto right_turn = [](const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) <= 0;
+  };
+  std::sort(points.begin(), points.end(),
+            [](const glm::dvec2& a, const glm::dvec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::vector<glm::dvec2> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t first = hull.size();
+    for (const glm::dvec2& p : points) {
+      while (hull.size() >= first + 2 && right_turn(hull[hull.size() - 2], hull.back(), p)) hull.pop_back();
+      hull.push_back(p);
+    }
+    if (!hull.empty()) hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+double area_of(const std::vector<glm::dvec2>& hull) {
+  double twice = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const glm::dvec2 &a = hull[i], &b = hull[(i + 1) % hull.size()];
+    twice += a.x * b.y - a.y * b.x;
+  }
+  return 0.5 * twice;
+}
+
+double Sample::support(int axis, bool positive) const {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const double height = size()[axis];
+  std::vector<glm::dvec2> base, outline;
+  glm::dvec2 center(0);
+  for (const dvec3& p : points) {
+    if (glm::any(glm::lessThan(p, low)) || glm::any(glm::greaterThan(p, high))) continue;  // strays
+    const glm::dvec2 at = glm::dvec2(p[u], p[v]) - glm::dvec2(low[u], low[v]);
+    outline.push_back(at);
+    center += at;
+    if ((positive ? p[axis] - low[axis] : high[axis] - p[axis]) <= base_height * height) base.push_back(at);
+  }
+  if (base.size() < 3) return 0;
+  center /= double(outline.size());
+  const std::vector<glm::dvec2> polygon = hull_of(base);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 edge = polygon[(i + 1) % polygon.size()] - polygon[i], way = center - polygon[i];
+    if (!(edge.x * way.y - edge.y * way.x > 0)) return 0;
+  }
+  const double all = area_of(hull_of(outline));
+  return all > 0 ? area_of(polygon) / all : 0;
+}
 
 std::optional<dvec3> Sample::ground_normal() const {
   const std::size_t n = points.size();
@@ -194,6 +254,14 @@ Upright camera_view(UpAxis up, const char* reason) {
   return {up, reason, from - 15, 10, true};
 }
 
+/// What nothing but a custom speaks for: Y and Z are what programs mean by up.
+Upright unsure(Upright upright, const char* reason) {
+  upright.reason = reason;
+  if (upright.up == UpAxis::pos_y) upright.other = UpAxis::pos_z;
+  if (upright.up == UpAxis::pos_z) upright.other = UpAxis::pos_y;
+  return upright;
+}
+
 }  // namespace
 
 Upright guess_upright(const PointCloud& cloud) {
@@ -225,21 +293,42 @@ Upright guess_upright(const PointCloud& cloud) {
   // A survey has a vertical: what is flat in it and does not lie is a facade, or a profile cut out of the
   // whole.
   if (is_flat && thin != own && (cloud.las || !cloud.crs.empty())) return custom;
-  if (thin > 0 && is_flat)
-    return {axis_of(thin, true), std::string("flat: thin along ") + "xyz"[thin], -45, 30};
+  // Land and walls are flat alike. Programs of surveyors have Z for up in every format: what is thin along it
+  // lies. Whose formats have it by custom hardly ever mean Y, and what is thin along y is a wall.
+  if (is_flat && thin == 1 && own == 2) return unsure(custom, "its format's custom; thin along y, as a wall");
+  if (is_flat && thin == 1) return unsure({UpAxis::pos_y, "", -45, 30}, "flat: thin along y");
+  if (is_flat && thin == 2) return {UpAxis::pos_z, "flat: thin along z", -45, 30};
 
   if (thin == 2 && sample.most_heights < mostly_flat * size[by_size[1]])
     return {UpAxis::pos_z, "mostly flat: nearly all is thin along z", -45, 30};
 
   Upright best = custom;
-  double most = sample.stands_on(own, int(cloud.up) % 2 == 0) + lead;
+  const double own_floor = sample.stands_on(own, int(cloud.up) % 2 == 0);
+  double most = own_floor + lead, most_of_others = 0;
   for (int axis : {1, 2}) {
     const double firm = sample.stands_on(axis, true);
-    if (axis == own || !(firm > most)) continue;  // NaN where there is no extent
+    if (axis == own) continue;
+    most_of_others = std::max(most_of_others, firm);
+    if (!(firm > most)) continue;  // NaN where there is no extent
     most = firm;
     best = {axis_of(axis, true), std::string("stands on its lowest layer along ") + "xyz"[axis], -45, 30};
   }
-  if (best.up != custom.up || most - lead > firm_enough) return best;
+  if (best.up != custom.up) return best;
+  // A base that closes below the centre of mass, where the custom would lay it on its face.
+  const double own_base = sample.support(own, int(cloud.up) % 2 == 0);
+  const double rival = std::max(own_base, sample.support(1, false));  // a reconstruction with y down
+  double base_of_others = 0;
+  for (int axis : {1, 2}) {
+    if (axis == own) continue;
+    const double base = sample.support(axis, true);
+    if (base > rival + lead)
+      return {axis_of(axis, true), std::string("stands on a base across ") + "xyz"[axis], -45, 30};
+    base_of_others = std::max(base_of_others, base);
+  }
+  const bool is_told = own_floor > most_of_others + lead || own_base > base_of_others + lead;
+  if (!is_told && !cloud.las && cloud.crs.empty())
+    best = unsure(custom, "the custom of its format: nothing in its shape tells");
+  if (own_floor > firm_enough) return best;
   // Tilted ground has no lowest layer, and reconstructions from photographs have theirs on top: -Y is up.
   const std::optional<dvec3> ground = sample.ground_normal();
   if (!ground) return best;
@@ -249,7 +338,7 @@ Upright guess_upright(const PointCloud& cloud) {
   const bool positive = (*ground)[axis] > 0;
   // Nobody has X for up, or Z for down.
   if (std::abs((*ground)[axis]) < tilt_most || axis == 0 || (axis == 2 && !positive)) return best;
-  if (axis_of(axis, positive) == custom.up) return best;
+  if (axis_of(axis, positive) == custom.up) return custom;
   return {axis_of(axis, positive), std::string("stands on ground across ") + "xyz"[axis], -45, 30};
 }
 

@@ -111,9 +111,18 @@ std::vector<std::uint32_t> even_share(const std::vector<std::uint64_t>& in_file,
   return places;
 }
 
+/// Whether places, classes or values choose some of the points.
+bool selects(const Selection& selection) {
+  return selection.crop || selection.crop_share || !selection.show_classes.empty() ||
+         !selection.filters.empty();
+}
+
 }  // namespace
 
 void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options) {
+  constexpr std::size_t enough_for_upright = 65'536;
+  if (!scene.cloud.up_is_known && selects(options.selection))
+    scene.before_selection = std::make_shared<const PointCloud>(subsample(scene.cloud, enough_for_upright));
   const std::string whose = files.size() == 1 ? files[0].name + ": " : std::string();
   try {
     scene.selected = apply(options.selection, scene.cloud);
@@ -147,9 +156,7 @@ Scene read_scene(const std::vector<std::string>& names, const SceneOptions& opti
 Scene read_all(const std::vector<SceneFile>& files, const SceneOptions& options, Progress& progress) {
   io::ReadOptions read = options.read;
   // Whoever asks for a million points of a box wants them in the box.
-  const bool selects = options.selection.crop || options.selection.crop_share ||
-                       !options.selection.show_classes.empty() || !options.selection.filters.empty();
-  if (selects) read.max_points.reset();
+  if (selects(options.selection)) read.max_points.reset();
   std::vector<std::uint64_t> in_file, kept;
   const auto read_one = [&](std::size_t i) {
     io::ReadResult result = read_file(files[i].name, read, progress);

@@ -21,7 +21,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   else if (scene.cloud.up_is_known)
     upright = {scene.cloud.up, "the file says so"};
   else
-    upright = analysis::guess_upright(scene.cloud);
+    upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud);
   scene.cloud.up = upright.up;
   Pose pose{upright, subject_of(scene.cloud)};
   if (!upright.is_camera_view) {

@@ -74,19 +74,37 @@ TEST(FirstView, OfAHandfulOfPointsEachIsShown) {
   EXPECT_EQ(pose_of(cloud).subject.points.size(), 5u);
 }
 
-// A facade, or a profile cut out of a forest: surveys have a vertical, meshes without one lie as they are
-// thin.
-TEST(FirstView, WhatIsFlatInASurveyStands) {
+// A facade, or a profile cut out of a forest: surveys have a vertical, and so have the formats of scanners.
+// Where meshes have Y for up, what is thin along it may be a wall as well, and that is said.
+TEST(FirstView, WhatIsFlatStandsWhereUpIsZByCustom) {
   PointCloud facade = box_of({20, 0.5, 12});
   scene::Scene mesh, survey;
   mesh.cloud = facade;
   survey.cloud = facade;
   survey.cloud.las.emplace();
-  EXPECT_EQ(stand_upright(mesh).upright.up, UpAxis::pos_y);
+  EXPECT_EQ(stand_upright(mesh).upright.up, UpAxis::pos_z);
+  EXPECT_EQ(stand_upright(mesh).upright.other, UpAxis::pos_y);
   EXPECT_EQ(stand_upright(survey).upright.up, UpAxis::pos_z);
+  EXPECT_FALSE(stand_upright(survey).upright.other);
+  mesh.cloud.up = UpAxis::pos_y;
+  EXPECT_EQ(stand_upright(mesh).upright.up, UpAxis::pos_y);
+  EXPECT_EQ(stand_upright(mesh).upright.other, UpAxis::pos_z);
   // Ground lies in both.
   mesh.cloud = box_of({20, 12, 0.5});
   EXPECT_EQ(stand_upright(mesh).upright.up, UpAxis::pos_z);
+}
+
+TEST(FirstView, UpIsThatOfTheWholeNotOfAPart) {
+  scene::Scene whole, part;
+  whole.cloud = box_of({8, 8, 0.5});
+  whole.cloud.up = UpAxis::pos_y;
+  part = whole;
+  EXPECT_EQ(stand_upright(whole).upright.up, UpAxis::pos_z);
+  scene::SceneOptions options;
+  options.selection.crop = Bounds{{0, 0, 0}, {1, 0.1, 1}};
+  scene::narrow(part, scene::files_of({"a"}), options);
+  EXPECT_LT(part.cloud.size(), whole.cloud.size() / 50);
+  EXPECT_EQ(stand_upright(part).upright.up, UpAxis::pos_z);
 }
 
 TEST(FirstView, ATurnShowsAllFromEverySide) {

@@ -262,6 +262,53 @@ TEST(Upright, GroundTellsHoweverItIsTilted) {
   }
 }
 
+/// A body that narrows upwards, with a head that leans forward, z up, scanned from all sides but below.
+PointCloud statue() {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 40'000; ++i) {
+    const double angle = 2 * M_PI * unit(random), height = 1.6 * unit(random), radius = 0.5 - 0.22 * height;
+    const double rise = std::acos(1 - 2 * unit(random));
+    cloud.positions.push_back(i % 4 != 0 ? vec3(radius * std::cos(angle), radius * std::sin(angle), height)
+                                         : vec3(0.3 * std::sin(rise) * std::cos(angle),
+                                                0.25 + 0.3 * std::sin(rise) * std::sin(angle),
+                                                1.7 + 0.3 * std::cos(rise)));
+  }
+  return cloud;
+}
+
+TEST(Upright, StatuesStandOnTheRimOfTheirBase) {
+  PointCloud cloud = statue();
+  for (const UpAxis custom : {UpAxis::pos_y, UpAxis::pos_z}) {
+    cloud.up = custom;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+    EXPECT_FALSE(guess_upright(cloud).other);
+  }
+  turn(cloud, y_up);
+  for (const UpAxis custom : {UpAxis::pos_y, UpAxis::pos_z}) {
+    cloud.up = custom;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+  }
+}
+
+TEST(Upright, WhereNothingTellsTheCustomIsNamed) {
+  std::mt19937 random(22);
+  std::normal_distribution<float> normal;
+  PointCloud ball;
+  for (int i = 0; i < 20'000; ++i)
+    ball.positions.push_back(glm::normalize(vec3(normal(random), normal(random), normal(random))));
+  for (const auto& [custom, other] :
+       {std::pair(UpAxis::pos_y, UpAxis::pos_z), {UpAxis::pos_z, UpAxis::pos_y}}) {
+    ball.up = custom;
+    EXPECT_EQ(guess_upright(ball).up, custom);
+    EXPECT_EQ(guess_upright(ball).other, other);
+  }
+  ball.up = UpAxis::pos_z;
+  ball.las.emplace();
+  EXPECT_FALSE(guess_upright(ball).other) << "surveys have a vertical";
+}
+
 TEST(Upright, TablesStayOnTheirFeet) {
   std::mt19937 random(13);
   std::uniform_real_distribution<float> unit(0, 1);
