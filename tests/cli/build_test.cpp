@@ -18,7 +18,7 @@ TEST_F(Build, WritesAFileThatInfoConvertAndRenderingRead) {
   write_cube("cube.ply", 60);
   const Outcome built = run({"build", "cube.ply", "-o", "cube.copc.laz"});
   ASSERT_EQ(built.code, 0) << built.err;
-  EXPECT_THAT(built.err, HasSubstr("wrote cube.copc.laz (21600 points, 1 nodes in 1 levels"));
+  EXPECT_THAT(built.err, HasSubstr("wrote cube.copc.laz (21600 points, 1 node in 1 level,"));
   // Header and hierarchy answer; with --stats the points do.
   const nlohmann::json info = run_json({"info", "cube.copc.laz", "--json"});
   EXPECT_EQ(info["points"], 21600);
