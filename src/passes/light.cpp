@@ -85,7 +85,7 @@ void RenderSettings::describe(ParamList& p) {
   p.add("light_size", light_size)
       .at_least(0)
       .unit("scene units")
-      .help("diameter of the light for soft shadows (auto: a tenth of the cloud's diagonal)");
+      .help("diameter of the light for soft shadows (auto: a tenth of the cloud's diagonal without strays)");
   p.add("light_samples", light_samples)
       .range(1, 256)
       .help("positions on the light that are averaged")

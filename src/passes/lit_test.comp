@@ -25,6 +25,9 @@ struct LightView {  // as in frame.glsl
   mat4 eye_from_cloud;
   vec4 intrinsics;
   float near_plane;
+#ifndef LAYER
+  float elsewhere;  // light of what is not in the map: nothing casts there, or another face sees it
+#endif
 };
 #ifdef LAYER
 uniform LightView views[1];
@@ -77,7 +80,6 @@ void main() {
     pixel += VIEW.intrinsics.zw;
     // Without a normal, as for a surface tilted by 60 degrees to the light.
     float offset = d_min / max(has_normal ? cosine : 0.5, c_min);
-    // Another face of a light inside the cloud sees what is not in this map.
     ivec2 size = textureSize(light_maps[k], 0);
     bool is_inside = all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)));
     if (is_inside && depth >= VIEW.near_plane) {
@@ -111,6 +113,9 @@ void main() {
       factor += lit * lit_share;
 #endif
     }
+#ifndef LAYER
+    else factor += (is_inside && depth > 0.0 ? 1.0 : VIEW.elsewhere) * lit_share;  // nothing casts before the near plane
+#endif
   }
 #ifdef LAYER
   imageStore(passed, i, vec4(factor));

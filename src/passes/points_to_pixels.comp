@@ -43,7 +43,7 @@ bool same_bin(uint a, uint b) {
 }
 #endif
 
-const float max_footprint_px = 64.0;
+uniform float max_footprint_px;
 
 void cover(ivec2 pixel, float depth, int i) {
 #ifdef DEPTH_REFERENCE

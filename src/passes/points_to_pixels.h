@@ -15,7 +15,7 @@ namespace sfumato {
 
 enum class SizeMode { adaptive, pixels, world };
 
-/// The size of a point on the screen: a round disc of this diameter, at least 1 px and at most 64 px.
+/// The size of a point on the screen: a round disc of this diameter, at least 1 px.
 struct Footprint {
   SizeMode mode = SizeMode::pixels;
   float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
@@ -26,6 +26,7 @@ struct Footprint {
   float wide_px = 0;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;
+  float most_px = 64;  ///< no disc is wider
 };
 
 /// Only points that stop this share of the light (GpuCloud::set_casters): `from` <= share < `below`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <random>
 
@@ -20,9 +21,28 @@ std::pair<dvec3, dvec3> perpendicular(const dvec3& n) {
   return {u, glm::cross(n, u)};
 }
 
-int map_side(double texels) {
-  const int largest = std::min(gl::limits().max_texture_size, 4096);  // 64 MiB of depth and its copy
-  return std::clamp(int(std::ceil(texels)), 16, largest);
+int largest_side() { return std::min(gl::limits().max_texture_size, 4096); }  // 64 MiB of depth and its copy
+
+int map_side(double texels) { return std::clamp(int(std::ceil(texels)), 16, largest_side()); }
+
+double radius_of(const Bounds& box) { return std::max(0.5 * box.diagonal(), 1e-9); }
+
+/// From outside one camera sees the bounding sphere; beyond 120 degrees its texels get too uneven.
+bool is_inside(const Light& light, const Bounds& box) {
+  return light.kind != Light::Kind::directional &&
+         glm::length(box.center() - light.vector) <= radius_of(box) * 1.155;
+}
+
+/// Angle under which a light outside sees the bounding sphere.
+double fov_of(const Light& light, const Bounds& box) {
+  return 2 * std::asin(radius_of(box) / glm::length(box.center() - light.vector)) * 1.01;
+}
+
+/// What a map is wide: in the middle of the box, or where the faces of a light inside reach its sphere.
+double map_width(const Light& light, const Bounds& box) {
+  if (light.kind == Light::Kind::directional) return 2.02 * radius_of(box);
+  if (is_inside(light, box)) return 2 * radius_of(box);
+  return 2 * std::tan(0.5 * fov_of(light, box)) * glm::length(box.center() - light.vector);
 }
 
 /// How many of `total` light maps one visit of the points tests: what may be kept, in visits of one size.
@@ -39,34 +59,34 @@ std::size_t bytes_of_map(const Camera& camera) {
 
 }  // namespace
 
+double ShadowMaps::fitting_texel(const Light& light, const Bounds& box, double wanted) {
+  return std::max(wanted, map_width(light, box) / largest_side());
+}
+
 std::vector<Camera> ShadowMaps::light_cameras(const Light& light, const Bounds& box, double texel) {
   const dvec3 center = box.center();
-  const double radius = std::max(0.5 * box.diagonal(), 1e-9);
   Camera camera;
+  camera.width = camera.height = map_side(map_width(light, box) / texel);
   if (light.kind == Light::Kind::directional) {
+    const double radius = radius_of(box);
     camera.projection = Projection::orthographic;
     camera.position = center + light.vector * (2 * radius);
     camera.target = center;
     camera.up = perpendicular(light.vector).first;
     camera.height_world = 2.02 * radius;
-    camera.width = camera.height = map_side(camera.height_world / texel);
     camera.fit_depth_range(box);
     return {camera};
   }
   camera.position = light.vector;
-  const double distance = glm::length(center - light.vector);
-  // From outside one camera sees the bounding sphere; beyond 120 degrees its texels get too uneven.
-  if (distance > radius * 1.155) {
+  if (!is_inside(light, box)) {
     camera.target = center;
-    camera.up = perpendicular((center - light.vector) / distance).first;
-    camera.fov_y = 2 * std::asin(radius / distance) * 1.01;
-    camera.width = camera.height = map_side(2 * std::tan(0.5 * camera.fov_y) * distance / texel);
+    camera.up = perpendicular(glm::normalize(center - light.vector)).first;
+    camera.fov_y = fov_of(light, box);
     camera.fit_depth_range(box);
     return {camera};
   }
   std::vector<Camera> faces;
   camera.fov_y = glm::radians(90.0);
-  camera.width = camera.height = map_side(2 * radius / texel);
   for (int axis = 0; axis < 3; ++axis)
     for (double sign : {1.0, -1.0}) {
       dvec3 direction(0), up(0);
@@ -107,6 +127,30 @@ std::vector<Light> ShadowMaps::light_samples(const Light& light, const Bounds& b
   return samples;
 }
 
+Bounds bounds_without_strays(std::span<const PointCloud* const> clouds) {
+  std::size_t points = 0;
+  for (const PointCloud* cloud : clouds) points += cloud->size();
+  const std::size_t stride = std::max<std::size_t>(1, points / 1'000'000);
+  PointCloud sample;
+  for (const PointCloud* cloud : clouds) {
+    sample.origin = cloud->origin;
+    for (std::size_t i = 0; i < cloud->size(); i += stride) sample.positions.push_back(cloud->positions[i]);
+  }
+  const Bounds most = robust_bounds(sample);
+  // Most points in one place have no size to measure by.
+  const double reach = most.diagonal() > 0 ? most.diagonal() : std::numeric_limits<double>::infinity();
+  const vec3 from(most.min - sample.origin - reach), to(most.max - sample.origin + reach);
+  vec3 lo(std::numeric_limits<float>::infinity()), hi = -lo;
+  for (const PointCloud* cloud : clouds)
+    for (const vec3& p : cloud->positions) {
+      if (glm::any(glm::lessThan(p, from)) || glm::any(glm::greaterThan(p, to))) continue;
+      lo = glm::min(lo, p);
+      hi = glm::max(hi, p);
+    }
+  if (!(lo.x <= hi.x)) return most;
+  return {sample.origin + dvec3(lo), sample.origin + dvec3(hi)};
+}
+
 void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float median_spacing) {
   settings.light_size.resolve(float(0.1 * box.diagonal()));
   settings.shadow_distance.resolve(3 * median_spacing);
@@ -117,10 +161,20 @@ bool ShadowMaps::Key::operator==(const Key& other) const {
          light_size == other.light_size && d_min.user == other.d_min.user;
 }
 
-float ShadowMaps::d_min_of(const GpuCloud& cloud, const RenderSettings& settings) {
-  RenderSettings own = settings;
-  resolve_shadow_sizes(own, cloud.bounds(), cloud.median_spacing());
-  return own.shadow_distance.value();
+float ShadowMaps::d_min_of(const RenderSettings& settings, float median, float spacing, float map_spacing) {
+  // Across the texels of a map that had to be coarser a surface recedes as much more.
+  if (settings.shadow_distance.is_auto()) return 3 * std::max(spacing, map_spacing);
+  return *settings.shadow_distance.user * spacing / std::max(median, 1e-12f);
+}
+
+void ShadowMaps::measure(Clouds clouds) {
+  std::vector<std::uint64_t> serials;
+  for (const GpuCloud* cloud : clouds) serials.push_back(cloud->serial());
+  if (serials == measured_) return;
+  std::vector<const PointCloud*> points;
+  for (const GpuCloud* cloud : clouds) points.push_back(&cloud->prepared().cloud);
+  without_strays_ = bounds_without_strays(points);
+  measured_ = std::move(serials);
 }
 
 void ShadowMaps::use_stored(Clouds clouds) {
@@ -159,17 +213,21 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
   for (GpuCloud* cloud : all)
     if (cloud->size() > 0) clouds.push_back(cloud);
   if (clouds.empty()) return clear(all);
-  Bounds box = clouds.front()->bounds();
+  Bounds whole = clouds.front()->bounds();
   float spacing = clouds.front()->median_spacing();
   for (const GpuCloud* cloud : clouds) {
-    box = {glm::min(box.min, cloud->bounds().min), glm::max(box.max, cloud->bounds().max)};
+    whole = {glm::min(whole.min, cloud->bounds().min), glm::max(whole.max, cloud->bounds().max)};
     spacing = std::min(spacing, cloud->median_spacing());
   }
+  measure(clouds);
   RenderSettings settings = asked;
-  resolve_shadow_sizes(settings, box, spacing);
+  resolve_shadow_sizes(settings, without_strays_, spacing);
   const int count = settings.shadows == Shadows::soft ? settings.light_samples : 1;
   const double size = settings.light_size.value();
-  const float d_min = settings.shadow_distance.value();  // of the densest cloud
+  const double wanted = texel_ * std::max(double(spacing), 1e-12);  // of the densest cloud
+  // Strays count as long as a map of the texels wanted holds them as well.
+  const bool holds_strays = !(fitting_texel(light, whole, wanted) > wanted);
+  const Bounds& box = holds_strays ? whole : without_strays_;
   Key key{{}, light.kind, light.vector, std::size_t(count), size, asked.shadow_distance};
   bool have_all = true, see_through = false;
   for (const GpuCloud* cloud : clouds) {
@@ -199,25 +257,30 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
     catcher.emplace(Catcher{*ground_view, ground, origin, *ground_factor});
   }
   const Catcher* caught = catcher ? &*catcher : nullptr;
-  const auto texel_of = [&](float of) { return texel_ * std::max(double(of), 1e-12); };
-  const std::vector<Light> samples = light_samples(light, box, size, count);
+  const std::vector<Light> samples = light_samples(light, without_strays_, size, count);
+  double texel = wanted;
+  for (const Light& sample : samples) texel = std::max(texel, fitting_texel(sample, box, wanted));
+  const float map_spacing = float(texel / texel_);
+  const float d_min = d_min_of(asked, spacing, spacing, map_spacing);  // of the densest cloud
   const float share = 1.0f / float(samples.size());
   const LitTest kind = see_through ? LitTest::behind_see_through : LitTest::solid;
-  std::vector<View> views;  // of the light maps that wait for their test
+  std::vector<View> views;       // of the light maps that wait for their test
+  std::vector<float> elsewhere;  // light that falls on what each of them does not hold
   bool is_first = true;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     progress.update(double(i) / double(samples.size()), "shadows");
     progress.check();
-    const std::vector<Camera> cameras = light_cameras(samples[i], box, texel_of(spacing));
+    const std::vector<Camera> cameras = light_cameras(samples[i], box, texel);
     for (std::size_t face = 0; face < cameras.size(); ++face) {
       bool is_first_peel = true;
       for (GpuCloud* cloud : clouds) {
         // See-through casters are sparser than their cloud: their map is as much coarser, and so is d_min.
-        const float coarser = cloud->see_through_spacing() / std::max(cloud->median_spacing(), 1e-12f);
-        if (!(coarser > 0)) continue;
-        const std::vector<Camera> coarse =
-            light_cameras(samples[i], box, texel_of(cloud->median_spacing()) * coarser);
-        peel(*cloud, clouds, coarse[face], d_min_of(*cloud, asked) * coarser, is_first_peel, timers, caught);
+        const float sparse = cloud->see_through_spacing();
+        if (!(sparse > 0)) continue;
+        const double own_texel = fitting_texel(samples[i], box, texel_ * std::max(double(sparse), 1e-12));
+        peel(*cloud, clouds, light_cameras(samples[i], box, own_texel)[face],
+             d_min_of(asked, cloud->median_spacing(), sparse, float(own_texel / texel_)), is_first_peel,
+             timers, caught);
         is_first_peel = false;
       }
       // What see-through casters let pass is kept for one map only.
@@ -226,15 +289,17 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
       maps_.resize(std::max(maps_.size(), most));
       gl::Texture& map = maps_[views.size()];
       const View& view = views.emplace_back(cameras[face], origin);
-      draw_map(clouds, view, spacing, d_min, map, timers);
+      elsewhere.push_back(cameras.size() > 1 ? 0.0f : 1.0f);  // another face sees it, or nothing casts there
+      draw_map(clouds, view, map_spacing, d_min, map, timers);
       auto timing = timers.scope("lit test");
-      if (caught) test_ground(*caught, see_through, cameras.size() > 1, view, map, d_min, share);
+      if (caught) test_ground(*caught, see_through, elsewhere.back(), view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
       if (views.size() < most && !is_last) continue;
       for (GpuCloud* cloud : clouds)
-        test_points(*cloud, kind, views, std::span(maps_).first(views.size()), d_min_of(*cloud, asked),
-                    is_first, share);
-      views.clear();
+        test_points(*cloud, kind, views, std::span(maps_).first(views.size()),
+                    d_min_of(asked, cloud->median_spacing(), cloud->median_spacing(), map_spacing), is_first,
+                    elsewhere, share);
+      views.clear(), elsewhere.clear();
       is_first = false;
     }
   }
@@ -310,7 +375,7 @@ void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_cam
   }
 }
 
-void ShadowMaps::draw_map(Clouds clouds, const View& view, float spacing, float d_min, gl::Texture& map,
+void ShadowMaps::draw_map(Clouds clouds, const View& view, float map_spacing, float d_min, gl::Texture& map,
                           gl::Timers& timers) {
   const CasterRange solid{solid_opacity};
   {
@@ -318,8 +383,10 @@ void ShadowMaps::draw_map(Clouds clouds, const View& view, float spacing, float 
     gl::ensure(bits_, "nearest depth bits", GL_R32UI, view.width(), view.height());
     bits_.clear_uint(0xffffffffu);
     for (GpuCloud* cloud : clouds) {
-      const float texels = std::max(1.0f, std::round(cloud->median_spacing() / std::max(spacing, 1e-12f)));
-      to_pixels_.add_depth(*cloud, view, {SizeMode::pixels, texels}, bits_, nullptr, 0,
+      Footprint footprint;
+      footprint.size = std::max(1.0f, std::round(cloud->median_spacing() / std::max(map_spacing, 1e-12f)));
+      footprint.most_px = 1024;
+      to_pixels_.add_depth(*cloud, view, footprint, bits_, nullptr, 0,
                            cloud->has_casters() ? &solid : nullptr);
     }
   }
@@ -339,7 +406,8 @@ void ShadowMaps::draw_map(Clouds clouds, const View& view, float spacing, float 
 }
 
 void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
-                             std::span<const gl::Texture> maps, float d_min, bool is_first, float share) {
+                             std::span<const gl::Texture> maps, float d_min, bool is_first,
+                             std::span<const float> elsewhere, float share) {
   const bool parallel = views.front().camera().orthographic();
   gl::Program& program = lit_tests_[{kind, parallel, maps.size()}];
   if (!program) {
@@ -356,6 +424,7 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
     program.set(name + "eye_from_cloud", mat4(views[k].eye_from_cloud()))
         .set(name + "intrinsics", vec4(lens.fx, lens.fy, lens.cx, lens.cy))
         .set(name + "near_plane", float(views[k].camera().near_plane));
+    if (!elsewhere.empty()) program.set(name + "elsewhere", elsewhere[k]);
   }
   program.set("d_min", d_min).set("share", share);
   program.set("has_normals", cloud.has_normals()).set("is_first", is_first);
@@ -371,7 +440,7 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
-void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, bool is_face, const View& light_view,
+void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, float elsewhere, const View& light_view,
                              const gl::Texture& map, float d_min, float share) {
   ScreenPass& pass = ground_pass_[has_passed];
   if (!pass) {
@@ -379,7 +448,7 @@ void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, bool is_fa
     if (has_passed) defines.push_back("PASSED");
     pass = ScreenPass("passes/ground_shadow.glsl", {GL_R32F}, defines);
   }
-  pass.set("share", share).set("elsewhere", is_face ? 0.0f : 1.0f);
+  pass.set("share", share).set("elsewhere", elsewhere);
   if (has_passed) ground_passed_.bind(binding::input + 2);
   run_ground(catcher, pass, light_view, d_min, {&map, &catcher.factor}, catcher.factor);
 }

@@ -25,8 +25,13 @@ struct Ground {
   dvec3 point{0}, normal{0, 0, 1};
 };
 
-/// Gives automatic sizes of `settings` the values that they take for a cloud of these bounds and median
-/// spacing.
+/// What shadows are measured by: the bounds of the points within one diagonal of most of them
+/// (`robust_bounds` of all together), which are those of all in a scene without strays. The clouds have one
+/// origin.
+Bounds bounds_without_strays(std::span<const PointCloud* const> clouds);
+
+/// Gives automatic sizes of `settings` the values that they take for clouds of these bounds (without strays)
+/// and this median spacing.
 void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float median_spacing);
 
 class ShadowMaps {
@@ -44,7 +49,9 @@ class ShadowMaps {
   /// Takes the factors off the clouds and gives the memory of the maps back.
   void clear(Clouds clouds);
 
-  /// Cameras that see the whole cloud from the light: one, or six faces when it stands inside.
+  /// The least texel, `wanted` or larger, of which a map of the box has no more than the most a side.
+  static double fitting_texel(const Light& light, const Bounds& box, double wanted);
+  /// Cameras that see the whole box from the light: one, or six faces when it stands inside.
   static std::vector<Camera> light_cameras(const Light& light, const Bounds& box, double texel);
   /// Seeded positions of the light on its disc, perpendicular to its direction; sample 0 is the centre.
   static std::vector<Light> light_samples(const Light& light, const Bounds& box, double size, int count);
@@ -87,22 +94,27 @@ class ShadowMaps {
     Auto<float> d_min;
     bool operator==(const Key& other) const;
   };
-  /// How far behind a light map a point of the cloud is dark.
-  static float d_min_of(const GpuCloud& cloud, const RenderSettings& settings);
+  /// How far behind a light map a point is dark, of a cloud with this median, among points of this spacing;
+  /// the map's texels are those of `map_spacing`.
+  static float d_min_of(const RenderSettings& settings, float median, float spacing, float map_spacing);
+  /// Finds `without_strays_`, anew when the clouds are others.
+  void measure(Clouds clouds);
   /// What the see-through points of `caster` let pass of one light sample, for every point of the clouds
   /// (`passed_`) and the ground. `is_first`: nothing has stopped any of it yet.
   void peel(GpuCloud& caster, Clouds clouds, const Camera& light_camera, float d_min, bool is_first,
             gl::Timers& timers, const Catcher* catcher);
-  /// The closed light map of the solid points; those of a sparser cloud than the densest, whose spacing is
-  /// `spacing`, cover as many texels more.
-  void draw_map(Clouds clouds, const View& view, float spacing, float d_min, gl::Texture& map,
+  /// The closed light map of the solid points, whose texels are those of `map_spacing`; the points of a
+  /// sparser cloud cover as many texels more.
+  void draw_map(Clouds clouds, const View& view, float map_spacing, float d_min, gl::Texture& map,
                 gl::Timers& timers);
   /// Tests every point of the cloud against all of `maps`: one view each, or layers of one view with their
-  /// opacities bound behind. `is_first`: the points know nothing yet.
+  /// opacities bound behind. `is_first`: the points know nothing yet. `elsewhere`: of each view, light that
+  /// falls on what its map does not hold.
   void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
-                   std::span<const gl::Texture> maps, float d_min, bool is_first, float share = 0);
-  /// `is_face`: one of several maps of a light sample, of which each counts for what it sees.
-  void test_ground(const Catcher& catcher, bool has_passed, bool is_face, const View& light_view,
+                   std::span<const gl::Texture> maps, float d_min, bool is_first,
+                   std::span<const float> elsewhere = {}, float share = 0);
+  /// `elsewhere`: light of the sample that falls on what the map does not hold.
+  void test_ground(const Catcher& catcher, bool has_passed, float elsewhere, const View& light_view,
                    const gl::Texture& map, float d_min, float share);
   void test_ground_layer(const Catcher& catcher, const View& light_view, const gl::Texture& depth,
                          const gl::Texture& opacity, float d_min);
@@ -123,7 +135,9 @@ class ShadowMaps {
   /// Of each chunk of a cloud: share of a light sample that reaches its points.
   std::map<const GpuCloud*, std::vector<gl::TextureBuffer>> passed_;
   Flag open_;
-  std::optional<Key> key_;  ///< what the clouds' factors were computed for
+  Bounds without_strays_;
+  std::vector<std::uint64_t> measured_;  ///< serials of the clouds that it is of
+  std::optional<Key> key_;               ///< what the clouds' factors were computed for
 };
 
 }  // namespace sfumato

@@ -184,6 +184,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   overview_ = std::move(scene.overview);
   notes_.clear();
   box_ = bounds(scene.cloud);
+  shadow_box_.reset();
   const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
   std::vector<PointCloud> clouds = cut(std::move(scene.cloud), matches);
   std::vector<ColoredCloud> prepared;
@@ -285,7 +286,12 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
   settings.edl.resolve(edl > 0);
   settings.edl_strength.resolve(edl > 0 ? edl : RenderSettings::usual_edl);
   settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
-  resolve_shadow_sizes(settings, pose_.subject.box, spacing_);
+  if (casts_shadows(settings.shadows) && !shadow_box_) {
+    std::vector<const PointCloud*> clouds;
+    for (const Item& item : items) clouds.push_back(&cloud(item.cloud));
+    shadow_box_ = bounds_without_strays(clouds);
+  }
+  resolve_shadow_sizes(settings, shadow_box_.value_or(pose_.subject.box), spacing_);
   return items;
 }
 

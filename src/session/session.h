@@ -132,7 +132,8 @@ class Session {
   std::shared_ptr<const PointCloud> overview_;  ///< may be null
   std::vector<Part> parts_;
   Bounds box_;
-  float spacing_ = 0;  ///< median of the densest part
+  std::optional<Bounds> shadow_box_;  ///< without strays; found with the first shadow
+  float spacing_ = 0;                 ///< median of the densest part
   Coloring coloring_;
   std::vector<vec3> palette_;  ///< linear colours of categories; empty: colours are no categories
   Pose pose_;

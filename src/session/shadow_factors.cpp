@@ -41,7 +41,8 @@ std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud,
   bare.origin = cloud.origin, bare.up = cloud.up;
   bare.positions = cloud.positions, bare.normals = cloud.normals;
   const PreparedCloud prepared = analysis::prepare(std::move(bare), Attribute::normal, {}, progress);
-  resolve_shadow_sizes(settings, bounds(prepared.cloud), prepared.median_spacing);
+  const PointCloud* const clouds[] = {&prepared.cloud};
+  resolve_shadow_sizes(settings, bounds_without_strays(clouds), prepared.median_spacing);
 
   std::vector<float> factors(cloud.size(), 1.0f);
   const gl::Context::Use use(context);

@@ -7,7 +7,9 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <memory>
 
+#include "passes/ground.h"
 #include "reference/gl_fixture.h"
 #include "techniques/casters.h"
 
@@ -63,6 +65,31 @@ class ShadowTest : public GlTest {
       chunk.shadow.buffer().download(values.data(), values.size() * sizeof(float));
       for (std::uint32_t i = 0; i < chunk.count; ++i)
         result[prepared_.cloud.source_index[chunk.first + i]] = values[i];
+    }
+    return result;
+  }
+
+  /// Shadow factors of the points of several clouds of one origin, each in its own order.
+  static std::vector<std::vector<float>> factors_of(const std::vector<PointCloud>& clouds,
+                                                    const RenderSettings& settings) {
+    std::vector<PreparedCloud> prepared;
+    for (const PointCloud& cloud : clouds) prepared.push_back(analysis::prepare(cloud, {}, {}));
+    std::vector<std::unique_ptr<GpuCloud>> gpu;
+    std::vector<GpuCloud*> all;
+    for (const PreparedCloud& each : prepared)
+      all.push_back(gpu.emplace_back(std::make_unique<GpuCloud>(each, colors_of(each.cloud))).get());
+    gl::Timers timers(false);
+    ShadowMaps maps;
+    maps.update(all, settings, Light::parse(settings.light_text), timers, no_progress());
+    std::vector<std::vector<float>> result;
+    for (std::size_t k = 0; k < gpu.size(); ++k) {
+      std::vector<float>& of = result.emplace_back(clouds[k].size());
+      for (GpuCloud::Chunk& chunk : gpu[k]->chunks()) {
+        std::vector<float> values(chunk.count);
+        chunk.shadow.buffer().download(values.data(), values.size() * sizeof(float));
+        for (std::uint32_t i = 0; i < chunk.count; ++i)
+          of[prepared[k].cloud.source_index[chunk.first + i]] = values[i];
+      }
     }
     return result;
   }
@@ -126,6 +153,93 @@ TEST_F(ShadowTest, ATiltedPlaneIsFullyLit) {
   tight.shadow_distance.user = 0.2f * prepared_.median_spacing;
   const std::vector<float> m = factors(cloud, tight);
   EXPECT_GT(std::count_if(m.begin(), m.end(), [](float v) { return v < 1; }), 100);
+}
+
+// Points a thousand diagonals away neither take the texels of the map nor widen the light.
+TEST_F(ShadowTest, StraysDarkenNothing) {
+  PointCloud cloud = sheet(120, 2, 0);
+  append(cloud, sphere_cloud(6000, 0.5f, vec3(0, 0, 1)));
+  for (const char* text : {"dir:0.3,0.2,1", "1,2,6", "0.2,0.1,2"})
+    for (const Shadows kind : {Shadows::hard, Shadows::soft}) {
+      RenderSettings settings = hard(text);
+      settings.shadows = kind;
+      settings.light_samples = 4;
+      const std::vector<float> alone = factors(cloud, settings);
+      PointCloud with = cloud, strays;
+      strays.positions = {{5000, 0, 0}, {-3000, 3000, 100}};
+      strays.normals.assign(2, {0, 0, 1});
+      append(with, strays);
+      const std::vector<float> m = factors(with, settings);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < alone.size(); ++i) different += std::abs(m[i] - alone[i]) > 0.3f;
+      // The strays' own spacings move the median by a thousandth, and so the outlines of hard shadows.
+      EXPECT_LE(different, alone.size() / 25) << text;
+      for (std::size_t i = alone.size(); i < m.size(); ++i) EXPECT_EQ(m[i], 1) << text;
+    }
+}
+
+// A dense ball on ground that reaches 200 times as far and gets sparser: a map of 4096 texels cannot have
+// those that the ball asks for. What the light reaches stays lit, and the shadow of the ball is there.
+TEST_F(ShadowTest, MapsThatAreTooCoarseDarkenNothing) {
+  PointCloud cloud = sphere_cloud(60000, 0.5f, vec3(0, 0, 1.5f));
+  const std::size_t ball = cloud.size();
+  PointCloud ground;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 40000; ++i) {
+    const double r = std::pow(100.0, uniform(random)), angle = 6.283185307179586 * uniform(random);
+    ground.positions.push_back(vec3(float(r * std::cos(angle)), float(r * std::sin(angle)), 0));
+    ground.normals.push_back({0, 0, 1});
+  }
+  append(cloud, ground);
+  for (const bool has_normals : {true, false})
+    for (const char* text : {"dir:1,0,1", "60,10,60"}) {
+      if (!has_normals) cloud.normals.clear();
+      const std::vector<float> m = factors(cloud, hard(text));
+      const Light light = Light::parse(text);
+      std::size_t lit = 0, falsely_dark = 0, shadowed = 0, dark = 0;
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const dvec3 p(cloud.positions[i]), center(0, 0, 1.5);
+        const dvec3 to_light = text[0] == 'd' ? light.vector : glm::normalize(light.vector - p);
+        const double from_axis = glm::length(glm::cross(to_light, center - p));
+        if (i < ball ? glm::dot(p - center, to_light) > 0.1 : from_axis > 0.7)
+          ++lit, falsely_dark += m[i] < 0.99f;
+        else if (i >= ball && from_axis < 0.3)
+          ++shadowed, dark += m[i] < 0.01f;
+      }
+      EXPECT_GT(shadowed, 200u) << text;
+      EXPECT_EQ(falsely_dark, 0u) << text << (has_normals ? "" : ", no normals") << ", of " << lit;
+      EXPECT_GE(dark, shadowed * 0.99) << text << (has_normals ? "" : ", no normals");
+    }
+}
+
+// Points of a sparse cloud beside a dense one are as wide as their spacing, whatever the texels: a pole casts
+// no shadow wider than that, and no light falls through a sheet.
+TEST_F(ShadowTest, SparseCloudsCastAsWideAsTheirSpacing) {
+  // 0.1 apart beside 0.001 apart: of the dense one's texels, 0.0015, a map would need 23000 a side.
+  PointCloud dense = sheet(100, 0.05f, 0.05f), ground = sheet(240, 12, 0);
+  const std::size_t plane = ground.size();
+  for (float z = 0; z < 4; z += 0.05f)
+    for (float angle = 0; angle < 6; ++angle) {
+      ground.positions.push_back(vec3(0.1f * std::cos(angle), 0.1f * std::sin(angle), z));
+      ground.normals.push_back({std::cos(angle), std::sin(angle), 0});
+    }
+  for (vec3& p : dense.positions) p += vec3(4, 4, 0);
+  const std::vector<float> m = factors_of({dense, ground}, hard("dir:-1,0,1"))[1];
+  std::size_t shadowed = 0, beside = 0;
+  for (std::size_t i = 0; i < plane; ++i) {
+    const vec3 p = ground.positions[i];
+    if (p.x < 0.5f || p.x > 3) continue;
+    shadowed += std::abs(p.y) < 0.1f && m[i] < 0.5f;
+    beside += std::abs(p.y) > 0.1f + 0.15f && m[i] < 0.99f;  // a disc reaches 1.5 spacings beyond the pole
+  }
+  EXPECT_GT(shadowed, 10u);
+  EXPECT_EQ(beside, 0u);
+
+  // Discs a hundred texels wide: light fell through between them.
+  const PointCloud patch = sheet(100, 0.1f, 0), roof = sheet(20, 2, 1);
+  const std::vector<float> below = factors_of({patch, roof}, hard("dir:0,0,1"))[0];
+  EXPECT_GE(std::count(below.begin(), below.end(), 0.0f), std::ptrdiff_t(below.size() * 99 / 100));
 }
 
 // A wall that is cut off casts nothing, whether shadows were found before or not.
@@ -403,10 +517,10 @@ std::size_t resident_bytes() {
 // Light maps of 4096 x 4096 texels: without shadows nothing of them is kept.
 TEST_F(ShadowTest, MapsGoWithTheShadows) {
   if (!gl::limits().software) GTEST_SKIP() << "the memory of a GPU is not the process's";
-  // As dense as a scan that is a hundred times larger; one corner is far away.
-  PointCloud cloud = sheet(60, 0.02f, 0);
-  cloud.positions.push_back({20, 20, 1});
-  cloud.normals.push_back({0, 0, 1});
+  // As dense as a scan that is a hundred times larger; a part of it is far away.
+  PointCloud cloud = sheet(60, 0.02f, 0), far = sheet(60, 0.02f, 1);
+  for (vec3& p : far.positions) p += vec3(20, 20, 0);
+  append(cloud, far);
   prepared_ = analysis::prepare(cloud, {}, {});
   GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
   gl::Timers timers(false);
