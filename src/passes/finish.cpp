@@ -27,7 +27,7 @@ void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::T
   gl::ensure(edges_, "edges in depth", GL_R32UI, color.width(), color.height());
   view.bind();
   find_edges_.run({&depth}, {&edges_});
-  smooth_.run({&color, &edges_}, {&out});
+  smooth_.run({&color, &edges_, &depth}, {&out});
 }
 
 void Finish::set(ScreenPass& pass, const RenderSettings& settings) {

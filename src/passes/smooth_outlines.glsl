@@ -3,11 +3,14 @@
 //
 // An edge between two rows of pixels runs straight until it steps into one of the rows. The outline it stands for passes
 // through the middle of each step, and crosses the edge half way between two steps: as far as it reaches into a pixel,
-// that pixel takes the colour, and the coverage, of the one across.
+// that pixel takes the colour, and the coverage, of the one across. An edge that steps to one side at one end and to the
+// other at the other takes from both as much; one that steps to the same side twice rounds a corner off, which leaves
+// little of what is one or two pixels thin: there it stays.
 #include "bindings.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
 layout(binding = UNIT_INPUT + 1) uniform usampler2D edge_image;
+layout(binding = UNIT_INPUT + 2) uniform sampler2D depth_image;
 
 const int reach = 12;  // px along an edge; flatter ones keep some of their stairs
 
@@ -19,14 +22,33 @@ bool is_edge(ivec2 pixel, ivec2 across) {
   return (edges & (across.x != 0 ? 1u : 2u)) != 0u;
 }
 
+float depth_at(ivec2 pixel) { return texelFetch(depth_image, clamp(pixel, ivec2(0), last_pixel), 0).x; }
+
+// Where two pixels that touch at a corner are nearer than the two beside them they belong together, as those of a wire
+// do: the edge goes on along them. 1/2 where it so steps into the row of `at`, -1/2 into the other, 0 where nobody knows.
+float step_at_corner(ivec2 at, ivec2 across, ivec2 way) {
+  float ours = depth_at(at), other = depth_at(at + across), next = depth_at(at + way),
+        beyond = depth_at(at + across + way);
+  if (max(ours, beyond) < min(other, next)) return -0.5;
+  return max(other, next) < min(ours, beyond) ? 0.5 : 0.0;
+}
+
+// Whether what is one or two pixels thin ends at `at`, instead of going on in the next row, as a wire does.
+bool is_thin_end(ivec2 at, ivec2 across, ivec2 way) {
+  ivec2 below = at - across;
+  if (is_edge(at, -across)) return !is_edge(below, way);
+  return is_edge(below, way) && is_edge(below, -across) && !is_edge(below - across, way);
+}
+
 // Follows the edge between `pixel` and `across` along `way`. x: how many pixels on it ends, y: 1/2 where it then steps
 // into our row, -1/2 into the other, 0 where it does neither or leads beyond our reach.
 vec2 end_of_edge(ivec2 pixel, ivec2 across, ivec2 way) {
   for (int i = 0; i < reach; ++i) {
     ivec2 at = pixel + i * way;
     bool ours = is_edge(at, way), other = is_edge(at + across, way);
-    if (ours != other) return vec2(float(i), ours ? 0.5 : -0.5);
-    if (ours || !is_edge(at + way, across)) return vec2(float(i), 0.0);
+    if (ours != other) return vec2(float(i), !ours ? -0.5 : is_thin_end(at, across, way) ? 0.0 : 0.5);
+    if (ours) return vec2(float(i), step_at_corner(at, across, way));
+    if (!is_edge(at + way, across)) return vec2(float(i), 0.0);
   }
   return vec2(float(reach), 0.0);
 }

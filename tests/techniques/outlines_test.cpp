@@ -13,9 +13,13 @@ namespace {
 class Outlines : public GlTest {
  protected:
   RenderOutput picture(const std::string& name, PointCloud cloud, const Camera& camera, int samples,
-                       bool smooth_outlines = false) {
+                       bool smooth_outlines = false, float point_px = 0) {
     Renderer renderer(context());
     const auto technique = find_technique(name).create();
+    if (point_px > 0) {
+      set_parameter(*technique, "size_mode", "pixels");
+      set_parameter(*technique, "point_size", std::to_string(point_px));
+    }
     show(renderer, std::move(cloud), technique->needs());
     RenderSettings settings;
     settings.transparent = true;
@@ -111,6 +115,51 @@ TEST_F(Outlines, StepsInDepthAreSmoothed) {
   const Image<vec4> smooth = whiteness(picture("points", cloud, camera, 1, true).color_linear);
   EXPECT_GT(unevenness(plain, 0.37), 0.2);
   EXPECT_LT(unevenness(smooth, 0.37), 0.15);  // as above
+}
+
+double coverage(const Image<vec4>& image) {
+  double sum = 0;
+  for (const vec4& c : image) sum += c.a;
+  return sum;
+}
+
+TEST_F(Outlines, ThinThingsStay) {
+  const Camera camera = camera_above(10, 80, 80);
+  for (const bool before_floor : {false, true}) {
+    // What a floor behind shows is black; there the whiteness counts.
+    const auto drawn = [&](PointCloud cloud, bool smooth, float px) {
+      cloud.colors.assign(cloud.size(), {255, 255, 255, 255});
+      for (vec3& p : cloud.positions) p.z = 8;
+      for (float y = -45; before_floor && y < 45; y += 0.5f)
+        for (float x = -45; x < 45; x += 0.5f) {
+          cloud.positions.push_back({x, y, 0});
+          cloud.colors.push_back({0, 0, 0, 255});
+        }
+      Image<vec4> image = picture("points", std::move(cloud), camera, 1, smooth, px).color_linear;
+      for (vec4& c : image) c.a = c.g;
+      return image;
+    };
+    // Lone points, one and two pixels wide.
+    PointCloud dust;
+    for (int y = -30; y <= 30; y += 10)
+      for (int x = -30; x <= 30; x += 10) dust.positions.push_back({float(x) + 0.01f, float(y) + 0.01f, 0});
+    for (const float px : {1.0f, 2.0f}) {
+      const double plain = coverage(drawn(dust, false, px));
+      ASSERT_GE(plain, 49);
+      EXPECT_NEAR(coverage(drawn(dust, true, px)), plain, 1e-3 * plain) << px << " px " << before_floor;
+    }
+    // Wires one pixel wide are as bright as they were. Depth tells a spike of one pixel before a surface from
+    // a slope only where two of its pixels lie one above the other: these lose a corner there.
+    for (const double degrees : {0.0, 5.0, 20.0, 45.0, 70.0, 90.0}) {
+      const double across = std::cos(glm::radians(degrees)), up = std::sin(glm::radians(degrees));
+      PointCloud wire;
+      for (double t = -30; t < 30; t += 0.05)
+        wire.positions.push_back({float(t * across) + 0.01f, float(t * up) + 0.01f, 0});
+      const Image<vec4> plain = drawn(wire, false, 1), smooth = drawn(wire, true, 1);
+      EXPECT_NEAR(coverage(smooth) / coverage(plain), 1, before_floor ? 0.12 : 0.02)
+          << degrees << " degrees " << before_floor;
+    }
+  }
 }
 
 TEST_F(Outlines, WhatIsPaintedOnASurfaceStaysSharp) {
