@@ -1,4 +1,5 @@
-// The shadow on the ground plane: darkness under the cloud's own colour.
+// The shadow on the ground plane: darkness under the cloud's own colour. Haze has no depth: where no surface is seen,
+// whatever colour there is stands before the plane, as all but the lowest points do.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
@@ -18,7 +19,8 @@ bool filter_pixel(ivec2 pixel) {
   if (facing >= 0.0 || t <= 0.0) return true;  // from below, or above the horizon
   float plane_depth = -(origin + t * direction).z;
   float shadow = darkness * (1.0 - texelFetch(factor_image, pixel, 0).x);
-  if (plane_depth < texelFetch(depth_image, pixel, 0).x) out_0 = vec4(color.rgb * (1.0 - shadow), color.a + (1.0 - color.a) * shadow);
+  float depth = texelFetch(depth_image, pixel, 0).x;
+  if (plane_depth < depth && !isinf(depth)) out_0 = vec4(color.rgb * (1.0 - shadow), color.a + (1.0 - color.a) * shadow);
   else out_0 = vec4(color.rgb, color.a + (1.0 - color.a) * shadow);
   return true;
 }

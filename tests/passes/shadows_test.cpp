@@ -416,6 +416,30 @@ TEST_F(ShadowTest, NoLightLeaksOntoTheGround) {
     }
 }
 
+// Haze has no depth: colour without a surface stands before the plane, and is as bright as without it.
+TEST_F(ShadowTest, TheGroundIsSeenThroughHaze) {
+  const View view(camera_above(4, 2, 16), dvec3(0));
+  gl::Texture color("color", GL_RGBA32F, 16, 16), depth("depth", GL_R32F, 16, 16),
+      factor("factor", GL_R32F, 16, 16), out("out", GL_RGBA32F, 16, 16);
+  const vec4 haze(0.2f, 0.3f, 0.1f, 0.4f);
+  color.clear(haze);
+  factor.clear(vec4(0));
+  const float shadow = 0.75f;  // ground.glsl
+  struct Case {
+    float depth;
+    vec4 expected;
+  };
+  for (const Case& each : {Case{INFINITY, vec4(vec3(haze), 0.4f + 0.6f * shadow)},
+                           Case{3, vec4(vec3(haze), 0.4f + 0.6f * shadow)},     // a surface before the plane
+                           Case{5, vec4(vec3(haze) * (1 - shadow), 0.85f)}}) {  // and one below
+    depth.clear(vec4(each.depth));
+    GroundPlane().run(view, Ground{}, dvec3(0), color, depth, factor, out);
+    const Image<vec4> drawn = out.download<vec4>();
+    for (const vec4& c : drawn)
+      for (int k = 0; k < 4; ++k) ASSERT_NEAR(c[k], each.expected[k], 1e-6) << each.depth << " " << k;
+  }
+}
+
 // Each of the six maps of a light inside the cloud counts for the ground that it sees.
 TEST_F(ShadowTest, ALightInsideTheCloudShinesOnTheGroundOnce) {
   PointCloud cloud = sphere_cloud(5000, 0.5f, vec3(0, 0, 1));
