@@ -20,6 +20,11 @@ constexpr int neighbors = 24;
 constexpr std::size_t along_line = 6;
 constexpr float line = 0.02f;
 
+/// Seen from far enough a forest is flat, and so is noise. Noise of 2 spacings still shows its surface (ADR
+/// 50); of a layer thicker than this, in standard deviations over the spacing, discs as wide as the spacing
+/// show nothing.
+constexpr float thickest = 2.5f;
+
 /// The nearest places: points in one place are one, or a scan whose points come twice would be flat
 /// everywhere.
 class Nearest {
@@ -51,6 +56,8 @@ class Nearest {
 struct Seen {
   float flat = 1;
   bool line = false;
+  float thickness = 0;  ///< standard deviation from the plane
+  float spacing = 0;    ///< of a surface with as many points within reach
 };
 
 /// Among them is the point itself, at distance 0, which is as good as any other.
@@ -62,7 +69,8 @@ Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::u
   const auto near =
       local_frame(positions, at, nearest.ids().first(std::min(along_line + 1, nearest.ids().size())));
   return {flatness_of(positions, at, nearest.ids(), *frame, nearest.reach()),
-          near && near->variance.y < line * near->variance.z};
+          near && near->variance.y < line * near->variance.z, std::sqrt(frame->variance.x),
+          nearest.reach() * float(std::sqrt(M_PI / neighbors))};
 }
 
 double residual_around(std::span<const vec3> positions, const KNearest& nearest) {
@@ -91,9 +99,10 @@ Survey survey(const NeighborTree& tree) {
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
     const std::size_t at = k * n / count;
     seen[k] = seen_from(tree, positions, std::uint32_t(at));
-    if (seen[k].flat < 1 && wide.size() > neighbors)
-      seen[k].flat = std::max(
-          seen[k].flat, seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1))).flat);
+    if (seen[k].flat == 1 || !tells_clutter(wide.size(), neighbors)) return;
+    // One point in 64 stands 8 times as far apart.
+    const Seen far = seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1)));
+    if (far.thickness < thickest * far.spacing / 8) seen[k].flat = std::max(seen[k].flat, far.flat);
   });
   double flat = 0, lines = 0;
   for (const Seen& s : seen) flat += s.flat, lines += s.line;

@@ -104,6 +104,31 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
   }
 }
 
+/// Leaves at any height, of 300 m a side; of little height, a field.
+PointCloud wood(int points, double height) {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < points; ++i) {
+    const double x = 300 * unit(random), y = 300 * unit(random);
+    cloud.positions.push_back(vec3(x, y, height * unit(random)));
+  }
+  return cloud;
+}
+
+// Seen from far enough a forest is flat: discs as wide as the spacing show that no better than a few points.
+TEST(Choose, AForestIsNoSurfaceHoweverFewItsPointsAre) {
+  for (const int points : {3000, 5000, 12'000, 16'000, 60'000}) {
+    const TechniqueChoice forest = choice_for(wood(points, 25));
+    EXPECT_EQ(forest.technique, "points") << points;
+    EXPECT_LT(forest.surface_share, 0.4f) << points;
+    EXPECT_EQ(choice_for(wood(points, 0.1)).technique, "splats") << points;
+    // Noise of a standard deviation of 1.5 spacings is seen through where there is enough around it.
+    if (points > 12'800)
+      EXPECT_EQ(choice_for(wood(points, std::sqrt(12) * 1.5 * 300 / std::sqrt(points))).technique, "splats");
+  }
+}
+
 // Nobody should wait for the neighbours of tens of millions of points at every view.
 TEST(Choose, WhatIsReadByLevelsIsNotMeasured) {
   EXPECT_EQ(choice_for(scan("courtyard", synth::Sampling::scanners, 200'000), true).technique, "surface");
