@@ -33,6 +33,10 @@ constexpr float most_unless_flat = most_in_clutter;
 /// below them, on statues and in rooms; but 0.5 on a tower of few points.
 constexpr float most_in_crown = 0.5f, crown = 0.3f, grove = 0.5f;
 
+/// In diagonals of the cloud (without its strays): the largest disc of a part that is sparser than the rest.
+/// Larger ones are no more seen as a surface but as plates, as of the last rings of a scanner on a tripod.
+constexpr float largest_sparse = 0.005f;
+
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
 
@@ -83,6 +87,27 @@ std::optional<vec3> near_normal(std::span<const vec3> positions, std::uint32_t p
                      line_like * frame->variance.y > frame->variance.z;
   return tells ? std::optional(frame->normal) : std::nullopt;
 }
+
+/// The median radius around every 64 points on the curve, of them and as many on either side: what is usual
+/// there.
+class UsualRadii {
+ public:
+  explicit UsualRadii(const std::vector<float>& radii) : usual_((radii.size() + around - 1) / around) {
+    tbb::parallel_for(std::size_t(0), usual_.size(), [&](std::size_t block) {
+      const std::size_t first = block == 0 ? 0 : (block - 1) * around,
+                        last = std::min(radii.size(), (block + 2) * around);
+      std::vector<float> here(radii.begin() + std::ptrdiff_t(first), radii.begin() + std::ptrdiff_t(last));
+      const auto middle = here.begin() + std::ptrdiff_t(here.size() / 2);
+      std::nth_element(here.begin(), middle, here.end());
+      usual_[block] = *middle;
+    });
+  }
+  float near(std::size_t point) const { return usual_[point / around]; }
+  float largest() const { return *std::max_element(usual_.begin(), usual_.end()); }
+
+ private:
+  std::vector<float> usual_;
+};
 
 /// The same K neighbours for every point, in one array.
 class KeptNeighbors {
@@ -207,13 +232,31 @@ class Completion {
   /// Returns by how much: PreparedCloud::shrunk.
   std::vector<float> shrink_in_clutter(const std::vector<float>& flatness, const std::vector<float>& narrow,
                                        std::vector<float>& radii) {
+    // A disc that is much larger than usual belongs to a point that stands alone. What is usual differs from
+    // place to place: where a dense scan meets a sparse one, the sparse one is no heap of strays.
+    const UsualRadii usual(radii);
+    const Bounds box = robust_bounds(cloud_, 0.001, 0.999);
+    const float least_limit = largest_disc * prepared_.median_radius,
+                plate = largest_sparse * float(glm::length(box.max - box.min));
+    prepared_.radius_limit = std::max(least_limit, std::min(largest_disc * usual.largest(), plate));
+    const auto most = [&](std::size_t i) {
+      return std::max(least_limit, std::min(largest_disc * usual.near(i), plate));
+    };
+    std::vector<float> ratio(radii.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) ratio[i] = std::min(1.0f, most(i) / radii[i]);
+    });
     const auto less = [](float f) { return f < 1; };
-    if (std::none_of(flatness.begin(), flatness.end(), less) &&
-        std::none_of(narrow.begin(), narrow.end(), less))
-      return {};
+    const bool alone = std::any_of(ratio.begin(), ratio.end(), less),
+               cluttered = std::any_of(flatness.begin(), flatness.end(), less) ||
+                           std::any_of(narrow.begin(), narrow.end(), less);
+    if (!alone && !cluttered) return {};
+    if (!cluttered) {
+      for (std::size_t i = 0; i < radii.size(); ++i) radii[i] *= ratio[i];
+      return ratio;
+    }
     const SurfaceShares shares = surface_shares(cloud_.positions, flatness, int(k_), progress_);
     const bool tells = tells_clutter(radii.size(), k_);
-    std::vector<float> ratio(radii.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const float least = options_.clutter_radius,
@@ -230,8 +273,8 @@ class Completion {
         const float twig = std::max(least, most_in_crown * prepared_.median_radius / radii[i]);
         if (twig < 1)
           shrunk = std::min(shrunk, std::lerp(twig, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
-        ratio[i] = shrunk;
-        radii[i] *= shrunk;
+        ratio[i] = std::min(ratio[i], shrunk);
+        radii[i] *= ratio[i];
       }
     });
     return ratio;

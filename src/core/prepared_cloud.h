@@ -67,11 +67,17 @@ struct ViewPlaces {
   std::vector<std::uint32_t> cell;  ///< per point: row * width + column
 };
 
+/// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
+/// beside than on the ground around it: of twice the median ground 4 m off was riddled with holes. Strays are
+/// smaller than this by themselves (analysis/attributes.cpp).
+constexpr float largest_disc = 4;
+
 struct PreparedCloud {
   PointCloud cloud;  ///< Morton order, stable; `source_index` always filled
   std::vector<Batch> batches;
   float median_spacing = 0;     ///< side of the square per point, scene units: median of R_8 sqrt(pi/8)
   float median_radius = 0;      ///< scene units; 0 while there are no radii
+  float radius_limit = 0;       ///< scene units: no disc on a surface needs more; 0: never measured
   Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them

@@ -42,6 +42,11 @@ class GpuCloud {
   float median_radius() const {
     return prepared_.median_radius > 0 ? prepared_.median_radius : std::numeric_limits<float>::infinity();
   }
+  /// What no disc on a surface needs to exceed, scene units: four times the median radius, or more where
+  /// radii were computed and a part is sparser than the rest; infinite when nobody measured it.
+  float radius_limit() const {
+    return prepared_.radius_limit > 0 ? prepared_.radius_limit : largest_disc * median_radius();
+  }
   /// What was computed for one technique is not there for another, which so draws the same picture in any
   /// company.
   void show_to(Attributes needs) { shown_ = needs; }

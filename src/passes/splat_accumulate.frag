@@ -4,7 +4,8 @@
 #include "splat_fragment.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D nearest_t;
-uniform float epsilon;  // scene units along the ray
+uniform float epsilon;  // scene units along the ray, 0 where nearest_t has it
+uniform float full_step;  // how much deeper is as good as infinitely deeper, scene units
 
 const float grazing = 0.35;  // cosine of the view ray and the normal, 70 degrees
 
@@ -15,7 +16,7 @@ vec2 deeper_side(ivec2 pixel, float nearest) {
                      texelFetch(nearest_t, max(pixel - ivec2(2, 0), ivec2(0)), 0).x,
                      texelFetch(nearest_t, min(pixel + ivec2(0, 2), last), 0).x,
                      texelFetch(nearest_t, max(pixel - ivec2(0, 2), ivec2(0)), 0).x);
-  around = clamp(around - nearest, -epsilon, epsilon);
+  around = clamp(around - nearest, -full_step, full_step);
   return vec2(around.x - around.y, around.z - around.w);
 }
 
@@ -29,11 +30,10 @@ void main() {
   SplatHit hit;
   if (!hit_splat(fragment_splat(), gl_FragCoord.xy, hit)) discard;
   float nearest = texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x;
+  if (!(hit.t <= nearest * 1.000002 + epsilon)) discard;  // a few roundings between two programs
 #ifdef BLEND_OPAQUE
-  if (!(hit.t <= nearest * 1.000002 + epsilon)) discard;  // epsilon is 0: a few roundings between two programs
   float w = 1.0;
 #else
-  if (!(hit.t < nearest + epsilon)) discard;
   float w = splat_weight(hit.rho);
 #endif
   vec3 normal = splat_normal_radius.xyz, slope = ray_slope(gl_FragCoord.xy);

@@ -87,6 +87,10 @@ void set_splat_uniforms(gl::Program& program, const SplatShape& shape) {
   program.set("splat_field_above", shape.part == SplatPart::above);
 }
 
+void SplatShift::set(gl::Program& program, const SplatShape& shape) const {
+  program.set("shift", least).set("shift_radii", radii / shape.radius_scale);
+}
+
 gl::Defines splat_defines(gl::Defines defines, const SplatShape& shape) {
   if (shape.prefilter_px > 0) defines.push_back("SPLAT_PREFILTER");
   if (shape.part != SplatPart::all &&

@@ -33,17 +33,20 @@ enum class SplatKernel { wendland, gaussian };
 /// Which points a pass draws: all, or those on one side of a threshold of the cloud's field.
 enum class SplatPart { all, not_above, above };
 
-/// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
-/// beside than on the ground around it: of twice the median ground 4 m off was riddled with holes. Strays are
-/// smaller than this by themselves (analysis/attributes.cpp).
-constexpr float largest_disc = 4;
-
 struct SplatShape {
   float radius_scale = 1;
   float radius_limit = std::numeric_limits<float>::infinity();  ///< scene units, applied before the scale
   float prefilter_px = 0;  ///< radius of the screen filter (antialiasing); 0 = off
   SplatPart part = SplatPart::all;
   float field_threshold = 0;  ///< of GpuCloud::set_field; needs the definition SPLAT_FIELD
+};
+
+/// How far behind the hit of a splat others still count as the same surface, where the visibility pass adds
+/// it and not its readers (shaders/splat_shift.glsl).
+struct SplatShift {
+  float least = 0;  ///< scene units along the ray
+  float radii = 0;  ///< radii of the splat that was hit, before the scale; the larger of the two counts
+  void set(gl::Program& program, const SplatShape& shape) const;
 };
 
 /// How the splats of a batch reach the pixels. `automatic` chooses per batch by its size on the screen; the

@@ -7,28 +7,35 @@
 namespace sfumato {
 
 void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                                const SplatBatches& batches) {
+                                const SplatBatches& batches, const SplatShift& shift) {
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   nearest_t_.clear(vec4(std::numeric_limits<float>::infinity()));
   if (!nearest_) nearest_ = SplatRaster("passes/splat_nearest.frag");
-  visit_.draw_nearest(cloud, view, shape, batches, nearest_t_);
+  visit_.draw_nearest(cloud, view, shape, batches, shift, nearest_t_);
   gl::Framebuffer framebuffer({&nearest_t_});
   framebuffer.bind();
-  nearest_.draw(cloud, view, shape, batches, {.blend = gl::State::Blend::min}, {}, false);
+  nearest_.draw(
+      cloud, view, shape, batches, {.blend = gl::State::Blend::min},
+      [&](gl::Program& program) { shift.set(program, shape); }, false);
 }
 
 void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
                         const SplatSurfaceTargets& targets, gl::Timers& timers) {
   const int width = view.width(), height = view.height();
   batches_ = choose_batches(cloud, view, shape);
+  // Where epsilon differs from splat to splat, that of the nearest counts: only the first pass knows which it
+  // is.
+  const bool shifted = !blend.opaque && blend.epsilon_radii > 0;
+  SplatShift shift;
   {
     auto timing = timers.scope("visibility");
-    draw_nearest(cloud, view, shape, batches_);
+    if (shifted) shift = {blend.epsilon, blend.epsilon_radii};
+    draw_nearest(cloud, view, shape, batches_, shift);
   }
   {
     auto timing = timers.scope("accumulate");
     const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
-    const float epsilon = blend.opaque ? 0 : blend.epsilon;
+    const float epsilon = blend.opaque || shifted ? 0 : blend.epsilon;
     gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
     gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
     color_sum_.clear(vec4(0));
@@ -45,7 +52,9 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
     auto draw_into = [&](const gl::Framebuffer& framebuffer) {
       framebuffer.bind();
       const gl::State state{.blend = gl::State::Blend::add};
-      auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", epsilon); };
+      auto set_epsilon = [&](gl::Program& program) {
+        program.set("epsilon", epsilon).set("full_step", blend.epsilon);
+      };
       nearest_t_.bind(binding::input);
       raster.draw(cloud, view, shape, batches_, state, set_epsilon, false);
       for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {

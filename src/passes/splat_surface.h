@@ -12,6 +12,7 @@ namespace sfumato {
 
 struct SplatBlend {
   float epsilon = 0;  ///< scene units along the ray: how far behind the nearest hit a splat still counts
+  float epsilon_radii = 0;  ///< or so many radii of the splat that was hit there, where that is more
   SplatKernel kernel = SplatKernel::wendland;
   bool opaque = false;  ///< only the nearest hit of a pixel; epsilon and kernel do not count
 };
@@ -25,11 +26,12 @@ struct SplatSurfaceTargets {
 
 class SplatSurface {
  public:
-  /// All three passes. `nearest_t()` then holds the unshifted front ray distance.
+  /// All three passes. `nearest_t()` then holds the front ray distance, unshifted where `epsilon_radii` is 0.
   void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
             const SplatSurfaceTargets& targets, gl::Timers& timers);
   /// Only the visibility pass, for techniques that accumulate in their own way.
-  void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches);
+  void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                    const SplatShift& shift = {});
 
   /// R32F: ray distance of the nearest hit of every pixel, +inf where nothing.
   const gl::Texture& nearest_t() const { return nearest_t_; }

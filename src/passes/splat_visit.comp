@@ -8,6 +8,7 @@
 layout(local_size_x = 128) in;
 
 #ifdef VISIT_NEAREST
+#include "splat_shift.glsl"
 layout(r32ui, binding = 0) uniform uimage2D nearest_bits;
 #else
 layout(r8ui, binding = 0) writeonly uniform uimageBuffer flags;
@@ -29,7 +30,7 @@ void main() {
   for (ivec2 pixel = first; pixel.y <= last.y;) {
     SplatHit hit;
     if (hit_splat(splat, vec2(pixel) + 0.5, hit)) {
-      uint bits = floatBitsToUint(hit.t);
+      uint bits = floatBitsToUint(hit.t + splat_shift(splat.radius));
       if (bits < imageLoad(nearest_bits, pixel).x) imageAtomicMin(nearest_bits, pixel, bits);
     }
     if (++pixel.x > last.x) pixel = ivec2(first.x, pixel.y + 1);

@@ -48,9 +48,12 @@ gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
 }
 
 void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                              const SplatBatches& batches, const gl::Texture& nearest_t) {
+                              const SplatBatches& batches, const SplatShift& shift,
+                              const gl::Texture& nearest_t) {
   glBindImageTexture(0, nearest_t.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
-  visit_small(cloud, view, batches, program(false, shape));
+  gl::Program& nearest = program(false, shape);
+  shift.set(nearest, shape);
+  visit_small(cloud, view, batches, nearest);
   glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                   GL_FRAMEBUFFER_BARRIER_BIT);
 }

@@ -21,9 +21,10 @@ void visit_small(GpuCloud& cloud, const View& view, const SplatBatches& batches,
 
 class SplatVisit {
  public:
-  /// Lowers `nearest_t` (R32F) to the nearest hit among the small splats of `batches`.
+  /// Lowers `nearest_t` (R32F) to the nearest hit among the small splats of `batches`, each moved back by
+  /// `shift`.
   void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                    const gl::Texture& nearest_t);
+                    const SplatShift& shift, const gl::Texture& nearest_t);
   /// Lists the small splats of one chunk with a pixel within epsilon behind `nearest_t`, in the order of the
   /// cloud. False when the chunk has no small splats in view. `list()` and `command()` hold the result until
   /// the next call.

@@ -23,14 +23,17 @@ PointCloud disc(vec3 center, vec3 normal, float radius, Rgba8 color = {200, 100,
   return cloud;
 }
 
+PointCloud joined(PointCloud cloud, const PointCloud& other) {
+  cloud.positions.insert(cloud.positions.end(), other.positions.begin(), other.positions.end());
+  cloud.normals.insert(cloud.normals.end(), other.normals.begin(), other.normals.end());
+  cloud.radii.insert(cloud.radii.end(), other.radii.begin(), other.radii.end());
+  cloud.colors.insert(cloud.colors.end(), other.colors.begin(), other.colors.end());
+  return cloud;
+}
+
 PointCloud discs(std::initializer_list<PointCloud> list) {
   PointCloud cloud;
-  for (const PointCloud& one : list) {
-    cloud.positions.push_back(one.positions[0]);
-    cloud.normals.push_back(one.normals[0]);
-    cloud.radii.push_back(one.radii[0]);
-    cloud.colors.push_back(one.colors[0]);
-  }
+  for (const PointCloud& one : list) cloud = joined(std::move(cloud), one);
   return cloud;
 }
 
@@ -188,6 +191,39 @@ TEST_F(Splats, OnlyWhatIsWithinEpsilonContributes) {
                                     disc({0, gap, 0}, {0, 1, 0}, 0.5f, {0, 0, 255, 255})});
     const vec4 middle = render(cloud, camera).color_linear.at(16, 16);
     EXPECT_NEAR(middle.b, mixes ? 0.5 : 0, 1e-3) << gap;
+  }
+}
+
+TEST_F(Splats, AnEpsilonOfZeroStillDrawsTheNearest) {
+  const Camera camera = camera_at({0, -4, 0}, 33, 33);
+  set("epsilon", "0");
+  const vec4 middle = render(disc({0, 0, 0}, {0, 1, 0}, 0.5f), camera).color_linear.at(16, 16);
+  EXPECT_EQ(middle.a, 1);
+}
+
+// Where points are sparser than elsewhere, two of their own spacings are one surface: of those of a dense
+// part next to it, noise of the sparse one would be cobbles. The nearest disc decides: what is far behind
+// fine points belongs to another surface, however sparse.
+TEST_F(Splats, AutomaticEpsilonIsThatOfThePlace) {
+  set("epsilon", "auto");
+  const Camera camera = camera_at({0, -4, 0}, 33, 33);
+  // A square grid of this spacing has discs of 0.5 (2 / sqrt(pi) spacings).
+  const float two_spacings = 2 * 0.5f / 1.1284f;
+  struct Case {
+    float front_radius, gap;
+    bool mixes;
+  };
+  for (const auto& [front_radius, gap, mixes] :
+       {Case{0.5f, 0.95f * two_spacings, true}, Case{0.5f, 1.05f * two_spacings, false},
+        Case{0.05f, 0.2f * two_spacings, false}}) {
+    PointCloud cloud = discs({disc({0, 0, 0}, {0, 1, 0}, front_radius, {255, 0, 0, 255}),
+                              disc({0, gap, 0}, {0, 1, 0}, 0.5f, {0, 0, 255, 255})});
+    for (int k = 0; k < 1000; ++k) {  // a dense part, which the median is of
+      const PointCloud one = disc({0.7f + 0.01f * float(k % 40), 0, 0.01f * float(k / 40)}, {0, 1, 0}, 0.01f);
+      cloud = joined(std::move(cloud), one);
+    }
+    const vec4 middle = render(cloud, camera).color_linear.at(16, 16);
+    EXPECT_NEAR(middle.b, mixes ? 0.5 : 0, 1e-3) << front_radius << " " << gap;
   }
 }
 
@@ -432,26 +468,35 @@ TEST_F(Splats, ClampedRadiiKeepOutliersSmall) {
 }
 
 TEST_F(Splats, GroundAroundADenseObjectHasNoHoles) {
-  // Most points on a ball, so that the median radius is its; around it ground 3.5 times as sparse.
-  PointCloud cloud = sphere_cloud(20'000, 0.5f);
-  cloud.normals.clear();
-  std::mt19937 random(8);
-  std::uniform_real_distribution<float> uniform(-2.5f, 2.5f);
-  const double spacing = 3.5 * std::sqrt(std::acos(-1.0) / 20'000);
-  for (int i = 0; i < int(25 / (spacing * spacing)); ++i)
-    cloud.positions.push_back({uniform(random), uniform(random), -0.55f});
-  cloud.colors.assign(cloud.size(), {200, 200, 200, 255});
-  cloud.radii.clear();
-  set("clamp_radius", "true");
-  set("radius_scale", "1.5");  // both as by default
-  const RenderOutput out = render(cloud, camera_at({0, 0, 8}, 256, 256));
-  int inside = 0, open = 0;
-  const double px = 256 / 2 / std::tan(glm::radians(22.5)) / 8.55;
-  const int reach = int(2.2 * px);  // a row of discs away from its end
-  for (int y = 128 - reach; y < 128 + reach; ++y)
-    for (int x = 128 - reach; x < 128 + reach; ++x) ++inside, open += !std::isfinite(out.depth.at(x, y));
-  EXPECT_GT(inside, 20'000);
-  EXPECT_LT(open, 0.001 * inside);  // 1e-4 of a random surface is uncovered by such discs
+  // Most points on a ball, so that the median radius is its; around it ground that is so many times as
+  // sparse: what a scanner stands beside, and a scan of a building on one from the air.
+  struct Case {
+    std::size_t on_ball;
+    double sparser, side;
+  };
+  for (const auto& [on_ball, sparser, side] : {Case{20'000, 3.5, 5}, Case{100'000, 12, 18}}) {
+    PointCloud cloud = sphere_cloud(on_ball, 0.5f);
+    cloud.normals.clear();
+    std::mt19937 random(8);
+    std::uniform_real_distribution<float> uniform(float(-side / 2), float(side / 2));
+    const double spacing = sparser * std::sqrt(std::acos(-1.0) / double(on_ball));
+    for (int i = 0; i < int(side * side / (spacing * spacing)); ++i)
+      cloud.positions.push_back({uniform(random), uniform(random), -0.55f});
+    ASSERT_GT(on_ball, cloud.size() / 2);
+    cloud.colors.assign(cloud.size(), {200, 200, 200, 255});
+    cloud.radii.clear();
+    set("clamp_radius", "true");
+    set("radius_scale", "1.5");  // both as by default
+    const double away = 1.6 * side;
+    const RenderOutput out = render(cloud, camera_at({0, 0, away}, 256, 256));
+    int inside = 0, open = 0;
+    const double px = 256 / 2 / std::tan(glm::radians(22.5)) / (away + 0.55);
+    const int reach = int((side / 2 - 0.3) * px);  // a row of discs away from its end
+    for (int y = 128 - reach; y < 128 + reach; ++y)
+      for (int x = 128 - reach; x < 128 + reach; ++x) ++inside, open += !std::isfinite(out.depth.at(x, y));
+    EXPECT_GT(inside, 20'000);
+    EXPECT_LT(open, 0.001 * inside) << sparser;  // 1e-4 of a random surface is uncovered by such discs
+  }
 }
 
 // Along a slow orbit around random colours, the average of many discs changes less than the nearest disc

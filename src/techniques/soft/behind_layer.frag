@@ -22,7 +22,7 @@ void main() {
   if (!hit_splat(fragment_splat(), gl_FragCoord.xy, hit)) discard;
   if (splat_field > soft_threshold && hit.t <= texelFetch(layer_t, ivec2(gl_FragCoord.xy), 0).x + epsilon) discard;
 #ifdef ACCUMULATE
-  if (!(hit.t < texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x + epsilon)) discard;
+  if (!(hit.t <= texelFetch(nearest_t, ivec2(gl_FragCoord.xy), 0).x * 1.000002 + epsilon)) discard;
   float w = splat_weight(hit.rho);
   vec3 normal = splat_normal_radius.xyz;
   if (dot(normal, ray_slope(gl_FragCoord.xy)) > 0.0) normal = -normal;

@@ -8,6 +8,8 @@
 // epsilon means the same in the corners of a wide view; normals are averaged facing the camera, because scans
 // know no inside.
 
+#include <numbers>
+
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
 #include "techniques/technique.h"
@@ -31,7 +33,7 @@ struct Parameters {
         .unit("scene units")
         .help(
             "how far behind the nearest hit a splat still counts as the same surface (auto: 2 median "
-            "spacings)")
+            "spacings, where points are sparser 2 of theirs)")
         .paper("Botsch 2005, epsilon");
     p.add("kernel", kernel, {"wendland", "gaussian"})
         .help("weight of a hit by its distance from the splat's centre");
@@ -43,6 +45,9 @@ struct Parameters {
         .help("limit radii to four times their median, so that isolated points do not become big discs");
   }
 };
+
+/// In radii of Eq. 20 (Seemann 2018) on a square grid.
+constexpr float two_spacings = 1 / std::numbers::inv_sqrtpi_v<float>;
 
 class Splats final : public Technique {
  public:
@@ -59,10 +64,11 @@ class Splats final : public Technique {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
-    if (parameters_.clamp_radius) shape.radius_limit = largest_disc * frame.cloud.median_radius();
+    if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
+    if (parameters_.epsilon.is_auto()) blend.epsilon_radii = two_spacings;
     blend.kernel = parameters_.kernel;
     blend.opaque = parameters_.blend == Parameters::Blend::opaque;
 

@@ -139,6 +139,28 @@ TEST(Radii, UniformGrid) {
   EXPECT_NEAR(prepared.median_radius, 1.1547f * h, 1e-4f * h);
 }
 
+TEST(Radii, ASparsePartHasItsOwnAndPointsThatStandAloneDoNot) {
+  const auto shifted = [](std::vector<vec3> points, float x) {
+    for (vec3& p : points) p.x += x;
+    return points;
+  };
+  std::vector<vec3> points = square_grid(200, 0.5f);  // most of all, so the median is theirs
+  for (const vec3& p : shifted(square_grid(160, 10), 200)) points.push_back(p);
+  const std::size_t alone = points.size();
+  for (const vec3& p : shifted(square_grid(5, 40), -400)) points.push_back(p);
+  const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});
+  ASSERT_NEAR(prepared.median_radius, 1.1547f * 0.5f, 1e-3f);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const vec3 p = prepared.cloud.positions[i];
+    const float radius = prepared.cloud.radii[i];
+    if (prepared.cloud.source_index[i] >= alone)
+      EXPECT_LT(radius, 1.2f * largest_disc * prepared.median_radius);  // next on the curve: a border
+    else if (p.x > 220 && p.x < 1670 && p.y > 20 && p.y < 1470)
+      EXPECT_NEAR(radius, 1.1547f * 10, 1e-3f);
+    EXPECT_LE(radius, prepared.radius_limit);
+  }
+}
+
 TEST(Radii, ScaleWithTheCloudAndLeaveTheNormalizedUncertainty) {
   const std::vector<vec3> points = noisy_sphere(4000, 1, 0.02f);
   const PreparedCloud one = prepare(cloud_of(points), everything, {});
