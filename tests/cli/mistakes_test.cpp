@@ -73,6 +73,8 @@ TEST_F(MistakesTest, OfCommandsAndOptions) {
       {{"cube.ply", "-o"}, 1, "-o needs a value: -o FILE"},
       {{"cube.ply", "-o", "a.png", "--zoom"}, 1, "--zoom needs a value: --zoom F"},
       {{"cube.ply", "-o", "a.png", "--color-by", "--legend"}, 1, "--color-by needs a value: --color-by NAME"},
+      {{"cube.ply", "-o", "a.png", "--up", "-o"}, 1, "--up needs a value: --up "},
+      {{"cube.ply", "-o", "a.png", "--up", "-h"}, 1, "--up needs a value: --up "},
       {{"cube.ply", "-o", "a.png", "-t", "pointz"}, 1, "points"},
       {{"cube.ply", "-o", "a.png", "-t", "points", "--radius-scale", "2"}, 1, "choose with -t"},
       {{"cube.ply", "-o", "a.png", "--quiet", "--verbose"}, 1, "give one of them"},

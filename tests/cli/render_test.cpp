@@ -478,6 +478,9 @@ TEST_F(RenderTest, UpIsReportedAndGivenBack) {
   EXPECT_TRUE(json["up"].is_string());
   EXPECT_NE(json["up_reason"], "");
   EXPECT_EQ(run_json({"cube.ply", "--up=-x", "-o", "a.png", "--resolution", "48x32", "--json"})["up"], "-X");
+  EXPECT_EQ(run_json({"cube.ply", "--up", "-Y", "-o", "a.png", "--resolution", "48x32", "--json"})["up"],
+            "-Y")
+      << "a word of its own that begins with a minus sign";
   EXPECT_EQ(run_json({"cube.ply", "--up", "auto", "-o", "a.png", "--resolution", "48x32", "--json"})["up"],
             json["up"]);
 }

@@ -83,6 +83,15 @@ struct CommandLine::State {
     return entry && entry->info.kind != OptionInfo::Kind::value ? entry : nullptr;
   }
 
+  /// Whether the word that stands where a value is due is rather the next option. "-Y" is not: no option has
+  /// that letter, but the axes of --up have.
+  bool begins_option(const std::string& word) const {
+    if (!looks_like_option(word)) return false;
+    return word[1] == '-' || word[1] == 'h' ||
+           std::any_of(entries.begin(), entries.end(),
+                       [&](const Entry& entry) { return entry.info.short_name == word[1]; });
+  }
+
   [[noreturn]] void refuse_unknown(const std::string& word) const {
     if (explain) explain(word);
     Words names;
@@ -123,7 +132,7 @@ struct CommandLine::State {
     if (!entry) refuse_unknown(word.starts_with("--") ? shown : word);
     if (entry->info.kind == OptionInfo::Kind::value) {
       if (!value) {
-        if (i + 1 == words.size() || (looks_like_option(words[i + 1]) && words[i + 1] != "-"))
+        if (i + 1 == words.size() || begins_option(words[i + 1]))
           throw Error(ErrorCode::usage,
                       shown + " needs a value: " + shown + " " + value_names(entry->info.metavar));
         value = words[++i];
