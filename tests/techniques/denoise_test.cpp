@@ -215,6 +215,56 @@ TEST_F(Denoise, ThresholdZeroEqualsSplats) {
   }
 }
 
+// Hardly any evidence asked for: the first bin, with what is in it, and no weight too large for the table.
+TEST_F(Denoise, StrictnessNearZeroShowsTheFirstBin) {
+  const PointCloud cloud = noisy_sphere(4000, 0.03f, 400, 3);
+  set("prefilter", "false");
+  set("weight_threshold", "1e-9");
+  const RenderOutput first = render(cloud, front_camera(96, 64));
+  set("weight_threshold", "auto");
+  for (const char* strictness : {"1e-7", "1e-30"}) {
+    SCOPED_TRACE(strictness);
+    set("strictness", strictness);
+    const RenderOutput out = render(cloud, front_camera(96, 64));
+    EXPECT_TRUE(out.notes.empty()) << out.notes.front();
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < out.rgba8.size(); ++i) {
+      const Rgba8 p = first.rgba8.data()[i], q = out.rgba8.data()[i];
+      // Sums are in units of the table's weights, which are others.
+      different +=
+          std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)}) > 1 || p.a != q.a;
+    }
+    EXPECT_EQ(different, 0u);
+  }
+}
+
+// One point far away makes no bin of a hundred units.
+TEST_F(Denoise, AStrayDoesNotWidenTheBins) {
+  PointCloud cloud = plane_cloud(0, {255, 0, 0, 255}, 60, 2);
+  append(cloud, plane_cloud(0.5f, {0, 0, 255, 255}, 60, 2));
+  set("bin_size", "auto");
+  set("weight_threshold", "auto");
+  set("antialias", "true");
+  const auto bin_size = [&](float farthest) {
+    PointCloud all = cloud;
+    if (farthest > 0) {
+      all.positions.push_back({0, farthest, 0});
+      all.normals.push_back({0, -1, 0});
+      all.colors.push_back({0, 255, 0, 255});
+      if (!all.radii.empty()) all.radii.push_back(all.radii.front());
+    }
+    const RenderOutput out = render(all, front_camera(96, 72));
+    EXPECT_LT(out.color_linear.at(48, 36).b, 0.01f) << "the sheets mix";
+    ParamList parameters;
+    technique_->describe(parameters);
+    return std::stof(parameters.find("bin_size")->resolved());
+  };
+  const float usual = bin_size(0);
+  EXPECT_LT(usual, 0.3f);
+  for (const float farthest : {2e2f, 2e4f, 2e6f})
+    EXPECT_NEAR(bin_size(farthest), usual, 0.1f * usual) << farthest;
+}
+
 // Where the points thin out, too: discs of both have one limit.
 TEST_F(Denoise, StrictnessZeroEqualsSplatsOnSparseParts) {
   PointCloud cloud;

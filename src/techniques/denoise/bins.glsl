@@ -13,7 +13,7 @@ uniform int hash_bits;
 uniform int image_width;
 
 const uint no_bin = 0xffffffffu;
-const float weight_unit = 65536.0;  // fixed point: sums up to 65535, errors of 1e-5 a hit
+const float weight_unit = 65536.0;  // fixed point: sums up to 61440, errors of 1e-5 a hit
 
 int first_slot(ivec2 pixel) { return (pixel.y * image_width + pixel.x) * slots; }
 

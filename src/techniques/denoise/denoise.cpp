@@ -30,7 +30,8 @@ using denoise::Layout;
 using denoise::Miss;
 
 // The automatic threshold: weights are in units of what the surface they belong to needs (evidence.glsl), so
-// that it is 1 everywhere. (Seemann 2018, Eq. 20) lets the splats of a surface cover it four times.
+// that it is `strictness` everywhere. (Seemann 2018, Eq. 20) lets the splats of a surface cover it four
+// times.
 constexpr float radius_covers = 4;
 //
 // Where n = 9 splats meet at random (radius scale 1.5) their weight falls below a fifth of its mean in 7 % of
@@ -256,13 +257,16 @@ class Denoise final : public Technique {
     // where those are larger, would split what is tilted.
     const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel_size(frame));
     options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * spacing));
-    options.weight_threshold = parameters_.weight_threshold.resolve(automatic() ? 1.0f : 0.0f);
+    // Strictness raises the threshold and leaves the weights alone: divided by it, they would overflow near
+    // 0.
+    options.weight_threshold =
+        parameters_.weight_threshold.resolve(automatic() ? parameters_.strictness : 0.0f);
     if (automatic()) {
       options.covers = radius_covers * parameters_.radius_scale * parameters_.radius_scale;
       options.peak_share = std::min(peak_share * parameters_.strictness, 0.9f);
       options.peak_bins = peak_bins;
       options.heaviest_bin = true;
-      options.surface_share = surface_share * parameters_.strictness;
+      options.surface_share = surface_share;
       options.agree_rounds = agree_rounds;
       options.splat_reach = shape.radius_scale * std::min(frame.cloud.median_radius(), shape.radius_limit);
       options.wide_reach = shape.radius_scale * wide_disc_;

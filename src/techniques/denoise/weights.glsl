@@ -15,6 +15,9 @@ layout(r32ui, binding = 3) uniform uimageBuffer counters;  // overflow, saturate
 
 uniform uint reach;  // bins behind the first one that still matter
 
+const float most_weight = 4095.0;     // of one hit: what no sum may pass leaves room for it
+const uint most_add = 0x10000000u;
+
 // -1 when the table is full.
 int claim_slot(ivec2 pixel, uint b) {
   int base = first_slot(pixel);
@@ -44,9 +47,9 @@ void add_to_bin(ivec2 pixel, uint b, float weight) {
 #ifdef FAST
   bool above = imageAtomicAdd(bin_weights, at, weight) + weight > weight_threshold;
 #else
-  uint add = max(uint(weight * weight_unit + 0.5), 1u);
+  uint add = max(uint(min(weight, most_weight) * weight_unit + 0.5), 1u);
   uint before = imageAtomicAdd(bin_weights, at, add);
-  if (before >= 0xff000000u) {
+  if (before >= 0u - most_add) {
     imageAtomicAdd(bin_weights, at, 0u - add);
     imageAtomicAdd(counters, 1, 1u);
   }
