@@ -465,6 +465,54 @@ TEST_F(LayersTest, NormalsComeFromTheImageWhereTheCloudHasNone) {
   }
 }
 
+// What is peeled is gone, however little is asked to lie between two layers.
+TEST_F(LayersTest, AMinimalDistanceOfZeroStillGoesOn) {
+  PointCloud cloud;
+  cloud.positions = {{0, 0, 0}, {0, 0, -0.5f}, {0, 0, -1}};
+  cloud.normals.assign(3, {0, 0, 1});
+  cloud.colors = {{250, 0, 0, 255}, {0, 250, 0, 255}, {0, 0, 250, 255}};
+  show(renderer_, cloud, {});
+  for (const char* distance : {"0", "1e-12"})
+    for (const char* peeling : {"passes", "cascade"})
+      for (int layer = 1; layer <= 3; ++layer) {
+        SCOPED_TRACE(std::string(distance) + " " + peeling + " layer " + std::to_string(layer));
+        const RenderOutput out = render(above(9), {{"min_layer_distance", distance},
+                                                   {"peeling", peeling},
+                                                   {"point_shape", "round"},
+                                                   {"point_size", "0.01"},
+                                                   {"background_iterations", "0"},
+                                                   {"occluded_iterations", "0"},
+                                                   {"antialias", "false"},
+                                                   {"show_layer", std::to_string(layer)}});
+        EXPECT_FLOAT_EQ(out.depth.at(4, 4), 4 + 0.5f * float(layer - 1));
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(out.color_linear.at(4, 4)[k] > 0.5f, k == layer - 1) << k;
+      }
+}
+
+// A mean of the colours of two classes would be that of a third, or of none.
+TEST_F(LayersTest, ClassesDoNotMix) {
+  PointCloud cloud = sheet(20000, 1, 0, {255, 0, 0, 255});
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.positions[i].x + 0.3f * cloud.positions[i].y > 0) cloud.colors[i] = {0, 0, 255, 255};
+  show(renderer_, cloud, {});
+  RenderSettings settings;
+  settings.transparent = true;
+  settings.shading = Shading::albedo;
+  settings.palette = {{1, 0, 0}, {0, 0, 1}};
+  for (const char* layers : {"1", "4"}) {
+    set_parameter(*technique_, "layers", layers);
+    set_parameter(*technique_, "smoothing_iterations", "3");
+    const RenderOutput out = renderer_.render(*technique_, above(64), settings, all_outputs());
+    std::size_t red = 0, blue = 0;
+    for (const vec4& c : out.color_linear) {
+      red += c == vec4(1, 0, 0, 1);
+      blue += c == vec4(0, 0, 1, 1);
+    }
+    EXPECT_GT(std::min(red, blue), 1000u);
+    EXPECT_EQ(red + blue, out.color_linear.size());
+  }
+}
+
 TEST_F(LayersTest, OneLayerIsShownAlone) {
   PointCloud cloud = sheets(1, {250, 0, 0, 255});
   append(cloud, sheet(12000, 1, -0.5f, {0, 250, 0, 255}));

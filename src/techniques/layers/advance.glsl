@@ -21,6 +21,9 @@ uniform float bin;  // power of two, at most d_min / 2
 #include "techniques/layers/antialiased.glsl"
 #endif
 
+// The next float: what `d_min` is too small to be added to, 0 among it, still leaves this layer behind.
+float beyond(float depth) { return isinf(depth) ? depth : uintBitsToFloat(floatBitsToUint(depth) + 1u); }
+
 bool filter_pixel(ivec2 pixel) {
   float depth = texelFetch(depth_image, pixel, 0).x;
   float gap = d_min;
@@ -30,7 +33,7 @@ bool filter_pixel(ivec2 pixel) {
   // Never back towards the eye: filling may have taken a depth from in front of this pixel's last layer.
   // Rounded up to a bin, so that a cascade that keeps one point of a bin finds the same layers as passes;
   // exact.
-  float limit = max(texelFetch(limit_image, pixel, 0).x, ceil((depth + gap) / bin) * bin);
+  float limit = max(texelFetch(limit_image, pixel, 0).x, max(ceil((depth + gap) / bin) * bin, beyond(depth)));
 #ifdef BLEND
   // C += T a c, T *= 1 - a, front to back (Dobrev 2010, Sec. 3); T is 1 - alpha of the front.
   vec4 front = texelFetch(front_image, pixel, 0);
