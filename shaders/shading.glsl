@@ -14,14 +14,20 @@ uniform int shading;  // 0 lit, 1 albedo, 2 normals, 3 depth; else as albedo
 uniform int palette_size;  // 0: colours blend
 uniform vec3 palette[64];  // RenderSettings::palette_limit
 
-vec3 nearest_category(vec3 color) {
+// Place in the palette; -1 when there is none.
+int nearest_place(vec3 color) {
   float least = infinity;
-  vec3 nearest = color;
+  int nearest = -1;
   for (int k = 0; k < palette_size; ++k) {
     vec3 away = palette[k] - color;
-    if (dot(away, away) < least) least = dot(away, away), nearest = palette[k];
+    if (dot(away, away) < least) least = dot(away, away), nearest = k;
   }
   return nearest;
+}
+
+vec3 nearest_category(vec3 color) {
+  int place = nearest_place(color);
+  return place < 0 ? color : palette[place];
 }
 
 // `albedo` is premultiplied; `normal`: world normal or 0, shadow factor in w.

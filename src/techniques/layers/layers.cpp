@@ -142,7 +142,7 @@ class Layers final : public Technique {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
     const int last = parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
-    make_textures(view, frame.behind != nullptr);
+    make_textures(view, frame.behind != nullptr, has_categories(frame));
     {
       auto timing = frame.timers.scope("clear");
       frame.target.color.clear(vec4(0));
@@ -280,12 +280,16 @@ class Layers final : public Technique {
     if (frame.cloud.field_key() != key) frame.cloud.set_field(layers::opacities(scalar, list), key);
   }
 
-  void make_textures(const View& view, bool has_behind) {
+  /// Colours stand for categories, of which a layer shows one and nothing between.
+  static bool has_categories(const Frame& frame) { return !frame.settings.palette.empty(); }
+
+  void make_textures(const View& view, bool has_behind, bool has_categories) {
     const int w = view.width(), h = view.height();
     for (gl::Texture* t : {&behind_depth_, &next_depth_})
       if (has_behind) gl::ensure(*t, "layer depth", GL_R32F, w, h);
-    for (gl::Texture* t : {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &cosine_, &coverage_,
-                           &next_coverage_})
+    gl::ensure(cosine_, "layer cosine", has_categories ? GL_RG32F : GL_R32F, w, h);
+    for (gl::Texture* t :
+         {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &coverage_, &next_coverage_})
       gl::ensure(*t, "layer depth", GL_R32F, w, h);
     for (gl::Texture* t : {&index_, &other_index_}) gl::ensure(*t, "layer source index", GL_R32UI, w, h);
     for (gl::Texture* t : {&normal_, &color_, &held_color_, &front_, &other_front_, &scratch_})
@@ -310,10 +314,11 @@ class Layers final : public Technique {
     GpuCloud& cloud = frame.cloud;
     const int shading = int(frame.settings.shading);
     ScreenPass& pass = light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 +
-                              write_normals * 8 + shading * 16];
+                              write_normals * 8 + has_categories(frame) * 16 + shading * 32];
     if (!pass) {
       gl::Defines defines{"SHADING " + std::to_string(shading)};
-      std::vector<GLenum> formats{GL_RGBA32F, GL_R32F};
+      std::vector<GLenum> formats{GL_RGBA32F, has_categories(frame) ? GLenum(GL_RG32F) : GLenum(GL_R32F)};
+      if (has_categories(frame)) defines.push_back("CATEGORIES");
       if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
       if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
       if (has_list_) defines.push_back("HAS_OPACITY");
@@ -354,10 +359,17 @@ class Layers final : public Technique {
 
   void smooth(Frame& frame) {
     auto timing = frame.timers.scope("smooth");
-    if (!smooth_) smooth_ = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F});
+    const bool categories = has_categories(frame);
+    ScreenPass& pass = smooth_[categories];
+    if (!pass)
+      pass = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F},
+                        categories ? gl::Defines{"CATEGORIES"} : gl::Defines{});
     for (int i = 0; i < parameters_.smoothing_iterations; ++i) {
-      smooth_.set("d_min", d_min_);
-      smooth_.run({&color_, &depth_}, {&scratch_});
+      pass.set("d_min", d_min_);
+      if (categories)
+        pass.run({&color_, &depth_, &cosine_}, {&scratch_});
+      else
+        pass.run({&color_, &depth_}, {&scratch_});
       std::swap(color_, scratch_);
     }
   }
@@ -433,7 +445,7 @@ class Layers final : public Technique {
   Flag open_;
   Fill fill_;
   std::map<int, ScreenPass> light_;
-  ScreenPass smooth_, advance_[4], cover_, blend_last_, clip_;
+  ScreenPass smooth_[2], advance_[4], cover_, blend_last_, clip_;
   Merge merge_;
   gl::Texture behind_depth_, next_depth_;  ///< of scenes with other items
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;

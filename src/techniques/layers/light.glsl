@@ -1,6 +1,7 @@
 // The lit surface of a layer: colour, opacity and normal of the point that each pixel took.
 //   HAS_NORMALS, HAS_SHADOW, HAS_OPACITY   what the cloud has for each point; else one value, or the image
 //   WRITE_NORMAL                           somebody reads the normals
+//   CATEGORIES                             colours are those of the palette: which one, beside the cosine
 #include "shading.glsl"
 #include "cloud.glsl"
 
@@ -47,9 +48,13 @@ bool filter_pixel(ivec2 pixel) {
 #ifdef HAS_SHADOW
   shadow = point_shadow(i);
 #endif
-  vec4 color = vec4(point_color(i) * opacity, opacity);
+  vec3 own_color = point_color(i);
+  vec4 color = vec4(own_color * opacity, opacity);
   out_0 = shaded_color(color, vec2(pixel) + 0.5, depth, vec4(normal, shadow));
   out_1 = vec4(dot(normal, normal) > 0.25 ? abs(cosine) : 1.0);
+#ifdef CATEGORIES
+  out_1.y = float(nearest_place(own_color));
+#endif
 #ifdef WRITE_NORMAL
   out_2 = vec4(normal, shadow);
 #endif
