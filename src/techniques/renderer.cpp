@@ -243,7 +243,10 @@ Ground Renderer::State::ground_below_all() const {
 
 void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light,
                                 Target& into, const Target* behind) {
-  Frame frame{*cloud_of(item).gpu, camera,      *item.settings, light, into,
+  RenderSettings settings = *item.settings;
+  settings.background = shot.settings.background;
+  settings.transparent = shot.settings.transparent;
+  Frame frame{*cloud_of(item).gpu, camera,      settings,     light, into,
               shot.wants_normal,   shot.timers, shot.progress};
   frame.behind = behind;
   if (shot.may_finish) frame.finished = &rgba8;

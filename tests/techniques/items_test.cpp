@@ -183,6 +183,27 @@ TEST_F(ItemsTest, ShadowsFallFromItemToItem) {
   EXPECT_NEAR(half.color_linear.at(16, 48).r, 1.0, 0.01);
 }
 
+// Points and surface write finished pictures themselves, and charcoal asks what it is drawn on.
+TEST_F(ItemsTest, TheBackgroundIsThatOfTheScene) {
+  for (const TechniqueInfo& info : all_techniques())
+    for (const bool transparent : {false, true}) {
+      SCOPED_TRACE(info.name + (transparent ? ", transparent" : ""));
+      auto technique = info.create();
+      if (info.name == "strokes") set_parameter(*technique, "style", "charcoal");
+      Renderer renderer(context());
+      show(renderer, sphere_cloud(5000), technique->needs());
+      RenderSettings scene = albedo(), own = albedo();
+      scene.background = {0.125f, 0.25f, 0.5f};
+      scene.transparent = transparent;
+      const Item alone{0, technique.get(), &scene}, of_a_rule{0, technique.get(), &own};
+      const Camera camera = front_camera(48, 36);
+      const RenderOutput expected = renderer.render({&alone, 1}, camera, scene);
+      const RenderOutput out = renderer.render({&of_a_rule, 1}, camera, scene);
+      EXPECT_TRUE(std::ranges::equal(out.rgba8, expected.rgba8));
+      EXPECT_EQ(out.rgba8.at(1, 1).a, transparent ? 0 : 255);
+    }
+}
+
 TEST_F(ItemsTest, ItemsWithoutPointsDrawNothing) {
   const Given sphere{sphere_cloud(5000), "splats", {}};
   const Camera camera = front_camera(64, 48);
