@@ -1,6 +1,8 @@
 // What a technique gets to render: cloud, camera, light, target, timers. A plain struct, no singletons.
 #pragma once
 
+#include <span>
+
 #include "core/camera.h"
 #include "core/progress.h"
 #include "gl/texture.h"
@@ -33,6 +35,9 @@ struct Frame {
   /// save two passes over float targets. Null otherwise.
   const gl::Texture* finished = nullptr;
   bool is_finished = false;
+  /// What is automatic and depends on the view is found over these whole pictures, fitted to the cloud like
+  /// `camera`: the one that `camera` is of, or all that are put together with it (the faces of a panorama).
+  std::span<const Camera> views = {};
   /// The opaque items of the scene, of the target's size, for techniques that let some of it through
   /// (Technique::transparency): they blend over it and show nothing that lies behind it. Null: there is
   /// nothing.

@@ -98,19 +98,22 @@ RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, co
                              {-right, ahead, level_up},
                              {level_up, right, -ahead},
                              {-level_up, right, ahead}}};
-  RenderOutput out;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    Face& face = faces[i];
-    progress.check();
-    progress.update(double(i) / double(faces.size()), "rendering the panorama");
+  std::vector<Camera> cameras;
+  for (const Face& face : faces) {
     Camera view;
     view.position = camera.position;
     view.target = camera.position + face.forward;
     view.up = face.up;
     view.fov_y = std::numbers::pi / 2;
     view.width = view.height = side;
-    face.camera = view.with_guard_band(overlap);
-    face.out = renderer.render(items, face.camera, used, wants, progress);
+    cameras.push_back(view.with_guard_band(overlap));
+  }
+  std::vector<RenderOutput> pictures = renderer.render_together(items, cameras, used, wants, progress);
+  RenderOutput out;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    Face& face = faces[i];
+    face.camera = cameras[i];
+    face.out = std::move(pictures[i]);
     out.total_ms += face.out.total_ms;
     out.points_drawn += face.out.points_drawn;
     out.timings.insert(out.timings.end(), face.out.timings.begin(), face.out.timings.end());

@@ -123,6 +123,7 @@ struct Renderer::State {
   gl::Context& context;
   std::vector<std::unique_ptr<Cloud>> clouds;
   std::optional<Room> room;
+  std::vector<Camera> together;  ///< while pictures are drawn that are put together; else empty
   Target target, item_target;
   gl::Texture finish_scratch, ground_factor, rgba8, linear;
   EyeDomeLighting edl;
@@ -190,7 +191,14 @@ Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked
   for (const Item& item : items) cloud_of(item).gpu->set_cut(cut);
   // Who looks at a stray point gets its depth as well.
   const dvec3 looked_at = glm::clamp(camera.target, all.min, all.max);
-  camera.fit_depth_range({glm::min(near.min, looked_at), glm::max(near.max, looked_at)});
+  const Bounds shown{glm::min(near.min, looked_at), glm::max(near.max, looked_at)};
+  camera.fit_depth_range(shown);
+  for (Camera& each : together) {
+    each.fit_depth_range(shown);
+    camera.near_plane = std::min(camera.near_plane, each.near_plane);
+    camera.far_plane = std::max(camera.far_plane, each.far_plane);
+  }
+  for (Camera& each : together) each.near_plane = camera.near_plane, each.far_plane = camera.far_plane;
   return camera;
 }
 
@@ -249,6 +257,8 @@ void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& came
   Frame frame{*cloud_of(item).gpu, camera,      settings,     light, into,
               shot.wants_normal,   shot.timers, shot.progress};
   frame.behind = behind;
+  const Camera whole = camera.whole_picture();
+  frame.views = together.empty() ? std::span(&whole, 1) : std::span<const Camera>(together);
   if (shot.may_finish) frame.finished = &rgba8;
   while (!item.technique->render(frame)) shot.progress.check();
   shot.is_finished = frame.is_finished;
@@ -412,6 +422,24 @@ RenderOutput Renderer::render(std::span<const Item> items, const Camera& camera,
   out.color_linear = std::move(picture.color_linear);
   out.depth = std::move(picture.depth);
   out.normal = std::move(picture.normal);
+  return out;
+}
+
+std::vector<RenderOutput> Renderer::render_together(std::span<const Item> items,
+                                                    std::span<const Camera> cameras,
+                                                    const RenderSettings& settings, const RenderWants& wants,
+                                                    Progress& progress) {
+  struct Together {  // also where a picture is called off
+    std::vector<Camera>& views;
+    ~Together() { views.clear(); }
+  } together{state_->together};
+  together.views.assign(cameras.begin(), cameras.end());
+  std::vector<RenderOutput> out;
+  for (const Camera& camera : cameras) {
+    progress.check();
+    progress.update(double(out.size()) / double(cameras.size()), "rendering the panorama");
+    out.push_back(render(items, camera, settings, wants, progress));
+  }
   return out;
 }
 

@@ -90,8 +90,13 @@ class Renderer {
   /// A picture that is larger than one canvas (`is_tiled`) is drawn in tiles.
   RenderOutput render(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
                       const RenderWants& wants = {}, Progress& progress = no_progress());
-  /// The same, row by row: of a picture in tiles no more is in memory than a row of tiles. Returns the rest
-  /// of the output, without images.
+  /// Pictures that are put together (the faces of a panorama), in the order of `cameras`: techniques find
+  /// what is automatic once for all of them, and depths are shown in one range, so that no seam shows.
+  std::vector<RenderOutput> render_together(std::span<const Item> items, std::span<const Camera> cameras,
+                                            const RenderSettings& settings, const RenderWants& wants = {},
+                                            Progress& progress = no_progress());
+  /// The same as `render`, row by row: of a picture in tiles no more is in memory than a row of tiles.
+  /// Returns the rest of the output, without images.
   RenderOutput render_rows(std::span<const Item> items, const Camera& camera, const RenderSettings& settings,
                            const RenderWants& wants, const RowSink& sink, Progress& progress = no_progress());
   /// Whether any picture of this size is drawn in tiles: wider or higher than half of what the driver allows

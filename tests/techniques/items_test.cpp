@@ -4,8 +4,10 @@
 #include <array>
 #include <map>
 
+#include "core/order.h"
 #include "reference/gl_fixture.h"
 #include "session/session.h"
+#include "techniques/panorama.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -202,6 +204,88 @@ TEST_F(ItemsTest, TheBackgroundIsThatOfTheScene) {
       EXPECT_TRUE(std::ranges::equal(out.rgba8, expected.rgba8));
       EXPECT_EQ(out.rgba8.at(1, 1).a, transparent ? 0 : 255);
     }
+}
+
+/// The walls, floor and ceiling of 8 x 4 x 3, and haze (classification 5) towards +x.
+PointCloud room() {
+  PointCloud cloud;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::normal_distribution<float> normal(0, 0.35f);
+  ScalarField classes;
+  classes.name = "classification";
+  for (int i = 0; i < 40'000; ++i) {
+    vec3 p(uniform(random), uniform(random), uniform(random)), n(0);
+    p[i % 3] = i % 2 ? 1.0f : -1.0f, n[i % 3] = -p[i % 3];
+    cloud.positions.push_back(p * vec3(4, 2, 1.5f));
+    cloud.normals.push_back(n);
+    classes.values.push_back(0);
+  }
+  for (int i = 0; i < 4000; ++i) {
+    cloud.positions.push_back(vec3(2, 0, 0) + vec3(normal(random), normal(random), normal(random)));
+    cloud.normals.push_back({0, 0, 1});
+    classes.values.push_back(5);
+  }
+  cloud.colors.assign(cloud.size(), {200, 200, 200, 255});
+  cloud.scalars = {std::move(classes)};
+  return cloud;
+}
+
+// Whichever of them is drawn last, what was found is the same.
+TEST_F(ItemsTest, ViewsTogetherFindOneValue) {
+  std::vector<Camera> views(2, camera_at({1, 0, 0}, 64, 64, 90));
+  views[0].target = {4, 0, 0}, views[1].target = {-4, 0, 0};
+  for (const auto& [name, value] :
+       {std::pair{"soft", "opacity"}, {"denoise", "bin_size"}, {"layers", "min_layer_distance"}}) {
+    SCOPED_TRACE(name);
+    auto technique = find_technique(name).create();
+    if (std::string(name) == "soft")
+      for (const auto& [each, chosen] : {std::pair{"field", "class"}, {"field_classes", "5"}})
+        set_parameter(*technique, each, chosen);
+    Renderer renderer(context());
+    show(renderer, room(), technique->needs());
+    const RenderSettings settings;
+    const Item item{0, technique.get(), &settings};
+    ParamList parameters;
+    technique->describe(parameters);
+    const auto found = [&] { return parameters.find(value)->resolved(); };
+    std::vector<std::string> alone, together;
+    for (int last : {1, 0}) {
+      renderer.render(*technique, views[std::size_t(last)], settings);
+      alone.push_back(found());
+      renderer.render_together({&item, 1}, std::array{views[std::size_t(1 - last)], views[std::size_t(last)]},
+                               settings);
+      together.push_back(found());
+    }
+    EXPECT_NE(alone[0], alone[1]) << "the views do not differ enough to tell";
+    EXPECT_EQ(together[0], together[1]);
+  }
+}
+
+// The walls go on where the faces meet, at 45 degrees to either side of the middle.
+TEST_F(ItemsTest, DepthShadingOfAPanoramaHasNoSeams) {
+  auto technique = find_technique("splats").create();
+  Renderer renderer(context());
+  show(renderer, room(), technique->needs());
+  RenderSettings settings;
+  settings.shading = Shading::depth;
+  Camera camera = camera_at({1, 0, 0}, 256, 128);
+  camera.target = {4, 0, 0};
+  RenderWants wants;
+  wants.color_linear = true;
+  const Item item{0, technique.get(), &settings};
+  const Image<vec4> picture =
+      render_panorama(renderer, {&item, 1}, camera, {0, 0, 1}, settings, wants).color_linear;
+  const auto step = [&](int x) {  // between two columns, over the rows that show walls
+    std::vector<float> steps;
+    for (int y = 54; y < 74; ++y) steps.push_back(std::abs(picture.at(x + 1, y).g - picture.at(x, y).g));
+    return median(steps);
+  };
+  for (const int seam : {31, 95, 159, 223}) {  // the first column is -180 degrees
+    SCOPED_TRACE(seam);
+    EXPECT_GT(picture.at(seam, 64).g, 0.01f);
+    EXPECT_LT(step(seam), 3 * (step(seam - 3) + step(seam + 3)) + 0.004f);
+  }
 }
 
 TEST_F(ItemsTest, ItemsWithoutPointsDrawNothing) {

@@ -18,17 +18,16 @@ double overlap(double a, double b, int cell) {
   return std::max(0.0, std::min(b, cell + 1.0) - std::max(a, double(cell)));
 }
 
-}  // namespace
-
-double haze_depth(const HazeSpheres& spheres, const View& view, const HazeSettings& s) {
+/// Appends the depth of every cell of the view.
+void add_cells(const HazeSpheres& spheres, const Camera& camera, const dvec3& origin, const HazeSettings& s,
+               std::vector<double>& all) {
   const auto& [positions, radii, soft, field] = spheres;
-  const Camera& camera = view.camera();
   const Intrinsics k = camera.intrinsics();
-  const double cell_px = std::max(view.width(), view.height()) / double(columns);
-  const int across = int(std::ceil(view.width() / cell_px)), down = int(std::ceil(view.height() / cell_px));
+  const double cell_px = std::max(camera.width, camera.height) / double(columns);
+  const int across = int(std::ceil(camera.width / cell_px)), down = int(std::ceil(camera.height / cell_px));
   std::vector<double> depths(std::size_t(across) * std::size_t(down), 0.0);
   const std::size_t step = std::max<std::size_t>(1, (soft.size() + most_points - 1) / most_points);
-  const dmat4& eye_from_cloud = view.eye_from_cloud();
+  const dmat4 eye_from_cloud = camera.view(origin);
   for (std::size_t slot = step / 2; slot < soft.size(); slot += step) {
     const std::uint32_t i = soft[slot];
     const dvec3 p(eye_from_cloud * glm::dvec4(dvec3(positions[i]), 1));
@@ -53,6 +52,15 @@ double haze_depth(const HazeSpheres& spheres, const View& view, const HazeSettin
         depths[std::size_t(row) * std::size_t(across) + std::size_t(column)] +=
             depth * overlap(x - half, x + half, column) * overlap(y - half, y + half, row);
   }
+  all.insert(all.end(), depths.begin(), depths.end());
+}
+
+}  // namespace
+
+double haze_depth(const HazeSpheres& spheres, std::span<const Camera> views, const dvec3& origin,
+                  const HazeSettings& s) {
+  std::vector<double> depths;
+  for (const Camera& view : views) add_cells(spheres, view, origin, s, depths);
   // Cells count by the share of their rays that meet a sphere, were these placed at random.
   std::sort(depths.begin(), depths.end());
   auto met = [](double depth) { return 1 - std::exp(-depth / mean_depth); };

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/vec.h"
-#include "passes/view.h"
+#include "core/camera.h"
 
 namespace sfumato::soft {
 
@@ -25,6 +25,8 @@ struct HazeSpheres {
 
 /// Optical depth of the haze in units of a lone soft point's through its centre, along the rays that meet
 /// haze: nineteen in twenty of them see less. Follows the camera without steps.
-double haze_depth(const HazeSpheres& spheres, const View& view, const HazeSettings& settings);
+/// Of views of one size (the faces of a panorama) over the rays of all of them.
+double haze_depth(const HazeSpheres& spheres, std::span<const Camera> views, const dvec3& origin,
+                  const HazeSettings& settings);
 
 }  // namespace sfumato::soft

@@ -179,7 +179,7 @@ class Soft final : public Technique {
     p.modulation_threshold.resolve(field_.modulation_threshold);
     points_.choose(frame.cloud, field_.values, shape.field_threshold);
     const float opacity =
-        p.resolve_opacity(p.opacity.user || points_.count() == 0 ? 0 : depth_of_haze(frame, view));
+        p.resolve_opacity(p.opacity.user || points_.count() == 0 ? 0 : depth_of_haze(frame));
     SplatBlend blend;
     if (p.model == Model::one_layer) {
       shape.part = SplatPart::above;
@@ -261,7 +261,7 @@ class Soft final : public Technique {
   }
 
   /// How deep the haze of this view is, in soft points one behind the other.
-  double depth_of_haze(const Frame& frame, const View& view) const {
+  double depth_of_haze(const Frame& frame) const {
     HazeSettings settings;
     settings.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) settings.radius_limit = points_.radius_limit();
@@ -270,8 +270,7 @@ class Soft final : public Technique {
     if (!parameters_.modulation_opacity.user) settings.cone_factor = modulation_factor;
     const PointCloud& cloud = frame.cloud.prepared().cloud;
     const HazeSpheres spheres{cloud.positions, points_.radii(), points_.places(), field_.values};
-    if (!frame.camera.whole) return haze_depth(spheres, view, settings);
-    return haze_depth(spheres, View(frame.camera.whole_picture(), cloud.origin), settings);
+    return haze_depth(spheres, frame.views, cloud.origin, settings);
   }
 
   void draw_soft(Frame& frame, const View& view, SplatShape shape) {
