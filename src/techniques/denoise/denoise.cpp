@@ -20,6 +20,7 @@
 #include "techniques/casters.h"
 #include "techniques/denoise/bins.h"
 #include "techniques/denoise/noise.h"
+#include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -237,13 +238,6 @@ class Denoise final : public Technique {
     field_limit_ = radius_limit, field_prefilter_ = prefilter;
   }
 
-  /// Of a pixel at the middle of the cloud, scene units; 0 when that is behind the camera.
-  static float pixel_size(const Frame& frame) {
-    const Camera& camera = frame.camera;
-    const double depth = glm::dot(frame.cloud.bounds().center() - camera.position, camera.direction());
-    return float((camera.orthographic() ? 1 : std::max(depth, 0.0)) / camera.pixels_per_unit());
-  }
-
   denoise::BinOptions choose_options(const Frame& frame, const SplatShape& shape) {
     denoise::BinOptions options;
     options.layout = parameters_.bins;
@@ -255,7 +249,8 @@ class Denoise final : public Technique {
     options.fast = frame.settings.fast && gl::limits().float_atomics;
     // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings, or two pixels
     // where those are larger, would split what is tilted.
-    const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel_size(frame));
+    const float pixel = spacings_.measure(frame.cloud, frame.views).pixel;
+    const float spacing = std::max(frame.cloud.median_spacing(), shape.prefilter_px * pixel);
     options.bin_size = parameters_.bin_size.resolve(std::max(4 * residual_, 2 * spacing));
     // Strictness raises the threshold and leaves the weights alone: divided by it, they would overflow near
     // 0.
@@ -281,6 +276,7 @@ class Denoise final : public Technique {
   std::vector<float> support_;
   SplatSurface surface_;
   denoise::BinTable bins_;
+  ScreenSpacings spacings_;
   gl::Texture albedo_;
   Shade shade_;
 };

@@ -25,6 +25,7 @@
 #include "techniques/layers/opacity.h"
 #include "techniques/layers/peel.h"
 #include "techniques/layers/screen_extent.h"
+#include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -202,7 +203,7 @@ class Layers final : public Technique {
   /// Automatic values and what follows from the view.
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
-    const layers::ScreenSpacing spacing = layers::screen_spacing(prepared, frame.camera.whole_picture());
+    const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
     const bool discs = draws_discs(frame.cloud);
     const float point_size = parameters_.point_size.resolve(discs ? 3.0f : 2.0f);
     footprint_ = {SizeMode::adaptive, point_size};
@@ -442,6 +443,7 @@ class Layers final : public Technique {
   bool knows_last_ = false;  ///< layers are blended one late, when it is known whether another follows
 
   layers::Peel peel_;
+  ScreenSpacings spacings_;
   Flag open_;
   Fill fill_;
   std::map<int, ScreenPass> light_;

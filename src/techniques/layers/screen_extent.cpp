@@ -3,26 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
-#include "core/order.h"
-#include "passes/view.h"
+#include "passes/points_to_pixels.h"
 
 namespace sfumato::layers {
-
-ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera) {
-  const View view(camera, prepared.cloud.origin);
-  std::vector<float> px, pixels;
-  for (const Batch& batch : prepared.batches) {
-    if (!view.may_see(batch.box_min, batch.box_max)) continue;
-    const glm::dvec4 center(0.5 * (dvec3(batch.box_min) + dvec3(batch.box_max)), 1);
-    const double depth = std::max(-(view.eye_from_cloud() * center).z, camera.near_plane);
-    pixels.push_back(float((camera.orthographic() ? 1 : depth) / camera.pixels_per_unit()));
-    px.push_back(batch.spacing / pixels.back());
-  }
-  if (px.empty()) return {};
-  return {median(px), *std::max_element(px.begin(), px.end()), median(pixels)};
-}
 
 ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture, float point_size, int reach)
     : camera(picture) {

@@ -1,4 +1,4 @@
-// Where the cloud is on the screen, and how dense.
+// Where the cloud is on the screen.
 #pragma once
 
 #include "core/camera.h"
@@ -6,13 +6,6 @@
 #include "gl/texture.h"
 
 namespace sfumato::layers {
-
-/// Over the batches in view.
-struct ScreenSpacing {
-  float median_px = 1, largest_px = 0;  ///< point spacing in pixels
-  float pixel = 0;                      ///< median size of a pixel where they are, scene units
-};
-ScreenSpacing screen_spacing(const PreparedCloud& prepared, const Camera& camera);
 
 /// The part of the picture that the cloud can reach, and what screen operators see beyond its border. Passes
 /// over this part alone give the same picture.

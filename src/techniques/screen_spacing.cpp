@@ -1,0 +1,35 @@
+#include "techniques/screen_spacing.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/order.h"
+
+namespace sfumato {
+
+ScreenSpacing ScreenSpacings::measure(const GpuCloud& cloud, std::span<const Camera> views) {
+  const PreparedCloud& prepared = cloud.prepared();
+  if (serial_ != cloud.serial()) most_ = robust_bounds(prepared.cloud);
+  serial_ = cloud.serial();
+  const vec3 least = vec3(most_.min - prepared.cloud.origin), most = vec3(most_.max - prepared.cloud.origin);
+  std::vector<float> px, pixels;
+  // Who looks at strays alone sees their batches as they are.
+  for (const bool is_cut : {true, false})
+    for (const Camera& camera : views) {
+      if (!px.empty() && !is_cut) break;
+      const View view(camera, prepared.cloud.origin);
+      for (const Batch& batch : prepared.batches) {
+        const vec3 low = is_cut ? glm::max(batch.box_min, least) : batch.box_min,
+                   high = is_cut ? glm::min(batch.box_max, most) : batch.box_max;
+        if (glm::any(glm::greaterThan(low, high)) || !view.may_see(low, high)) continue;
+        const glm::dvec4 center(0.5 * (dvec3(low) + dvec3(high)), 1);
+        const double depth = std::max(-(view.eye_from_cloud() * center).z, camera.near_plane);
+        pixels.push_back(float((camera.orthographic() ? 1 : depth) / camera.pixels_per_unit()));
+        px.push_back(batch.spacing / pixels.back());
+      }
+    }
+  if (px.empty()) return {};
+  return {median(px), *std::max_element(px.begin(), px.end()), median(pixels)};
+}
+
+}  // namespace sfumato

@@ -1,0 +1,28 @@
+// How dense the points in view are on the screen.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/camera.h"
+#include "passes/gpu_cloud.h"
+
+namespace sfumato {
+
+/// Over the batches in view, so that a few strays do not decide.
+struct ScreenSpacing {
+  float median_px = 1, largest_px = 0;  ///< point spacing in pixels
+  float pixel = 0;                      ///< median size of a pixel where they are, scene units
+};
+
+class ScreenSpacings {
+ public:
+  /// `views`: whole pictures (Frame::views).
+  ScreenSpacing measure(const GpuCloud& cloud, std::span<const Camera> views);
+
+ private:
+  std::uint64_t serial_ = 0;  ///< of the cloud whose `most_` it is
+  Bounds most_;               ///< of most points: a batch is as wide as its farthest stray
+};
+
+}  // namespace sfumato
