@@ -3,6 +3,7 @@
 // uses a data-centre GPU. Ties go to the lowest source index: the order of the points does not matter.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "gl/program.h"
@@ -15,7 +16,7 @@ namespace sfumato {
 
 enum class SizeMode { adaptive, pixels, world };
 
-/// The size of a point on the screen: a round disc of this diameter, at least 1 px.
+/// The size of a point on the screen: a round disc of this diameter, at least 1 px and at most `most_px`.
 struct Footprint {
   SizeMode mode = SizeMode::pixels;
   float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
@@ -26,8 +27,14 @@ struct Footprint {
   float wide_px = 0;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;
-  float most_px = 64;  ///< no disc is wider
+  float most_px = 64;  ///< px; see largest_footprint
 };
+
+/// Diameter of the largest point of a picture so many pixels high, px: a picture looks the same in every
+/// size.
+inline float largest_footprint(int picture_height) {
+  return std::max(64.0f, 64.0f / 720 * float(picture_height));
+}
 
 /// Only points that stop this share of the light (GpuCloud::set_casters): `from` <= share < `below`.
 struct CasterRange {

@@ -38,4 +38,28 @@ TEST(Points, DotsFarApartStayDots) {
   }
 }
 
+// A picture looks the same in every size, also where points are more than 64 px wide.
+TEST_F(GlTest, TallPicturesHaveNoMoreHoles) {
+  PointCloud cloud;
+  for (int z = 0; z < 60; ++z)
+    for (int x = 0; x < 60; ++x) cloud.positions.push_back({float(x) / 29.5f - 1, 0, float(z) / 29.5f - 1});
+  auto technique = find_technique("points").create();
+  Renderer renderer(context());
+  show(renderer, cloud, technique->needs());
+  const auto open_share = [&](int height) {
+    const RenderOutput out = renderer.render(*technique, camera_at({0, -2.2, 0}, height / 8, height), [] {
+      RenderSettings s;
+      s.transparent = true;
+      return s;
+    }());
+    std::size_t open = 0, all = 0;
+    for (int y = 3 * height / 10; y < 7 * height / 10; ++y)
+      for (int x = 0; x < height / 8; ++x, ++all) open += out.rgba8.at(x, y).a == 0;
+    return double(open) / double(all);
+  };
+  const double usual = open_share(720);
+  EXPECT_NEAR(open_share(1440), usual, 0.02);
+  EXPECT_NEAR(open_share(7200), usual, 0.02);
+}
+
 }  // namespace

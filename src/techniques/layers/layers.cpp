@@ -133,10 +133,11 @@ class Layers final : public Technique {
                 key);
   }
 
-  int reach_px(const GpuCloud& cloud, const Camera&) const override {
-    // The extent looks past its border by itself, but for points of 64 px; image_normal.glsl as far as it
-    // may.
-    return cloud.has_normals() ? 33 : 33 + 128;
+  int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
+    // The extent looks past its border by itself, but for points of 64 px and more; image_normal.glsl as far
+    // as it may.
+    const int point = 1 + int(std::ceil(0.5f * largest_footprint(camera.whole_height())));
+    return cloud.has_normals() ? point : point + 128;
   }
 
   bool render(Frame& frame) override {
@@ -207,6 +208,7 @@ class Layers final : public Technique {
     const bool discs = draws_discs(frame.cloud);
     const float point_size = parameters_.point_size.resolve(discs ? 3.0f : 2.0f);
     footprint_ = {SizeMode::adaptive, point_size};
+    footprint_.most_px = largest_footprint(frame.camera.whole_height());
     footprint_.oriented = discs;
     if (!discs && spacing.largest_px * point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
     // Points scattered at random leave one place in exp(pi) free between round discs of two spacings, and a

@@ -12,6 +12,7 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
     : camera(picture) {
   const dmat4 eye_from_cloud = picture.view(prepared.cloud.origin);
   const Intrinsics k = picture.intrinsics();
+  const double largest = 0.5 * largest_footprint(picture.whole_height());  // px
   double lo_x = 1e9, lo_y = 1e9, hi_x = -1e9, hi_y = -1e9;
   for (const Batch& batch : prepared.batches)
     for (int corner = 0; corner < 8; ++corner) {
@@ -26,7 +27,7 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
       const double w = picture.orthographic() ? 1 : -eye.z;
       const double x_px = k.fx * eye.x / w + k.cx, y_px = -k.fy * eye.y / w + k.cy;
       const double radius =
-          std::min(0.5 * point_size * batch.spacing * picture.pixels_per_unit() / w, 32.0) + 1;
+          std::min(0.5 * point_size * batch.spacing * picture.pixels_per_unit() / w, largest) + 1;
       lo_x = std::min(lo_x, x_px - radius), hi_x = std::max(hi_x, x_px + radius);
       lo_y = std::min(lo_y, y_px - radius), hi_y = std::max(hi_y, y_px + radius);
     }

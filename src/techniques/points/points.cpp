@@ -6,6 +6,7 @@
 // surface near the camera does not fall apart; eye-dome lighting gives shape to clouds without normals.
 
 #include <algorithm>
+#include <cmath>
 
 #include "passes/points_to_pixels.h"
 #include "passes/shade.h"
@@ -22,19 +23,23 @@ class Points final : public Technique {
     p.add("point_size", footprint_.size)
         .range(0.01, 1e6)
         .unit("factor, px or scene units")
-        .help("diameter of a point, by size_mode; drawn at 1 to 64 px");
+        .help(
+            "diameter of a point, by size_mode; drawn at 1 to 64 px, in pictures higher than 720 px so much "
+            "more");
   }
 
   float edl_strength(bool) const override { return RenderSettings::usual_edl; }
 
-  int reach_px(const GpuCloud&, const Camera&) const override {
-    return 33;  // half the largest point: batches whose centres are beyond the border are not visited
+  int reach_px(const GpuCloud&, const Camera& camera) const override {
+    // Half the largest point: batches whose centres are beyond the border are not visited.
+    return 1 + int(std::ceil(0.5f * largest_footprint(camera.whole_height())));
   }
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     // 8 px of 720, so that a picture looks the same in every size.
     footprint_.wide_px = std::max(4.0f, float(frame.camera.whole_height()) / 90);
+    footprint_.most_px = largest_footprint(frame.camera.whole_height());
     to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
 
     // Resolve straight into the target; only what has to be shaded takes the way through another texture.
