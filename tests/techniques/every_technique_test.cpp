@@ -52,7 +52,10 @@ TEST_P(EveryTechnique, SurvivesPoorClouds) {
     show(renderer, cloud, technique->needs());
     const RenderOutput out = renderer.render(*technique, front_camera(48, 32), settings(), all_outputs());
     expect_finite(out);
-    if (&cloud < clouds + 2) EXPECT_EQ(covered(out), 0u);
+    if (&cloud < clouds + 2)
+      EXPECT_EQ(covered(out), 0u);
+    else
+      EXPECT_GT(covered(out), 0u);
   }
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "analysis/attributes.h"
 #include "analysis/neighbors.h"
@@ -64,7 +63,11 @@ std::vector<float> splat_support(const PreparedCloud& prepared, Progress& progre
   for (std::size_t i = 0; i < n; ++i) {
     std::array<float, k> around;
     for (std::size_t j = 0; j < k; ++j) around[j] = reach[neighbors_of[i][j]];
-    const float own = std::max(reach[i], std::numeric_limits<float>::min());
+    if (!(reach[i] > 0)) {  // nothing is less alone than points in one place
+      support[i] = 1;
+      continue;
+    }
+    const float own = reach[i];
     const float among_all = std::min(1.0f, enough / own),
                 among_near = std::min(1.0f, 1.5f * median(around) / own);
     support[i] = std::max(isolated_support, std::pow(among_all * among_all * among_all * among_near, 4.0f));

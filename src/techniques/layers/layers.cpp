@@ -253,6 +253,8 @@ class Layers final : public Technique {
   bool draws_discs(const GpuCloud& cloud) {
     is_noisy_ = false;
     if (parameters_.point_shape == PointShape::round || !cloud.has_normals()) return false;
+    // Points in one place lie on no surface: edge-on discs there would show nothing.
+    if (!(cloud.bounds().diagonal() > 0)) return false;
     is_noisy_ = parameters_.point_shape == PointShape::automatic &&
                 residual(cloud) > most_noise * cloud.median_spacing();
     return !is_noisy_;
@@ -441,11 +443,11 @@ class Layers final : public Technique {
   std::uint64_t residual_of_ = 0;
   int n_background_ = 1, n_occluded_ = 1, peeled_ = 0;
   Footprint footprint_;
+  ScreenSpacings spacings_;
   bool cascade_ = false, has_list_ = false;
   bool knows_last_ = false;  ///< layers are blended one late, when it is known whether another follows
 
   layers::Peel peel_;
-  ScreenSpacings spacings_;
   Flag open_;
   Fill fill_;
   std::map<int, ScreenPass> light_;

@@ -168,6 +168,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     setup_.set("flatten", strict ? 0.0f : look.flatten).set("second_lightness", strict ? 0.0f : 0.08f);
     setup_.set("divided_color", strict ? 0.0f : look.divided_color);
     setup_.set("has_shadow", cloud.has_shadow());
+    setup_.set("is_one_place", !(cloud.bounds().diagonal() > 0));
     setup_.dispatch_rows((count + 63) / 64);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     count_ += count;

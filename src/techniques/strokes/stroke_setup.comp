@@ -18,6 +18,7 @@ uniform float flatten;
 uniform float divided_color;
 uniform float second_lightness;  // the second layer is lighter by this
 uniform bool has_shadow;
+uniform bool is_one_place;  // all points are in one: what normal they have was made up, or says nothing of a surface
 
 vec3 unpack_mean(uint code) { return linear_from_srgb(unpackUnorm4x8(code).rgb); }
 
@@ -29,9 +30,11 @@ void main() {
 
   vec3 center = (frame.eye_from_cloud * vec4(point_position(i), 1.0)).xyz;
   mat3 turn = mat3(frame.eye_from_cloud);
-  vec3 normal = normalize(turn * point_normal(i));
+  vec3 normal = is_one_place ? to_camera(center) : normalize(turn * point_normal(i));
   vec3 along = turn * texelFetch(stroke_tangents, i).xyz;
-  along = normalize(along - dot(along, normal) * normal);  // exact for a normal of 16 bits
+  along -= dot(along, normal) * normal;  // exact for a normal of 16 bits
+  if (is_one_place && dot(along, along) < 1e-6) along = cross(normal, abs(normal.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0));
+  along = normalize(along);
   vec3 across = cross(normal, along);
   uvec4 traits = texelFetch(stroke_traits, i);
   StrokeSize size = stroke_size(i, -center.z);
