@@ -33,8 +33,10 @@ float step_at_corner(ivec2 at, ivec2 across, ivec2 way) {
   return max(other, next) < min(ours, beyond) ? 0.5 : 0.0;
 }
 
-// Whether what is one or two pixels thin ends at `at`, instead of going on in the next row, as a wire does.
+// Whether what is one or two pixels thin ends at `at`, instead of going on in the next row, as a wire does. Holes of a
+// surface are no such things: they close.
 bool is_thin_end(ivec2 at, ivec2 across, ivec2 way) {
+  if (depth_at(at) > depth_at(at + across)) return false;
   ivec2 below = at - across;
   if (is_edge(at, -across)) return !is_edge(below, way);
   return is_edge(below, way) && is_edge(below, -across) && !is_edge(below - across, way);

@@ -162,6 +162,19 @@ TEST_F(Outlines, ThinThingsStay) {
   }
 }
 
+TEST_F(Outlines, HolesOfAPixelClose) {
+  // A sheet that lacks every tenth pixel of every tenth row.
+  PointCloud cloud;
+  for (double y = -29.875; y < 30; y += 0.25)
+    for (double x = -29.875; x < 30; x += 0.25)
+      if (std::fmod(std::floor(x) + 35, 10) != 0 || std::fmod(std::floor(y) + 35, 10) != 0)
+        cloud.positions.push_back({float(x), float(y), 0});
+  const Camera camera = camera_above(10, 40, 40);
+  const double plain = coverage(picture("points", cloud, camera, 1, false, 1).color_linear);
+  EXPECT_EQ(plain, 1600 - 16);
+  EXPECT_NEAR(coverage(picture("points", cloud, camera, 1, true, 1).color_linear), 1600, 0.1);
+}
+
 TEST_F(Outlines, WhatIsPaintedOnASurfaceStaysSharp) {
   PointCloud cloud = half_plane(0);  // x < 0
   for (std::size_t i = 0; i < cloud.size(); ++i)
