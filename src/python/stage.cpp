@@ -94,6 +94,9 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
   if (pose.upright.up != custom && !options_.up)
     notes_.push_back("up: " + to_string(pose.upright.up) + " (" + pose.upright.reason + "); up=\"" +
                      to_string(custom) + "\" turns it back");
+  else if (pose.upright.other && !options_.up)
+    notes_.push_back("up: " + to_string(pose.upright.up) + " (" + pose.upright.reason + "); up=\"" +
+                     to_string(*pose.upright.other) + "\" turns it");
   if (pose.subject.room)
     notes_.push_back("a room: ceiling and walls before it are left out; whole=True draws them");
   session_ = std::make_unique<Session>(context);

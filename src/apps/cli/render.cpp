@@ -75,11 +75,10 @@ Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& re
   if (upright.up != custom)
     console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason,
                             to_string(custom)));
-  if (pose.subject.room)
-    console.say("a room: ceiling and walls before it are left out; --whole draws them");
   else if (upright.other)
     console.say(fmt::format("up: {} ({}); --up {} turns it", to_string(upright.up), upright.reason,
                             to_string(*upright.other)));
+  if (pose.subject.room) console.say("a room: ceiling and walls before it are left out; --whole draws them");
   report.cutaway = pose.subject.room.has_value();
   report.up = to_string(upright.up), report.up_reason = upright.reason;
   return pose;
