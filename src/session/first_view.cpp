@@ -1,8 +1,11 @@
 #include "session/first_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <limits>
 
 #include "core/error.h"
 #include "core/order.h"
@@ -245,6 +248,43 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
   return half < 0.48 * most && all > 2 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
 }
 
+/// The 2-98 % box of the voxels, by their area rather than by their points, in which a picture closes: with
+/// at least four of the points, of an edge of some ten pixels. Beside a scanner lie most points of a scan; a
+/// tower far from it is few of them and as many voxels as it is large. What lies farther, a line here and
+/// there, is in none.
+Bounds firm_box(const PointCloud& cloud, const Bounds& inner) {
+  constexpr double edges = 128;
+  constexpr std::size_t closes = 4, fewest = 100;
+  const double edge = inner.diagonal() / edges;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
+  constexpr double most = 1 << 20;  // voxels to each side: 21 bits; what is farther is stray
+  if (!(edge > 0)) return inner;
+  std::vector<std::uint64_t> keys;
+  keys.reserve(cloud.size() / stride + 1);
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const dvec3 at = glm::floor((cloud.world(i) - inner.min) / edge) + most;
+    if (!(glm::all(glm::greaterThanEqual(at, dvec3(0))) && glm::all(glm::lessThan(at, dvec3(2 * most)))))
+      continue;
+    keys.push_back(std::uint64_t(at.x) << 42 | std::uint64_t(at.y) << 21 | std::uint64_t(at.z));
+  }
+  std::sort(keys.begin(), keys.end());
+  std::array<std::vector<double>, 3> middles;
+  for (std::size_t first = 0, last; first < keys.size(); first = last) {
+    for (last = first; last < keys.size() && keys[last] == keys[first];) ++last;
+    if (last - first < closes) continue;
+    for (int k = 0; k < 3; ++k)
+      middles[std::size_t(k)].push_back(double(keys[first] >> (42 - 21 * k) & 0x1fffff) - most + 0.5);
+  }
+  Bounds box = inner;
+  if (middles[0].size() < fewest) return box;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double>& along = middles[std::size_t(k)];
+    box.min[k] = std::min(box.min[k], inner.min[k] + edge * value_at_share(along, 0.02));
+    box.max[k] = std::max(box.max[k], inner.min[k] + edge * value_at_share(along, 0.98));
+  }
+  return box;
+}
+
 /// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where
 /// fewer than `few_strays` of the points lie beyond a gap that nothing else has. `inner` is the box of nearly
 /// all points.
@@ -278,14 +318,19 @@ Bounds without_strays(const PointCloud& cloud, const Bounds& inner, Bounds box) 
 
 }  // namespace
 
-Subject subject_of(const PointCloud& cloud) {
+Subject subject_of(const PointCloud& cloud, bool whole) {
   constexpr std::size_t each_counts = 100;  // of fewer, none is a stray
-  Bounds box = cloud.size() < each_counts ? bounds(cloud) : robust_bounds(cloud);
+  const Bounds robust = cloud.size() < each_counts ? bounds(cloud) : robust_bounds(cloud);
+  Bounds box = robust;
   const Bounds full = without_strays(cloud, box, bounds(cloud));
-  const double room = box.diagonal() / 3;
+  if (cloud.size() >= each_counts) {
+    const Bounds firm = firm_box(cloud, box);
+    box = {glm::max(firm.min, full.min), glm::min(firm.max, full.max)};
+  }
+  const double room = whole ? std::numeric_limits<double>::infinity() : box.diagonal() / 3;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
   const dvec3 middle = robust_bounds(cloud, 0.5, 0.5).center(), up = up_vector(cloud.up);
-  const double reach = cloud.empty() ? 0 : near_reach(cloud, box, middle, stride);
+  const double reach = cloud.empty() || whole ? 0 : near_reach(cloud, robust, middle, stride);
   for (int k = 0; k < 3; ++k) {
     if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];

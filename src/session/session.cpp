@@ -23,7 +23,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   else
     upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud);
   scene.cloud.up = upright.up;
-  Pose pose{upright, subject_of(scene.cloud)};
+  Pose pose{upright, subject_of(scene.cloud, !cutaway)};
   if (!upright.is_camera_view) {
     if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
     const Standpoint from = standpoint_for(pose.subject, upright.up);

@@ -213,6 +213,36 @@ TEST(FirstView, CornersOfTheGroundAroundATowerAreNotCut) {
   EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 1);
 }
 
+TEST(FirstView, ATowerBeforeWhichTheScannerStandsIsNotCut) {
+  // Equal angles of two stations 1.7 m above ground: most points lie beside them, and some 90 m away.
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (const double x : {-6, 20})
+    for (int i = 0; i < 2000; ++i)
+      for (int j = 0; j < 800; ++j) {
+        const double azimuth = 6.2832 * i / 2000, elevation = glm::radians(-60 + 140 * j / 800.0);
+        const dvec3 way(std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
+                        std::sin(elevation));
+        const double to_ground = way.z < 0 ? -1.7 / way.z : 1e9, to_wall = way.y > 0 ? 14 / way.y : 1e9;
+        const dvec3 wall = dvec3(x, 0, 1.7) + to_wall * way;
+        const bool is_nave = wall.z < 10 && std::abs(wall.x) < 15,
+                   is_tower = wall.z < 40 && std::abs(wall.x + 18) < 3;
+        if (to_wall < to_ground && (is_nave || is_tower))
+          cloud.positions.push_back(vec3(wall));
+        else if (to_ground < 90)
+          cloud.positions.push_back(vec3(dvec3(x, 0, 1.7) + to_ground * way));
+      }
+  ASSERT_LT(robust_bounds(cloud).max.z, 20) << "by points the tower is cut";
+  const Pose pose = pose_of(cloud);
+  EXPECT_FALSE(pose.subject.thins_out);
+  EXPECT_GT(pose.subject.box.max.z, 39);
+  const auto [low, high] =
+      extent({{-21, 14, 39.5}, {-15, 14, 39.5}, {15, 14, 9}, {-21, 14, 0}}, first_view(pose, 1280, 720));
+  EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 0.96) << "with headroom";
+  EXPECT_LT(pose.subject.box.size().x, 100) << "of 180: the last rings are lines";
+  EXPECT_GT(subject_of(cloud, true).box.size().x, 150) << "the whole";
+}
+
 TEST(FirstView, ARoomWithoutCeilingIsLookedIntoFromAbove) {
   // As telephones scan them: floor and walls, seen from both sides.
   std::mt19937 random(6);

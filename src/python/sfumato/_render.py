@@ -513,7 +513,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     memory : int or str, optional
         Bytes that the points of COPC files may take, ``"2G"``; 4 GB. Beyond it, or `max_points`, only what the view shows is read.
     whole : bool
-        Draws a room with the walls that hide it from outside.
+        Draws a room with the walls that hide it from outside, and frames all points but strays.
     draw : list of str
         Other techniques for some points: "classification 3-5: soft opacity=0.2". The first rule that selects a point draws
         it; the others are drawn by `technique`. As ``--draw`` of the command.
