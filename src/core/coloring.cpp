@@ -60,7 +60,10 @@ bool is_land(const PointCloud& cloud) {
 /// 2 and 98 % quantiles of at most a million finite values; all values when these coincide. `is_height`:
 /// widened to 0.1 and 99.9 %, by a fifth at each end at most. What stands highest is few points and much of
 /// the picture: crowns, roofs, ridges; but noise far above or below takes no more than that.
-std::array<double, 2> stretch(const ScalarField& field, bool is_height) {
+/// `is_intensity`: the upper end comes down until the median is in the middle, but not below the 90 %
+/// quantile. Intensities fall with the square of the distance, so that the few beside the scanner would leave
+/// all others in black.
+std::array<double, 2> stretch(const ScalarField& field, bool is_height, bool is_intensity) {
   constexpr double most_widened = 0.2;
   const std::size_t stride = std::max<std::size_t>(1, field.values.size() / 1'000'000);
   std::vector<float> sample;
@@ -77,6 +80,9 @@ std::array<double, 2> stretch(const ScalarField& field, bool is_height) {
   } else if (is_height) {
     const double room = most_widened * (high - low);
     low = std::max(low - room, quantile(0.001)), high = std::min(high + room, quantile(0.999));
+  } else if (is_intensity) {
+    const double in_the_middle = std::max(low + 2 * (quantile(0.5) - low), quantile(0.9));
+    if (in_the_middle > low) high = std::min(high, in_the_middle);
   }
   return {field.offset + low, field.offset + high};
 }
@@ -88,7 +94,7 @@ void color_scalar(const ScalarField& field, const ColorSettings& settings, Color
                                              : "viridis";
   const Colormap map = Colormap::named(out.colormap);
   const std::array<double, 2> range =
-      settings.range ? *settings.range : stretch(field, out.source == "elevation");
+      settings.range ? *settings.range : stretch(field, out.source == "elevation", out.source == "intensity");
   out.low = range[0], out.high = range[1];
   std::array<Rgba8, 1024> table;
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = map.at(double(i) / double(table.size() - 1));

@@ -17,7 +17,7 @@ struct ColorSettings {
   std::string color_by =
       "auto";            ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar
   std::string colormap;  ///< empty: gray for intensity, viridis for everything else
-  std::optional<std::array<double, 2>> range;  ///< empty: the 2-98 % percentiles, of heights more
+  std::optional<std::array<double, 2>> range;  ///< empty: 2-98 %; heights more, intensity less
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
   std::vector<std::string> file_names;  ///< what the numbers of the scalar `file` stand for, from 1

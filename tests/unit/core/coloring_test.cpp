@@ -130,6 +130,27 @@ TEST(Coloring, ElevationIsTheWorldCoordinateAlongUp) {
   EXPECT_EQ(down.colors[100].r, 0x20);
 }
 
+TEST(Coloring, IntensitiesThatAFewExceedByFarAreNotLeftInBlack) {
+  PointCloud cloud;
+  ScalarField lambertian{"intensity", 0, {}, StoredType::float32}, even = lambertian;
+  for (int i = 0; i <= 1000; ++i) {
+    cloud.positions.push_back({float(i), 0, 0});
+    const float distance = 1 + 0.009f * float(i);  // 1 to 10 m from the scanner
+    lambertian.values.push_back(10000 / (distance * distance));
+    even.values.push_back(float(i));
+  }
+  cloud.scalars = {lambertian};
+  const Coloring fallen = color_points(cloud, {"intensity"});
+  EXPECT_NEAR(fallen.high, 10000 / (1.9 * 1.9), 10) << "the 90 % quantile: a tenth is white, no more";
+  EXPECT_GT(fallen.colors[500].r, 45) << "the median";
+  EXPECT_EQ(color_points(cloud, {"intensity", "", std::array<double, 2>{0, 9000}}).high, 9000);
+  cloud.scalars = {even};
+  EXPECT_NEAR(color_points(cloud, {"intensity"}).high, 980, 1) << "an even distribution keeps its range";
+  cloud.scalars[0].name = "amplitude";
+  cloud.scalars[0].values = lambertian.values;
+  EXPECT_GT(color_points(cloud, {"amplitude"}).high, 6000) << "only intensities fall so";
+}
+
 TEST(Coloring, StretchIgnoresStrayValues) {
   PointCloud cloud = ramp(1000);
   std::vector<float> values(1000);
