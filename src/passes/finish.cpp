@@ -4,8 +4,8 @@
 
 namespace sfumato {
 
-void EyeDomeLighting::run(const View& view, const RenderSettings& settings, const gl::Texture& color,
-                          const gl::Texture& depth, const gl::Texture& out) {
+void EyeDomeLighting::run(const View& view, const RenderSettings& settings, float spacing,
+                          const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out) {
   if (!pass_) pass_ = ScreenPass("passes/eye_dome_lighting.glsl", {GL_RGBA32F});
   view.bind();
   pass_.set("radius_px", settings.edl_radius).set("strength", settings.edl_strength.value());
@@ -14,7 +14,7 @@ void EyeDomeLighting::run(const View& view, const RenderSettings& settings, cons
   const Camera& camera = view.camera();
   const double reference =
       camera.whole_height() / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
-  pass_.set("orthographic_distance", float(reference));
+  pass_.set("orthographic_distance", float(reference)).set("spacing", spacing);
   pass_.run({&color, &depth}, {&out});
 }
 

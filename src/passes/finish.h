@@ -12,7 +12,9 @@ namespace sfumato {
 /// that lie behind their neighbours, a step of any height alike; background neighbours do not count.
 class EyeDomeLighting {
  public:
-  void run(const View& view, const RenderSettings& settings, const gl::Texture& color,
+  /// `spacing`: of the points between which a surface was closed, scene units: where they are far apart on
+  /// the screen, lower steps are none of theirs; 0 where nothing was closed.
+  void run(const View& view, const RenderSettings& settings, float spacing, const gl::Texture& color,
            const gl::Texture& depth, const gl::Texture& out);
 
  private:

@@ -137,6 +137,16 @@ struct Renderer::State {
   explicit State(gl::Context& c) : context(c) {}
 
   Cloud& cloud_of(const Item& item) { return *clouds.at(item.cloud); }
+  /// The largest spacing of points between which a surface was closed, scene units; 0 where one item closes
+  /// none.
+  float closed_spacing(std::span<const Item> items) {
+    float spacing = 0;
+    for (const Item& item : items) {
+      if (!item.technique->closes_depth()) return 0;
+      spacing = std::max(spacing, cloud_of(item).gpu->median_spacing());
+    }
+    return spacing;
+  }
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
   Camera prepare(std::span<const Item> items, const Camera& asked);
   Ground ground_below_all() const;
@@ -321,7 +331,7 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   if (shot.with_edl) {
     auto timing = shot.timers.scope("eye-dome lighting");
     gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
-    this->edl.run(view, settings, target.color, target.depth, finish_scratch);
+    this->edl.run(view, settings, closed_spacing(shot.items), target.color, target.depth, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
   if (shot.with_smooth_outlines) {

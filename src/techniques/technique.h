@@ -31,6 +31,9 @@ class Technique {
   /// How strong eye-dome lighting suits the technique by default (`edl = auto`), 0 where it does not.
   /// `own_colors`: see RenderSettings.
   virtual float edl_strength(bool /*own_colors*/) const { return 0; }
+  /// Whether its depth is that of a surface between the points too, and not only of them: eye-dome lighting
+  /// then leaves out what is finer than they are.
+  virtual bool closes_depth() const { return true; }
   /// True where the technique's own edges are soft, so that smoothing outlines would only blur them.
   virtual bool has_soft_edges() const { return false; }
   /// Items of a scene that let through what lies behind them are drawn last, in the order of this list, with

@@ -263,7 +263,7 @@ std::vector<float> shade_of(const std::vector<float>& depths) {
   depth_image.upload(depth);
   const View view(front_camera(width, height), dvec3(0));
   view.bind();
-  EyeDomeLighting().run(view, {}, color, depth_image, out);
+  EyeDomeLighting().run(view, {}, 0, color, depth_image, out);
   const Image<vec4> shaded = out.download<vec4>();
   std::vector<float> row;
   for (int x = 0; x < width; ++x) row.push_back(shaded.at(x, height / 2).x);

@@ -499,6 +499,37 @@ TEST_F(Splats, GroundAroundADenseObjectHasNoHoles) {
   }
 }
 
+// How discs lie in each other's way is no relief, where they are many pixels wide; what is as high as they
+// are apart is, and so is everything where they are small.
+TEST_F(Splats, EyeDomeLightingShowsNoStepsBelowTheSpacing) {
+  const auto darkened = [&](double step, double distance) {
+    PointCloud cloud;
+    for (int k = 0; k < 40 * 40; ++k) {
+      const int column = k % 40, row = k / 40;
+      const double uneven = (column + row) % 2 == 0 ? 0.02 : -0.02;  // a fifth of their spacing of 0.1
+      cloud = joined(std::move(cloud),
+                     disc({0.1 * (column - 20), uneven + (column < 20 ? 0 : step), 0.1 * (row - 20)},
+                          {0, 1, 0}, 0.075f));
+    }
+    const Camera camera = camera_at({0, -distance, 0}, 128, 128, 20);
+    settings_.edl.user = false;
+    const RenderOutput plain = render(cloud, camera);
+    settings_.edl.user = true;
+    settings_.edl_strength.user = 0.4f;
+    const RenderOutput relief = render(cloud, camera);
+    const int reach = std::min(64, int(1.8 * camera.pixels_per_unit() / distance));  // not its border
+    int count = 0;
+    for (int y = 64 - reach; y < 64 + reach; ++y)
+      for (int x = 64 - reach; x < 64 + reach; ++x)
+        count += relief.color_linear.at(x, y).r < 0.99f * plain.color_linear.at(x, y).r;
+    return count;
+  };
+  set("epsilon", "0.01");        // each disc for itself
+  EXPECT_EQ(darkened(0, 4), 0);  // 9 px apart
+  EXPECT_GT(darkened(0.3, 4), 128);
+  EXPECT_GT(darkened(0, 20), 100);  // 1.8 px apart
+}
+
 // Along a slow orbit around random colours, the average of many discs changes less than the nearest disc
 // alone.
 TEST_F(Splats, WeightedBlendingIsSteadierThanOpaque) {

@@ -28,6 +28,7 @@ class Points final : public Technique {
             "more");
   }
 
+  bool closes_depth() const override { return false; }
   float edl_strength(bool) const override { return RenderSettings::usual_edl; }
 
   int reach_px(const GpuCloud&, const Camera& camera) const override {
