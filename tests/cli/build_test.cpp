@@ -153,11 +153,11 @@ TEST_F(Levels, ThePictureIsThatOfAllPoints) {
     // Discs of `layers` end where their points' share of the surface ends: the outline moves by up to the 0.7
     // pixels that nodes are chosen by. Others draw points of a pixel at least in both pictures. `denoise`
     // also leaves out isolated points, and others are isolated where fewer are read: 2.01 % with, 1.90 %
-    // without.
+    // without; `soft` makes haze of them: 2.05 %.
     const std::string name = technique;
-    EXPECT_LT(uncovered, (name == "layers"    ? 0.05 * 0.7
-                          : name == "denoise" ? 0.022
-                                              : 0.02) *
+    EXPECT_LT(uncovered, (name == "layers"                      ? 0.05 * 0.7
+                          : name == "denoise" || name == "soft" ? 0.022
+                                                                : 0.02) *
                              covered)
         << name;
     EXPECT_LT(difference / covered, 12) << technique;
