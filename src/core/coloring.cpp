@@ -263,10 +263,6 @@ void expose(std::vector<Rgba8>& colors, double exposure) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// What other programs call what colours come from.
 std::string nearest_source(std::string_view wanted, const std::vector<std::string>& names) {
   static const std::map<std::string, std::string, std::less<>> synonyms = {{"height", "elevation"},
