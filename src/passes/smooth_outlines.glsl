@@ -45,14 +45,19 @@ bool is_thin_end(ivec2 at, ivec2 across, ivec2 way) {
 // Follows the edge between `pixel` and `across` along `way`. x: how many pixels on it ends, y: 1/2 where it then steps
 // into our row, -1/2 into the other, 0 where it does neither or leads beyond our reach.
 vec2 end_of_edge(ivec2 pixel, ivec2 across, ivec2 way) {
-  for (int i = 0; i < reach; ++i) {
+  // What happens at the end is asked after the loop: inside, all pixels of a group would at every step.
+  bool ours = false, other = false;
+  int i = 0;
+  for (; i < reach; ++i) {
     ivec2 at = pixel + i * way;
-    bool ours = is_edge(at, way), other = is_edge(at + across, way);
-    if (ours != other) return vec2(float(i), !ours ? -0.5 : is_thin_end(at, across, way) ? 0.0 : 0.5);
-    if (ours) return vec2(float(i), step_at_corner(at, across, way));
-    if (!is_edge(at + way, across)) return vec2(float(i), 0.0);
+    ours = is_edge(at, way), other = is_edge(at + across, way);
+    if (ours || other || !is_edge(at + way, across)) break;
   }
-  return vec2(float(reach), 0.0);
+  ivec2 at = pixel + i * way;
+  float turn = 0.0;
+  if (ours != other) turn = !ours ? -0.5 : is_thin_end(at, across, way) ? 0.0 : 0.5;
+  else if (ours) turn = step_at_corner(at, across, way);
+  return vec2(float(i), turn);
 }
 
 // How much of the pixel belongs to the one across: the area between the edge and the outline, which falls from the height
@@ -69,14 +74,21 @@ float share_across(ivec2 pixel, ivec2 across) {
   return max(of_left, 0.0) + max(of_right, 0.0);
 }
 
+ivec2 side(int k) {
+  int way = (k & 1) * 2 - 1;
+  return (k >> 1) == 0 ? ivec2(0, way) : ivec2(way, 0);
+}
+
 bool filter_pixel(ivec2 pixel) {
   out_0 = texelFetch(color_image, pixel, 0);
   vec4 sum = vec4(0.0);
   float shares = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    ivec2 across = (k & 1) * 2 - 1 + ivec2(0);
-    across[k >> 1] = 0;
-    if (!is_edge(pixel, across)) continue;
+  // The sides that have an edge, one after the other: most pixels have none, and groups of them are done at once.
+  uint sides = 0u;
+  for (int k = 0; k < 4; ++k)
+    if (is_edge(pixel, side(k))) sides |= 1u << k;
+  for (; sides != 0u; sides &= sides - 1u) {
+    ivec2 across = side(findLSB(sides));
     float share = share_across(pixel, across);
     sum += share * texelFetch(color_image, pixel + across, 0);
     shares += share;
