@@ -19,6 +19,7 @@
 #include "analysis/range_image.h"
 #include "analysis/stroke_attributes.h"
 #include "analysis/support.h"
+#include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -96,10 +97,8 @@ class UsualRadii {
     tbb::parallel_for(std::size_t(0), usual_.size(), [&](std::size_t block) {
       const std::size_t first = block == 0 ? 0 : (block - 1) * around,
                         last = std::min(radii.size(), (block + 2) * around);
-      std::vector<float> here(radii.begin() + std::ptrdiff_t(first), radii.begin() + std::ptrdiff_t(last));
-      const auto middle = here.begin() + std::ptrdiff_t(here.size() / 2);
-      std::nth_element(here.begin(), middle, here.end());
-      usual_[block] = *middle;
+      usual_[block] = median(
+          std::vector<float>(radii.begin() + std::ptrdiff_t(first), radii.begin() + std::ptrdiff_t(last)));
     });
   }
   float near(std::size_t point) const { return usual_[point / around]; }
