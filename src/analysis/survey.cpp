@@ -7,6 +7,7 @@
 
 #include "analysis/quantiles.h"
 #include "analysis/support.h"
+#include "core/order.h"
 #include "core/symmetric3.h"
 
 namespace sfumato::analysis {
@@ -19,6 +20,8 @@ constexpr int neighbors = 24;
 /// points of a random surface.
 constexpr std::size_t along_line = 6;
 constexpr float line = 0.02f;
+/// How far the next line is looked for, in distances of the farthest of the 24: beyond, a line stands alone.
+constexpr float far_off = 16;
 
 /// Seen from far enough a forest is flat, and so is noise. Noise of 2 spacings still shows its surface (ADR
 /// 50); of a layer thicker than this, in standard deviations over the spacing, discs as wide as the spacing
@@ -53,9 +56,34 @@ class Nearest {
   std::uint32_t id_[neighbors];
 };
 
+/// Distance to the nearest point that lies rather across a line through `at` than along it.
+class NextLine {
+ public:
+  static constexpr bool merges_coincident = true;
+  NextLine(std::span<const vec3> positions, const vec3& at, const vec3& along, float deviation, float limit)
+      : positions_(positions),
+        at_(at),
+        along_(along),
+        least2_(9 * deviation * deviation),
+        limit_(limit * limit) {}
+  float limit() const { return limit_; }
+  void add(std::uint32_t id, float distance2) {
+    const vec3 way = positions_[id] - at_;
+    const float along = glm::dot(way, along_), across2 = distance2 - along * along;
+    if (across2 > along * along && across2 > least2_) limit_ = std::min(limit_, distance2);
+  }
+
+ private:
+  std::span<const vec3> positions_;
+  vec3 at_, along_;
+  float least2_, limit_;
+};
+
 struct Seen {
   float flat = 1;
   bool line = false;
+  float gap = 0;        ///< of a point on a line, to the next one
+  bool closes = false;  ///< whether that is among its neighbours
   float thickness = 0;  ///< standard deviation from the plane
   float spacing = 0;    ///< of a surface with as many points within reach
 };
@@ -68,9 +96,18 @@ Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::u
   if (!frame || !(frame->variance.z > 0)) return {};
   const auto near =
       local_frame(positions, at, nearest.ids().first(std::min(along_line + 1, nearest.ids().size())));
-  return {flatness_of(positions, at, nearest.ids(), *frame, nearest.reach()),
-          near && near->variance.y < line * near->variance.z, std::sqrt(frame->variance.x),
-          nearest.reach() * float(std::sqrt(M_PI / neighbors))};
+  Seen seen{.flat = flatness_of(positions, at, nearest.ids(), *frame, nearest.reach()),
+            .line = near && near->variance.y < line * near->variance.z,
+            .thickness = std::sqrt(frame->variance.x),
+            .spacing = nearest.reach() * float(std::sqrt(M_PI / neighbors))};
+  if (seen.line) {
+    const vec3 way = positions[nearest.ids()[std::min(along_line, nearest.ids().size() - 1)]] - positions[at];
+    NextLine next(positions, positions[at], glm::normalize(way), std::sqrt(near->variance.y),
+                  far_off * nearest.reach());
+    tree.search(positions[at], next);
+    seen.gap = std::sqrt(next.limit()), seen.closes = seen.gap <= nearest.reach();
+  }
+  return seen;
 }
 
 double residual_around(std::span<const vec3> positions, const KNearest& nearest) {
@@ -104,9 +141,17 @@ Survey survey(const NeighborTree& tree) {
     const Seen far = seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1)));
     if (far.thickness < thickest * far.spacing / 8) seen[k].flat = std::max(seen[k].flat, far.flat);
   });
-  double flat = 0, lines = 0;
-  for (const Seen& s : seen) flat += s.flat, lines += s.line;
-  return {float(flat / double(count)), float(lines / double(count))};
+  double flat = 0, closed = 0;
+  std::vector<float> gaps;
+  for (const Seen& s : seen) {
+    flat += s.flat;
+    if (s.line) closed += s.closes, gaps.push_back(s.gap);
+  }
+  Survey survey{float(flat / double(count)), float(double(gaps.size()) / double(count))};
+  if (gaps.empty()) return survey;
+  survey.closed_lines = float(closed / double(gaps.size()));
+  survey.gap_spread = value_at_share(gaps, 0.9) / value_at_share(gaps, 0.1);
+  return survey;
 }
 
 float plane_residual(std::span<const vec3> positions) {

@@ -16,6 +16,10 @@ constexpr std::size_t few = 2000;
 /// From here on a scan is made of lines, between which nothing is known: discs would be beads on them.
 /// 0.65 to 0.9 of sweeps of 16 to 64 rings and of vertices on the rims of a mesh, 0 to 0.11 of all others.
 constexpr float lined = 0.35f;
+/// Unless they are profiles of a scanner that moves, as far apart as it goes in a turn: rings fan out with
+/// distance, profiles do not. Of twice the speed in one place as in another they still are even. Discs are
+/// right where another profile is among the neighbours that their sizes and normals come from.
+constexpr float even = 2, meet = 0.5f;
 /// From here on clutter makes the picture.
 constexpr float cluttered = 0.5f;
 /// From here on hardly anything else is there: lit discs show leaves, and dots with outlines the crowns that
@@ -59,7 +63,8 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
   // Of 28.8 million points that a view of 1920x1080 reads, `splats` measures the neighbours for 36 s on two
   // cores; `surface` needs none.
   const char* const discs = by_levels ? "surface" : "splats";
-  if (survey.line_share >= lined)
+  const bool profiles = survey.gap_spread < even && survey.closed_lines > meet;
+  if (survey.line_share >= lined && !profiles)
     return choice("points",
                   "lines of a scanner or mesh: " + percent(survey.line_share) + " of the points lie on one");
   if (survey.surface_share < cluttered)
@@ -72,6 +77,9 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
                                 " times as far apart in some places as in others");
   if (!prepared.views.grids.empty())
     return choice(discs, "a camera's depth picture: " + percent(survey.surface_share) +
+                             " of the points lie on surfaces");
+  if (survey.line_share >= lined)
+    return choice(discs, "even profiles of a scanner that moved: " + percent(survey.surface_share) +
                              " of the points lie on surfaces");
   return choice(discs, "surfaces: " + percent(survey.surface_share) + " of the points lie on one");
 }

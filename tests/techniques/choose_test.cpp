@@ -49,6 +49,25 @@ PointCloud street_sweep(int rings = 32) {
   return cloud;
 }
 
+/// A tube of 3 m radius and a level floor, in profiles `gap` apart as of a scanner that moves along it;
+/// points 2 cm apart along each. `speeds`: so many times as far apart at the end as at the start.
+PointCloud profiles(double gap, double speeds = 1) {
+  constexpr int count = 150, around = 900;
+  std::mt19937 random(31);
+  std::normal_distribution<double> noise(0, 0.002);
+  PointCloud cloud;
+  double x = 0;
+  for (int profile = 0; profile < count; ++profile) {
+    x += gap * (1 + (speeds - 1) * profile / count);
+    for (int step = 0; step < around; ++step) {
+      const double angle = 2 * M_PI * step / around;
+      const double r = std::min(3.0, std::sin(angle) < 0 ? -1.7 / std::sin(angle) : 9.0) + noise(random);
+      cloud.positions.push_back(vec3(x, r * std::cos(angle), r * std::sin(angle)));
+    }
+  }
+  return cloud;
+}
+
 PointCloud every(int n, PointCloud cloud) {
   std::vector<vec3> kept;
   for (std::size_t i = 0; i < cloud.size(); i += std::size_t(n)) kept.push_back(cloud.positions[i]);
@@ -89,6 +108,9 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
       {"street sweep", street_sweep(), "points", "lines"},
       {"street sweep of 16 rings", street_sweep(16), "points", "lines"},
       {"street sweep of 64 rings", street_sweep(64), "points", "lines"},
+      {"profiles along a tunnel", profiles(0.1), "splats", "profiles"},
+      {"profiles of 1.6 times the speed", profiles(0.1, 1.6), "splats", "profiles"},
+      {"profiles far apart", profiles(0.5), "points", "lines"},
       {"vertices of a machine's mesh", rims(), "points", "lines"},
       {"sparse sweep", every(10, street_sweep()), "points", "far apart"},
       {"sparse object", scan("spheres", synth::Sampling::area, 6'000), "splats", "surfaces"},
