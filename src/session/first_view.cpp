@@ -248,41 +248,100 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
   return half < 0.48 * most && all > 2 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
 }
 
-/// The 2-98 % box of the voxels, by their area rather than by their points, in which a picture closes: with
-/// at least four of the points, of an edge of some ten pixels. Beside a scanner lie most points of a scan; a
-/// tower far from it is few of them and as many voxels as it is large. What lies farther, a line here and
-/// there, is in none.
-Bounds firm_box(const PointCloud& cloud, const Bounds& inner) {
-  constexpr double edges = 128;
-  constexpr std::size_t closes = 4, fewest = 100;
-  const double edge = inner.diagonal() / edges;
+/// The voxels in which a picture closes, each once whatever it holds: with at least four of the points, where
+/// an even spread over a square as wide as the scan would put sixteen; of an edge of some ten pixels, or more
+/// of few points. What lies farther, a line here and there, is in none.
+struct FirmVoxels {
+  dvec3 corner;  ///< the voxel at 0, 0, 0 begins there
+  double edge = 0;
+  std::array<std::vector<double>, 3> middles;  ///< in edges from the corner
+  /// World; `middles` come to lie in another order.
+  double at_share(int axis, double q) {
+    return corner[axis] + edge * value_at_share(middles[std::size_t(axis)], q);
+  }
+};
+
+FirmVoxels firm_voxels(const PointCloud& cloud, const Bounds& inner) {
+  constexpr std::size_t closes = 4;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
+  const double edges = std::clamp(std::sqrt(double(cloud.size() / stride) / (4 * closes)), 16.0, 128.0);
+  FirmVoxels voxels{inner.min, inner.diagonal() / edges, {}};
   constexpr double most = 1 << 20;  // voxels to each side: 21 bits; what is farther is stray
-  if (!(edge > 0)) return inner;
+  if (!(voxels.edge > 0)) return voxels;
   std::vector<std::uint64_t> keys;
   keys.reserve(cloud.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 at = glm::floor((cloud.world(i) - inner.min) / edge) + most;
+    const dvec3 at = glm::floor((cloud.world(i) - inner.min) / voxels.edge) + most;
     if (!(glm::all(glm::greaterThanEqual(at, dvec3(0))) && glm::all(glm::lessThan(at, dvec3(2 * most)))))
       continue;
     keys.push_back(std::uint64_t(at.x) << 42 | std::uint64_t(at.y) << 21 | std::uint64_t(at.z));
   }
   std::sort(keys.begin(), keys.end());
-  std::array<std::vector<double>, 3> middles;
   for (std::size_t first = 0, last; first < keys.size(); first = last) {
     for (last = first; last < keys.size() && keys[last] == keys[first];) ++last;
     if (last - first < closes) continue;
     for (int k = 0; k < 3; ++k)
-      middles[std::size_t(k)].push_back(double(keys[first] >> (42 - 21 * k) & 0x1fffff) - most + 0.5);
+      voxels.middles[std::size_t(k)].push_back(double(keys[first] >> (42 - 21 * k) & 0x1fffff) - most + 0.5);
   }
+  return voxels;
+}
+
+/// The 2-98 % box of the firm voxels, by their area rather than by their points. Beside a scanner lie most
+/// points of a scan; a tower far from it is few of them and as many voxels as it is large.
+Bounds firm_box(FirmVoxels& voxels, const Bounds& inner) {
+  constexpr std::size_t fewest = 100;
   Bounds box = inner;
-  if (middles[0].size() < fewest) return box;
+  if (voxels.middles[0].size() < fewest) return box;
   for (int k = 0; k < 3; ++k) {
-    std::vector<double>& along = middles[std::size_t(k)];
-    box.min[k] = std::min(box.min[k], inner.min[k] + edge * value_at_share(along, 0.02));
-    box.max[k] = std::max(box.max[k], inner.min[k] + edge * value_at_share(along, 0.98));
+    box.min[k] = std::min(box.min[k], voxels.at_share(k, 0.02));
+    box.max[k] = std::max(box.max[k], voxels.at_share(k, 0.98));
   }
   return box;
+}
+
+/// Whether what lies farther than `reach` from the middle is looked at, and not only what the scanner met
+/// besides: the firm voxels rise nearly as high as that is wide, and twice as high as those within it. 1.1 to
+/// 1.9 and 3 times and more for a tower before one station; at most 0.9 and 1.9 times for sweeps of streets,
+/// and 1.1 and 1.3 where trees stand near and far.
+bool stands_beyond(const FirmVoxels& voxels, UpAxis axis, const dvec3& middle, double reach) {
+  constexpr double tall = 0.9, taller = 2;
+  const dvec3 up = up_vector(axis);
+  std::vector<double> near, all;
+  for (std::size_t i = 0; i < voxels.middles[0].size(); ++i) {
+    const dvec3 at(voxels.middles[0][i], voxels.middles[1][i], voxels.middles[2][i]);
+    const dvec3 way = voxels.corner + voxels.edge * at - middle;
+    const double height = glm::dot(way, up);
+    all.push_back(height);
+    if (glm::length(way - height * up) <= reach) near.push_back(height);
+  }
+  if (near.empty()) return false;
+  const double ground = value_at_share(all, 0.02), top = value_at_share(all, 0.98);
+  fprintf(stderr, "tall %g taller %g\n", (top - ground) / reach,
+          (top - ground) / (value_at_share(near, .98) - ground));
+  return top - ground > tall * reach && top - ground > taller * (value_at_share(near, 0.98) - ground);
+}
+
+/// How far what ends at the top of `box` goes on upwards without a gap, as a tower whose top the scanner saw
+/// aslant: through slabs of a 32nd of the diagonal with one point in 2000 each.
+double goes_on_to(const PointCloud& cloud, const Bounds& box, const Bounds& full) {
+  constexpr double share = 1.0 / 2000;
+  constexpr std::size_t fewest = 4;
+  const double thick = box.diagonal() / 32;
+  const int axis = int(cloud.up) / 2;
+  const bool above = up_vector(cloud.up)[axis] > 0;
+  const double end = above ? box.max[axis] : box.min[axis],
+               left = above ? full.max[axis] - end : end - full.min[axis];
+  if (!(left > 0 && thick > 0)) return end;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
+  std::vector<std::size_t> slabs(std::size_t(std::min(left / thick, 1000.0)) + 1);
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const double at = (above ? 1 : -1) * (cloud.world(i)[axis] - end) / thick;
+    if (at >= 0 && at < double(slabs.size())) ++slabs[std::size_t(at)];
+  }
+  const std::size_t least = std::max(fewest, std::size_t(share * double(cloud.size() / stride)));
+  std::size_t on = 0;
+  while (on < slabs.size() && slabs[on] >= least) ++on;
+  return end + (above ? 1 : -1) * std::min(left, double(on) * thick);
 }
 
 /// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where
@@ -323,14 +382,20 @@ Subject subject_of(const PointCloud& cloud, bool whole) {
   const Bounds robust = cloud.size() < each_counts ? bounds(cloud) : robust_bounds(cloud);
   Bounds box = robust;
   const Bounds full = without_strays(cloud, box, bounds(cloud));
+  FirmVoxels voxels = firm_voxels(cloud, box);
   if (cloud.size() >= each_counts) {
-    const Bounds firm = firm_box(cloud, box);
+    const Bounds firm = firm_box(voxels, box);
     box = {glm::max(firm.min, full.min), glm::min(firm.max, full.max)};
   }
   const double room = whole ? std::numeric_limits<double>::infinity() : box.diagonal() / 3;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
   const dvec3 middle = robust_bounds(cloud, 0.5, 0.5).center(), up = up_vector(cloud.up);
-  const double reach = cloud.empty() || whole ? 0 : near_reach(cloud, robust, middle, stride);
+  double reach = cloud.empty() || whole ? 0 : near_reach(cloud, robust, middle, stride);
+  if (reach > 0 && stands_beyond(voxels, cloud.up, middle, reach)) {
+    const int axis = int(cloud.up) / 2;
+    (up_vector(cloud.up)[axis] > 0 ? box.max : box.min)[axis] = goes_on_to(cloud, box, full);
+    reach = 0;
+  }
   for (int k = 0; k < 3; ++k) {
     if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];

@@ -243,6 +243,41 @@ TEST(FirstView, ATowerBeforeWhichTheScannerStandsIsNotCut) {
   EXPECT_GT(subject_of(cloud, true).box.size().x, 150) << "the whole";
 }
 
+/// What one scanner of equal angles sees, 1.7 m above level ground at 0, 0: ground, and at `distance` along y
+/// a wall of `nave` (width and height) and of a tower beside it, of `tower`.
+PointCloud station(int steps, double distance, const glm::dvec2& nave, const glm::dvec2& tower) {
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (int i = 0; i < steps; ++i)
+    for (int j = 0; j < steps * 2 / 5; ++j) {
+      const double azimuth = 2 * M_PI * i / steps, elevation = glm::radians(-60 + 350.0 * j / steps);
+      const dvec3 way(std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
+                      std::sin(elevation));
+      const double to_ground = way.z < 0 ? -1.7 / way.z : 1e9, to_wall = way.y > 0 ? distance / way.y : 1e9;
+      const dvec3 wall = dvec3(0, 0, 1.7) + to_wall * way;
+      const bool is_nave = wall.z < nave.y && std::abs(wall.x) < nave.x / 2,
+                 is_tower = wall.z < tower.y && std::abs(wall.x + (nave.x + tower.x) / 2) < tower.x / 2;
+      if (to_wall < to_ground && (is_nave || is_tower))
+        cloud.positions.push_back(vec3(wall));
+      else if (to_ground < 90)
+        cloud.positions.push_back(vec3(dvec3(0, 0, 1.7) + to_ground * way));
+    }
+  return cloud;
+}
+
+TEST(FirstView, OfOneSparseStationTheTowerBeforeItIsNotCut) {
+  for (const int steps : {300, 700}) {
+    const PointCloud cloud = station(steps, 14, {30, 10}, {8, 40});
+    const Pose pose = pose_of(cloud);
+    EXPECT_FALSE(pose.subject.thins_out) << steps;
+    const auto [low, high] =
+        extent({{-23, 14, 39}, {-15, 14, 39}, {15, 14, 9}, {-23, 14, 0}}, first_view(pose, 1280, 720));
+    EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 1) << steps;
+    // Walls along a street are what the scanner happened to meet.
+    EXPECT_TRUE(pose_of(station(steps, 8, {160, 3}, {0, 0})).subject.thins_out) << steps;
+  }
+}
+
 TEST(FirstView, ARoomWithoutCeilingIsLookedIntoFromAbove) {
   // As telephones scan them: floor and walls, seen from both sides.
   std::mt19937 random(6);
