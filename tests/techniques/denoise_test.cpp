@@ -756,6 +756,34 @@ TEST_F(Denoise, DefaultsKeepSparseSurfaces) {
   EXPECT_GT(blue, 0.95 * 48 * 48);
 }
 
+// Discs of a part forty times as sparse as the median are as large there as in splats, and leave no holes.
+TEST_F(Denoise, DefaultsKeepPartsFarSparserThanTheMedian) {
+  technique_ = find_technique("denoise").create();
+  PointCloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  const auto add_square = [&](vec3 corner, float side, int points, Rgba8 color) {
+    const float step = side / float(points);
+    for (int i = 0; i < points * points; ++i) {
+      const float x = float(i % points) + uniform(random), z = float(i / points) + uniform(random);
+      cloud.positions.push_back(corner + step * vec3(x, 0, z));
+      cloud.normals.push_back({0, -1, 0});
+      cloud.colors.push_back(color);
+    }
+  };
+  add_square({-2, 0, -2}, 4, 180, {0, 0, 200, 255});
+  add_square({-1.9f, -2, -1.9f}, 0.1f, 200, {0, 200, 0, 255});
+  Camera camera = straight_camera(60);
+  camera.position = {0.5f, -0.6f, 0};
+  camera.target = {0.5f, 0, 0};
+  camera.height_world = 0.4;  // three pixels a spacing
+  const RenderOutput out = render(cloud, camera);
+  int blue = 0;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x) blue += out.color_linear.at(x, y).b > 0.3f;
+  EXPECT_EQ(blue, 60 * 60);
+}
+
 TEST_F(Denoise, ShadingWeightGrowsWithTheWeight) {
   PointCloud cloud = plane_cloud(0, {255, 0, 0, 255}, 30, 4);
   settings_.shading = Shading::weight;

@@ -135,7 +135,7 @@ class Denoise final : public Technique {
     // agree.glsl looks two splats around in every round, and splat_accumulate.frag two pixels.
     float radius = cloud.median_radius();
     if (!(radius < INFINITY)) radius = cloud.median_spacing();
-    const float limit = parameters_.clamp_radius ? largest_disc * radius : INFINITY;
+    const float limit = parameters_.clamp_radius ? cloud.radius_limit() : INFINITY;
     const bool measured = is_measured(cloud) && field_limit_ == limit;
     const float wide = measured ? wide_disc_ : wide_disc(cloud.prepared().cloud.radii, radius, limit);
     const float rounds = 2.0f * agree_rounds * radius + 2 * wide;
@@ -154,7 +154,7 @@ class Denoise final : public Technique {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
-    if (parameters_.clamp_radius) shape.radius_limit = largest_disc * frame.cloud.median_radius();
+    if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
     const bool prefilter = parameters_.prefilter.resolve(automatic());
     measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
     if (parameters_.antialias) shape.prefilter_px = 1;
