@@ -300,9 +300,9 @@ Bounds firm_box(FirmVoxels& voxels, const Bounds& inner) {
 }
 
 /// Whether what lies farther than `reach` from the middle is looked at, and not only what the scanner met
-/// besides: the firm voxels rise nearly as high as that is wide, and twice as high as those within it. 1.1 to
-/// 1.9 and 3 times and more for a tower before one station; at most 0.9 and 1.9 times for sweeps of streets,
-/// and 1.1 and 1.3 where trees stand near and far.
+/// besides: the firm voxels rise nearly as high as that is wide, and twice as high as those within it. 1.5 to
+/// 1.9 and 2.5 to 5 times for towers before one station; at most 0.9 and 1.9 times for two sweeps of a
+/// street, and 1.1 and 1.5 for one of trees near and far.
 bool stands_beyond(const FirmVoxels& voxels, UpAxis axis, const dvec3& middle, double reach) {
   constexpr double tall = 0.9, taller = 2;
   const dvec3 up = up_vector(axis);
