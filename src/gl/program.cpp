@@ -64,6 +64,7 @@ bool is_opaque(GLenum type) {
     case GL_INT_VEC4:
     case GL_UNSIGNED_INT:
     case GL_UNSIGNED_INT_VEC2:
+    case GL_UNSIGNED_INT_VEC3:
     case GL_UNSIGNED_INT_VEC4:
     case GL_BOOL:
     case GL_FLOAT_MAT3:
@@ -193,11 +194,11 @@ void Program::dispatch(unsigned x, unsigned y) const {
   const double units = double(x) * group_size_;
   if (group_rows_ < 0) return in_slices(id_, 1, units * y, [&](auto, auto) { glDispatchCompute(x, y, 1); });
   // Rows next to each other mostly draw next to each other, and find it in the cache.
-  constexpr unsigned rows_a_block = 4;
+  constexpr unsigned rows_a_block = 4;  // as in work_groups.glsl
   const unsigned blocks = y / rows_a_block;
   in_slices(id_, y, units, [&](std::uint64_t first, std::uint64_t count) {
     const std::uint64_t step = count == y ? 1 : spread_step(blocks);
-    glProgramUniform4ui(id_, group_rows_, GLuint(first), rows_a_block, GLuint(step), blocks);
+    glProgramUniform3ui(id_, group_rows_, GLuint(first), GLuint(step), blocks);
     glDispatchCompute(x, GLuint(count), 1);
   });
 }

@@ -1,6 +1,7 @@
 // One visit of all points: the depth visit keeps the nearest depth of every pixel, the index visit
 // (WRITE_INDEX) the lowest source index among the points of that depth. Both compute the same depth bit for
 // bit (`precise`).
+//   CUT           the cloud has half spaces that are left out: asking costs a tenth of a visit
 //   ORIENTED      points with a normal are discs in its plane, at the depths at which rays meet it
 //   CASTERS       only points that stop a share of the light within `caster_range`
 //   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked
@@ -109,7 +110,9 @@ void main() {
 #endif
 
   vec3 position = point_position(i);
+#ifdef CUT
   if (is_cut(position)) return;
+#endif
   precise vec3 eye = (frame.eye_from_cloud * vec4(position, 1.0)).xyz;
   precise float depth = -eye.z;
   if (!(depth >= frame.near_plane)) return;

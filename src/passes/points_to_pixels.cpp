@@ -11,8 +11,10 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
                            float min_gap, const CasterRange* casters, bool lists) {
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
   const bool oriented = footprint.oriented && cloud.has_normals() && !single;
-  gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) +
-                                   (lists ? 8 : 0) + (casters ? 16 : 0) + (oriented ? 32 : 0)];
+  const bool cut = !cloud.cut().empty();
+  gl::Program& program =
+      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0) +
+                (casters ? 16 : 0) + (oriented ? 32 : 0) + (cut ? 64 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
@@ -20,6 +22,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     if (reference) defines.push_back("DEPTH_REFERENCE");
     if (casters) defines.push_back("CASTERS");
     if (oriented) defines.push_back("ORIENTED");
+    if (cut) defines.push_back("CUT");
     if (lists) defines.push_back("LIST_LENGTH " + std::to_string(list_length));
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }

@@ -95,7 +95,7 @@ class PointsToPixels {
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap, const CasterRange* casters,
              bool lists = false);
-  gl::Program programs_[64];
+  gl::Program programs_[128];
   float inverse_bin_ = 0;
   /// Runs a resolve once for each chunk; binds its geometry and colours.
   void for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,
