@@ -72,7 +72,9 @@ Bounds bounds(const PointCloud& cloud) {
 
 Bounds robust_bounds(const PointCloud& cloud, double low, double high) {
   if (cloud.empty()) return bounds(cloud);
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
+  // Odd, so that few rows of a grid are as long as many strides.
+  constexpr std::size_t most_sampled = 250'000;
+  const std::size_t stride = cloud.size() <= most_sampled ? 1 : cloud.size() / most_sampled | 1;
   Bounds box;
   std::vector<float> axis;
   for (int k = 0; k < 3; ++k) {
