@@ -316,8 +316,6 @@ bool stands_beyond(const FirmVoxels& voxels, UpAxis axis, const dvec3& middle, d
   }
   if (near.empty()) return false;
   const double ground = value_at_share(all, 0.02), top = value_at_share(all, 0.98);
-  fprintf(stderr, "tall %g taller %g\n", (top - ground) / reach,
-          (top - ground) / (value_at_share(near, .98) - ground));
   return top - ground > tall * reach && top - ground > taller * (value_at_share(near, 0.98) - ground);
 }
 
