@@ -101,9 +101,9 @@ void choose_scaling(const std::vector<Header>& headers, const Bounds& box, Schem
     const double finest = scale;
     scale = std::pow(10, std::ceil(std::log10(box.size()[axis] / 2 / (int32_reach - 2))));
     offset = std::round(box.center()[axis] / scale) * scale;
-    schema.notes.push_back(std::string("the files reach so far that ") + "xyz"[axis] +
-                           " is stored in steps of " + std::to_string(scale) + " instead of " +
-                           std::to_string(finest));
+    const std::string name(1, "xyz"[axis]);
+    schema.notes.push_back("the files reach so far that " + name + " is stored in steps of " +
+                           std::to_string(scale) + " instead of " + std::to_string(finest));
   }
 }
 

@@ -280,7 +280,7 @@ ReadResult PointCollector::finish(const std::vector<Stats>& parts, Progress& pro
   result.cloud.las->point_format = header_.format;
   result.cloud.las->time_and_returns = header_.global_encoding & (1 | 8);
   if (header_.format == 4 || header_.format == 5 || header_.format >= 9)
-    result.report.notes.push_back("wave packets are not read");
+    result.report.notes.emplace_back("wave packets are not read");
   place_points(result, total, progress);
   place_colors(result, total, progress);
   place_scalars(result, total);
@@ -336,7 +336,7 @@ void PointCollector::place_colors(ReadResult& result, const Stats& total, Progre
   const bool is_8bit = high <= 255;
   result.cloud.las->colors_16bit = !is_8bit;
   if (is_8bit && high > 0)
-    result.report.notes.push_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
+    result.report.notes.emplace_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
   std::vector<Rgba8>& colors = result.cloud.colors;
   allocate(colors, colors_.size());
   std::vector<float> low;
