@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <functional>
 #include <limits>
 
 #include "core/error.h"
 #include "core/order.h"
 #include "core/param.h"
+#include "session/voxels.h"
 
 namespace sfumato {
 
@@ -266,23 +266,12 @@ FirmVoxels firm_voxels(const PointCloud& cloud, const Bounds& inner) {
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
   const double edges = std::clamp(std::sqrt(double(cloud.size() / stride) / (4 * closes)), 16.0, 128.0);
   FirmVoxels voxels{inner.min, inner.diagonal() / edges, {}};
-  constexpr double most = 1 << 20;  // voxels to each side: 21 bits; what is farther is stray
   if (!(voxels.edge > 0)) return voxels;
-  std::vector<std::uint64_t> keys;
-  keys.reserve(cloud.size() / stride + 1);
-  for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 at = glm::floor((cloud.world(i) - inner.min) / voxels.edge) + most;
-    if (!(glm::all(glm::greaterThanEqual(at, dvec3(0))) && glm::all(glm::lessThan(at, dvec3(2 * most)))))
-      continue;
-    keys.push_back(std::uint64_t(at.x) << 42 | std::uint64_t(at.y) << 21 | std::uint64_t(at.z));
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t first = 0, last; first < keys.size(); first = last) {
-    for (last = first; last < keys.size() && keys[last] == keys[first];) ++last;
-    if (last - first < closes) continue;
-    for (int k = 0; k < 3; ++k)
-      voxels.middles[std::size_t(k)].push_back(double(keys[first] >> (42 - 21 * k) & 0x1fffff) - most + 0.5);
-  }
+  Voxels all(voxels.corner, voxels.edge);
+  all.reserve(cloud.size() / stride + 1);
+  for (std::size_t i = 0; i < cloud.size(); i += stride) all.add(cloud.world(i));
+  for (const dvec3& middle : all.holding(closes))
+    for (int k = 0; k < 3; ++k) voxels.middles[std::size_t(k)].push_back(middle[k]);
   return voxels;
 }
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "session/voxels.h"
 
 namespace sfumato {
 namespace {
@@ -93,17 +94,9 @@ Area area_of(const Subject& subject) {
   const double edges = std::clamp(std::sqrt(double(subject.points.size())) / 2, 8.0, 100.0);
   Area area{subject.box, {}, subject.box.diagonal() / edges};
   if (!(area.edge > 0)) return area;
-  std::vector<std::uint64_t> keys;
-  for (const dvec3& p : subject.points) {
-    const dvec3 at = glm::floor((p - subject.box.min) / area.edge);
-    keys.push_back(std::uint64_t(at.x) << 42 | std::uint64_t(at.y) << 21 | std::uint64_t(at.z));
-  }
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  for (const std::uint64_t key : keys)
-    area.voxels.push_back(
-        subject.box.min +
-        area.edge * (dvec3(double(key >> 42), double(key >> 21 & 0x1fffff), double(key & 0x1fffff)) + 0.5));
+  Voxels all(area.box.min, area.edge);
+  for (const dvec3& p : subject.points) all.add(p);
+  for (const dvec3& middle : all.holding(1)) area.voxels.push_back(area.box.min + area.edge * middle);
   return area;
 }
 

@@ -231,25 +231,33 @@ TEST(FirstView, CornersOfTheGroundAroundATowerAreNotCut) {
   EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 1);
 }
 
-TEST(FirstView, ATowerBeforeWhichTheScannerStandsIsNotCut) {
-  // Equal angles of two stations 1.7 m above ground: most points lie beside them, and some 90 m away.
+/// What one scanner of equal angles sees, 1.7 m above level ground at `x`, 0: ground, and at `distance` along
+/// y a wall of `nave` (width and height) and of a tower beside it, of `tower`.
+PointCloud station(int steps, double distance, const glm::dvec2& nave, const glm::dvec2& tower,
+                   double x = 0) {
   PointCloud cloud;
   cloud.up = UpAxis::pos_z;
-  for (const double x : {-6, 20})
-    for (int i = 0; i < 2000; ++i)
-      for (int j = 0; j < 800; ++j) {
-        const double azimuth = 6.2832 * i / 2000, elevation = glm::radians(-60 + 140 * j / 800.0);
-        const dvec3 way(std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
-                        std::sin(elevation));
-        const double to_ground = way.z < 0 ? -1.7 / way.z : 1e9, to_wall = way.y > 0 ? 14 / way.y : 1e9;
-        const dvec3 wall = dvec3(x, 0, 1.7) + to_wall * way;
-        const bool is_nave = wall.z < 10 && std::abs(wall.x) < 15,
-                   is_tower = wall.z < 40 && std::abs(wall.x + 18) < 3;
-        if (to_wall < to_ground && (is_nave || is_tower))
-          cloud.positions.push_back(vec3(wall));
-        else if (to_ground < 90)
-          cloud.positions.push_back(vec3(dvec3(x, 0, 1.7) + to_ground * way));
-      }
+  for (int i = 0; i < steps; ++i)
+    for (int j = 0; j < steps * 2 / 5; ++j) {
+      const double azimuth = 2 * M_PI * i / steps, elevation = glm::radians(-60 + 350.0 * j / steps);
+      const dvec3 way(std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
+                      std::sin(elevation));
+      const double to_ground = way.z < 0 ? -1.7 / way.z : 1e9, to_wall = way.y > 0 ? distance / way.y : 1e9;
+      const dvec3 scanner(x, 0, 1.7), wall = scanner + to_wall * way;
+      const bool is_nave = wall.z < nave.y && std::abs(wall.x) < nave.x / 2,
+                 is_tower = wall.z < tower.y && std::abs(wall.x + (nave.x + tower.x) / 2) < tower.x / 2;
+      if (to_wall < to_ground && (is_nave || is_tower))
+        cloud.positions.push_back(vec3(wall));
+      else if (to_ground < 90)
+        cloud.positions.push_back(vec3(scanner + to_ground * way));
+    }
+  return cloud;
+}
+
+TEST(FirstView, ATowerBeforeWhichTheScannerStandsIsNotCut) {
+  // Most points lie beside the two stations, and some 90 m away.
+  PointCloud cloud = station(2000, 14, {30, 10}, {6, 40}, -6);
+  append(cloud, station(2000, 14, {30, 10}, {6, 40}, 20));
   ASSERT_LT(robust_bounds(cloud).max.z, 20) << "by points the tower is cut";
   const Pose pose = pose_of(cloud);
   EXPECT_FALSE(pose.subject.thins_out);
@@ -259,28 +267,6 @@ TEST(FirstView, ATowerBeforeWhichTheScannerStandsIsNotCut) {
   EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 0.96) << "with headroom";
   EXPECT_LT(pose.subject.box.size().x, 100) << "of 180: the last rings are lines";
   EXPECT_GT(subject_of(cloud, true).box.size().x, 150) << "the whole";
-}
-
-/// What one scanner of equal angles sees, 1.7 m above level ground at 0, 0: ground, and at `distance` along y
-/// a wall of `nave` (width and height) and of a tower beside it, of `tower`.
-PointCloud station(int steps, double distance, const glm::dvec2& nave, const glm::dvec2& tower) {
-  PointCloud cloud;
-  cloud.up = UpAxis::pos_z;
-  for (int i = 0; i < steps; ++i)
-    for (int j = 0; j < steps * 2 / 5; ++j) {
-      const double azimuth = 2 * M_PI * i / steps, elevation = glm::radians(-60 + 350.0 * j / steps);
-      const dvec3 way(std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
-                      std::sin(elevation));
-      const double to_ground = way.z < 0 ? -1.7 / way.z : 1e9, to_wall = way.y > 0 ? distance / way.y : 1e9;
-      const dvec3 wall = dvec3(0, 0, 1.7) + to_wall * way;
-      const bool is_nave = wall.z < nave.y && std::abs(wall.x) < nave.x / 2,
-                 is_tower = wall.z < tower.y && std::abs(wall.x + (nave.x + tower.x) / 2) < tower.x / 2;
-      if (to_wall < to_ground && (is_nave || is_tower))
-        cloud.positions.push_back(vec3(wall));
-      else if (to_ground < 90)
-        cloud.positions.push_back(vec3(dvec3(0, 0, 1.7) + to_ground * way));
-    }
-  return cloud;
 }
 
 TEST(FirstView, OfOneSparseStationTheTowerBeforeItIsNotCut) {
