@@ -49,13 +49,18 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
       raster = SplatRaster("passes/splat_accumulate.frag", defines);
     }
     visit_.measure_farthest(view, nearest_t_);
+    if (!blend.opaque) {
+      gl::ensure(front_, "nearest hit and deeper side", GL_RGBA32F, width, height);
+      if (!deeper_side_) deeper_side_ = ScreenPass("passes/deeper_side.glsl", {GL_RGBA32F});
+      view.bind();
+      deeper_side_.set("full_step", blend.epsilon).run({&nearest_t_}, {&front_});
+    }
+    const gl::Texture& front = blend.opaque ? nearest_t_ : front_;
     auto draw_into = [&](const gl::Framebuffer& framebuffer) {
       framebuffer.bind();
       const gl::State state{.blend = gl::State::Blend::add};
-      auto set_epsilon = [&](gl::Program& program) {
-        program.set("epsilon", epsilon).set("full_step", blend.epsilon);
-      };
-      nearest_t_.bind(binding::input);
+      auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", epsilon); };
+      front.bind(binding::input);
       raster.draw(cloud, view, shape, batches_, state, set_epsilon, false);
       for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {
         {
@@ -63,7 +68,7 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, const SplatShape& sha
           if (!visit_.list_survivors(cloud, c, view, shape, batches_, nearest_t_, epsilon)) continue;
         }
         framebuffer.bind();
-        nearest_t_.bind(binding::input);
+        front.bind(binding::input);
         raster.draw_list(cloud, c, view, shape, visit_.list(), visit_.command(), state, set_epsilon);
       }
     };

@@ -41,10 +41,10 @@ class SplatSurface {
 
  private:
   SplatBatches batches_;
-  gl::Texture nearest_t_, color_sum_, normal_sum_, shadow_sum_;
+  gl::Texture nearest_t_, front_, color_sum_, normal_sum_, shadow_sum_;
   SplatRaster nearest_, accumulate_[6];
   SplatVisit visit_;
-  ScreenPass normalize_;
+  ScreenPass deeper_side_, normalize_;
 };
 
 }  // namespace sfumato

@@ -132,7 +132,7 @@ class Denoise final : public Technique {
   }
 
   int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
-    // agree.glsl looks two splats around in every round, and splat_accumulate.frag two pixels.
+    // agree.glsl looks two splats around in every round, and deeper_side.glsl two pixels.
     float radius = cloud.median_radius();
     if (!(radius < INFINITY)) radius = cloud.median_spacing();
     const float limit = parameters_.clamp_radius ? cloud.radius_limit() : INFINITY;

@@ -166,7 +166,7 @@ class Soft final : public Technique {
     set_casters(cloud, opacity, key);
   }
 
-  int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // splat_accumulate.frag
+  int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // deeper_side.glsl
 
   bool render(Frame& frame) override {
     update_field(frame.cloud);

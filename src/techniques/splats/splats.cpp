@@ -58,7 +58,7 @@ class Splats final : public Technique {
     return own_colors ? 0 : 0.12f;  // a little relief where colours tell no shapes apart
   }
 
-  int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // splat_accumulate.frag
+  int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // deeper_side.glsl
 
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
