@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := release
-.PHONY: release command python demo test bench bench-scale eval-denoise eval-layers eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
+.PHONY: release command python demo test bench bench-scale eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -53,6 +53,10 @@ eval-denoise: release  ## denoise against the truth of synthetic scenes and clea
 eval-layers: release  ## layers against every crossing of every ray through nested tori
 	@cmake --build build/release --target eval_layers
 	@build/release/bin/eval_layers $(ARGS)
+
+eval-normals: release  ## computed normals against those of the surfaces that were sampled, by noise
+	@cmake --build build/release --target eval_normals
+	@build/release/bin/eval_normals --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
 eval-shadows: release  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows

@@ -19,6 +19,7 @@
 #include "analysis/range_image.h"
 #include "analysis/stroke_attributes.h"
 #include "analysis/support.h"
+#include "analysis/wide_normals.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
@@ -135,16 +136,21 @@ class Completion {
         k_(std::min(std::size_t(std::max(1, options.neighbors)), cloud_.size() - 1)) {}
 
   void run(bool normals, bool radii, bool uncertainty) {
-    std::vector<vec3> new_normals;
+    // Uncertainty is what the nearest neighbours disagree by: those of surfaces that are seen through their
+    // noise agree. Normals that a call before this one computed are such.
+    const bool unevenness = uncertainty && !cloud_.scalar(unevenness_name),
+               find_normals = normals || (unevenness && prepared_.computed.has(Attribute::normal));
+    std::vector<vec3> nearest_normals;
     std::vector<float> new_radii;
-    if (normals) new_normals = cloud_.normals, new_normals.resize(cloud_.size(), vec3(0));
+    if (normals) nearest_normals = cloud_.normals;
+    if (find_normals) nearest_normals.resize(cloud_.size(), vec3(0));
     if (radii) new_radii = cloud_.radii, new_radii.resize(cloud_.size(), 0.0f);
-    const bool keep = uncertainty && !cloud_.scalar(unevenness_name) &&
-                      cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
+    const bool keep = unevenness && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
     KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
 
     const Orientation orientation(cloud_);
-    std::vector<float> scatter(normals || radii ? cloud_.size() : 0);
+    std::vector<float> scatter(find_normals || radii ? cloud_.size() : 0),
+        thickness2(normals ? cloud_.size() : 0);
     tbb::concurrent_vector<NearNormal> near_normals;
     const bool shrink = radii && options_.clutter_radius < 1;
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
@@ -155,21 +161,22 @@ class Completion {
       const float farthest = distances2.empty() ? 0 : std::sqrt(distances2.back());
       return farthest > 0 ? radius_of(farthest, ids.size()) : fallback_radius;
     };
-    if (normals || radii || keep)
+    if (find_normals || radii || keep)
       for_each_neighborhood(
           tree_, int(k_),
           [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
-            const bool own_normal = normals && missing(new_normals[i]),
+            const bool own_normal = find_normals && missing(nearest_normals[i]),
                        own_radius = radii && missing(new_radii[i]);
             const auto frame =
-                own_normal || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
+                find_normals || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
             if (frame) {
               scatter[i] = scatter_of(*frame);
               if (const auto near = near_normal(cloud_.positions, i, ids, distances2, scatter[i]))
                 near_normals.push_back({i, own_normal ? orientation.facing(i, *near) : vec3(0)});
             }
+            if (normals && frame) thickness2[i] = frame->variance.x;
             if (own_normal)
-              new_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
+              nearest_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
             if (own_radius) {
               new_radii[i] = radius_in(ids, distances2);
               if (shrink && frame) {
@@ -179,26 +186,31 @@ class Completion {
             }
             if (keep) kept.keep(i, ids);
           },
-          normals ? "normals" : "radii", progress_);
-    take_near_normals(near_normals, scatter, new_normals, flatness);
+          find_normals ? "normals" : "radii", progress_);
+    take_near_normals(near_normals, scatter, nearest_normals, flatness);
+    std::vector<vec3> new_normals;
+    float noise = 0;
+    if (normals) {
+      new_normals = nearest_normals;
+      noise = widen(near_normals, scatter, thickness2, orientation, new_normals);
+    }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
     std::vector<float> shrunk;
     if (shrink) shrunk = shrink_in_clutter(flatness, narrow, new_radii);
     // A call before this one may have shrunk them for another technique: the same division brings them back.
     const Radii sized{radii ? new_radii : cloud_.radii, radii ? shrunk : prepared_.shrunk};
-    const ScalarField* unevenness = uncertainty ? cloud_.scalar(unevenness_name) : nullptr;
-    if (unevenness) {
+    if (const ScalarField* stored = uncertainty ? cloud_.scalar(unevenness_name) : nullptr) {
       ScalarField field{"uncertainty", 0, std::vector<float>(cloud_.size()), StoredType::float32};
       for (std::size_t i = 0; i < field.values.size(); ++i)
-        field.values[i] = sized.on_surface(i) * float(unevenness->value(i));
+        field.values[i] = sized.on_surface(i) * float(stored->value(i));
       cloud_.set_scalar(std::move(field));
     } else if (uncertainty) {
-      cloud_.set_scalar(
-          measure_uncertainty(normals ? new_normals : cloud_.normals, sized, keep ? &kept : nullptr));
+      cloud_.set_scalar(measure_uncertainty(find_normals ? nearest_normals : cloud_.normals, sized,
+                                            keep ? &kept : nullptr));
     }
     if (!shrunk.empty()) prepared_.shrunk = std::move(shrunk);
-    if (normals) cloud_.normals = std::move(new_normals);
+    if (normals) cloud_.normals = std::move(new_normals), prepared_.noise = noise;
     if (radii) cloud_.radii = std::move(new_radii);
   }
 
@@ -226,6 +238,22 @@ class Completion {
       if (!missing(near.normal)) normals[near.point] = near.normal;
       if (!flatness.empty()) flatness[near.point] = std::max(flatness[near.point], flat_nearby);
     }
+  }
+
+  /// `widen_normals` of those that were computed, not from the nearest few. `scatter` is lost.
+  float widen(const tbb::concurrent_vector<NearNormal>& near_normals, std::vector<float>& scatter,
+              const std::vector<float>& thickness2, const Orientation& orientation,
+              std::vector<vec3>& normals) {
+    for (std::size_t i = 0; i < cloud_.normals.size(); ++i)
+      if (!missing(cloud_.normals[i])) scatter[i] = 0;
+    for (const NearNormal& near : near_normals)
+      if (normals[near.point] == near.normal) scatter[near.point] = 0;
+    const float noise = widen_normals(cloud_.positions, int(k_), scatter, thickness2, normals, progress_);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 65'536), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        if (scatter[i] > 0) normals[i] = orientation.facing(std::uint32_t(i), normals[i]);
+    });
+    return noise;
   }
 
   /// Returns by how much: PreparedCloud::shrunk.

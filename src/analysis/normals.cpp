@@ -44,6 +44,19 @@ std::optional<Solver> decompose(std::span<const vec3> positions, std::uint32_t c
 
 }  // namespace
 
+std::optional<LocalFrame> local_frame(const vec3& squares, const vec3& crossed) {
+  Eigen::Matrix3d covariance;
+  covariance << double(squares.x), 0, 0, double(crossed.z), double(squares.y), 0, double(crossed.y),
+      double(crossed.x), double(squares.z);
+  if (!(covariance.trace() > 0)) return std::nullopt;
+  Solver solver;
+  solver.computeDirect(covariance);  // reads the lower triangle
+  const auto normal = direction_of(solver, 0);
+  if (!normal) return std::nullopt;
+  const Eigen::Vector3d variance = solver.eigenvalues().cwiseMax(0.0);
+  return LocalFrame{*normal, vec3(float(variance.x()), float(variance.y()), float(variance.z()))};
+}
+
 std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors) {
   const auto solver = decompose(positions, center, neighbors);

@@ -24,7 +24,8 @@ struct LocalFrame {
   vec3 normal{0};
   vec3 variance{0};
 };
-/// Nothing when all points coincide.
+/// Of a covariance, xx yy zz and yz zx xy; nothing when all points coincide.
+std::optional<LocalFrame> local_frame(const vec3& squares, const vec3& crossed);
 std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors);
 

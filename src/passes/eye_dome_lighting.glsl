@@ -10,6 +10,7 @@ layout(binding = UNIT_INPUT + 1) uniform sampler2D depth_image;
 uniform float radius_px;
 uniform float strength;
 uniform float orthographic_distance;
+uniform float least_step;  // of surfaces, scene units: lower ones are noise
 uniform float spacing;  // of the points between which a surface was closed, scene units; 0 where none was
 
 const float fine_px = 2.5, coarse_px = 6.0;  // between points: their relief is seen; that between them would be
@@ -34,7 +35,8 @@ bool filter_pixel(ivec2 pixel) {
   if (isinf(depth) || out_0.a <= 0.0) return true;
   float here = log_depth(depth), response = 0.0;
   // Where the points are far apart on the screen, steps lower than their spacing are how discs happen to lie.
-  float noise = spacing * smoothstep(fine_px, coarse_px, spacing * pixels_at(depth)) * log_depth_slope(depth);
+  float chance = spacing * smoothstep(fine_px, coarse_px, spacing * pixels_at(depth));
+  float noise = max(chance, least_step) * log_depth_slope(depth);
   for (int k = 0; k < 4; ++k) {
     float angle = float(k) * 0.785398163;
     vec2 away = radius_px * vec2(cos(angle), sin(angle));

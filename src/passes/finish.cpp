@@ -3,8 +3,14 @@
 #include <cmath>
 
 namespace sfumato {
+namespace {
 
-void EyeDomeLighting::run(const View& view, const RenderSettings& settings, float spacing,
+/// Of noise that is spread normally 0.3 % lies farther from its surface.
+constexpr float most_deviations = 3;
+
+}  // namespace
+
+void EyeDomeLighting::run(const View& view, const RenderSettings& settings, float spacing, float noise,
                           const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out) {
   if (!pass_) pass_ = ScreenPass("passes/eye_dome_lighting.glsl", {GL_RGBA32F});
   view.bind();
@@ -14,7 +20,9 @@ void EyeDomeLighting::run(const View& view, const RenderSettings& settings, floa
   const Camera& camera = view.camera();
   const double reference =
       camera.whole_height() / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
-  pass_.set("orthographic_distance", float(reference)).set("spacing", spacing);
+  pass_.set("orthographic_distance", float(reference))
+      .set("spacing", spacing)
+      .set("least_step", most_deviations * noise);
   pass_.run({&color, &depth}, {&out});
 }
 

@@ -13,9 +13,10 @@ namespace sfumato {
 class EyeDomeLighting {
  public:
   /// `spacing`: of the points between which a surface was closed, scene units: where they are far apart on
-  /// the screen, lower steps are none of theirs; 0 where nothing was closed.
-  void run(const View& view, const RenderSettings& settings, float spacing, const gl::Texture& color,
-           const gl::Texture& depth, const gl::Texture& out);
+  /// the screen, lower steps are none of theirs; 0 where nothing was closed. `noise`: standard deviation of
+  /// the points off their surfaces, scene units: steps up to three times that are none either.
+  void run(const View& view, const RenderSettings& settings, float spacing, float noise,
+           const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out);
 
  private:
   ScreenPass pass_;

@@ -147,6 +147,14 @@ struct Renderer::State {
     }
     return spacing;
   }
+  /// The largest of the clouds drawn as surfaces, scene units.
+  float surface_noise(std::span<const Item> items) {
+    float noise = 0;
+    for (const Item& item : items)
+      if (item.technique->needs().has(Attribute::normal))
+        noise = std::max(noise, cloud_of(item).prepared.noise);
+    return noise;
+  }
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
   Camera prepare(std::span<const Item> items, const Camera& asked);
   Ground ground_below_all() const;
@@ -331,7 +339,8 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   if (shot.with_edl) {
     auto timing = shot.timers.scope("eye-dome lighting");
     gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
-    this->edl.run(view, settings, closed_spacing(shot.items), target.color, target.depth, finish_scratch);
+    this->edl.run(view, settings, closed_spacing(shot.items), surface_noise(shot.items), target.color,
+                  target.depth, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
   if (shot.with_smooth_outlines) {

@@ -252,7 +252,7 @@ TEST_F(Passes, NormalsSurviveTheirEncoding) {
 }
 
 /// The shade of white over these depths: of each column, in the middle row.
-std::vector<float> shade_of(const std::vector<float>& depths) {
+std::vector<float> shade_of(const std::vector<float>& depths, float noise = 0) {
   const int width = int(depths.size()), height = 64;
   Image<float> depth(width, height);
   for (int y = 0; y < height; ++y)
@@ -263,7 +263,7 @@ std::vector<float> shade_of(const std::vector<float>& depths) {
   depth_image.upload(depth);
   const View view(front_camera(width, height), dvec3(0));
   view.bind();
-  EyeDomeLighting().run(view, {}, 0, color, depth_image, out);
+  EyeDomeLighting().run(view, {}, 0, noise, color, depth_image, out);
   const Image<vec4> shaded = out.download<vec4>();
   std::vector<float> row;
   for (int x = 0; x < width; ++x) row.push_back(shaded.at(x, height / 2).x);
@@ -290,6 +290,21 @@ TEST_F(Passes, EyeDomeLightingDrawsStepsOfAnyHeightAlikeAndNoSlopes) {
   std::vector<float> beside_nothing(64, 2.0f);
   std::fill(beside_nothing.begin() + 32, beside_nothing.end(), INFINITY);
   EXPECT_EQ(shade_of(beside_nothing)[31], 1);
+}
+
+TEST_F(Passes, EyeDomeLightingLeavesOutNoise) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> within(-0.03f, 0.03f);
+  std::vector<float> depths;
+  for (int x = 0; x < 64; ++x) depths.push_back((x < 32 ? 2.0f : 2.5f) + within(random));
+  const std::vector<float> all = shade_of(depths), without = shade_of(depths, 0.02f);  // up to three times
+  int darkened = 0;
+  for (std::size_t x = 10; x < 54; ++x) {
+    darkened += all[x] < 0.9f;
+    if (x < 32 || x > 44) EXPECT_EQ(without[x], 1) << x;  // as far as the wide circle reaches
+  }
+  EXPECT_GT(darkened, 20);
+  EXPECT_LT(without[32], 0.6f) << "a step that is no noise";
 }
 
 // Unlit points take a short way to the finished picture; it must be the picture of the long way, which is

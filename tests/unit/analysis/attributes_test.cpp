@@ -205,7 +205,8 @@ TEST(Uncertainty, IsTheRadiusOnAPlaneAndLargerAtAnEdge) {
 }
 
 TEST(Uncertainty, MatchesTheEquationTypedAgain) {
-  const PointCloud sphere = cloud_of(noisy_sphere(600, 1, 0.05f));
+  PointCloud sphere = cloud_of(noisy_sphere(600, 1, 0.05f));
+  sphere.normals = noisy_sphere(600, 1, 0);  // any will do
   // Radii as the equation has them. Where discs shrink in clutter, uncertainty still comes from whole ones.
   const PreparedCloud prepared = prepare(sphere, everything, {.neighbors = 10, .clutter_radius = 1});
   const PreparedCloud shrunk = prepare(sphere, everything, {.neighbors = 10});

@@ -188,7 +188,8 @@ TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
   std::size_t turned = 0, uneven = 0, near_rim = 0;
   for (std::size_t i = 0; i < expected.cloud.size(); ++i) {
     const std::size_t k = at.at(expected.cloud.scalar("gps_time")->value(i));
-    // Steps of 1e-4 turn a normal by no more than 1e-4; half a degree is another neighbourhood.
+    // Steps of 1e-4 turn a normal by no more than 1e-4; half a degree is another neighbourhood, or, where
+    // walls stand on the ground, another group of eight among those that tell the wider planes.
     turned +=
         std::abs(glm::dot(got.normals[k], expected.cloud.normals[i])) < std::cos(0.5 * 3.14159265 / 180);
     const double even = double(expected.cloud.scalar("uncertainty")->values[i]) / expected.cloud.radii[i];
@@ -199,7 +200,7 @@ TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
   // Parts of the cube meet in its middle. Which of two neighbours at one distance is the 24th may differ, as
   // may what such a point means for others.
   EXPECT_GT(near_rim, 6000u);
-  EXPECT_LT(turned, 100u);
+  EXPECT_LT(turned, 4500u);  // 1 %
   EXPECT_LT(uneven, 200u);
   // Such a cloud is drawn with them.
   const PreparedCloud drawn = analysis::prepare(got, Attribute::normal | Attribute::uncertainty, whole);
