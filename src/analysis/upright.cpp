@@ -36,6 +36,12 @@ constexpr double ground_least = 0.2, tilt_most = 0.77 /* cos 40 degrees */, abov
 /// A base is what lies within this share of the height from below. Of a ball that is 8 % of its outline, of
 /// feet a third, of a plinth, a floor or the rim of a bottom that was not scanned nearly all.
 constexpr double base_height = 0.02;
+/// A room, scanned from within, is closed below and above: of the columns along its height this share end in
+/// both. So do those along walls that are in line with the axes; then it is lower than wide by this much, and
+/// its floor hides behind furniture as no ceiling does, and more than either wall behind the other.
+constexpr double closed_columns = 0.6, open_columns = 0.4, lower = 0.8, bare_ceiling = 0.1, bare_wall = 0.05;
+/// Of a tunnel, its length over its width and height.
+constexpr double long_tube = 2;
 /// A side on which this much stands already is not turned upside down.
 constexpr double firm_enough = 0.2;
 
@@ -88,29 +94,80 @@ struct Sample {
            std::max(width((axis + 1) % 3), width((axis + 2) % 3)) > 0.27;
   }
 
-  /// How well the cloud stands on its end: the share of its box that the columns along `axis` which reach the
-  /// lowest layer fill, weighted by how broad that side is. Statues have a base, rooms and streets a floor;
-  /// the legs and the top of a table are in line from its side, but fill little of it.
-  double stands_on(int axis, bool positive) const {
+  /// Of the columns of the box along an axis, the shares that hold anything, that reach its ends, and that
+  /// reach both.
+  struct Ends {
+    double held = 0, low = 0, high = 0, both = 0;
+  };
+  Ends ends_along(int axis) const {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const dvec3 extent = glm::max(size(), dvec3(1e-300));
     const int across =
         std::clamp(int(std::sqrt(double(points.size()) / points_of_column)), fewest_cells, cells);
-    std::vector<int> lowest(std::size_t(across * across), layers);
+    constexpr unsigned held = 1, reaches_low = 2, reaches_high = 4;
+    std::vector<unsigned> columns(std::size_t(across * across));
     for (const dvec3& p : points) {
       const dvec3 at = (p - low) / extent;
       if (at[u] < 0 || at[u] > 1 || at[v] < 0 || at[v] > 1) continue;
-      const double height = positive ? at[axis] : 1 - at[axis];
-      const int layer = std::clamp(int(height * layers), 0, layers - 1);
-      int& cell = lowest[std::size_t(std::min(int(at[u] * across), across - 1) * across +
-                                     std::min(int(at[v] * across), across - 1))];
-      cell = std::min(cell, layer);
+      unsigned& column = columns[std::size_t(std::min(int(at[u] * across), across - 1) * across +
+                                             std::min(int(at[v] * across), across - 1))];
+      column |= held | (at[axis] * layers < 1 ? reaches_low : 0u) |
+                (at[axis] * layers > layers - 1 ? reaches_high : 0u);
     }
-    double standing = 0;
-    for (int layer : lowest) standing += layer < 1;
-    const double broad =
-        extent[u] * extent[v] / std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
-    return standing / (across * across) * std::sqrt(broad);
+    const auto share = [&](unsigned what) {
+      return double(std::count_if(columns.begin(), columns.end(),
+                                  [&](unsigned column) { return (column & what) == what; })) /
+             double(columns.size());
+    };
+    return {share(held), share(reaches_low), share(reaches_high), share(reaches_low | reaches_high)};
+  }
+
+  /// How well the cloud stands on its end: the share of its box that the columns along `axis` which reach the
+  /// lowest layer fill, weighted by how broad that side is. Statues have a base, rooms and streets a floor;
+  /// the legs and the top of a table are in line from its side, but fill little of it.
+  double stands_on(int axis, bool positive) const {
+    const dvec3 extent = glm::max(size(), dvec3(1e-300));
+    const double broad = extent[(axis + 1) % 3] * extent[(axis + 2) % 3] /
+                         std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x});
+    const Ends ends = ends_along(axis);
+    return (positive ? ends.low : ends.high) * std::sqrt(broad);
+  }
+
+  /// Up in a room with floor and ceiling; nothing elsewhere, and where floor and walls are alike.
+  std::optional<UpAxis> up_in_room() const {
+    std::array<Ends, 3> ends;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Ends all = ends_along(axis);
+      ends[std::size_t(axis)] = {1, all.low / all.held, all.high / all.held, all.both / all.held};
+    }
+    const auto hides = [&](int axis) {
+      return std::abs(ends[std::size_t(axis)].high - ends[std::size_t(axis)].low);
+    };
+    for (int axis : {1, 2}) {
+      if (!(ends[std::size_t(axis)].both > closed_columns)) continue;
+      bool is_height = true;
+      for (int other = 0; other < 3; ++other) {
+        if (other == axis || ends[std::size_t(other)].both < open_columns) continue;
+        is_height = is_height && size()[axis] < lower * size()[other] && hides(axis) > bare_ceiling &&
+                    hides(axis) > hides(other) + bare_wall;
+      }
+      const bool turned = ends[std::size_t(axis)].low > ends[std::size_t(axis)].high + bare_ceiling;
+      if (is_height && !(axis == 2 && turned)) return axis_of(axis, !turned);
+    }
+    return std::nullopt;
+  }
+
+  /// Such a one stands as well on each of its sides.
+  bool is_closed_box() const {
+    for (int axis = 0; axis < 3; ++axis)
+      if (const Ends ends = ends_along(axis); !(ends.both > closed_columns * ends.held)) return false;
+    return true;
+  }
+
+  /// Whether most of what is seen from its end is as long as the whole, and that is long.
+  bool is_tube_along(int axis) const {
+    return size()[axis] > long_tube * std::max(size()[(axis + 1) % 3], size()[(axis + 2) % 3]) &&
+           ends_along(axis).both > closed_columns * ends_along(axis).held;
   }
 
   /// Static stability (Fu, Cohen-Or, Dror and Sheffer 2008, "Upright orientation of man-made objects", 4.1):
@@ -289,10 +346,13 @@ Upright guess_upright(const PointCloud& cloud) {
   const int thin = by_size[0], own = int(cloud.up) / 2;
   if (by_size[2] == own && size[own] > figure * size[by_size[1]] && sample.is_closed_along(thin))
     return custom;
+  const bool is_survey = cloud.las || !cloud.crs.empty();
+  if (const std::optional<UpAxis> up = sample.up_in_room(); up && (!is_survey || int(*up) / 2 == own))
+    return {*up, std::string("a room: floor and ceiling across ") + "xyz"[int(*up) / 2], -45, 30};
   const bool is_flat = size[thin] < flat * size[by_size[1]];
   // A survey has a vertical: what is flat in it and does not lie is a facade, or a profile cut out of the
   // whole.
-  if (is_flat && thin != own && (cloud.las || !cloud.crs.empty())) return custom;
+  if (is_flat && thin != own && is_survey) return custom;
   // Land and walls are flat alike. Programs of surveyors have Z for up in every format: what is thin along it
   // lies. Whose formats have it by custom hardly ever mean Y, and what is thin along y is a wall.
   if (is_flat && thin == 1 && own == 2) return unsure(custom, "its format's custom; thin along y, as a wall");
@@ -310,6 +370,11 @@ Upright guess_upright(const PointCloud& cloud) {
     if (axis == own) continue;
     most_of_others = std::max(most_of_others, firm);
     if (!(firm > most)) continue;  // NaN where there is no extent
+    // Tunnels and the like: seen from their end, or lying either way, where a survey's vertical is the better
+    // guess.
+    const int third = 3 - axis - own;
+    if (sample.is_tube_along(axis) || sample.is_closed_box()) continue;
+    if (is_survey && size[third] > long_tube * std::max(size[axis], size[own])) continue;
     most = firm;
     best = {axis_of(axis, true), std::string("stands on its lowest layer along ") + "xyz"[axis], -45, 30};
   }
@@ -326,8 +391,7 @@ Upright guess_upright(const PointCloud& cloud) {
     base_of_others = std::max(base_of_others, base);
   }
   const bool is_told = own_floor > most_of_others + lead || own_base > base_of_others + lead;
-  if (!is_told && !cloud.las && cloud.crs.empty())
-    best = unsure(custom, "the custom of its format: nothing in its shape tells");
+  if (!is_told && !is_survey) best = unsure(custom, "the custom of its format: nothing in its shape tells");
   if (own_floor > firm_enough) return best;
   // Tilted ground has no lowest layer, and reconstructions from photographs have theirs on top: -Y is up.
   const std::optional<dvec3> ground = sample.ground_normal();

@@ -356,6 +356,80 @@ TEST(Upright, WhereNothingTellsTheCustomIsNamed) {
   EXPECT_FALSE(guess_upright(ball).other) << "surveys have a vertical";
 }
 
+/// The inside of a box of this size, z up, turned about z by so much, with a cupboard, a table and a sofa:
+/// what they stand on is not seen, as from scanners in the room.
+PointCloud closed_room(const vec3& size, float turned) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<float> unit(0, 1);
+  struct Box {
+    vec3 low, high;
+  };
+  const Box things[] = {{{0, 0, 0}, {0.1f * size.x, 0.5f * size.y, 2}},
+                        {{0.4f * size.x, 0.3f * size.y, 0}, {0.6f * size.x, 0.6f * size.y, 0.75f}},
+                        {{0.3f * size.x, 0.8f * size.y, 0}, {0.8f * size.x, size.y, 0.8f}}};
+  const auto hidden = [&](const vec3& p) {
+    return std::any_of(std::begin(things), std::end(things), [&](const Box& b) {
+      return glm::all(glm::greaterThanEqual(p, b.low)) &&
+             glm::all(glm::lessThan(p + vec3(0, 0, 0.01f), b.high));
+    });
+  };
+  PointCloud cloud;
+  const auto add = [&](const vec3& low, const vec3& high, int count) {
+    for (int i = 0; i < count; ++i) {
+      const int side = int(random() % 6);
+      vec3 p = low + (high - low) * vec3(unit(random), unit(random), unit(random));
+      p[side / 2] = side % 2 == 0 ? low[side / 2] : high[side / 2];
+      if (count > 10'000 ? hidden(p) : p.z == low.z) continue;
+      cloud.positions.push_back({std::cos(turned) * p.x - std::sin(turned) * p.y,
+                                 std::sin(turned) * p.x + std::cos(turned) * p.y, p.z});
+    }
+  };
+  add(vec3(0), size, 60'000);
+  for (const Box& thing : things) add(thing.low, thing.high, 3000);
+  return cloud;
+}
+
+TEST(Upright, RoomsHaveTheirFloorBelow) {
+  for (float turned : {0.0f, 0.4f})
+    for (UpAxis custom : {UpAxis::pos_y, UpAxis::pos_z}) {
+      PointCloud cloud = closed_room({6.4f, 4.8f, 2.7f}, turned);
+      cloud.up = custom;
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z) << turned;
+      turn(cloud, y_up);
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y) << turned;
+      if (turned != 0) continue;
+      turn(cloud, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));  // as a camera that looks ahead has it
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::neg_y) << turned;
+    }
+  // Higher than wide: here the custom is all that tells.
+  PointCloud corridor = closed_room({9, 1.6f, 2.7f}, 0);
+  corridor.up = UpAxis::pos_z;
+  EXPECT_EQ(guess_upright(corridor).up, UpAxis::pos_z);
+  turn(corridor, y_up);
+  corridor.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(corridor).up, UpAxis::pos_y);
+}
+
+// The walls of a tunnel are flatter than its floor; seen from its end it is a ring.
+TEST(Upright, TunnelsLieAsTheirSurveyHasThem) {
+  std::mt19937 random(32);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (bool along_y : {false, true}) {
+    PointCloud tunnel;
+    tunnel.up = UpAxis::pos_z;
+    tunnel.las.emplace();
+    for (int i = 0; i < 60'000; ++i) {  // walls 2 m high, a vault on them, a floor that is a gutter
+      const float along = 60 * unit(random), at = unit(random), angle = float(M_PI) * unit(random);
+      const float side = i % 2 == 0 ? -3.0f : 3.0f;
+      const glm::vec2 p = i % 4 == 0   ? glm::vec2(6 * at - 3, -0.8f * (1 - std::abs(2 * at - 1)))
+                          : i % 4 == 1 ? glm::vec2(3 * std::cos(angle), 2 + 3 * std::sin(angle))
+                                       : glm::vec2(side, 2 * at);
+      tunnel.positions.push_back(along_y ? vec3(p.x, along, p.y) : vec3(along, p.x, p.y));
+    }
+    EXPECT_EQ(guess_upright(tunnel).up, UpAxis::pos_z) << along_y;
+  }
+}
+
 TEST(Upright, TablesStayOnTheirFeet) {
   std::mt19937 random(13);
   std::uniform_real_distribution<float> unit(0, 1);
