@@ -6,6 +6,7 @@
 
 #include <map>
 #include <nanoflann.hpp>
+#include <random>
 
 #include "analysis/morton.h"
 #include "analysis/normals.h"
@@ -66,6 +67,22 @@ void normals(benchmark::State& state) {
   per_point(state, cloud.size());
 }
 
+/// The same with noise of one spacing, which only wider planes see through.
+void noisy_normals(benchmark::State& state) {
+  PointCloud noisy = tori_cloud(std::size_t(state.range(0)));
+  const float spacing = prepare(noisy, {}, {}).median_spacing;
+  std::mt19937 random(5);
+  std::normal_distribution<float> gauss(0, spacing);
+  for (vec3& p : noisy.positions) p += vec3(gauss(random), gauss(random), gauss(random));
+  for (auto _ : state) {
+    state.PauseTiming();
+    PointCloud copy = noisy;
+    state.ResumeTiming();
+    benchmark::DoNotOptimize(prepare(std::move(copy), Attribute::normal, {.neighbors = 24}));
+  }
+  per_point(state, noisy.size());
+}
+
 struct Adaptor {
   const std::vector<vec3>& points;
   std::size_t kdtree_get_point_count() const { return points.size(); }
@@ -124,6 +141,7 @@ constexpr int small = 128'000, medium = 1'000'000, large = 10'000'000;
 SFUMATO_BENCH_ROW(sort)->Arg(medium)->Arg(large);
 SFUMATO_BENCH_ROW(spacing)->Arg(medium)->Arg(large);
 SFUMATO_BENCH_ROW(normals)->Arg(small)->Arg(medium);
+SFUMATO_BENCH_ROW(noisy_normals)->Arg(medium);
 SFUMATO_BENCH_ROW(nanoflann_normals)->Arg(small)->Arg(medium);
 SFUMATO_BENCH_ROW(nanoflann_normals_sorted)->Arg(small)->Arg(medium);
 SFUMATO_BENCH_ROW(uncertainty)->Arg(medium);
