@@ -12,13 +12,13 @@ build = $(configure) && cmake --build build/$(1)
 check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_DIR=$(CURDIR)/build/$(1)/shader_cache \
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
-.DEFAULT_GOAL := release
-.PHONY: release command python demo test bench bench-scale eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
+.DEFAULT_GOAL := all
+.PHONY: all release site paper-figures command python demo test bench bench-scale eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
 
-release:  ## build/release, all of it
+all:  ## build/release, all of it
 	@$(call build,release)
 
 command:  ## build/release/bin/sfumato
@@ -35,34 +35,38 @@ test:  ## warnings as errors, then every test
 	@$(call build,test)
 	@$(call check,test)
 
-bench: release  ## BENCH=group (points, io, ...) or all: ours against the peers
+bench: all  ## BENCH=group (points, io, ...) or all: ours against the peers
 	@cmake --build build/release --target sfumato_benchmarks
 	@/usr/bin/python3 bench/run.py $(BENCH)
 
 SCAN ?= $(SFUMATO_TEST_DATA)/autzen_full.laz
 TILES ?= 10
-bench-scale: release  ## TILES copies of SCAN (LAS or LAZ) built to one COPC file, drawn, and moved in a window
+bench-scale: all  ## TILES copies of SCAN (LAS or LAZ) built to one COPC file, drawn, and moved in a window
 	@test -e "$(SCAN)" || { echo "bench-scale: SCAN=$(SCAN) is not there; name a LAS or LAZ file"; exit 1; }
 	@cmake --build build/release --target sfumato_benchmarks
 	@/usr/bin/python3 bench/scale.py "$(SCAN)" $(TILES) out/scale build/release
 
-eval-denoise: release  ## denoise against the truth of synthetic scenes and clean scans; ARGS=--quick for a short look
+eval-denoise: all  ## denoise against the truth of synthetic scenes and clean scans; ARGS=--quick for a short look
 	@cmake --build build/release --target eval_denoise
 	@build/release/bin/eval_denoise --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
-eval-layers: release  ## layers against every crossing of every ray through nested tori
+eval-layers: all  ## layers against every crossing of every ray through nested tori
 	@cmake --build build/release --target eval_layers
 	@build/release/bin/eval_layers $(ARGS)
 
-eval-normals: release  ## computed normals against those of the surfaces that were sampled, by noise
+eval-normals: all  ## computed normals against those of the surfaces that were sampled, by noise
 	@cmake --build build/release --target eval_normals
 	@build/release/bin/eval_normals --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
-eval-shadows: release  ## resolutions of the light map against the shadow of a sphere
+eval-shadows: all  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows
 	@build/release/bin/eval_shadows out/shadow_resolution.png
 
-eval-surface: release  ## surface and splats against the truth of meshes and synthetic scenes
+paper-figures: all  ## every figure and table of the papers (docs/papers.md) into docs/images and out/paper-figures
+	@cmake --build build/release --target eval_denoise eval_strokes eval_shadows eval_surface gen_isosurface sfumato_benchmarks
+	@scripts/paper-figures
+
+eval-surface: all  ## surface and splats against the truth of meshes and synthetic scenes
 	@cmake --build build/release --target eval_surface
 	@build/release/bin/eval_surface --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
@@ -94,7 +98,7 @@ soak:  ## the window under random input for MINUTES (10), SEED (1); PRESET=asan:
 format:  ## clang-format over the C++
 	@find src tests bench examples include -name '*.cpp' -o -name '*.h' 2>/dev/null | xargs clang-format -i
 
-install: release  ## command, manual page, completions, Python and CMake packages, documentation below PREFIX
+install: all  ## command, manual page, completions, Python and CMake packages, documentation below PREFIX
 	@cmake --install build/release --prefix "$(PREFIX)"
 
 deb:  ## Debian packages in build/deb: sfumato, libsfumato-dev, python3-sfumato
@@ -106,6 +110,12 @@ uninstall:  ## removes what the last install put into place
 	@# Folders of our own that are empty now.
 	@sed -n 's|\(.*/sfumato\)/.*|\1|p' build/release/install_manifest.txt | sort -u | while read -r folder; do \
 	  [ ! -d "$$folder" ] || find "$$folder" -depth -type d -empty -delete; done
+
+site:  ## the documentation as searchable pages in build/site (Debian package mkdocs)
+	@scripts/site
+
+release:  ## VERSION=1.2.3 of the checkout: every check, then tarball, checksums and notes in build/release-VERSION
+	@scripts/release "$(VERSION)"
 
 clean:  ## removes build/, out/ and ./sfumato
 	@rm -rf build out sfumato

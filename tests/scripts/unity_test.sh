@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whether the files of each target compile as one, whatever `make release` puts together: parsed only, without code.
+# Whether the files of each target compile as one, whatever `make` puts together: parsed only, without code.
 # usage: unity_test.sh SOURCE FOLDER COMPILER
 set -eu
 source=$1 folder=$2 compiler=$3
