@@ -31,6 +31,8 @@ struct Auto {
     resolved = user ? *user : automatic;
     return resolved;
   }
+  /// Whether the same was asked for.
+  bool operator==(const Auto& other) const { return user == other.user; }
 };
 
 enum class ParamKind { boolean, integer, real, choice, text, real_list, vector3 };

@@ -134,7 +134,7 @@ void GpuCloud::set_cut(std::vector<vec4> planes) {
   block.count = int(std::min(planes.size(), std::size(block.planes)));
   std::copy_n(planes.begin(), block.count, block.planes);
   if (cut_block_ && planes == cut_) return;
-  if (cut_block_) serial_ = next_serial();
+  if (cut_block_) look_serial_ = next_serial();
   cut_ = std::move(planes);
   cut_block_ = gl::Buffer("cut", sizeof block, &block);
 }
@@ -158,7 +158,9 @@ void GpuCloud::bind_radii(Chunk& chunk) {
   chunk.radii.bind(binding::radii);
 }
 
-void GpuCloud::bind_field(const Chunk& chunk) const { chunk.field.bind(binding::field); }
+void GpuCloud::bind_field(const Chunk& chunk) const {
+  if (field_) (*field_)[place_of(chunk)].bind(binding::field);
+}
 
 void GpuCloud::bind_shadow(Chunk& chunk) {
   if (!chunk.shadow)
@@ -184,31 +186,21 @@ void GpuCloud::bind_places() {
 
 void GpuCloud::set_colors(std::vector<Rgba8> colors) {
   colors_ = std::move(colors);
-  serial_ = next_serial();
+  look_serial_ = next_serial();
   for (Chunk& chunk : chunks_) chunk.colors = {};
 }
 
-void GpuCloud::set_field(std::span<const float> values, std::string key) {
-  field_key_ = std::move(key);
-  static std::atomic<std::uint64_t> stamps = 0;
-  field_stamp_ = ++stamps;
-  for (Chunk& chunk : chunks_)
-    chunk.field = gl::TextureBuffer("field", GL_R32F, values.subspan(chunk.first, chunk.count));
+std::shared_ptr<const GpuCloud::Values> GpuCloud::make_values(const std::string& name,
+                                                              std::span<const float> values) const {
+  Values buffers;
+  for (const Chunk& chunk : chunks_)
+    buffers.emplace_back(name, GL_R32F, values.subspan(chunk.first, chunk.count));
+  return std::make_shared<const Values>(std::move(buffers));
 }
 
-void GpuCloud::set_casters(std::span<const float> opacity, float see_through_spacing, std::string key) {
-  casters_key_ = std::move(key);
-  static std::atomic<std::uint64_t> stamps = 0;
-  casters_stamp_ = ++stamps;
-  has_casters_ = !opacity.empty();
-  see_through_spacing_ = see_through_spacing;
-  for (Chunk& chunk : chunks_)
-    chunk.casters = has_casters_
-                        ? gl::TextureBuffer("casters", GL_R32F, opacity.subspan(chunk.first, chunk.count))
-                        : gl::TextureBuffer();
+void GpuCloud::bind_casters(const Chunk& chunk) const {
+  if (casters_) (*casters_->opacity)[place_of(chunk)].bind(binding::casters);
 }
-
-void GpuCloud::bind_casters(const Chunk& chunk) const { chunk.casters.bind(binding::casters); }
 
 void GpuCloud::set_shadow(std::span<const float> values) {
   has_shadow_ = !values.empty();
@@ -265,7 +257,7 @@ std::uint64_t GpuCloud::next_serial() {
 }
 
 void GpuCloud::attributes_changed() {
-  serial_ = next_serial();
+  serial_ = look_serial_ = next_serial();
   largest_radii_.clear();
   for (Chunk& chunk : chunks_) {
     chunk.normals = {};

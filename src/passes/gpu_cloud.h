@@ -22,7 +22,16 @@ class GpuCloud {
     std::uint32_t first_batch = 0, batch_count = 0;
     std::uint32_t visible_batches = 0;   ///< set by cull()
     std::uint32_t groups_per_batch = 0;  ///< work groups of 128 that cover the largest visible batch
-    gl::TextureBuffer positions, source_index, colors, normals, radii, field, shadow, casters, batches;
+    gl::TextureBuffer positions, source_index, colors, normals, radii, shadow, batches;
+  };
+  /// One float for each point, of each chunk. It never changes, so its address says what it is: who keeps one
+  /// knows it again.
+  using Values = std::vector<gl::TextureBuffer>;
+  /// How much of the light each point stops, 0 to 1.
+  struct Casters {
+    std::shared_ptr<const Values> opacity;
+    /// Spacing of the points that let some of it pass, scene units, 0 when there are none.
+    float see_through_spacing = 0;
   };
 
   /// Keeps a reference to `prepared`. `max_chunk_points` is for tests; 0 means the driver's limit.
@@ -31,9 +40,11 @@ class GpuCloud {
 
   const PreparedCloud& prepared() const { return prepared_; }
   std::size_t size() const { return prepared_.cloud.size(); }
-  /// Another number for every cloud and after every change of colours or attributes, never 0: what techniques
-  /// derive from the cloud is kept under it.
+  /// Another number for every cloud and after every change of its attributes, never 0: what techniques derive
+  /// from the points is kept under it (core/derived.h).
   std::uint64_t serial() const { return serial_; }
+  /// The same, and another one after every change of colours or of what is cut away: of what is seen.
+  std::uint64_t look_serial() const { return look_serial_; }
   Bounds bounds() const { return bounds_; }  ///< world
   float median_spacing() const { return prepared_.median_spacing; }
   /// Largest radius of each batch, scene units; measured on first use.
@@ -74,20 +85,15 @@ class GpuCloud {
 
   const std::vector<Rgba8>& colors() const { return colors_; }
   void set_colors(std::vector<Rgba8> colors);
-  /// One float per point of the prepared cloud, read by shaders as `point_field(i)`. `key` says what the
-  /// values are, so that whoever finds its own key need not upload again.
-  void set_field(std::span<const float> values, std::string key = "");
-  const std::string& field_key() const { return field_key_; }
-  /// Different after every set_field of any cloud, 0 before the first.
-  std::uint64_t field_stamp() const { return field_stamp_; }
-  /// How much of the light each point stops, 0 to 1; empty = all of it. `see_through_spacing`: spacing of the
-  /// points that let some of it pass, scene units, 0 when there are none. `key` as for `set_field`.
-  void set_casters(std::span<const float> opacity, float see_through_spacing, std::string key);
-  const std::string& casters_key() const { return casters_key_; }
-  /// Different after every set_casters.
-  std::uint64_t casters_stamp() const { return casters_stamp_; }
-  bool has_casters() const { return has_casters_; }
-  float see_through_spacing() const { return see_through_spacing_; }
+  /// One float per point of the prepared cloud, uploaded under that name.
+  std::shared_ptr<const Values> make_values(const std::string& name, std::span<const float> values) const;
+  /// What shaders read as `point_field(i)`; of `make_values`.
+  void set_field(std::shared_ptr<const Values> field) { field_ = std::move(field); }
+  const std::shared_ptr<const Values>& field() const { return field_; }
+  /// Nothing: every point stops all of the light.
+  void set_casters(std::shared_ptr<const Casters> casters) { casters_ = std::move(casters); }
+  const std::shared_ptr<const Casters>& casters() const { return casters_; }
+  float see_through_spacing() const { return casters_ ? casters_->see_through_spacing : 0; }
   void bind_casters(const Chunk& chunk) const;
   /// Half spaces of cloud space, at most 6, whose points are left out: where dot(xyz, p) + w > 0. Shadows and
   /// other things that follow from the cloud are made anew when they change.
@@ -133,17 +139,14 @@ class GpuCloud {
   std::vector<Chunk> chunks_;
   gl::TextureBuffer places_;
   bool has_shadow_ = false, has_stored_shadow_ = false;
-  std::string field_key_;
-  std::uint64_t field_stamp_ = 0;
-  std::string casters_key_;
-  std::uint64_t casters_stamp_ = 0;
-  bool has_casters_ = false;
-  float see_through_spacing_ = 0;
-  std::uint64_t serial_ = next_serial();
+  std::shared_ptr<const Values> field_;
+  std::shared_ptr<const Casters> casters_;
+  std::uint64_t serial_ = next_serial(), look_serial_ = serial_;
   Attributes shown_ = Attribute::normal | Attribute::radius | Attribute::uncertainty | Attribute::cluster;
   std::vector<vec4> cut_;
   gl::Buffer cut_block_;
   static std::uint64_t next_serial();
+  std::size_t place_of(const Chunk& chunk) const { return std::size_t(&chunk - chunks_.data()); }
   std::vector<float> largest_radii_;
 };
 

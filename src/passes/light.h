@@ -32,6 +32,7 @@ std::string light_text_of(const dvec3& towards);
 struct Phong {
   float ambient = 0.3f, diffuse = 0.7f, shininess = 24;
   Auto<float> specular{std::nullopt, 0.1f};  ///< automatic: none where colours stand for values (Session)
+  bool operator==(const Phong&) const = default;
 };
 
 /// A light over the left shoulder of whoever looks through `camera`, high along `up`.
@@ -78,6 +79,7 @@ struct RenderSettings {
   /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess,
   /// edl, edl_radius, edl_strength, samples, smooth_outlines, fast. (Background has its own options.)
   void describe(ParamList& params);
+  bool operator==(const RenderSettings&) const = default;
 };
 
 }  // namespace sfumato

@@ -156,11 +156,6 @@ void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float med
   settings.shadow_distance.resolve(3 * median_spacing);
 }
 
-bool ShadowMaps::Key::operator==(const Key& other) const {
-  return clouds == other.clouds && kind == other.kind && light == other.light && samples == other.samples &&
-         light_size == other.light_size && d_min.user == other.d_min.user;
-}
-
 float ShadowMaps::d_min_of(const RenderSettings& settings, float median, float spacing, float map_spacing) {
   // Across the texels of a map that had to be coarser a surface recedes as much more.
   if (settings.shadow_distance.is_auto()) return 3 * std::max(spacing, map_spacing);
@@ -231,7 +226,7 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
   Key key{{}, light.kind, light.vector, std::size_t(count), size, asked.shadow_distance};
   bool have_all = true, see_through = false;
   for (const GpuCloud* cloud : clouds) {
-    key.clouds.push_back({cloud, cloud->casters_stamp(), cloud->has_normals(), cloud->cut()});
+    key.clouds.push_back({cloud->serial(), cloud->casters(), cloud->has_normals(), cloud->cut()});
     have_all = have_all && cloud->has_shadow();
     see_through = see_through || cloud->see_through_spacing() > 0;
   }
@@ -386,8 +381,7 @@ void ShadowMaps::draw_map(Clouds clouds, const View& view, float map_spacing, fl
       Footprint footprint;
       footprint.size = std::max(1.0f, std::round(cloud->median_spacing() / std::max(map_spacing, 1e-12f)));
       footprint.most_px = 1024;
-      to_pixels_.add_depth(*cloud, view, footprint, bits_, nullptr, 0,
-                           cloud->has_casters() ? &solid : nullptr);
+      to_pixels_.add_depth(*cloud, view, footprint, bits_, nullptr, 0, cloud->casters() ? &solid : nullptr);
     }
   }
   auto timing = timers.scope("light map fill");

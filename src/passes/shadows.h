@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -80,8 +81,8 @@ class ShadowMaps {
   /// What the factors depend on; equal: they stay.
   struct Key {
     struct Cloud {
-      const GpuCloud* cloud;
-      std::uint64_t casters;
+      std::uint64_t serial;
+      std::shared_ptr<const GpuCloud::Casters> casters;
       bool has_normals;
       std::vector<vec4> cut;  ///< cut points cast nothing
       bool operator==(const Cloud&) const = default;
@@ -92,7 +93,7 @@ class ShadowMaps {
     std::size_t samples = 0;
     double light_size = 0;
     Auto<float> d_min;
-    bool operator==(const Key& other) const;
+    bool operator==(const Key&) const = default;
   };
   /// How far behind a light map a point is dark, of a cloud with this median, among points of this spacing;
   /// the map's texels are those of `map_spacing`.

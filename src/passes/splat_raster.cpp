@@ -106,7 +106,7 @@ void bind_splats(GpuCloud& cloud, GpuCloud::Chunk& chunk) {
   cloud.bind_geometry(chunk);
   cloud.bind_normals(chunk);
   cloud.bind_radii(chunk);
-  if (chunk.field) cloud.bind_field(chunk);
+  cloud.bind_field(chunk);
 }
 
 gl::Program& SplatRaster::program(const GpuCloud& cloud, const SplatShape& shape, bool quads, bool list,

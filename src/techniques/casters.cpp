@@ -8,7 +8,11 @@
 
 namespace sfumato {
 
-void set_casters(GpuCloud& cloud, const std::vector<float>& opacity, std::string key) {
+std::shared_ptr<const GpuCloud::Casters> make_casters(const GpuCloud& cloud,
+                                                      const std::vector<float>& opacity) {
+  if (std::all_of(opacity.begin(), opacity.end(),
+                  [](float each) { return each >= ShadowMaps::solid_opacity; }))
+    return nullptr;
   const std::vector<vec3>& positions = cloud.prepared().cloud.positions;
   std::vector<vec3> see_through;  // in Morton order, as their cloud
   for (std::size_t i = 0; i < opacity.size(); ++i)
@@ -24,9 +28,8 @@ void set_casters(GpuCloud& cloud, const std::vector<float>& opacity, std::string
       spacing = std::max(spacing, analysis::measure_spacing({&all, 1}, tree));
     }
   }
-  const bool is_solid = std::all_of(opacity.begin(), opacity.end(),
-                                    [](float each) { return each >= ShadowMaps::solid_opacity; });
-  cloud.set_casters(is_solid ? std::span<const float>() : std::span(opacity), spacing, std::move(key));
+  return std::make_shared<const GpuCloud::Casters>(
+      GpuCloud::Casters{cloud.make_values("casters", opacity), spacing});
 }
 
 }  // namespace sfumato

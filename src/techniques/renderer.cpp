@@ -301,7 +301,10 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   if (has_shadows && settings.shadows == Shadows::stored) {
     shadows.use_stored(all);
   } else if (has_shadows) {
-    for (const Item& item : shot.items) item.technique->cast(*cloud_of(item).gpu, shot.progress);
+    for (const Item& item : shot.items) {
+      GpuCloud& cloud = *cloud_of(item).gpu;
+      cloud.set_casters(item.technique->casters(cloud, shot.progress));
+    }
     if (has_ground) {
       ground_plane = ground_below_all();
       gl::ensure(ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);

@@ -9,9 +9,8 @@ namespace sfumato {
 
 ScreenSpacing ScreenSpacings::measure(const GpuCloud& cloud, std::span<const Camera> views) {
   const PreparedCloud& prepared = cloud.prepared();
-  if (serial_ != cloud.serial()) most_ = robust_bounds(prepared.cloud);
-  serial_ = cloud.serial();
-  const vec3 least = vec3(most_.min - prepared.cloud.origin), most = vec3(most_.max - prepared.cloud.origin);
+  const Bounds& box = most_.at(cloud.serial(), [&] { return robust_bounds(prepared.cloud); });
+  const vec3 least = vec3(box.min - prepared.cloud.origin), most = vec3(box.max - prepared.cloud.origin);
   std::vector<float> px, pixels;
   // Who looks at strays alone sees their batches as they are.
   for (const bool is_cut : {true, false})

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/camera.h"
+#include "core/derived.h"
 #include "passes/gpu_cloud.h"
 
 namespace sfumato {
@@ -21,8 +22,7 @@ class ScreenSpacings {
   ScreenSpacing measure(const GpuCloud& cloud, std::span<const Camera> views);
 
  private:
-  std::uint64_t serial_ = 0;  ///< of the cloud whose `most_` it is
-  Bounds most_;               ///< of most points: a batch is as wide as its farthest stray
+  Derived<std::uint64_t, Bounds> most_;  ///< of most points: a batch is as wide as its farthest stray
 };
 
 }  // namespace sfumato

@@ -7,10 +7,6 @@
 
 namespace sfumato {
 
-void Technique::cast(GpuCloud& cloud, Progress&) {
-  if (cloud.casters_key() != "solid") cloud.set_casters({}, 0, "solid");
-}
-
 int nearest_px(const GpuCloud& cloud, const Camera& camera,
                const std::function<double(const Batch&)>& length) {
   const PreparedCloud& prepared = cloud.prepared();

@@ -41,9 +41,9 @@ class Technique {
   virtual Transparency transparency() const { return Transparency::none; }
   /// False for a `shading` that has no meaning here: asking for it is then an error.
   virtual bool shows(Shading shading) const { return shading < Shading::occlusion; }
-  /// Says how much of the light each point stops (techniques/casters.h), before shadows are found; all of it
-  /// unless a technique draws points less than opaque, or not at all.
-  virtual void cast(GpuCloud& cloud, Progress& progress);
+  /// How much of the light each point stops (techniques/casters.h), asked before shadows are found. Null: all
+  /// of it, unless a technique draws points less than opaque, or not at all.
+  virtual std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud&, Progress&) { return nullptr; }
   /// Draws into `frame.target`: linear premultiplied colour (coverage in alpha, no background), eye depth and
   /// world normal. Returns true when the image is final; false asks to be called again with the same frame.
   virtual bool render(Frame& frame) = 0;

@@ -55,7 +55,7 @@ class ShadowTest : public GlTest {
     std::vector<float> casters;
     for (std::uint32_t source : prepared_.cloud.source_index)
       if (!opacity.empty()) casters.push_back(opacity[source]);
-    set_casters(gpu, casters, "test");
+    gpu.set_casters(make_casters(gpu, casters));
     gl::Timers timers(false);
     ShadowMaps maps;
     maps.update(std::array{&gpu}, settings, Light::parse(settings.light_text), timers, no_progress());
@@ -447,7 +447,7 @@ TEST_F(ShadowTest, ALightInsideTheCloudShinesOnTheGroundOnce) {
   for (const bool see_through : {false, true}) {
     prepared_ = analysis::prepare(cloud, {}, {});
     GpuCloud gpu(prepared_, colors_of(prepared_.cloud));
-    if (see_through) set_casters(gpu, std::vector<float>(cloud.size(), 0.5f), "test");
+    if (see_through) gpu.set_casters(make_casters(gpu, std::vector<float>(cloud.size(), 0.5f)));
     ASSERT_EQ(ShadowMaps::light_cameras(Light::parse("0,0,2.5"), gpu.bounds(), 0.1).size(), 6u);
     const Image<float> lit = ground_factor(gpu, hard("0,0,2.5"), 6);
     // The light 1.5 above the centre of a sphere of 0.5 throws its outline 2.5 tan(asin(1/3)) = 0.884 wide;
@@ -519,7 +519,7 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenTheGround) {
   append(cloud, sheet(200, 1, 1.5f));
   prepared_ = analysis::prepare(cloud, {}, {});
   GpuCloud gpu(prepared_, colors_of(prepared_.cloud), 7000);
-  set_casters(gpu, std::vector<float>(cloud.size(), 0.3f), "test");
+  gpu.set_casters(make_casters(gpu, std::vector<float>(cloud.size(), 0.3f)));
   const Image<float> lit = ground_factor(gpu, hard("dir:0,0,1"), 4);
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {

@@ -167,6 +167,17 @@ def test_scenes_of_the_command(command, tmp_path, scan):
     equal(sfumato.render(scene), pixels(command, tmp_path, "--scene", tmp_path / "again.json"))
 
 
+def test_scenes_are_cropped_as_by_the_command(command, tmp_path, scan):
+    box = [-6, -6, -1, 3, 4, 2.5]
+    (tmp_path / "given.json").write_text(json.dumps({"files": [str(scan)], "technique": "points", "options": {"crop": box}}))
+    wanted = pixels(command, tmp_path, "--scene", tmp_path / "given.json")
+    equal(sfumato.render(sfumato.Scene.load(tmp_path / "given.json"), size=SIZE), wanted)
+    assert (wanted != pixels(command, tmp_path, scan, "-t", "points")).any()
+    sfumato.Scene([scan], technique="points", crop=(box[:3], box[3:])).save(tmp_path / "saved.json")
+    assert [float(number) for number in json.loads((tmp_path / "saved.json").read_text())["options"]["crop"].split(",")] == box
+    equal(sfumato.render(sfumato.Scene.load(tmp_path / "saved.json"), size=SIZE), wanted)
+
+
 def test_scenes_of_python(command, tmp_path, scan):
     """Files, arrays and clouds, each by its own technique; as files they are the command's."""
     other = sfumato.synth("spheres", points=4_000)

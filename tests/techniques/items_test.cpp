@@ -185,6 +185,41 @@ TEST_F(ItemsTest, ShadowsFallFromItemToItem) {
   EXPECT_NEAR(half.color_linear.at(16, 48).r, 1.0, 0.01);
 }
 
+// What is kept for the next picture is kept for what follows from it, however near the next number is.
+TEST_F(ItemsTest, ShadowsFollowTheSmallestChangeOfAThreshold) {
+  PointCloud cloud = sheet(0, 1, {255, 255, 255, 255});
+  ScalarField weight{"weight", 0, std::vector<float>(cloud.size(), 0)};
+  for (const vec3& p : sheet(5, 0.9f, {}).positions) {
+    cloud.positions.push_back(p), cloud.normals.push_back({0, 0, 1}), cloud.colors.push_back({0, 0, 0, 255});
+    weight.values.push_back(3e-7f);
+  }
+  cloud.set_scalar(weight);
+  RenderSettings settings;
+  settings.shadows = Shadows::hard;
+  settings.light_text = "dir:0,0,1";
+  settings.edl.user = false;
+  Camera below_roof = camera_above(10, 2, 64);
+  below_roof.position = {0, 0, 4};
+  const auto renderer_of = [&](Technique& technique) {
+    auto renderer = std::make_unique<Renderer>(context());
+    set_parameter(technique, "field", "weight");
+    PreparedCloud prepared = analysis::prepare(cloud, technique.needs(), {});
+    std::vector<Rgba8> colors = colors_of(prepared.cloud);
+    renderer->set_cloud(std::move(prepared), std::move(colors));
+    return renderer;
+  };
+  const auto reused = find_technique("soft").create(), fresh = find_technique("soft").create();
+  const auto first = renderer_of(*reused), second = renderer_of(*fresh);
+  const auto picture = [&](Renderer& renderer, Technique& technique, const char* threshold) {
+    set_parameter(technique, "field_threshold", threshold);
+    return renderer.render(technique, below_roof, settings).rgba8;
+  };
+  const Image<Rgba8> seen_through = picture(*first, *reused, "1e-7"),
+                     again = picture(*first, *reused, "4e-7"), solid = picture(*second, *fresh, "4e-7");
+  EXPECT_FALSE(std::equal(solid.begin(), solid.end(), seen_through.begin()));
+  EXPECT_TRUE(std::equal(solid.begin(), solid.end(), again.begin()));
+}
+
 // Points and surface write finished pictures themselves, and charcoal asks what it is drawn on.
 TEST_F(ItemsTest, TheBackgroundIsThatOfTheScene) {
   for (const TechniqueInfo& info : all_techniques())

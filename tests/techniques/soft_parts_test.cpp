@@ -40,7 +40,7 @@ struct InteriorScene {
         solid_t("solid", GL_R32F, asked.width, asked.height),
         result("result", GL_RGBA32F, asked.width, asked.height) {
     settings.shading = Shading::albedo;
-    gpu.set_field(prepared.cloud.scalar("soft")->values);
+    gpu.set_field(gpu.make_values("soft", prepared.cloud.scalar("soft")->values));
     points.choose(gpu, prepared.cloud.scalar("soft")->values, 0.5f);
     soft::Look look;
     look.field_threshold = look.modulation_threshold = 0.5f;

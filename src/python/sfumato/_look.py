@@ -59,7 +59,7 @@ def count_of(name, value):
 _OPTIONS = {
     "color-by": ("color_by", _text), "color": ("color", _text), "colormap": ("colormap", _text), "color-range": ("range", _numbers),
     "exposure": ("exposure", _number), "background-color": ("background", _text), "up": ("up", _text), "whole": ("whole", _bool),
-    "crop-relative": ("crop_relative", _numbers), "show-classes": ("show_classes", _integers),
+    "crop": ("crop", _numbers), "crop-relative": ("crop_relative", _numbers), "show-classes": ("show_classes", _integers),
     "hide-classes": ("hide_classes", _integers), "max-points": ("max_points", count_of), "columns": ("columns", _words),
     "legend": ("legend", _bool)}
 _REPEATED = {"draw": "draw", "filter": "filters"}
@@ -152,8 +152,8 @@ def is_default(name, value):
     return value is None or (isinstance(value, (str, bool, int, float)) and value == KEYWORDS[name])
 
 
-def options_of(keywords):
-    """Keywords as options of the command, for a preset; what is as always is left out."""
+def options_of(keywords, is_scene=False):
+    """Keywords as options of the command, for a preset or a scene; what is as always is left out."""
     names = {keyword: option for option, (keyword, _) in _OPTIONS.items()}
     options = []
     for name, value in keywords.items():
@@ -165,11 +165,11 @@ def options_of(keywords):
             options += [("draw" if name == "draw" else "filter", rule) for rule in value]
         elif name == "hide_classes":
             options.append(("hide-classes", ",".join(map(str, value)) or "none"))
-        elif name == "crop_relative":
+        elif name == "crop" and not is_scene:
+            raise Error("a preset holds no crop in world coordinates; crop_relative holds for any scan")
+        elif name in ("crop", "crop_relative"):
             numbers = [number for each in value for number in (each if hasattr(each, "__iter__") else (each,))]  # maybe two corners
-            options.append(("crop-relative", text_of(name, numbers)))
+            options.append((names[name], text_of(name, numbers)))
         elif name in names:
             options.append((names[name], text_of(name, value)))
-        elif name == "crop":
-            raise Error("a preset holds no crop in world coordinates; crop_relative holds for any scan")
     return options

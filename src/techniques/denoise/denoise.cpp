@@ -12,9 +12,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "analysis/quantiles.h"
 #include "analysis/survey.h"
+#include "core/derived.h"
 #include "gl/context.h"
 #include "passes/shade.h"
 #include "techniques/casters.h"
@@ -119,16 +121,13 @@ class Denoise final : public Technique {
 
   /// What is removed casts no shadow: points that are not enough evidence for a surface. `weight_threshold` 0
   /// shows them all.
-  void cast(GpuCloud& cloud, Progress& progress) override {
-    const bool shows_all = this->shows_all();
-    const std::string key = shows_all ? "solid" : "denoise/" + std::to_string(cloud.serial());
-    if (cloud.casters_key() == key) return;
-    std::vector<float> opacity;
-    if (!shows_all) {
-      opacity = denoise::splat_support(cloud.prepared(), progress);
+  std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud& cloud, Progress& progress) override {
+    if (shows_all()) return nullptr;
+    return casters_.at(cloud.serial(), [&] {
+      std::vector<float> opacity = denoise::splat_support(cloud.prepared(), progress);
       for (float& each : opacity) each = each < least_support ? 0 : 1;
-    }
-    set_casters(cloud, opacity, key);
+      return make_casters(cloud, opacity);
+    });
   }
 
   int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
@@ -136,7 +135,7 @@ class Denoise final : public Technique {
     float radius = cloud.median_radius();
     if (!(radius < INFINITY)) radius = cloud.median_spacing();
     const float limit = parameters_.clamp_radius ? cloud.radius_limit() : INFINITY;
-    const bool measured = is_measured(cloud) && field_limit_ == limit;
+    const bool measured = is_measured(cloud) && measured_->radius_limit == limit;
     const float wide = measured ? wide_disc_ : wide_disc(cloud.prepared().cloud.radii, radius, limit);
     const float rounds = 2.0f * agree_rounds * radius + 2 * wide;
     const double reach = double(rounds) * parameters_.radius_scale;
@@ -216,26 +215,25 @@ class Denoise final : public Technique {
     return large > uneven * std::min(usual, limit) ? large : 0;
   }
 
-  bool is_measured(const GpuCloud& cloud) const {
-    return field_stamp_ != 0 && cloud.field_stamp() == field_stamp_;
-  }
+  bool is_measured(const GpuCloud& cloud) const { return measured_ && measured_->serial == cloud.serial(); }
 
   /// Measures a cloud that was not seen before. `radius_limit`: scene units, infinite for none.
   void measure(GpuCloud& cloud, float radius_limit, bool prefilter, Progress& progress) {
     const PreparedCloud& prepared = cloud.prepared();
-    const bool seen = is_measured(cloud);
-    if (!seen) {
+    const Measured asked{cloud.serial(), radius_limit, prefilter};
+    if (measured_ == asked) return cloud.set_field(worth_);
+    if (!is_measured(cloud)) {
       residual_ = analysis::plane_residual(prepared.cloud.positions);
       support_.clear();
     }
-    if (seen && radius_limit == field_limit_ && prefilter == field_prefilter_) return;
+    measured_.reset();  // nothing is kept when the user stops what follows
     if (prefilter && support_.empty()) support_ = denoise::splat_support(prepared, progress);
     const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
-    cloud.set_field(
-        denoise::splat_worth(prepared, prefilter ? support_ : all_alike, least_support, radius_limit));
+    worth_ = cloud.make_values("worth", denoise::splat_worth(prepared, prefilter ? support_ : all_alike,
+                                                             least_support, radius_limit));
+    cloud.set_field(worth_);
     wide_disc_ = wide_disc(prepared.cloud.radii, prepared.median_radius, radius_limit);
-    field_stamp_ = cloud.field_stamp();
-    field_limit_ = radius_limit, field_prefilter_ = prefilter;
+    measured_ = asked;
   }
 
   denoise::BinOptions choose_options(const Frame& frame, const SplatShape& shape) {
@@ -270,10 +268,17 @@ class Denoise final : public Technique {
   }
 
   Parameters parameters_;
-  std::uint64_t field_stamp_ = 0;  ///< of the cloud that was measured last
-  float field_limit_ = 0, residual_ = 0, wide_disc_ = 0;
-  bool field_prefilter_ = false;
+  struct Measured {
+    std::uint64_t serial;
+    float radius_limit;
+    bool prefilter;
+    bool operator==(const Measured&) const = default;
+  };
+  std::optional<Measured> measured_;  ///< what the following belongs to
+  std::shared_ptr<const GpuCloud::Values> worth_;
+  float residual_ = 0, wide_disc_ = 0;
   std::vector<float> support_;
+  Derived<std::uint64_t, std::shared_ptr<const GpuCloud::Casters>> casters_;
   SplatSurface surface_;
   denoise::BinTable bins_;
   ScreenSpacings spacings_;

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "analysis/survey.h"
+#include "core/derived.h"
 #include "core/error.h"
 #include "passes/bindings.h"
 #include "passes/fill.h"
@@ -122,15 +123,14 @@ class Layers final : public Technique {
 
   Transparency transparency() const override { return Transparency::layers; }
 
-  void cast(GpuCloud& cloud, Progress&) override {
+  std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud& cloud, Progress&) override {
     std::vector<float> list = opacity_list();
-    if (cloud.size() == 0) return cloud.set_casters({}, 0, "");
+    if (cloud.size() == 0) return nullptr;
     if (parameters_.layers == 1 && parameters_.opaque_last.resolve(parameters_.opacity.is_auto())) list = {1};
-    std::string key = "layers/" + parameters_.opacity_by;
-    for (float value : list) key += "," + std::to_string(value);
-    if (cloud.casters_key() == key) return;
-    set_casters(cloud, list.size() > 1 ? opacities_of_list(cloud) : std::vector<float>(cloud.size(), list[0]),
-                key);
+    return casters_.at({cloud.serial(), parameters_.opacity_by, list}, [&] {
+      return make_casters(
+          cloud, list.size() > 1 ? opacities_of_list(cloud) : std::vector<float>(cloud.size(), list[0]));
+    });
   }
 
   int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
@@ -242,10 +242,8 @@ class Layers final : public Technique {
 
   /// How far points are from the surface, scene units; measured once for a cloud.
   float residual(const GpuCloud& cloud) {
-    if (residual_of_ != cloud.serial())
-      residual_ = analysis::plane_residual(cloud.prepared().cloud.positions);
-    residual_of_ = cloud.serial();
-    return residual_;
+    return residual_.at(cloud.serial(),
+                        [&] { return analysis::plane_residual(cloud.prepared().cloud.positions); });
   }
 
   /// Noise as large as the spacing tilts normals and scatters discs along the view: they would lie behind one
@@ -280,9 +278,9 @@ class Layers final : public Technique {
     has_list_ = list.size() > 1 && parameters_.show_layer == 0 && !prepared.cloud.empty();
     if (!has_list_) return;
     const ScalarField& scalar = layers::opacity_scalar(prepared.cloud, parameters_.opacity_by);
-    std::string key = "opacity by " + scalar.name;
-    for (float value : list) key += "," + std::to_string(value);
-    if (frame.cloud.field_key() != key) frame.cloud.set_field(layers::opacities(scalar, list), key);
+    frame.cloud.set_field(field_.at({frame.cloud.serial(), scalar.name, list}, [&] {
+      return frame.cloud.make_values("opacity", layers::opacities(scalar, list));
+    }));
   }
 
   /// Colours stand for categories, of which a layer shows one and nothing between.
@@ -439,8 +437,16 @@ class Layers final : public Technique {
   float d_min_ = 0, bin_ = 0;
   static constexpr float most_noise = 0.75f;  ///< spacings
   bool is_noisy_ = false;
-  float residual_ = 0;
-  std::uint64_t residual_of_ = 0;
+  Derived<std::uint64_t, float> residual_;
+  /// Of a cloud: opacities that a scalar picks from a list.
+  struct OpacityKey {
+    std::uint64_t serial;
+    std::string by;
+    std::vector<float> list;
+    bool operator==(const OpacityKey&) const = default;
+  };
+  Derived<OpacityKey, std::shared_ptr<const GpuCloud::Values>> field_;
+  Derived<OpacityKey, std::shared_ptr<const GpuCloud::Casters>> casters_;
   int n_background_ = 1, n_occluded_ = 1, peeled_ = 0;
   Footprint footprint_;
   ScreenSpacings spacings_;

@@ -22,6 +22,7 @@ struct FieldSettings {
   /// Not something that the user chose to see through.
   bool is_uncertainty() const { return field == "uncertainty" || field == "sensor"; }
   void describe(ParamList& p);
+  bool operator==(const FieldSettings&) const = default;
 };
 
 struct Field {

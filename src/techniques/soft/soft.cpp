@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "core/derived.h"
 #include "passes/merge.h"
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
@@ -153,23 +154,23 @@ class Soft final : public Technique {
 
   Transparency transparency() const override { return Transparency::haze; }
 
-  void cast(GpuCloud& cloud, Progress&) override {
+  std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud& cloud, Progress&) override {
     update_field(cloud);
     const float threshold = parameters_.field_threshold.resolve(field_.threshold);
-    const std::string key = "soft/" + std::to_string(stamp_) + "/" + std::to_string(threshold) + "/" +
-                            std::to_string(parameters_.plain_opacity());
-    if (cloud.casters_key() == key) return;
-    std::vector<float> opacity(field_.values.size());
     // That of no view: shadows do not follow the camera.
     const float soft = parameters_.plain_opacity();
-    for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? soft : 1;
-    set_casters(cloud, opacity, key);
+    return casters_.at({field_buffers_, threshold, soft}, [&] {
+      std::vector<float> opacity(field_.values.size());
+      for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? soft : 1;
+      return make_casters(cloud, opacity);
+    });
   }
 
   int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // deeper_side.glsl
 
   bool render(Frame& frame) override {
     update_field(frame.cloud);
+    frame.cloud.set_field(field_buffers_);
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     Parameters& p = parameters_;
     SplatShape shape;
@@ -219,18 +220,14 @@ class Soft final : public Technique {
   }
 
  private:
-  /// Evaluates the field when the cloud or its settings changed, or another technique put its own in place.
-  void update_field(GpuCloud& cloud) {
-    ParamList list;
-    parameters_.field.describe(list);
-    std::string key;
-    for (const Param& param : list.all()) key += param.get() + "/";
-    if (stamp_ != 0 && stamp_ == cloud.field_stamp() && key == field_key_) return;
-    if (cloud.serial() != serial_) nearby_ = {};
-    serial_ = cloud.serial();
+  /// Evaluates the field when the cloud or its settings changed.
+  void update_field(const GpuCloud& cloud) {
+    const FieldKey key{cloud.serial(), parameters_.field};
+    if (field_key_ == key) return;
+    if (!field_key_ || field_key_->serial != key.serial) nearby_ = {};
+    field_key_.reset();
     field_ = evaluate(cloud.prepared(), parameters_.field, nearby_);
-    cloud.set_field(field_.values);
-    stamp_ = cloud.field_stamp();
+    field_buffers_ = cloud.make_values("field", field_.values);
     field_key_ = key;
   }
 
@@ -307,9 +304,20 @@ class Soft final : public Technique {
   }
 
   Parameters parameters_;
+  struct FieldKey {
+    std::uint64_t serial;
+    FieldSettings settings;
+    bool operator==(const FieldKey&) const = default;
+  };
+  struct CastersKey {
+    std::shared_ptr<const GpuCloud::Values> field;
+    float threshold, opacity;
+    bool operator==(const CastersKey&) const = default;
+  };
   Field field_;
-  std::string field_key_;
-  std::uint64_t stamp_ = 0, serial_ = 0;
+  std::optional<FieldKey> field_key_;
+  std::shared_ptr<const GpuCloud::Values> field_buffers_;
+  Derived<CastersKey, std::shared_ptr<const GpuCloud::Casters>> casters_;
   Nearby nearby_;
   SplatSurface surface_;
   SolidPart solid_;

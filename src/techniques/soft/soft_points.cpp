@@ -24,11 +24,11 @@ std::uint32_t ascending(float value) {
 
 void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float threshold) {
   const PointCloud& points = cloud.prepared().cloud;
-  const bool same_field = stamp_ != 0 && stamp_ == cloud.field_stamp();
+  const bool same_field = field_ && field_ == cloud.field();
   if (same_field && threshold == threshold_) return;
   if (!same_field) by_source_ = radix_order(points.source_index, {});
   cloud_ = &points;
-  stamp_ = cloud.field_stamp();
+  field_ = cloud.field();
   threshold_ = threshold;
 
   std::vector<std::uint32_t> slots(points.size());

@@ -69,7 +69,7 @@ class SoftPoints {
 
  private:
   const PointCloud* cloud_ = nullptr;
-  std::uint64_t stamp_ = 0;  ///< of the field that was chosen from
+  std::shared_ptr<const GpuCloud::Values> field_;  ///< that was chosen from
   float threshold_ = 0, radius_limit_ = 0;
   std::vector<float> radii_;
   GpuCloud::Shapes own_radii_;

@@ -35,10 +35,9 @@ PreparedCloud part_of(const PreparedCloud& prepared, const std::vector<std::uint
 
 void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float threshold, bool among_themselves,
                        bool clamp, const Nearby* all, Progress& progress) {
-  if (serial_ == gpu.serial() && stamp_ == gpu.field_stamp() && threshold_ == threshold &&
-      among_themselves_ == among_themselves && clamp_ == clamp)
-    return;
-  serial_ = 0;  // nothing is kept when the user stops what follows
+  const Key key{gpu.serial(), gpu.field(), threshold, among_themselves, clamp};
+  if (key_ == key) return;
+  key_.reset();  // nothing is kept when the user stops what follows
   const PreparedCloud& prepared = gpu.prepared();
   spacing_ = prepared.median_spacing;
   shapes_ = {};
@@ -65,11 +64,7 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
     limit_isolated(prepared.cloud.positions, all ? *all : Nearby(prepared.cloud.positions, progress), radii);
     shapes_ = gpu.make_shapes({}, radii);
   }
-  serial_ = gpu.serial();
-  stamp_ = gpu.field_stamp();
-  threshold_ = threshold;
-  among_themselves_ = among_themselves;
-  clamp_ = clamp;
+  key_ = key;
 }
 
 }  // namespace sfumato::soft

@@ -24,9 +24,15 @@ class SolidPart {
   GpuCloud::Shapes& shapes() { return shapes_; }
 
  private:
-  std::uint64_t serial_ = 0, stamp_ = 0;
-  float threshold_ = 0, spacing_ = 0;
-  bool among_themselves_ = false, clamp_ = false;
+  struct Key {
+    std::uint64_t serial;
+    std::shared_ptr<const GpuCloud::Values> field;
+    float threshold;
+    bool among_themselves, clamp;
+    bool operator==(const Key&) const = default;
+  };
+  std::optional<Key> key_;  ///< what was measured
+  float spacing_ = 0;
   GpuCloud::Shapes shapes_;
 };
 

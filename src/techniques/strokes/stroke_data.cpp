@@ -100,10 +100,11 @@ std::vector<ClusterShape> cluster_shapes(const PointCloud& cloud, const std::vec
 }
 
 void StrokeData::update(GpuCloud& cloud, Tangent tangent, double quantum, Progress& progress) {
-  if (serial_ == cloud.serial() && tangent_ == tangent && quantum_ == quantum) return;
+  const Key key{cloud.serial(), cloud.look_serial(), tangent, quantum};
+  if (key_ == key) return;
   const PointCloud& points = cloud.prepared().cloud;
   chunks_.clear();
-  serial_ = 0;
+  key_.reset();
   if (!points.empty()) {
     const std::vector<std::uint32_t> labels = dense_labels(points.scalar("cluster")->values);
     const std::vector<float>& sizes = points.scalar("stroke_size")->values;
@@ -142,9 +143,7 @@ void StrokeData::update(GpuCloud& cloud, Tangent tangent, double quantum, Progre
            gl::TextureBuffer("stroke traits", GL_RGBA32UI, std::span<const glm::uvec4>(traits))});
     }
   }
-  serial_ = cloud.serial();
-  tangent_ = tangent;
-  quantum_ = quantum;
+  key_ = key;
 }
 
 void StrokeData::bind(std::size_t chunk) const {

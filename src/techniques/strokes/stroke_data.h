@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/progress.h"
@@ -45,9 +46,13 @@ class StrokeData {
         traits;  // RGBA32UI: seed, mean colour and elongation, extent, halves of room / s and detail / s
   };
   std::vector<Chunk> chunks_;
-  std::uint64_t serial_ = 0;
-  Tangent tangent_ = Tangent::automatic;
-  double quantum_ = 0;
+  struct Key {
+    std::uint64_t serial, look_serial;
+    Tangent tangent;
+    double quantum;
+    bool operator==(const Key&) const = default;
+  };
+  std::optional<Key> key_;
 };
 
 }  // namespace sfumato::strokes

@@ -13,7 +13,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/derived.h"
 #include "gl/state.h"
 #include "passes/bindings.h"
 #include "passes/shade.h"
@@ -100,11 +102,9 @@ class Strokes final : public Technique {
   bool lit(const Frame& frame) {
     if (frame.settings.shading != Shading::lit) return false;
     if (parameters_.lighting != Lighting::automatic) return parameters_.lighting == Lighting::on;
-    if (judged_ != frame.cloud.serial()) {
-      own_colors_ = are_own(frame.cloud.prepared().cloud.colors, frame.cloud.colors());
-      judged_ = frame.cloud.serial();
-    }
-    return !own_colors_;
+    return !own_colors_.at(frame.cloud.look_serial(), [&] {
+      return are_own(frame.cloud.prepared().cloud.colors, frame.cloud.colors());
+    });
   }
 
   void build(Frame& frame, const View& view) {
@@ -258,25 +258,29 @@ class Strokes final : public Technique {
     blur_.run({&blurred_albedo_, &blurred_normal_, &frame.target.depth}, {&albedo_, &frame.target.normal});
   }
 
-  // What a half-refined picture depends on.
-  std::string state_of(Frame& frame) {
-    ParamList all;
-    parameters_.describe(all);
-    RenderSettings settings = frame.settings;
-    settings.describe(all);
-    std::string text = std::to_string(frame.cloud.serial()) + " " + std::to_string(frame.camera.width) + "x" +
-                       std::to_string(frame.camera.height);
-    for (const Param& param : all.all()) text += " " + param.resolved();
-    const dmat4 clip = frame.camera.projection_matrix() * frame.camera.view(dvec3(0));
-    for (int k = 0; k < 16; ++k) text += " " + std::to_string(clip[k / 4][k % 4]);
-    return text;
+  /// What a half-refined picture depends on.
+  struct State {
+    std::uint64_t serial;
+    int width, height;
+    dmat4 clip;
+    Parameters parameters;
+    RenderSettings settings;
+    bool operator==(const State&) const = default;
+  };
+  State state_of(const Frame& frame) const {
+    return {frame.cloud.look_serial(),
+            frame.camera.width,
+            frame.camera.height,
+            frame.camera.projection_matrix() * frame.camera.view(dvec3(0)),
+            parameters_,
+            frame.settings};
   }
-  void remember(Frame& frame) {
+  void remember(const Frame& frame) {
     state_ = state_of(frame);
     steps_ = 0;
     refining_ = true;
   }
-  bool same_frame(Frame& frame) { return state_of(frame) == state_; }
+  bool same_frame(const Frame& frame) const { return state_ == state_of(frame); }
 
   Parameters parameters_;
   Look look_;
@@ -288,13 +292,12 @@ class Strokes final : public Technique {
   gl::Texture albedo_, nearest_, nearest_depth_, blurred_albedo_, blurred_normal_;
   ScreenPass finish_, finish_nearest_, finish_listed_, blur_, underpaint_, medium_;
   gl::Texture under_albedo_, under_depth_, under_normal_, on_ground_;
-  std::uint64_t judged_ = 0;  ///< the cloud whose colours are its own, or not
-  bool own_colors_ = false;
+  Derived<std::uint64_t, bool> own_colors_;
   Shade shade_;
   std::vector<std::string> notes_;
   bool refining_ = false;
   int steps_ = 0;
-  std::string state_;
+  std::optional<State> state_;
 };
 
 }  // namespace

@@ -63,6 +63,7 @@ struct Parameters {
   void describe(ParamList& p);
   Brush resolve_brush();
   Look resolve_look();
+  bool operator==(const Parameters&) const = default;
 };
 
 }  // namespace sfumato::strokes
