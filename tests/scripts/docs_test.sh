@@ -1,16 +1,28 @@
 #!/bin/sh
-# Every link from one page of the documentation to a file of the checkout leads somewhere, and every technique has its
-# page, a row in the README and rows in the benchmarks (its reference picture: golden_test).
+# Every link from one page of the documentation to a file of the checkout, and to a heading in it, leads somewhere; every picture
+# of docs/images is shown on a page; every technique has its page, a row in the README and rows in the benchmarks (its reference picture: golden_test).
 # usage: docs_test.sh SOURCE_DIR
 set -eu
 cd "$1"
 broken=0
-for page in README.md CONTRIBUTING.md CHANGELOG.md docs/*.md docs/*/*.md bench/*.md bench/*/*.md; do
+for page in README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md CODE_OF_CONDUCT.md docs/*.md docs/*/*.md bench/*.md bench/*/*.md; do
   [ -f "$page" ] || continue
   # [text](target), without what lies elsewhere and without the place inside the page.
   for link in $(grep -o '](\([^) ]*\))' "$page" | sed 's/^](//; s/)$//; s/#.*//' | grep -v '^[a-z]*:' | sort -u); do
     [ -e "$(dirname "$page")/$link" ] || { echo "$page: no $link" >&2; broken=1; }
   done
+  # Places inside a page: headings as the forges make anchors of them.
+  for link in $(grep -o '](\([^) ]*\.md\)\{0,1\}#[^) ]*)' "$page" | sed 's/^](//; s/)$//' | grep -v '^[a-z]*:' | sort -u); do
+    target=${link%%#*} anchor=${link#*#}
+    file=$page
+    [ -z "$target" ] || file=$(dirname "$page")/$target
+    [ -f "$file" ] || continue
+    grep '^##* ' "$file" | sed 's/^#* *//' | tr 'A-Z' 'a-z' | sed "s/[^a-z0-9 _-]//g; s/ /-/g" | grep -qx -- "$anchor" ||
+      { echo "$page: no heading for $link" >&2; broken=1; }
+  done
+done
+for picture in docs/images/*.jpg docs/images/*.png docs/images/*.webp; do
+  grep -q "images/$(basename "$picture")" README.md docs/*.md docs/*/*.md || { echo "no page shows $picture" >&2; broken=1; }
 done
 for folder in src/techniques/*/; do
   name=$(basename "$folder")
