@@ -1,5 +1,4 @@
-// Bare arrays: NumPy's .npy (a row a point, or records with names) and KITTI's .bin (x y z intensity as
-// floats).
+// Bare arrays: NumPy's .npy (a row a point, or records with names).
 #include <algorithm>
 #include <bit>
 #include <cctype>
@@ -13,6 +12,7 @@
 #include "io/file.h"
 #include "io/format.h"
 #include "io/npy_array.h"
+#include "io/text_columns.h"
 
 namespace sfumato::io {
 namespace {
@@ -274,32 +274,6 @@ ReadResult read_npy_points(const std::filesystem::path& path, const ReadOptions&
   ReadResult result = read_array(file, array, progress);
   if (array.has_names && !options.columns.empty())
     result.report.notes.push_back("--columns has no effect: its records name their own columns");
-  return result;
-}
-
-ReadResult read_kitti(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
-  const File file(path);
-  constexpr std::uint64_t record = 16;
-  if (file.size() % record != 0)
-    bad_input(path, "byte " + std::to_string(file.size()),
-              "the file ends inside a point, expected records of 4 floats (KITTI); it is cut short or of "
-              "another layout");
-  Array array;
-  const char* names[] = {"x", "y", "z", "intensity"};
-  for (std::size_t k = 0; k < 4; ++k)
-    array.columns.push_back({names[k], StoredType::float32, StoredType::float32, 4 * k, std::size_t(record)});
-  assign_roles(array.columns);
-  array.record = record;
-  array.rows = file.size() / record;
-  ReadResult result = read_array(file, array, progress);
-  // Bytes of anything pass for floats: coordinates of a vehicle's scanner lie within some hundred metres.
-  const double reach = std::max(glm::length(result.report.bounds_min), glm::length(result.report.bounds_max));
-  if (result.report.points_finite == 0 || reach > 1e5)
-    bad_input(
-        path, "byte 0",
-        "the numbers are no points of a vehicle's scanner (4 floats each); name the format by its extension");
-  result.cloud.scanners.push_back(dvec3(0));
-  result.report.notes.push_back("taken as KITTI: x y z intensity as floats, the scanner at 0 0 0");
   return result;
 }
 

@@ -58,7 +58,15 @@ ReadResult read_ptx(const std::filesystem::path& file, const ReadOptions& option
 
 bool is_npy(std::string_view head);
 ReadResult read_npy_points(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
-ReadResult read_kitti(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+ReadResult read_floats(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+bool is_colmap_points(std::string_view head);
+ReadResult read_colmap_points(const std::filesystem::path& file, const ReadOptions& options,
+                              Progress& progress);
+
+bool is_height_grid(std::string_view head);
+ReadResult read_height_grid(const std::filesystem::path& file, const ReadOptions& options,
+                            Progress& progress);
 
 bool is_npz(std::string_view head);
 ReadResult read_npz(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
@@ -69,9 +77,6 @@ ReadResult read_draco(const std::filesystem::path& file, const ReadOptions& opti
 bool is_depth_image(std::string_view head);
 ReadResult read_depth_image(const std::filesystem::path& file, const ReadOptions& options,
                             Progress& progress);
-
-/// Names for `width` columns of numbers without names, by what the values in `rows` look like.
-std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width);
 
 bool is_text(std::string_view head);
 ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);

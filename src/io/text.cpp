@@ -10,6 +10,7 @@
 #include "core/counted.h"
 #include "io/file.h"
 #include "io/format.h"
+#include "io/text_columns.h"
 #include "io/text_dialect.h"
 
 namespace sfumato::io {
@@ -17,6 +18,8 @@ namespace {
 
 constexpr std::size_t sample_lines = 100;
 constexpr std::size_t most_columns = 256;
+/// Of names of longitude and latitude, which say no more.
+constexpr const char* degrees_crs = "EPSG:4326";
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 /// `at`: behind the blanks that a line begins with.
@@ -36,30 +39,41 @@ std::optional<double> to_number(std::string_view word) {
   return value;
 }
 
-/// All words as numbers, or nothing. Words of columns that the user passes over may be anything.
-std::optional<std::vector<double>> to_numbers(const std::vector<std::string_view>& words,
-                                              const std::vector<std::string>& columns) {
+/// The words of a line as numbers; NaN for those that are none.
+struct Words {
   std::vector<double> numbers;
+  std::vector<bool> are_words;
+  std::size_t count = 0;  ///< of numbers
+  bool are_numbers() const { return count == numbers.size(); }
+};
+
+Words to_words(const std::vector<std::string_view>& words, const std::vector<std::string>& columns) {
+  Words found;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const bool unwanted = i < columns.size() && columns[i] == "_";
     const std::optional<double> number = unwanted ? std::nan("") : to_number(words[i]);
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
+    found.numbers.push_back(number.value_or(std::nan("")));
+    found.are_words.push_back(!number);
+    found.count += number.has_value();
   }
-  return numbers;
+  return found;
 }
 
 /// What the first lines of a file tell.
 struct Beginning {
-  std::string header;                       ///< the last line before the numbers that is none of them
-  std::vector<std::vector<double>> rows;    ///< the first lines of numbers
-  std::uint64_t begin = 0, first_line = 1;  ///< where the numbers begin
-  bool has_count = false;                   ///< a lone count came first (PTS)
-  bool has_quotes = false, has_decimal_commas = false, has_separating_commas = false;
+  std::vector<std::string> headers;                 ///< the lines before the numbers that are none of them
+  SampleRows rows;                                  ///< the first lines of numbers
+  std::vector<bool> are_words;                      ///< columns that hold words
+  std::vector<std::string> lines;                   ///< the first of those lines
+  std::uint64_t begin = 0, first_line = 1;          ///< where the numbers begin
+  std::uint64_t behind_first = 0, second_line = 1;  ///< where those behind the first of them do
+  bool has_count = false;                           ///< a lone count came first (PTS)
+  bool has_quotes = false, has_decimal_commas = false, has_separating_commas = false, has_empty_tabs = false;
 };
 
 Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns,
                             const Dialect& dialect) {
+  constexpr std::size_t least_numbers = 3;
   Beginning found;
   std::string translated;
   LineReader lines(file, 0, 1);
@@ -78,75 +92,80 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
     const std::vector<std::string_view> words = split(translated);
     if (words.empty()) continue;
     found.has_quotes = found.has_quotes || line.find('"') != std::string_view::npos;
-    std::optional<std::vector<double>> numbers = is_comment(line) ? std::nullopt : to_numbers(words, columns);
-    const bool lone = numbers && numbers->size() == 1;
-    if (found.rows.empty() && (!numbers || lone)) {
+    const Words read = to_words(words, columns);
+    const bool lone = read.are_numbers() && words.size() == 1 && !is_comment(line);
+    // Words may stand among the numbers, and behind those that the user names.
+    const std::size_t wanted = std::min(columns.size(), words.size());
+    const bool is_row =
+        !is_comment(line) && !lone &&
+        (read.are_numbers() || (dialect.words && read.count >= least_numbers) ||
+         (wanted > 0 && std::find(read.are_words.begin(), read.are_words.begin() + std::ptrdiff_t(wanted),
+                                  true) == read.are_words.begin() + std::ptrdiff_t(wanted)));
+    if (found.rows.empty() && !is_row) {
       found.begin = at;
       found.first_line = lines.line_number() + 1;
       found.has_count = found.has_count || lone;
-      if (numbers) continue;
-      found.header = line;
-    } else if (numbers && !lone) {
+      if (!lone) found.headers.emplace_back(line);
+    } else if (is_row) {
       const Commas commas = commas_of(line);
       found.has_decimal_commas = found.has_decimal_commas || commas == Commas::decimal;
       found.has_separating_commas = found.has_separating_commas || commas == Commas::separating;
-      found.rows.push_back(std::move(*numbers));
+      found.has_empty_tabs = found.has_empty_tabs || line.find("\t\t") != std::string_view::npos;
+      found.are_words.resize(std::max(found.are_words.size(), words.size()));
+      for (std::size_t k = 0; k < words.size(); ++k)
+        found.are_words[k] = found.are_words[k] || (read.are_words[k] && k >= wanted);
+      if (found.rows.empty()) found.behind_first = at, found.second_line = lines.line_number() + 1;
+      if (found.lines.size() < sample_lines) found.lines.emplace_back(line);
+      found.rows.push_back(read.numbers);
     }
   }
   return found;
 }
 
-/// The same, in the dialect that it is written in. Lines that begin with a word are the last resort.
+/// Tables of pandas number their columns from 0 where they have no names: 0,1,2 above numbers with decimals.
+void pass_over_column_numbers(Beginning& found) {
+  if (found.rows.size() < 2 || found.rows[0].size() < 3 || found.rows[1].size() < 3) return;
+  for (std::size_t k = 0; k < found.rows[0].size(); ++k)
+    if (found.rows[0][k] != double(k)) return;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (found.rows[1][k] == std::floor(found.rows[1][k])) return;
+  found.rows.erase(found.rows.begin());
+  found.begin = found.behind_first;
+  found.first_line = found.second_line;
+}
+
+/// The same, in the dialect that it is written in. Words among the numbers are the last resort.
 Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns, Dialect& dialect) {
   for (;;) {
-    const std::vector<std::string> label{"_"};
-    Beginning found = look_at_beginning(file, dialect.label ? label : columns, std::as_const(dialect));
+    Beginning found = look_at_beginning(file, columns, std::as_const(dialect));
     const Dialect before = dialect;
     dialect.quotes = dialect.quotes || found.has_quotes;
     dialect.decimal_commas =
         dialect.decimal_commas || (found.has_decimal_commas && !found.has_separating_commas);
-    if (dialect == before && found.rows.empty() && columns.empty()) dialect.label = true;
-    if (dialect == before) return found;
+    if (found.has_empty_tabs) dialect.cells = '\t';
+    if (dialect == before && found.rows.empty() && columns.empty()) dialect.words = true;
+    if (dialect == before && dialect.words && dialect.cells == 0) dialect.cells = cells_of_lines(found.lines);
+    if (dialect != before) continue;
+    pass_over_column_numbers(found);
+    return found;
   }
 }
 
-/// Questions about a column of the first lines.
-class Sample {
- public:
-  explicit Sample(const std::vector<std::vector<double>>& rows) : rows_(rows) {}
-  bool are_bytes(std::size_t first) const {
-    return all(first, 3, [](const double* v) {
-      for (int k = 0; k < 3; ++k)
-        if (!(v[k] >= 0 && v[k] <= 255 && v[k] == std::floor(v[k]))) return false;
-      return true;
-    });
+/// The first number of each of the last lines.
+std::vector<double> numbers_at_end(const File& file, const Dialect& dialect) {
+  constexpr std::size_t tail_bytes = 1 << 14;
+  const std::uint64_t from = file.size() - std::min<std::uint64_t>(file.size(), tail_bytes);
+  const std::string tail = file.read_text(from, tail_bytes);
+  std::vector<double> numbers;
+  for (std::size_t at = from == 0 ? 0 : tail.find('\n'); at < tail.size();) {
+    const std::size_t end = std::min(tail.find('\n', at), tail.size());
+    std::string line = tail.substr(at, end - at);
+    dialect.translate(line);
+    if (const std::vector<std::string_view> words = split(line); words.size() > 3 && !is_comment(line))
+      if (const std::optional<double> number = to_number(words[0])) numbers.push_back(*number);
+    at = end + 1;
   }
-  bool are_fractions(std::size_t first) const {
-    return all(first, 3, [](const double* v) {
-      return v[0] >= 0 && v[0] <= 1 && v[1] >= 0 && v[1] <= 1 && v[2] >= 0 && v[2] <= 1;
-    });
-  }
-  bool are_normals(std::size_t first) const {
-    return all(first, 3, [](const double* v) {
-      const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-      return square == 0 || std::abs(square - 1) < 0.02 || !std::isfinite(square);
-    });
-  }
-
- private:
-  template <class Test>
-  bool all(std::size_t first, std::size_t count, Test&& test) const {
-    return std::all_of(rows_.begin(), rows_.end(), [&](const std::vector<double>& row) {
-      return row.size() >= first + count && test(row.data() + first);
-    });
-  }
-  const std::vector<std::vector<double>>& rows_;
-};
-
-std::string join(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
-  return text;
+  return numbers;
 }
 
 /// The columns of a line by name; `_` is passed over.
@@ -206,9 +225,51 @@ class PointLines final : public LineGrammar {
   Dialect dialect_;
 };
 
+/// Eastings of UTM lie within 833 km of the grid's zero; northings beyond a million metres are farther from
+/// the equator than that.
+bool are_north_and_east(const SampleRows& rows, std::size_t first) {
+  return std::all_of(rows.begin(), rows.end(), [&](const std::vector<double>& row) {
+    return row[first] > 1e6 && row[first] < 1e7 && row[first + 1] > 166e3 && row[first + 1] < 834e3;
+  });
+}
+
+/// Of the numbers, when neither the user nor a header names them.
+std::vector<std::string> guess_names(const File& file, const Beginning& beginning, const Dialect& dialect,
+                                     std::size_t width, std::vector<std::string>& notes) {
+  // Columns of words are passed over, and so is one that numbers the points.
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < width; ++k)
+    if (!beginning.are_words[k]) kept.push_back(k);
+  const auto rows_of_kept = [&] {
+    SampleRows rows;
+    for (const std::vector<double>& row : beginning.rows) {
+      std::vector<double>& chosen = rows.emplace_back();
+      for (const std::size_t k : kept) chosen.push_back(row[k]);
+    }
+    return rows;
+  };
+  SampleRows rows = rows_of_kept();
+  const bool is_numbered =
+      is_running_number(rows, beginning.are_words[0] ? std::vector<double>{} : numbers_at_end(file, dialect));
+  if (is_numbered) kept.erase(kept.begin()), rows = rows_of_kept();
+  if (kept.size() < 3)
+    bad_input(file.path(), "line " + std::to_string(beginning.first_line),
+              "found " + std::to_string(kept.size()) +
+                  " numbers in a line, expected x y z; this is no text of points");
+  std::vector<std::string> guessed = guess_columns(rows, kept.size());
+  if (are_north_and_east(rows, 0)) std::swap(guessed[0], guessed[1]);
+  std::vector<std::string> names(width, "_");
+  for (std::size_t k = 0; k < kept.size(); ++k) names[kept[k]] = guessed[k];
+  notes.push_back("columns guessed from the first " +
+                  (beginning.rows.size() == 1 ? "line" : counted(beginning.rows.size(), "line")) + ": " +
+                  join(names) + (is_numbered ? ", behind a number of the point" : "") +
+                  " (--columns names them otherwise)");
+  return names;
+}
+
 /// Names of the columns: what the user says, else the header line, else the guess.
 std::vector<std::string> name_columns(const File& file, const Beginning& beginning, const Dialect& dialect,
-                                      const ReadOptions& options, std::vector<std::string>& notes) {
+                                      const ReadOptions& options, ReadReport& report) {
   std::size_t width = most_columns + 1;
   for (const std::vector<double>& row : beginning.rows) width = std::min(width, row.size());
   const std::string place = "line " + std::to_string(beginning.first_line);
@@ -222,71 +283,42 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
                     std::to_string(options.columns.size()) + " as the columns given; name fewer");
     return options.columns;
   }
-  if (width < (dialect.label ? 4 : 3) || width > most_columns)
+  if (width < 3 || width > most_columns)
     bad_input(file.path(), place,
               "found " + std::to_string(std::min(width, most_columns)) +
                   " numbers in a line, expected x y z and at most " + std::to_string(most_columns) +
                   "; this is no text of points");
-  if (std::vector<std::string> names = names_in(beginning.header, width); !names.empty()) {
-    if (dialect.label) names[0] = "_";
+  for (auto header = beginning.headers.rbegin(); header != beginning.headers.rend(); ++header) {
+    std::vector<std::string> names = names_in(*header, width);
+    // A table with names of rows has one name less.
+    const SampleRows& rows = beginning.rows;
+    const bool has_row_names = !names.empty() && names.size() + 1 == width &&
+                               (beginning.are_words[0] || is_running_number(rows, {}) ||
+                                (rows.size() > 1 && rows[0][0] == 1 && rows[1][0] == 2));
+    if (has_row_names) names.insert(names.begin(), "_");
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (beginning.are_words[k]) names[k] = "_";
     std::vector<Column> columns;
     for (const std::string& name : names) columns.push_back({name});
-    if (assign_roles(columns)) {
-      notes.push_back("columns from the header line: " + join(names));
-      return names;
-    }
+    if (names.empty() || !assign_roles(columns)) continue;
+    // What stands behind x y z alone is still guessed; what stands behind more names has none.
+    if (names.size() == 3 && width > 3 && !has_row_names) names = guess_columns(rows, width, names);
+    if (names_degrees(*header)) report.crs = degrees_crs;
+    report.notes.push_back("columns from the header line: " + join(names));
+    return names;
   }
   // A count on top makes it a PTS, whose columns are fixed: x y z [intensity] [r g b].
-  if (beginning.has_count && (width == 4 || width == 6 || width == 7)) {
+  if (beginning.has_count && !dialect.words && (width == 4 || width == 6 || width == 7)) {
     std::vector<std::string> names = {"x", "y", "z"};
     if (width != 6) names.push_back("intensity");
     if (width != 4) names.insert(names.end(), {"red", "green", "blue"});
-    notes.push_back("columns of a PTS: " + join(names) + " (--columns names them otherwise)");
+    report.notes.push_back("columns of a PTS: " + join(names) + " (--columns names them otherwise)");
     return names;
   }
-  std::vector<std::vector<double>> rows = beginning.rows;
-  if (dialect.label)
-    for (std::vector<double>& row : rows) row.erase(row.begin());
-  std::vector<std::string> names = guess_columns(rows, dialect.label ? width - 1 : width);
-  if (dialect.label) names.insert(names.begin(), "_");
-  notes.push_back("columns guessed from the first " +
-                  (beginning.rows.size() == 1 ? "line" : counted(beginning.rows.size(), "line")) + ": " +
-                  join(names) + " (--columns names them otherwise)");
-  return names;
+  return guess_names(file, beginning, dialect, width, report.notes);
 }
 
 }  // namespace
-
-std::vector<std::string> guess_columns(const std::vector<std::vector<double>>& rows, std::size_t width) {
-  const Sample sample(rows);
-  std::vector<std::string> names = {"x", "y", "z"};
-  bool color = false, normal = false, intensity = false;
-  const auto add = [&](std::initializer_list<const char*> group) {
-    names.insert(names.end(), group.begin(), group.end());
-  };
-  while (names.size() < width) {
-    const std::size_t at = names.size(), left = width - at;
-    // x y z i r g b: three bytes behind one more column are the colour, and the column is the intensity.
-    const bool shifted =
-        left >= 4 && !intensity && sample.are_bytes(at + 1) && (left == 4 || !sample.are_bytes(at));
-    if (left >= 3 && !color && !shifted && sample.are_bytes(at)) {
-      add({"red", "green", "blue"});
-      color = true;
-    } else if (left >= 3 && !normal && sample.are_normals(at)) {
-      add({"nx", "ny", "nz"});
-      normal = true;
-    } else if (left >= 3 && !color && !shifted && sample.are_fractions(at)) {
-      add({"red", "green", "blue"});
-      color = true;
-    } else if (!intensity) {
-      add({"intensity"});
-      intensity = true;
-    } else {
-      names.push_back("column_" + std::to_string(at + 1));
-    }
-  }
-  return names;
-}
 
 bool is_text(std::string_view head) {
   // Printable as far as we see, and a line that starts with three numbers somewhere. Two counts of one number
@@ -318,8 +350,9 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   const Beginning beginning = look_at_beginning(file, options.columns, dialect);
   ReadResult result;
   if (dialect.decimal_commas) result.report.notes.push_back("commas are decimal: 1,5 is one and a half");
-  if (dialect.label) result.report.notes.push_back("the first word of each line is passed over");
-  const std::vector<std::string> names = name_columns(file, beginning, dialect, options, result.report.notes);
+  std::vector<std::string> names = name_columns(file, beginning, dialect, options, result.report);
+  while (!names.empty() && names.back() == "_") names.pop_back();  // nobody reads what stands behind
+  result.cloud.crs = result.report.crs;
   std::vector<Column> columns;
   std::vector<bool> wanted;
   for (const std::string& name : names) {

@@ -6,33 +6,12 @@
 namespace sfumato::io {
 namespace {
 
-std::string clean_name(std::string_view word) {
-  const auto is_around = [](char c) { return c == '"' || is_blank(c); };
-  while (!word.empty() && (word.front() == '/' || word.front() == '#' || is_around(word.front())))
-    word.remove_prefix(1);
-  if (const std::size_t unit = word.find_first_of("[("); unit != 0) word = word.substr(0, unit);
-  while (!word.empty() && is_around(word.back())) word.remove_suffix(1);
-  return std::string(word);
-}
-
-void use_names_of_axes(std::vector<std::string>& names) {
-  static const std::vector<std::string> words[3] = {
-      {"easting", "east", "e", "x_coord", "coord_x", "pos_x", "points:0", "points_0"},
-      {"northing", "north", "n", "y_coord", "coord_y", "pos_y", "points:1", "points_1"},
-      {"elevation", "height", "altitude", "elev", "alt", "h", "z_coord", "coord_z", "pos_z", "points:2",
-       "points_2"}};
-  std::vector<std::string> low = names;
-  for (std::string& name : low)
-    for (char& c : name) c = char(std::tolower(static_cast<unsigned char>(c)));
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::string own(1, "xyz"[axis]);
-    if (std::find(low.begin(), low.end(), own) != low.end()) continue;
-    for (const std::string& word : words[axis])
-      if (const auto found = std::find(low.begin(), low.end(), word); found != low.end()) {
-        names[std::size_t(found - low.begin())] = own;
-        break;
-      }
-  }
+/// A word that is no number becomes one word without blanks and separators; `cell` is between separators.
+void join_words(std::string& line, std::size_t begin, std::size_t end) {
+  while (begin < end && is_blank(line[begin])) ++begin;
+  while (end > begin && is_blank(line[end - 1])) --end;
+  for (std::size_t i = begin; i < end; ++i)
+    if (is_blank(line[i]) || is_separator(line[i])) line[i] = '_';
 }
 
 }  // namespace
@@ -51,10 +30,35 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 void Dialect::translate(std::string& line) const {
+  bool is_quoted = false;
   for (char& c : line) {
+    is_quoted = quotes && c == '"' ? !is_quoted : is_quoted;
     if (c == ',' && decimal_commas) c = '.';
-    if (c == '"' && quotes) c = ' ';
+    if (c == '"' && quotes && cells == 0) c = ' ';
+    if (is_quoted && cells != 0 && (c == cells || c == ',')) c = '.';
   }
+  if (cells == 0) return;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find(cells, at), line.size());
+    for (std::size_t i = at; i < end; ++i)
+      if (line[i] == '"') line[i] = ' ';
+    join_words(line, at, end);
+    if (end < line.size()) line[end] = ',';
+    at = end + 1;
+  }
+}
+
+char cells_of_lines(const std::vector<std::string>& lines) {
+  for (const char separator : {';', '\t', ','}) {
+    const auto count = [&](const std::string& line) {
+      return std::count(line.begin(), line.end(), separator);
+    };
+    if (lines.empty() || count(lines[0]) < 2) continue;
+    if (std::all_of(lines.begin(), lines.end(),
+                    [&](const std::string& line) { return count(line) == count(lines[0]); }))
+      return separator;
+  }
+  return 0;
 }
 
 Commas commas_of(std::string_view line) {
@@ -75,24 +79,6 @@ Commas commas_of(std::string_view line) {
     ++with_comma;
   }
   return with_comma == 0 ? Commas::none : words >= 2 ? Commas::decimal : Commas::separating;
-}
-
-std::vector<std::string> names_in(std::string_view line, std::size_t width) {
-  std::vector<std::string> names;
-  for (std::string_view word : split(line))
-    if (std::string name = clean_name(word); !name.empty()) names.push_back(std::move(name));
-  for (const char separator : {';', ',', '\t'}) {
-    if (names.size() == width) break;
-    names.clear();
-    for (std::size_t at = 0; at <= line.size();) {
-      const std::size_t end = std::min(line.find(separator, at), line.size());
-      names.push_back(clean_name(line.substr(at, end - at)));
-      at = end + 1;
-    }
-  }
-  if (names.size() != width) return {};
-  use_names_of_axes(names);
-  return names;
 }
 
 }  // namespace sfumato::io

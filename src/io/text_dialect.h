@@ -1,5 +1,4 @@
-// How a text file writes its lines: what parts the words, what a comma means, and what a header calls the
-// columns.
+// How a text file writes its lines: what parts the words, and what a comma means.
 #pragma once
 
 #include <string>
@@ -19,10 +18,11 @@ std::vector<std::string_view> split(std::string_view line);
 struct Dialect {
   bool decimal_commas = false;  ///< 1,5;2,5;3
   bool quotes = false;          ///< "1.5","2.5","3"
-  bool label = false;           ///< every line begins with a word that is no number
+  bool words = false;           ///< some columns hold words that are no numbers
+  char cells = 0;               ///< the only separator: words may have blanks, and cells may be empty
   bool operator==(const Dialect&) const = default;
 
-  bool is_plain() const { return !decimal_commas && !quotes; }
+  bool is_plain() const { return !decimal_commas && !quotes && cells == 0; }
   /// The line as we read it.
   void translate(std::string& line) const;
 };
@@ -33,10 +33,8 @@ enum class Commas { none, decimal, separating };
 /// comma. Read as separators, the commas would make 1, 5, 2, 5, 3 of it.
 Commas commas_of(std::string_view line);
 
-/// The names in a header line of `width` columns, without comment signs, quotes and units: `//X`, `"Red"`,
-/// `Z [m]`; blanks part them, or commas, semicolons or tabs do. Others' words for the axes (easting,
-/// northing, elevation; ParaView's Points:0 ...) become x, y and z where these are no names themselves; the
-/// case of other names is kept. Nothing where there are more names, or fewer.
-std::vector<std::string> names_in(std::string_view line, std::size_t width);
+/// What alone parts the cells of these lines, as many in each: a semicolon, a tab or a comma; 0 when nothing
+/// does.
+char cells_of_lines(const std::vector<std::string>& lines);
 
 }  // namespace sfumato::io

@@ -119,7 +119,7 @@ int info_command(const Words& words) {
   line.flag("--strict", options.read.strict,
             "refuse a file of which parts are damaged, instead of leaving those out");
   line.text("--columns", columns, "x,y,z,...",
-            "text files, rows of .npy: names of the columns, instead of the guess");
+            "text files, rows of .npy, floats of .bin: names of the columns, instead of the guess");
   common.declare(line);
   if (!line.parse(words)) return 0;
   common.apply();
@@ -149,7 +149,7 @@ int info_command(const Words& words) {
         console.complain("sfumato: " + part + io::is_left_out);
       is_partial |= !result.report.damage.empty();
       if (columns && result.report.format != "text" && result.report.format != "pts" &&
-          result.report.format != "npy")
+          result.report.format != "npy" && result.report.format != "kitti")
         console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +
                     " files name their own columns");
       double spacing = 0;

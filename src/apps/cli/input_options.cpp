@@ -38,7 +38,7 @@ void InputOptions::declare(CommandLine& line) {
   line.text("--max-points", max_points_, "N",
             "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...",
-            "text files, rows of .npy: names of the columns, instead of the guess");
+            "text files, rows of .npy, floats of .bin: names of the columns, instead of the guess");
   line.flag("--strict", scene.read.strict,
             "refuse a file of which parts are damaged, instead of leaving those out");
   line.text("--up", up_, "auto|+Z|-Z|+Y|...",
@@ -106,7 +106,9 @@ std::vector<scene::SceneFile> placed_files(const Words& files, const Words& tran
 std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options) {
   if (options.read.columns.empty()) return "";
   for (const io::ReadReport& report : scene.files)
-    if (report.format == "text" || report.format == "pts" || report.format == "npy") return "";
+    if (report.format == "text" || report.format == "pts" || report.format == "npy" ||
+        report.format == "kitti")
+      return "";
   return "--columns has no effect: " + scene.files.front().format + " files name their own columns";
 }
 
