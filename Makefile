@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python demo test bench bench-scale eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
+.PHONY: all release site paper-figures command python demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -45,6 +45,10 @@ bench-scale: all  ## TILES copies of SCAN (LAS or LAZ) built to one COPC file, d
 	@test -e "$(SCAN)" || { echo "bench-scale: SCAN=$(SCAN) is not there; name a LAS or LAZ file"; exit 1; }
 	@cmake --build build/release --target sfumato_benchmarks
 	@/usr/bin/python3 bench/scale.py "$(SCAN)" $(TILES) out/scale build/release
+
+ATLAS ?= ../shared/atlas
+atlas: command  ## the first pictures of labelled public scans (ATLAS=folder), with figures; ARGS="--half develop|closed|all"
+	@/usr/bin/python3 bench/atlas/atlas.py --atlas "$(ATLAS)" $(ARGS)
 
 eval-denoise: all  ## denoise against the truth of synthetic scenes and clean scans; ARGS=--quick for a short look
 	@cmake --build build/release --target eval_denoise
