@@ -115,3 +115,30 @@ make -C "$copy" clean >/dev/null || fail "make clean"
 if make -C "$copy" uninstall >/dev/null 2>"$work/output"; then fail "make uninstall without an installation"; fi
 grep -q 'nothing was installed' "$work/output" || fail "did not say why"
 make -C "$copy" help | grep -q '^  uninstall' || fail "make help does not know uninstall"
+
+# A release: refuses what does not agree, and packs what was committed, with the notes of its version.
+checkout=$work/release
+mkdir -p "$checkout/scripts" "$checkout/debian"
+cp "$source_dir/scripts/release" "$checkout/scripts"
+printf 'cmake_minimum_required(VERSION 3.25)\nproject(sfumato VERSION 2.3.4 LANGUAGES NONE)\n' >"$checkout/CMakeLists.txt"
+printf '{"version": 6, "configurePresets": [{"name": "release", "generator": "Ninja", "binaryDir": "build"}]}' >"$checkout/CMakePresets.json"
+printf 'sfumato (2.3.4) unstable; urgency=medium\n' >"$checkout/debian/changelog"
+printf 'version: 2.3.4\n' >"$checkout/CITATION.cff"
+printf '# Changes\n\n## Unreleased\n\n- waits\n\n## 2.3.4\n\n- new\n\n## 2.3.3\n\n- old\n' >"$checkout/CHANGELOG.md"
+echo /build/ >"$checkout/.gitignore"
+in_checkout() { git -C "$checkout" -c user.name=test -c user.email=test@example.org "$@" >/dev/null; }
+in_checkout init -q && in_checkout add -A && in_checkout commit -q -m first
+release() { CHECKS=none "$checkout/scripts/release" "$@" >"$work/output" 2>&1; }
+if release; then fail "release without a version"; fi
+if release 2.3.5; then fail "release of another version"; fi
+grep -q 'CMakeLists.txt has version 2.3.4' "$work/output" || fail "release does not say which version there is"
+if release 2.3.4; then fail "release with unreleased lines"; fi
+grep -q 'lines under Unreleased' "$work/output" || fail "release does not say what waits"
+sed -i '/waits/d' "$checkout/CHANGELOG.md"
+if release 2.3.4; then fail "release of changes that are not committed"; fi
+in_checkout commit -q -a -m second
+release 2.3.4 || { cat "$work/output" >&2; fail "release"; }
+out=$checkout/build/release-2.3.4
+[ "$(cat "$out/notes.md")" = "- new" ] || fail "the notes of the release"
+(cd "$out" && sha256sum -c --quiet SHA256SUMS) || fail "the checksums of the release"
+tar -tzf "$out/sfumato-2.3.4.tar.gz" | grep -qx 'sfumato-2.3.4/CHANGELOG.md' || fail "the tarball of the release"
