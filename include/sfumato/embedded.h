@@ -29,12 +29,12 @@ struct HostView {
 class EmbeddedRenderer {
  public:
   EmbeddedRenderer();
-  /// Calls off what is going on and waits for it.
+  /// Cancels what is going on and waits for it.
   ~EmbeddedRenderer();
   EmbeddedRenderer(const EmbeddedRenderer&) = delete;
   EmbeddedRenderer& operator=(const EmbeddedRenderer&) = delete;
 
-  /// Returns at once; pictures of the cloud before it are called off.
+  /// Returns at once; pictures of the cloud before it are cancelled.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {});
   /// Asks for a picture and returns at once. The newest request wins, and the same request as the last one is
   /// none. Throws Error(usage) for matrices that no camera has (camera_of_matrices).

@@ -61,7 +61,7 @@ struct Pictures {
 /// on several, do not know of each other; another context that is current on the thread (EGL) stays so.
 class HeadlessRenderer {
  public:
-  /// Throws Error(no_gl) that says what lacks when there is no OpenGL 4.5.
+  /// Throws Error(no_gl) that says what is missing where there is no OpenGL 4.5.
   HeadlessRenderer();
   ~HeadlessRenderer();
   HeadlessRenderer(const HeadlessRenderer&) = delete;
@@ -74,7 +74,7 @@ class HeadlessRenderer {
   /// points, Error(usage) for a colour source that it does not have.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {}, Progress& progress = no_progress());
   /// The view of the command: from azimuth -45 and elevation 30 degrees, or what suits the scan, it shows all
-  /// but stray points.
+  /// but outliers.
   Camera first_view(int width, int height) const;
   /// Holds for the pictures to come.
   void set_outputs(const Outputs& outputs);

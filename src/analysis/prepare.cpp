@@ -67,7 +67,7 @@ void PrepareOptions::describe(ParamList& p) {
   p.add("clutter_radius", clutter_radius)
       .range(0.05, 1)
       .unit("factor")
-      .help("radius of points that lie on no surface, as foliage does; 1: as on a surface");
+      .help("radius of points in clutter such as foliage, on no surface; 1: as on a surface");
   strokes.describe(p);
 }
 

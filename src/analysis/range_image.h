@@ -17,7 +17,7 @@ namespace sfumato::analysis {
 void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress = no_progress());
 
 /// The grid of one depth picture that a file without grids holds (PLY, text): seen from the origin along z,
-/// all points lie in the columns and rows of a camera's pixels, in any order, but for a few strays, and a
+/// all points lie in the columns and rows of a camera's pixels, in any order, but for a few outliers, and a
 /// quarter or more of those have one, nearly all side by side. Sets `grids`, with the origin as viewpoint,
 /// and `grid_index`; false, and nothing changed, where there are no such columns and rows.
 bool recover_grid(PointCloud& cloud);

@@ -30,8 +30,8 @@ struct StrokeOptions {
 /// there are none.
 float stroke_size(std::vector<float>& distances, int k, float spread = 1);
 
-/// Sizes that have support: no more than twice the median of the neighbours' sizes, so that a stray point
-/// before a dense surface is a dab and no slab; and where points fill space, as strays and leaves do, no more
+/// Sizes that have support: no more than twice the median of the neighbours' sizes, so that an outlier
+/// before a dense surface stays small; and where points fill space, as outliers and leaves do, no more
 /// than twice the cloud's.
 void cap_sizes(const NeighborGraph& graph, std::span<const NeighborhoodShape> shapes,
                std::vector<float>& sizes);

@@ -1,4 +1,4 @@
-// Whether points lie on a surface at all, or in clutter: foliage, grass, stray returns. A disc in a tangent
+// Whether points lie on a surface at all, or in clutter: foliage, grass, outliers. A disc in a tangent
 // plane makes sense on a surface only.
 #pragma once
 

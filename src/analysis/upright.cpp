@@ -322,7 +322,7 @@ Upright unsure(Upright upright, const char* reason) {
 }  // namespace
 
 Upright guess_upright(const PointCloud& cloud) {
-  const Upright custom{cloud.up, "the custom of its format", -45, 30};
+  const Upright custom{cloud.up, "the convention of its format", -45, 30};
   if (cloud.size() < 100) return custom;
   const Sample sample(cloud);
   const dvec3 size = sample.size();
@@ -355,7 +355,8 @@ Upright guess_upright(const PointCloud& cloud) {
   if (is_flat && thin != own && is_survey) return custom;
   // Land and walls are flat alike. Programs of surveyors have Z for up in every format: what is thin along it
   // lies. Whose formats have it by custom hardly ever mean Y, and what is thin along y is a wall.
-  if (is_flat && thin == 1 && own == 2) return unsure(custom, "its format's custom; thin along y, as a wall");
+  if (is_flat && thin == 1 && own == 2)
+    return unsure(custom, "its format's convention; thin along y, as a wall");
   if (is_flat && thin == 1) return unsure({UpAxis::pos_y, "", -45, 30}, "flat: thin along y");
   if (is_flat && thin == 2) return {UpAxis::pos_z, "flat: thin along z", -45, 30};
 
@@ -391,7 +392,7 @@ Upright guess_upright(const PointCloud& cloud) {
     base_of_others = std::max(base_of_others, base);
   }
   const bool is_told = own_floor > most_of_others + lead || own_base > base_of_others + lead;
-  if (!is_told && !is_survey) best = unsure(custom, "the custom of its format: nothing in its shape tells");
+  if (!is_told && !is_survey) best = unsure(custom, "the convention of its format; its shape says nothing");
   if (own_floor > firm_enough) return best;
   // Tilted ground has no lowest layer, and reconstructions from photographs have theirs on top: -Y is up.
   const std::optional<dvec3> ground = sample.ground_normal();

@@ -98,8 +98,8 @@ struct PointCloud {
 
 /// World-space box of all points; zero-sized at the origin for an empty cloud.
 Bounds bounds(const PointCloud& cloud);
-/// World-space box between the `low` and `high` quantiles of each axis (default 2-98 %), so that a few stray
-/// points do not decide the first view. Uses a sample of some 250,000 points at a fixed
+/// World-space box between the `low` and `high` quantiles of each axis (default 2-98 %), so that a few
+/// outliers do not decide the first view. Uses a sample of some 250,000 points at a fixed
 /// stride, whose 2 % are 2 % of all within .1 % (three standard errors).
 Bounds robust_bounds(const PointCloud& cloud, double low = 0.02, double high = 0.98);
 

@@ -68,7 +68,7 @@ struct ViewPlaces {
 };
 
 /// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
-/// beside than on the ground around it: of twice the median ground 4 m off was riddled with holes. Strays are
+/// beside than on the ground around it: of twice the median ground 4 m off was full of holes. Outliers are
 /// smaller than this by themselves (analysis/attributes.cpp).
 constexpr float largest_disc = 4;
 

@@ -1,4 +1,4 @@
-// Draws in slices of bounded work, between which a frame can be called off (gl/pace.h).
+// Draws in slices of bounded work, between which a frame can be cancelled (gl/pace.h).
 #pragma once
 
 #include <epoxy/gl.h>

@@ -1,4 +1,4 @@
-// Where the work of a frame can be called off. On software GL a pass may take a second, and nobody can stop
+// Where the work of a frame can be cancelled. On software GL a pass may take a second, and nobody can stop
 // what was submitted: so passes are submitted in slices, and when a stretch of them has taken about
 // `Stretches::target_ms`, the driver finishes it and a Progress is asked. On a GPU passes stay whole and
 // Progress is asked between them, which costs nothing.

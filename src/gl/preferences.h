@@ -21,7 +21,7 @@ struct Preferences {
   /// Pictures larger than this many px are drawn in tiles of at most that (techniques/renderer.h); a multiple
   /// of 64, 0: what suits the driver.
   int tile_side = 0;
-  /// No more invocations and pixels than that between two places where a frame can be called off (gl/pace.h),
+  /// No more invocations and pixels than that between two places where a frame can be cancelled (gl/pace.h),
   /// for tests; 0: as many as take a few milliseconds.
   int slice_units = 0;
   Place depth_sort = Place::automatic, soft_blend = Place::automatic, stroke_lists = Place::automatic;

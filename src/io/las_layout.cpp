@@ -152,17 +152,17 @@ void choose_scaling(const PointCloud& cloud, WriteLayout& layout) {
     if (!(scale * 2147483648.0 + std::abs(layout.offset[axis]) < largest_coordinate))
       throw Error(ErrorCode::usage, "the cloud reaches " + text_of(box.max[axis]) +
                                         ", and LAS coordinates end at 1e15; "
-                                        "leave stray points out or write .ply");
+                                        "leave outliers out or write .ply");
     if (scale > extent / 1024)
-      throw Error(ErrorCode::usage, "stray points reach " + text_of(box.size()[axis]) + " along " +
-                                        "xyz"[axis] + ", so that LAS would need steps of " + text_of(scale) +
+      throw Error(ErrorCode::usage, "outliers reach " + text_of(box.size()[axis]) + " along " + "xyz"[axis] +
+                                        ", so that LAS would need steps of " + text_of(scale) +
                                         " for a cloud of " + text_of(extent) +
-                                        "; leave stray points out or write .ply");
+                                        "; leave outliers out or write .ply");
   }
   const double step = std::max({layout.scale.x, layout.scale.y, layout.scale.z});
   layout.notes.push_back(
       "coordinates are written in steps of " + text_of(step) +
-      (step > wanted ? ", as stray points lie far off: places move by up to half of that" : ""));
+      (step > wanted ? ", because of far outliers: points move by up to half of that" : ""));
 }
 
 std::vector<Source> sources_of(const PointCloud& cloud) {

@@ -22,7 +22,7 @@ class EyeDomeLighting {
   ScreenPass pass_;
 };
 
-/// Takes the stairs from outlines and from edges in depth (Reshetov 2009, "Morphological Antialiasing");
+/// Antialiases outlines and depth edges (Reshetov 2009, "Morphological Antialiasing");
 /// coverage in alpha follows. Reads all of `color` and `depth`, writes `out`.
 class SmoothOutlines {
  public:

@@ -8,7 +8,7 @@
 
 namespace sfumato {
 
-/// The plane at the cloud's lowest points (0.5 % quantile along up: a stray point must not sink it).
+/// The plane at the cloud's lowest points (0.5 % quantile along up: an outlier must not lower it).
 Ground ground_below(const PointCloud& cloud);
 
 class GroundPlane {

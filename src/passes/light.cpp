@@ -85,7 +85,8 @@ void RenderSettings::describe(ParamList& p) {
   p.add("light_size", light_size)
       .at_least(0)
       .unit("scene units")
-      .help("diameter of the light for soft shadows (auto: a tenth of the cloud's diagonal without strays)");
+      .help(
+          "diameter of the light for soft shadows (auto: a tenth of the cloud's diagonal without outliers)");
   p.add("light_samples", light_samples)
       .range(1, 256)
       .help("positions on the light that are averaged")
@@ -106,14 +107,11 @@ void RenderSettings::describe(ParamList& p) {
       .help("darkness of eye-dome lighting (auto: 0.4, on splats 0.12)");
   p.add("samples", samples)
       .range(1, 64)
-      .help(
-          "places in every pixel whose pictures are averaged: the smoothest outlines, at as many times the "
-          "work");
+      .help("samples per pixel, averaged: the smoothest outlines, at that many times the cost");
   p.add("smooth_outlines", smooth_outlines)
       .help(
-          "blend the stairs of outlines and of edges in depth (auto: with one sample, unless the technique "
-          "has soft "
-          "edges of its own)");
+          "antialias outlines and depth edges (auto: with one sample, unless the technique has soft edges of "
+          "its own)");
   p.add("fast", fast).help("allow float atomics: faster where the driver has them, not bit-reproducible");
 }
 

@@ -27,12 +27,12 @@ struct Ground {
 };
 
 /// What shadows are measured by: the bounds of the points within one diagonal of most of them
-/// (`robust_bounds` of all together), which are those of all in a scene without strays. The clouds have one
+/// (`robust_bounds` of all together), which are those of all in a scene without outliers. The clouds have one
 /// origin.
 Bounds bounds_without_strays(std::span<const PointCloud* const> clouds);
 
-/// Gives automatic sizes of `settings` the values that they take for clouds of these bounds (without strays)
-/// and this median spacing.
+/// Gives automatic sizes of `settings` the values that they take for clouds of these bounds (without
+/// outliers) and this median spacing.
 void resolve_shadow_sizes(RenderSettings& settings, const Bounds& box, float median_spacing);
 
 class ShadowMaps {

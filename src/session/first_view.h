@@ -32,12 +32,12 @@ struct Subject {
   bool thins_out = false;     ///< as around a scanner on a street: the box holds the nearer 85 % only
 };
 
-/// The 2-98 % box by points, widened to that of the area which is seen firmly: most points of a scan lie
+/// The 2-98 % box by points, widened to that of the well-sampled area: most points of a scan lie
 /// beside the scanner, and the tower that it stands before is few of them. Of what is inside, up to 50,000
-/// points. A side grows to the full box where that is at most a third of the diagonal further out: stray
-/// points do not decide the view, and neither the tower of a flat site nor the tip of a wedge is cut. Where
+/// points. A side grows to the full box where that is at most a third of the diagonal further out:
+/// outliers do not decide the view, and neither the tower of a flat site nor the tip of a wedge is cut. Where
 /// points thin out around the middle, the nearer 85 % of them, unless a tower stands beyond. `whole`: all but
-/// isolated strays.
+/// isolated outliers.
 Subject subject_of(const PointCloud& cloud, bool whole = false);
 
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points

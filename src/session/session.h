@@ -38,7 +38,7 @@ struct Pose {
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
 /// `cutaway`: rooms are seen without the walls before them.
 Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {}, bool cutaway = true);
-/// The view from the side that suits the scan, which shows all but stray points.
+/// The view from the side that suits the scan, which shows all but outliers.
 Camera first_view(const Pose& pose, int width, int height);
 
 /// One scene on one context. Use it on the thread of its context.

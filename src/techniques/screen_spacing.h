@@ -10,7 +10,7 @@
 
 namespace sfumato {
 
-/// Over the batches in view, so that a few strays do not decide.
+/// Over the batches in view, so that a few outliers do not decide.
 struct ScreenSpacing {
   float median_px = 1, largest_px = 0;  ///< point spacing in pixels
   float pixel = 0;                      ///< median size of a pixel where they are, scene units

@@ -1,5 +1,5 @@
 // A thread that paints: a GL context without a window, a session on it, and finished pictures out of it.
-// Whoever asks never waits; what is newer calls off what is older.
+// Whoever asks never waits; a newer request cancels an older one.
 #pragma once
 
 #include <atomic>
@@ -118,22 +118,22 @@ class Painter {
     int missing;
   };
   Painter(std::shared_ptr<Gate> gate, std::function<void()> wake);
-  /// Calls off what is going on and waits for it.
+  /// Cancels what is going on and waits for it.
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// Replaces the scene; pictures asked for before are called off, but for those to be kept, which it waits
+  /// Replaces the scene; pictures asked for before are cancelled, but for those to be kept, which it waits
   /// for.
   void show(SceneJob job);
-  /// The newest wins; the one under way is called off.
+  /// The newest wins; the one under way is cancelled.
   void paint(PictureJob job);
   /// For files: nothing calls it off but the end of the painter.
   void paint_for_keeps(PictureJob job);
   void pick(PickJob job);
   /// The newest wins.
   void profile(ProfileJob job);
-  /// Calls off the live picture, if one is under way or waiting.
+  /// Cancels the live picture, if one is under way or waiting.
   void call_off();
 
   /// Files of shaders changed: the next picture is drawn by what is in them now.

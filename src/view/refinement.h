@@ -63,7 +63,7 @@ class Refinement {
   void done(const Quality& quality, double took_ms);
   /// The picture that was begun could not be drawn: no other is asked for before the next change.
   void failed();
-  /// It was called off, for what is newer.
+  /// It was cancelled for a newer one.
   void called_off() { begun_.reset(); }
   /// The picture on the screen is the whole one.
   bool settled() const { return shown_ && *shown_ == ladder[0] && shown_change_ == change_; }

@@ -59,7 +59,7 @@ class Workbench {
  public:
   explicit Workbench(Start start);
 
-  /// Takes what has come and asks for what lacks. Cheap.
+  /// Takes what has come and asks for what is missing. Cheap.
   void tick(double now_ms);
   /// When `tick` is due even if nothing happens; nothing: not before something does.
   std::optional<double> wait_ms(double now_ms) const;

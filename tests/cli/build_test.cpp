@@ -54,8 +54,7 @@ TEST_F(Build, SaysWhatIsWrongInOneLine) {
   EXPECT_THAT(refused({"cube.ply", "-o", "a.copc.laz", "--memory", "1M"}), HasSubstr("--memory"));
   EXPECT_THAT(refused({"cube.ply", "-o", "a.copc.laz", "--box", "0,0,0,1,1,-1"}), HasSubstr("empty along z"));
   write("far.xyz", "x y z\n1 2 3\n2 3 4\n1e9 2 3\n");
-  EXPECT_THAT(refused({"far.xyz", "-o", "a.copc.laz"}),
-              HasSubstr("far.xyz: stray points reach 1e+09 along x"));
+  EXPECT_THAT(refused({"far.xyz", "-o", "a.copc.laz"}), HasSubstr("far.xyz: outliers reach 1e+09 along x"));
   ASSERT_EQ(run({"build", "cube.ply", "-o", "a.copc.laz"}).code, 0);
   EXPECT_THAT(refused({"a.copc.laz", "-o", "a.copc.laz"}), HasSubstr("would replace the input"));
   EXPECT_EQ(files().size(), 3u);

@@ -17,6 +17,6 @@ found() { # WHAT, hits on standard input
 pages=$(ls README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md CODE_OF_CONDUCT.md docs/*.md docs/*/*.md .github/*.md .github/*/*.md bench/*.md | grep -v '^docs/glossary.md$')
 # shellcheck disable=SC2086  # a list of names
 { grep -nwiE "$words" $pages || true; } | found "in pages"
-{ grep -rnE '"[^"]*"' src --include='*.cpp' --include='*.h' | grep -v '#include' | sed -E 's|^([^:]*:[0-9]*:)[^"]*("[^"]*").*|\1 \2|' | grep -wiE "$words" || true; } | found "in texts of the program"
+{ grep -rnoE '"[^"]*"' src --include='*.cpp' --include='*.h' --include='*.py' | grep -wiE "$words" || true; } | found "in texts of the program"
 { grep -rnE '^ *//' src include --include='*.h' | grep -wiE "$words" || true; } | found "in comments of headers"
 [ "$failed" = 0 ]

@@ -32,7 +32,7 @@ void CameraOptions::declare(CommandLine& line) {
   line.text("--roll", roll_deg, "DEG", "turn the camera about its direction of view, counter-clockwise (0)");
   line.text("--look-at", look_at, "X,Y,Z", "look at this place from the same side");
   line.text("--distance", distance, "D", "how far from the place looked at, scene units");
-  line.flag("--whole", whole, "draw a room with the walls that hide it, and frame all but strays");
+  line.flag("--whole", whole, "keep the ceiling and near walls of a room, and frame all points but outliers");
   line.flag("--panorama", panorama,
             "all around --camera-position in one picture twice as wide as high (2048x1024, equirectangular)");
   line.group("Camera (single options win over --camera)");

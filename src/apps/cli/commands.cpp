@@ -17,7 +17,7 @@ const std::vector<Command>& all_commands() {
       {"synth", "synthetic scans with known truth", synth_command},
       {"techniques", "what techniques there are, and their parameters", techniques_command},
       {"formats", "what is read and written", formats_command},
-      {"doctor", "what your OpenGL can do, and what to do when it lacks", doctor_command},
+      {"doctor", "check OpenGL, and say what to install", doctor_command},
       {"help", "this, a command, or a topic", help_command},
       {"completion", "completion for bash, zsh or fish", completion_command},
       {"manual", "the manual page, as roff", manual_command, true},

@@ -73,7 +73,7 @@ const std::vector<Topic>& topics() {
        "the file's "
        "name without folder and extension, {n:04} its number, {technique} the technique. Folders and "
        "patterns name their "
-       "files. A file that cannot be read is told and left out; the exit code is then 3.\n"
+       "files. A file that cannot be read is reported and skipped; the exit code is then 3.\n"
        "  sfumato scans/ --each -o 'pictures/{stem}.png'\n"
        "  sfumato 'scans/*.laz' --each -t points -o '{stem}_{technique}.png'\n"
        "- is standard input or output: cat scan.laz | sfumato - -o - > scan.png"},

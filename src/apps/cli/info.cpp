@@ -117,9 +117,9 @@ int info_command(const Words& words) {
   line.flag("--stats", stats,
             "COPC: read every point for attributes' values and the spacing; others always are");
   line.flag("--strict", options.read.strict,
-            "refuse a file of which parts are damaged, instead of leaving those out");
+            "refuse partly damaged files instead of skipping the damaged parts");
   line.text("--columns", columns, "x,y,z,...",
-            "text files, rows of .npy, floats of .bin: names of the columns, instead of the guess");
+            "names of the columns of text files, .npy rows and .bin floats, instead of a guess");
   common.declare(line);
   if (!line.parse(words)) return 0;
   common.apply();

@@ -38,11 +38,11 @@ void InputOptions::declare(CommandLine& line) {
   line.text("--max-points", max_points_, "N",
             "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...",
-            "text files, rows of .npy, floats of .bin: names of the columns, instead of the guess");
+            "names of the columns of text files, .npy rows and .bin floats, instead of a guess");
   line.flag("--strict", scene.read.strict,
-            "refuse a file of which parts are damaged, instead of leaving those out");
+            "refuse partly damaged files instead of skipping the damaged parts");
   line.text("--up", up_, "auto|+Z|-Z|+Y|...",
-            "axis that points up (auto: what the file says, else what its shape tells)");
+            "axis that points up (auto: from the file, else guessed from the shape)");
 }
 
 void InputOptions::check() {
@@ -67,9 +67,8 @@ void InputOptions::check() {
 }
 
 void declare_transforms(CommandLine& line, Words& transforms) {
-  line.texts(
-      "--transform", transforms, "\"N: 16 NUMBERS\"",
-      "where the points of the N-th file go: a 4x4 matrix to world coordinates, row by row, with commas");
+  line.texts("--transform", transforms, "\"N: 16 NUMBERS\"",
+             "4x4 matrix that maps the N-th file to world coordinates, row by row, with commas");
 }
 
 std::vector<scene::SceneFile> placed_files(const Words& files, const Words& transforms) {

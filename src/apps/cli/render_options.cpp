@@ -28,7 +28,8 @@ void RenderOptions::declare(CommandLine& line) {
       "-t,--technique", technique, "NAME[,NAME...]|all",
       "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
   line.texts("--draw", draw, "\"SELECTION: TECHNIQUE [name=value ...]\"",
-             "draw some points otherwise, such as \"classification 3-5: soft opacity=0.2\"; the first that "
+             "draw selected points by another technique, such as \"classification 3-5: soft opacity=0.2\"; "
+             "the first that "
              "selects a point "
              "wins (sfumato help draw)");
   line.text("-o,--output", output, "FILE",
@@ -36,7 +37,7 @@ void RenderOptions::declare(CommandLine& line) {
             "standard output");
   line.flag("--each", each, "one picture each file, -o '{stem}.png'; a bad file does not stop the others");
   line.text("--output-panels", output_panels, "NAME_{technique}.png",
-            "each technique's own picture as well, of the same rendering as the contact sheet");
+            "the panels of a contact sheet as single pictures too");
   line.text("--output-depth", output_depth, "FILE",
             "depth along the view axis: .npy or .exr (float32, inf where nothing), .png (16 bit)");
   line.text("--output-normal", output_normal, "FILE.npy",

@@ -252,7 +252,7 @@ def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=Non
     files : path, or list of paths
         Files, folders and patterns with ``*``.
     columns : list of str
-        Text files: names of the columns, instead of the guess.
+        Names of the columns of text files, instead of a guess.
     max_points : int, optional
         A subsample of what is left, the same one every time.
     crop, crop_relative : six numbers, optional

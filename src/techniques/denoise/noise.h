@@ -13,7 +13,7 @@ constexpr float least_support = 0.1f;  ///< points with less are left out
 
 /// Per point, how much its splat may say about a surface: 1 where it lies among equals, down to
 /// `isolated_support` where it is isolated. From the distance R to the 8th neighbour, compared with
-///   - the median of R over the neighbours, times 1.5: a stray point near a surface has neighbours that are
+///   - the median of R over the neighbours, times 1.5: an outlier near a surface has neighbours that are
 ///   closer
 ///     together than it is to them, a point of a sparse surface has not (compare the local outlier factor,
 ///     Breunig et al. 2000); power of 4. The margin keeps random samples of a surface at 1;
