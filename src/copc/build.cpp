@@ -242,7 +242,7 @@ class Builder {
     for (const io::las::Header& header : headers) is_exact &= maps_.emplace_back(header, schema_).is_exact();
     if (!is_exact)
       report_.notes.push_back(
-          "the files are stored in different steps: places move by up to half of the finest");
+          "the files are stored in different steps: points move by up to half of the finest");
     cube_ = Cube::around(box, schema_.scale);
     locator_.emplace(schema_, cube_);
     points_ = 0;

@@ -197,7 +197,8 @@ ReadResult read_run(const InputFile& file, const Header& header, const LazLayout
 
 void note_decoders(ReadResult& result) {
   if (const std::string reason = why_no_decoders(); !reason.empty())
-    result.report.notes.push_back("LASzip decodes in this process, which a damaged file may end: " + reason);
+    result.report.notes.push_back("LASzip decodes in this process, which a damaged file may crash: " +
+                                  reason);
 }
 
 // What of these chunks can be decoded.

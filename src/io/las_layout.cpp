@@ -152,12 +152,12 @@ void choose_scaling(const PointCloud& cloud, WriteLayout& layout) {
     if (!(scale * 2147483648.0 + std::abs(layout.offset[axis]) < largest_coordinate))
       throw Error(ErrorCode::usage, "the cloud reaches " + text_of(box.max[axis]) +
                                         ", and LAS coordinates end at 1e15; "
-                                        "leave outliers out or write .ply");
+                                        "crop the cloud or write .ply");
     if (scale > extent / 1024)
       throw Error(ErrorCode::usage, "outliers reach " + text_of(box.size()[axis]) + " along " + "xyz"[axis] +
                                         ", so that LAS would need steps of " + text_of(scale) +
                                         " for a cloud of " + text_of(extent) +
-                                        "; leave outliers out or write .ply");
+                                        "; crop the cloud or write .ply");
   }
   const double step = std::max({layout.scale.x, layout.scale.y, layout.scale.z});
   layout.notes.push_back(

@@ -176,8 +176,7 @@ void Workbench::shoot(int width, int height) {
   if (scene_failed_ || wishes_.files.empty()) return say("there is no picture to save", true);
   if (has_sample_only() && !loading_)
     return say("only a sample could be read: there is no picture of the whole to save", true);
-  if (load_failed_)
-    return say("what is shown is not what could not be read: there is no picture to save", true);
+  if (load_failed_) return say("the files could not be read: there is no picture to save", true);
   if (is_loading_wishes()) {
     shots_after_loading_.push_back({width, height, wishes_});
     return say("the picture is saved once everything is loaded");

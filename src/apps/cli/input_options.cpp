@@ -33,7 +33,7 @@ void InputOptions::declare(CommandLine& line) {
             "classification codes left out, and withheld points (" + hide_classes_ +
                 (hide_classes_ == "none" ? ")" : ": noise)"));
   line.texts("--filter", filters_, "\"SCALAR A..B\"",
-             "only points whose number lies there, as \"intensity 10..200\" or \"z 3..\"; may be given "
+             "only points in a range of a scalar, such as \"intensity 10..200\" or \"z 3..\"; may be given "
              "several times");
   line.text("--max-points", max_points_, "N",
             "a subsample of what is left, the same one every time (1e6, 250k, 2M)");

@@ -66,11 +66,9 @@ struct Parameters {
     p.add("opacity", opacity)
         .range(0, 1)
         .help(
-            "of a lone soft point through its centre, in every model (auto: 0.3 by uncertainty, so that a "
-            "sheet of soft "
-            "points hides about half; 0.15 for what is chosen to be seen through; so much less where the "
-            "haze is "
-            "deep that nine in ten of its pixels let a quarter through)")
+            "of a single soft point through its centre, in every model (auto: 0.3 by uncertainty, so that a "
+            "sheet of soft points hides about half; 0.15 otherwise; lower in deep haze, until nine in ten of "
+            "its pixels let a quarter through)")
         .paper("Seemann 2018, lambda");
     field.describe(p);
     p.add("field_threshold", field_threshold)

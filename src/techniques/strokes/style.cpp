@@ -109,9 +109,8 @@ void Parameters::describe(ParamList& p) {
       .range(1e-12, 1e12)
       .unit("scene units")
       .help(
-          "a stroke's chance belongs to its place to this step (auto: a power of two near a 16th of the "
-          "cloud's spacing; "
-          "give one where the spacing of a sequence wavers)");
+          "positions are rounded to this step to seed a stroke's random numbers (auto: a power of two near a "
+          "16th of the cloud's spacing; set it for sequences whose spacing varies)");
   p.add("gloss", gloss).range(0, 1).help("strength of highlights on lit paint, in place of `specular`");
   p.add("underpainting", underpainting)
       .help("paints what strokes leave open within a surface (sorted pictures)");
