@@ -1,4 +1,4 @@
-// What a cloud does not bring along: spacing, normals, radii, uncertainty.
+// Attributes computed from a cloud: spacing, normals, radii, uncertainty.
 #pragma once
 
 #include "analysis/prepare.h"

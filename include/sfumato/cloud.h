@@ -1,4 +1,4 @@
-// Clouds, cameras, pictures and the one exception: what every other header speaks of.
+// Clouds, cameras, pictures and the exception type: shared by all other headers.
 #pragma once
 
 #include "core/camera.h"

@@ -1,5 +1,5 @@
-// Points inside the OpenGL of another program: a viewer, an editor, an analysis tool. Its own objects hide
-// the points and are hidden by them.
+// Points in the OpenGL scene of another program, such as a viewer or an editor. Its objects and the
+// points occlude each other.
 //
 //   sfumato::EmbeddedRenderer points;                 // any thread
 //   points.set_cloud(sfumato::io::read("scan.laz").cloud);
@@ -24,8 +24,8 @@ struct HostView {
   bool operator==(const HostView&) const = default;
 };
 
-/// Pictures are made by a thread of our own in a context of our own, so the host never waits and nothing of
-/// its OpenGL is used for them; `draw` alone touches the host's context, and leaves its state as it was.
+/// Pictures are made by a separate thread in a separate context, so the host never waits. Only `draw`
+/// uses the host's context, and it restores its state.
 class EmbeddedRenderer {
  public:
   EmbeddedRenderer();
@@ -36,21 +36,21 @@ class EmbeddedRenderer {
 
   /// Returns at once; pictures of the cloud before it are cancelled.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {});
-  /// Asks for a picture and returns at once. The newest request wins, and the same request as the last one is
-  /// none. Throws Error(usage) for matrices that no camera has (camera_of_matrices).
+  /// Asks for a picture and returns at once. The newest request wins; a repeated request does
+  /// nothing. Throws Error(usage) for matrices that no camera has (camera_of_matrices).
   void request(const std::string& technique, const HostView& view, const Parameters& parameters = {});
-  /// Waits until the last request is answered, at most so long; false: not yet. Throws what went wrong with
-  /// it.
+  /// Waits up to `seconds` until the last request is answered; false: not yet. Throws its
+  /// error.
   bool wait(double seconds);
   /// The newest picture over `viewport` (as of glViewport) of the framebuffer (0: the window's) in the
-  /// context that is current, by depth among what is there, whatever the state. It may be of an earlier view
-  /// while a newer one is on its way: `drawn` says which. False: there is none yet. Throws Error(no_gl) where
-  /// no context of OpenGL 4.5 is current, and what went wrong with the last request.
+  /// current context, depth-tested against its content. It may be of an earlier view
+  /// while a newer one is being drawn: `drawn` says which. False: there is none yet. Throws Error(no_gl)
+  /// where no context of OpenGL 4.5 is current, and the error of the last request.
   bool draw(std::uint32_t framebuffer, const std::array<int, 4>& viewport);
   /// The view of the picture that `draw` would show.
   HostView drawn() const;
-  /// Deletes what `draw` keeps in the host's context, which is current. Without it, that goes with the
-  /// context.
+  /// Frees the objects of `draw` in the host's context, which must be current. Otherwise they are freed with
+  /// the context.
   void release();
 
  private:

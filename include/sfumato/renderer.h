@@ -1,4 +1,4 @@
-// From a cloud to pictures, without a display and without a window: the whole way of the command in one
+// From a cloud to pictures without a display: what the command does, as one
 // class.
 //
 //   sfumato::HeadlessRenderer renderer;
@@ -21,44 +21,44 @@ namespace sfumato {
 /// Names and values as on the command line: {"point_size", "3"}, {"shading", "albedo"}, {"s0", "auto"}.
 using Parameters = std::vector<std::pair<std::string, std::string>>;
 
-/// Files become one scene, as the command makes it: what it is asked for by options stands here.
-struct SceneWishes {
+/// Input of a scene of several files; the fields are options of the command.
+struct SceneRequest {
   std::vector<std::string> files;  ///< names, folders, patterns with * ? [ ]
   std::vector<std::string> draw =
       {};  ///< rules, the first that selects a point draws it: "classification 6: surface"
   ColorSettings coloring = {};
-  std::optional<std::uint64_t> max_points = {};  ///< of the whole scene, the same ones every time
-  std::optional<UpAxis> up = {};                 ///< nothing: what the files say, else what the shape tells
+  std::optional<std::uint64_t> max_points = {};  ///< a deterministic subsample of the whole scene
+  std::optional<UpAxis> up = {};                 ///< nullopt: from the files, else guessed from the shape
 };
 
-/// What a preset (or a scene) of the command says of looks.
+/// The look in a preset or scene of the command.
 struct PresetLook {
   std::string technique;  ///< empty: it names none
   Parameters parameters;  ///< those that the technique has
   std::optional<Camera> camera;
 };
-/// `technique` empty: that of the preset. Throws Error(bad_input) that names file and key, Error(usage) for a
-/// technique that there is not.
+/// `technique` empty: that of the preset. Throws Error(bad_input) that names file and key, Error(usage) for
+/// an unknown technique.
 PresetLook read_preset(const std::string& file, const std::string& technique = {});
 
-/// What is read back of a picture: the less, the faster.
+/// Which outputs are read back from the GPU; fewer are faster.
 struct Outputs {
   bool color = true, linear = true, depth = true, normal = true;
 };
 
-/// One view, top row first; empty where not asked for.
+/// One view, top row first; outputs that were not requested are empty.
 struct Pictures {
   Image<Rgba8> color;              ///< sRGB, straight alpha
   Image<vec4> linear;              ///< linear, premultiplied; alpha is coverage when transparent, else 1
   Image<float> depth;              ///< along the view axis, scene units, +inf where nothing
   Image<vec3> normal;              ///< world, unit, facing the camera, 0 where none
-  std::string technique, reason;   ///< what drew it; why, where "auto" chose it
-  Parameters parameters;           ///< every value in force, what is automatic by what it became
-  std::vector<std::string> notes;  ///< lines worth telling: of reading, choosing and drawing
+  std::string technique, reason;   ///< the technique used; the reason of "auto"
+  Parameters parameters;           ///< every value used, automatic ones resolved
+  std::vector<std::string> notes;  ///< notes of reading, automatic choices and drawing
 };
 
 /// Owns an OpenGL context: use each instance on the thread that made it. Several instances, on one thread or
-/// on several, do not know of each other; another context that is current on the thread (EGL) stays so.
+/// on several, are independent; another context that is current on the thread (EGL) stays current.
 class HeadlessRenderer {
  public:
   /// Throws Error(no_gl) that says what is missing where there is no OpenGL 4.5.
@@ -67,21 +67,21 @@ class HeadlessRenderer {
   HeadlessRenderer(const HeadlessRenderer&) = delete;
   HeadlessRenderer& operator=(const HeadlessRenderer&) = delete;
 
-  /// Reads files and shows them. Throws Error(io) or Error(bad_input) that names the file, Error(usage) for
+  /// Reads files as the scene. Throws Error(io) or Error(bad_input) that names the file, Error(usage) for
   /// rules and colours that the points cannot have.
-  void open(const SceneWishes& wishes, Progress& progress = no_progress());
+  void open(const SceneRequest& request, Progress& progress = no_progress());
   /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without
   /// points, Error(usage) for a colour source that it does not have.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {}, Progress& progress = no_progress());
   /// The view of the command: from azimuth -45 and elevation 30 degrees, or what suits the scan, it shows all
   /// but outliers.
   Camera first_view(int width, int height) const;
-  /// Holds for the pictures to come.
+  /// Applies to the following pictures.
   void set_outputs(const Outputs& outputs);
   /// `technique`: a name, or "auto" for what suits the points. `background` is sRGB 0..1, or nothing for a
-  /// transparent picture. What the technique needs and the cloud lacks is computed on the first call and
-  /// kept. Throws Error(usage) for an unknown technique or parameter and before a cloud was set; Cancelled
-  /// when `progress` asks for it.
+  /// transparent picture. Attributes that the technique needs and the cloud does not have are computed once
+  /// and kept. Throws Error(usage) for an unknown technique or parameter and before a cloud was set;
+  /// Cancelled when `progress` asks for it.
   Pictures render(const std::string& technique, const Camera& camera, const Parameters& parameters = {},
                   std::optional<vec3> background = vec3(1), Progress& progress = no_progress());
 

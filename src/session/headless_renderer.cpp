@@ -61,16 +61,16 @@ std::string HeadlessRenderer::State::settle(const std::string& name) {
 HeadlessRenderer::HeadlessRenderer() : state_(std::make_unique<State>()) {}
 HeadlessRenderer::~HeadlessRenderer() = default;
 
-void HeadlessRenderer::open(const SceneWishes& wishes, Progress& progress) {
+void HeadlessRenderer::open(const SceneRequest& request, Progress& progress) {
   scene::SceneOptions reading;
-  reading.read.max_points = wishes.max_points;
-  reading.up = wishes.up;
-  SessionOptions options{{}, wishes.coloring, {}};
-  for (const std::string& rule : wishes.draw) options.draw.push_back(DrawRule::parse(rule));
-  const std::vector<std::string> files = scene::expand_inputs(wishes.files);
-  if (files.empty()) throw Error(ErrorCode::usage, "a scene needs a file: name one in SceneWishes::files");
+  reading.read.max_points = request.max_points;
+  reading.up = request.up;
+  SessionOptions options{{}, request.coloring, {}};
+  for (const std::string& rule : request.draw) options.draw.push_back(DrawRule::parse(rule));
+  const std::vector<std::string> files = scene::expand_inputs(request.files);
+  if (files.empty()) throw Error(ErrorCode::usage, "a scene needs a file: name one in SceneRequest::files");
   scene::Scene scene = scene::read_scene(files, reading, progress);
-  Pose pose = stand_upright(scene, wishes.up);
+  Pose pose = stand_upright(scene, request.up);
   state_->show(std::move(scene), std::move(pose), options, progress);
 }
 
