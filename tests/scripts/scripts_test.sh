@@ -38,7 +38,7 @@ fresh_machine() { # MISSING_PACKAGE USER_ID
 install_deps() { PATH=$work/bin "$source_dir/scripts/install-deps" >"$work/output" 2>&1; }
 
 for script in demo test scripts/install-deps scripts/demo scripts/pictures scripts/first-look scripts/strip \
-  scripts/deb scripts/check-deb scripts/site scripts/release scripts/paper-figures; do
+  scripts/deb scripts/check-deb scripts/site scripts/release scripts/paper-figures scripts/container; do
   sh -n "$source_dir/$script" || fail "$script does not parse"
   [ -x "$source_dir/$script" ] || fail "$script is not executable"
 done
