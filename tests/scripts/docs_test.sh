@@ -24,6 +24,17 @@ done
 for picture in docs/images/*.jpg docs/images/*.png docs/images/*.webp; do
   grep -q "images/$(basename "$picture")" README.md docs/*.md docs/*/*.md || { echo "no page shows $picture" >&2; broken=1; }
 done
+# Targets of make, scripts and presets that pages and the forge's workflows name exist.
+named=$(grep -rhoE '(^|[`( &])make [a-z][a-z-]+' README.md CONTRIBUTING.md SECURITY.md docs .github --include=*.md --include=*.yml | sed 's/.*make //' | sort -u)
+for target in $named; do
+  grep -qE "^$target:" Makefile || case $target in cmake | it) ;; *) echo "no target of make: $target" >&2; broken=1 ;; esac
+done
+for script in $(grep -rhoE --include=*.md --include=*.yml '(tests/)?scripts/[a-z_.-]*[a-z]' README.md CONTRIBUTING.md SECURITY.md docs .github | sort -u); do
+  [ -e "$script" ] || { echo "no $script" >&2; broken=1; }
+done
+for preset in $(grep -rhoE --include=*.md -e '--preset [a-z]+( |`|$)' CONTRIBUTING.md docs | sed 's/.*--preset //; s/`//' | sort -u); do
+  grep -q "\"name\": \"$preset\"" CMakePresets.json || { echo "no preset $preset" >&2; broken=1; }
+done
 for folder in src/techniques/*/; do
   name=$(basename "$folder")
   [ -f "docs/techniques/$name.md" ] || { echo "technique $name: no page docs/techniques/$name.md" >&2; broken=1; }
