@@ -24,6 +24,17 @@ done
 for picture in docs/images/*.jpg docs/images/*.png docs/images/*.webp; do
   grep -q "images/$(basename "$picture")" README.md docs/*.md docs/*/*.md || { echo "no page shows $picture" >&2; broken=1; }
 done
+# A page begins with what it is for, a picture and its commands, then come the details.
+for page in docs/*.md docs/techniques/*.md; do
+  case $page in docs/glossary.md | docs/stability.md) continue ;; esac
+  awk '
+    /^##/ { exit }
+    /^# / { next }
+    !picture && /^[A-Za-z`*]/ && length > 40 { purpose = 1 }
+    /^!\[/ { picture = 1 }
+    /^    [a-z.]/ || /^```/ { code = 1 }
+    END { exit !(purpose && picture && code) }' "$page" || { echo "$page does not begin with its purpose, a picture and commands" >&2; broken=1; }
+done
 # Targets of make, scripts and presets that pages and the forge's workflows name exist.
 named=$(grep -rhoE '(^|[`( &])make [a-z][a-z-]+' README.md CONTRIBUTING.md SECURITY.md docs .github --include=*.md --include=*.yml | sed 's/.*make //' | sort -u)
 for target in $named; do
