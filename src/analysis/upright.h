@@ -1,8 +1,10 @@
-// Which way is up in a cloud whose file does not say, and from where to look at it first.
+// Which way is up in a cloud whose file does not say.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/point_cloud.h"
 
@@ -14,11 +16,36 @@ struct Upright {
   double azimuth_deg = -45;  ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
   bool is_camera_view = false;  ///< the scan is a picture, best seen from about where it was taken
-  std::optional<UpAxis> other;  ///< what it may be as well, where nothing but the custom tells
+  std::optional<UpAxis> other;  ///< what it may be as well, where nothing tells clearly
 };
 
-/// From the shape of a sample of at most 65,536 points; `cloud.up` is the custom of the file's format, which
-/// stays unless the shape speaks clearly against it.
+/// What may speak for an axis.
+enum class UpEvidence {
+  y_for_z,  ///< it is Y where the convention of the format is Z
+  z_for_y,  ///< it is Z where the convention of the format is Y
+  down,     ///< it is -Y, and that is not the convention
+  survey,   ///< it is another axis than the convention of a survey
+  camera,   ///< a camera at the origin, in whose axes all lies, has it for up
+  normals,  ///< the normals of the file point there in the mean
+  base,     ///< stands on a base that closes below the centre of mass
+  lies,     ///< all is thin along it
+  ground,   ///< the columns along it end below on one plane
+  stands,   ///< and all else is above that, not below
+  room,     ///< level floor and ceiling across it
+  count
+};
+
+/// One axis and what speaks for it, each 0 (nothing) to 1; `normals` and `stands` from -1.
+struct UpCandidate {
+  UpAxis up;
+  std::array<double, std::size_t(UpEvidence::count)> evidence{};
+  double probability = 0;  ///< of all candidates 1
+};
+
+/// +Z, +Y and -Y: nobody has another one. From a sample of at most 65,536 points.
+std::vector<UpCandidate> up_candidates(const PointCloud& cloud);
+
+/// The likeliest of the candidates; `cloud.up` is the convention of the file's format.
 Upright guess_upright(const PointCloud& cloud);
 
 }  // namespace sfumato::analysis

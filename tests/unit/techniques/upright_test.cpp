@@ -1,0 +1,429 @@
+// The axis that is up, of every kind of scan in every orientation that formats have.
+#include "analysis/upright.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "scans.h"
+
+using namespace sfumato;
+using namespace sfumato::analysis;
+
+namespace {
+
+void turn(PointCloud& cloud, const glm::dmat3& by) {
+  for (vec3& p : cloud.positions) p = vec3(by * (cloud.origin + dvec3(p)));
+  for (vec3& n : cloud.normals) n = vec3(by * dvec3(n));
+  cloud.origin = dvec3(0);
+  cloud.grids.clear(), cloud.scanners.clear();
+}
+
+PointCloud every(int n, PointCloud cloud) {
+  std::vector<vec3> kept;
+  for (std::size_t i = 0; i < cloud.size(); i += std::size_t(n)) kept.push_back(cloud.positions[i]);
+  cloud.positions = std::move(kept);
+  return cloud;
+}
+
+const glm::dmat3 y_up(1, 0, 0, 0, 0, -1, 0, 1, 0);  // columns: x stays, y goes to -z, z to y
+
+TEST(Upright, RightForScenesAndPicturesOfThem) {
+  int cases = 0, right = 0;
+  std::string wrong;
+  const auto expect = [&](const PointCloud& cloud, UpAxis up, const std::string& name) {
+    const Upright guess = guess_upright(cloud);
+    ++cases;
+    right += guess.up == up;
+    if (guess.up != up) wrong += name + " became " + to_string(guess.up) + " (" + guess.reason + "); ";
+  };
+  for (const char* name : {"courtyard", "room", "forest", "spheres", "plane"}) {
+    PointCloud cloud = scan(name, synth::Sampling::automatic, 60'000);
+    PointCloud turned = cloud;
+    turn(turned, y_up);
+    for (UpAxis custom : {UpAxis::pos_z, UpAxis::pos_y}) {
+      cloud.up = turned.up = custom;
+      expect(cloud, UpAxis::pos_z, std::string(name) + " on z");
+      expect(turned, UpAxis::pos_y, std::string(name) + " on y");
+    }
+  }
+  // Pictures of depth cameras, as they see them: y down; and as renderers do: y up, looking along -z.
+  for (const char* name : {"room", "courtyard"}) {
+    const synth::Scene scene = synth::make_scene(name);
+    std::vector<Camera> cameras = scene.cameras;
+    if (scene.held_out) cameras.push_back(*scene.held_out);
+    for (const Camera& camera : cameras) {
+      PointCloud view = synth::sample_by_camera(scene, {camera.resized(320, 240)}, 2);
+      const dmat4 eye = camera.view(view.origin);
+      for (vec3& p : view.positions) p = vec3(eye * glm::dvec4(dvec3(p), 1));
+      for (vec3& n : view.normals) n = vec3(glm::dmat3(eye) * dvec3(n));
+      view.origin = dvec3(0);
+      for (UpAxis custom : {UpAxis::pos_z, UpAxis::pos_y}) {
+        view.up = custom;
+        expect(view, UpAxis::pos_y, std::string(name) + " seen along -z");
+      }
+      turn(view, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));
+      view.up = UpAxis::pos_z;
+      expect(view, UpAxis::neg_y, std::string(name) + " seen along z");
+    }
+  }
+  EXPECT_GE(cases, 20);
+  EXPECT_EQ(right, cases) << right << " of " << cases << ": " << wrong;
+  RecordProperty("right", std::to_string(right) + " of " + std::to_string(cases));
+}
+
+TEST(Upright, MapCoordinatesAreNoCamerasView) {
+  PointCloud tile = scan("forest", synth::Sampling::automatic, 60'000);
+  turn(tile, y_up);
+  tile.up = UpAxis::pos_y;
+  for (const dvec3& place : {dvec3(636e3, 400, -849e3), dvec3(636e3, 400, 849e3)}) {
+    tile.origin = place;
+    const Upright guess = guess_upright(tile);
+    EXPECT_EQ(guess.up, UpAxis::pos_y);
+    EXPECT_FALSE(guess.is_camera_view) << guess.reason;
+  }
+}
+
+TEST(Upright, PylonsDoNotMakeLandStand) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_y;
+  for (int i = 0; i < 100'000; ++i) {  // rolling ground, and for one in thirty a pylon or its lines
+    const float x = 200 * unit(random), y = 60 * unit(random);
+    const bool stands = i % 30 == 0;
+    cloud.positions.push_back({x, stands ? 30 : y, stands ? 30 * unit(random) : 3 * std::sin(x / 30)});
+  }
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+}
+
+/// Both sheets of a figure of ellipsoids: body, head, arms, legs; 1.8 high along y, 0.9 wide, 0.3 deep.
+PointCloud figure() {
+  struct Part {
+    vec3 middle, half;
+  };
+  const Part parts[] = {{{0, 1.15f, 0}, {0.2f, 0.35f, 0.15f}},     {{0, 1.65f, 0}, {0.1f, 0.15f, 0.12f}},
+                        {{-0.35f, 1.1f, 0}, {0.1f, 0.4f, 0.06f}},  {{0.35f, 1.1f, 0}, {0.1f, 0.4f, 0.06f}},
+                        {{-0.12f, 0.45f, 0}, {0.1f, 0.45f, 0.1f}}, {{0.12f, 0.45f, 0}, {0.1f, 0.45f, 0.1f}}};
+  std::mt19937 random(11);
+  std::normal_distribution<float> normal;
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_y;
+  for (int i = 0; i < 60'000; ++i) {
+    const Part& part = parts[i % 6];
+    cloud.positions.push_back(
+        part.middle + part.half * glm::normalize(vec3(normal(random), normal(random), normal(random))));
+  }
+  return cloud;
+}
+
+TEST(Upright, AFigureIsFlatButStands) {
+  EXPECT_EQ(guess_upright(figure()).up, UpAxis::pos_y);
+  // Its front alone, as land along y would be: one sheet.
+  PointCloud land = figure();
+  for (vec3& p : land.positions) p.z = std::abs(p.z);
+  EXPECT_EQ(guess_upright(land).up, UpAxis::pos_z);
+}
+
+/// A house and a tower, z up, on ground that reaches farther.
+PointCloud house() {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 60'000; ++i) {
+    const float a = unit(random), b = unit(random);
+    const int side = i % 4;
+    const vec3 foot = i % 3 == 1 ? vec3(0, 0, 0) : vec3(-5, 2, 0),
+               size = i % 3 == 1 ? vec3(20, 10, 9) : vec3(5, 6, 22);
+    if (i % 3 == 0)
+      cloud.positions.push_back({-20 + 55 * a, -15 + 40 * b, 0});
+    else if (side < 2)
+      cloud.positions.push_back(foot + size * vec3(a, float(side), b));
+    else
+      cloud.positions.push_back(foot + size * vec3(float(side - 2), a, b));
+  }
+  return cloud;
+}
+
+TEST(Upright, GroundTellsHoweverItIsTilted) {
+  for (double tilt : {0.0, 15.0, 30.0}) {
+    const glm::dmat3 by(glm::rotate(dmat4(1), glm::radians(tilt), glm::normalize(dvec3(1, 0.3, 0))));
+    PointCloud cloud = house();
+    turn(cloud, by);
+    cloud.up = UpAxis::pos_y;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z) << tilt;
+    // As photographs are put together: y down.
+    cloud = house();
+    turn(cloud, glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0) * by);
+    cloud.up = UpAxis::pos_y;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::neg_y) << tilt;
+  }
+}
+
+/// A body that narrows upwards, with a head that leans forward, z up, scanned from all sides but below.
+PointCloud statue() {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 40'000; ++i) {
+    const double angle = 2 * M_PI * unit(random), height = 1.6 * unit(random), radius = 0.5 - 0.22 * height;
+    const double rise = std::acos(1 - 2 * unit(random));
+    cloud.positions.push_back(i % 4 != 0 ? vec3(radius * std::cos(angle), radius * std::sin(angle), height)
+                                         : vec3(0.3 * std::sin(rise) * std::cos(angle),
+                                                0.25 + 0.3 * std::sin(rise) * std::sin(angle),
+                                                1.7 + 0.3 * std::cos(rise)));
+  }
+  return cloud;
+}
+
+TEST(Upright, StatuesStandOnTheRimOfTheirBase) {
+  PointCloud cloud = statue();
+  for (const UpAxis custom : {UpAxis::pos_y, UpAxis::pos_z}) {
+    cloud.up = custom;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+  }
+  turn(cloud, y_up);
+  for (const UpAxis custom : {UpAxis::pos_y, UpAxis::pos_z}) {
+    cloud.up = custom;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+  }
+}
+
+TEST(Upright, WhereNothingTellsTheCustomIsNamed) {
+  std::mt19937 random(22);
+  std::normal_distribution<float> normal;
+  PointCloud ball;
+  for (int i = 0; i < 20'000; ++i)
+    ball.positions.push_back(glm::normalize(vec3(normal(random), normal(random), normal(random))));
+  for (const auto& [custom, other] :
+       {std::pair(UpAxis::pos_y, UpAxis::pos_z), {UpAxis::pos_z, UpAxis::pos_y}}) {
+    ball.up = custom;
+    EXPECT_EQ(guess_upright(ball).up, custom);
+    EXPECT_EQ(guess_upright(ball).other, other);
+  }
+  ball.up = UpAxis::pos_z;
+  ball.las.emplace();
+  EXPECT_FALSE(guess_upright(ball).other) << "surveys have a vertical";
+}
+
+/// The inside of a box of this size, z up, turned about z by so much, with a cupboard, a table and a sofa:
+/// what they stand on is not seen, as from scanners in the room.
+PointCloud closed_room(const vec3& size, float turned) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<float> unit(0, 1);
+  struct Box {
+    vec3 low, high;
+  };
+  const Box things[] = {{{0, 0, 0}, {0.1f * size.x, 0.5f * size.y, 2}},
+                        {{0.4f * size.x, 0.3f * size.y, 0}, {0.6f * size.x, 0.6f * size.y, 0.75f}},
+                        {{0.3f * size.x, 0.8f * size.y, 0}, {0.8f * size.x, size.y, 0.8f}}};
+  const auto hidden = [&](const vec3& p) {
+    return std::any_of(std::begin(things), std::end(things), [&](const Box& b) {
+      return glm::all(glm::greaterThanEqual(p, b.low)) &&
+             glm::all(glm::lessThan(p + vec3(0, 0, 0.01f), b.high));
+    });
+  };
+  PointCloud cloud;
+  const auto add = [&](const vec3& low, const vec3& high, int count) {
+    for (int i = 0; i < count; ++i) {
+      const int side = int(random() % 6);
+      vec3 p = low + (high - low) * vec3(unit(random), unit(random), unit(random));
+      p[side / 2] = side % 2 == 0 ? low[side / 2] : high[side / 2];
+      if (count > 10'000 ? hidden(p) : p.z == low.z) continue;
+      cloud.positions.push_back({std::cos(turned) * p.x - std::sin(turned) * p.y,
+                                 std::sin(turned) * p.x + std::cos(turned) * p.y, p.z});
+    }
+  };
+  add(vec3(0), size, 60'000);
+  for (const Box& thing : things) add(thing.low, thing.high, 3000);
+  return cloud;
+}
+
+TEST(Upright, RoomsHaveTheirFloorBelow) {
+  for (float turned : {0.0f, 0.4f})
+    for (UpAxis custom : {UpAxis::pos_y, UpAxis::pos_z}) {
+      PointCloud cloud = closed_room({6.4f, 4.8f, 2.7f}, turned);
+      cloud.up = custom;
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z) << turned;
+      turn(cloud, y_up);
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y) << turned;
+      if (turned != 0) continue;
+      turn(cloud, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));  // as a camera that looks ahead has it
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::neg_y) << turned;
+    }
+  // Higher than wide: here the custom is all that tells.
+  PointCloud corridor = closed_room({9, 1.6f, 2.7f}, 0);
+  corridor.up = UpAxis::pos_z;
+  EXPECT_EQ(guess_upright(corridor).up, UpAxis::pos_z);
+  turn(corridor, y_up);
+  corridor.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(corridor).up, UpAxis::pos_y);
+}
+
+// The walls of a tunnel are flatter than its floor; seen from its end it is a ring.
+TEST(Upright, TunnelsLieAsTheirSurveyHasThem) {
+  std::mt19937 random(32);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (bool along_y : {false, true}) {
+    PointCloud tunnel;
+    tunnel.up = UpAxis::pos_z;
+    tunnel.las.emplace();
+    for (int i = 0; i < 60'000; ++i) {  // walls 2 m high, a vault on them, a floor that is a gutter
+      const float along = 60 * unit(random), at = unit(random), angle = float(M_PI) * unit(random);
+      const float side = i % 2 == 0 ? -3.0f : 3.0f;
+      const glm::vec2 p = i % 4 == 0   ? glm::vec2(6 * at - 3, -0.8f * (1 - std::abs(2 * at - 1)))
+                          : i % 4 == 1 ? glm::vec2(3 * std::cos(angle), 2 + 3 * std::sin(angle))
+                                       : glm::vec2(side, 2 * at);
+      tunnel.positions.push_back(along_y ? vec3(p.x, along, p.y) : vec3(along, p.x, p.y));
+    }
+    EXPECT_EQ(guess_upright(tunnel).up, UpAxis::pos_z) << along_y;
+  }
+}
+
+/// A crown that leans to one side on a trunk, z up.
+PointCloud tree() {
+  std::mt19937 random(41);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 30'000; ++i) {
+    const vec3 way =
+        std::cbrt(unit(random)) * glm::normalize(vec3(normal(random), normal(random), normal(random)));
+    cloud.positions.push_back(
+        i % 20 == 0 ? vec3(0.15f * std::cos(float(i)), 0.15f * std::sin(float(i)), 4 * unit(random))
+                    : vec3(1, 0.2f, 6) + vec3(2.5f, 2.2f, 3) * way);
+  }
+  return cloud;
+}
+
+/// Rolling ground with trees on it, z up.
+PointCloud land() {
+  std::mt19937 random(42);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 40'000; ++i) {
+    const float x = 200 * unit(random), y = 150 * unit(random);
+    cloud.positions.push_back({x, y, 8 * std::sin(x / 40) + (i % 4 == 0 ? 12 * unit(random) : 0)});
+  }
+  return cloud;
+}
+
+/// Arms stretched out: as wide as high, and thin.
+PointCloud stretched_figure() {
+  PointCloud cloud = figure();
+  for (vec3& p : cloud.positions) {
+    const float aside = std::abs(p.x);
+    if (aside > 0.24f && p.y > 0.7f) p = {std::copysign(0.1f + 1.5f - p.y, p.x), 1.4f + (aside - 0.35f), p.z};
+  }
+  turn(cloud, glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0));  // z up
+  return cloud;
+}
+
+// The convention of the format is right for most files: it takes more than a shape that is doubtful to leave
+// it.
+TEST(Upright, EveryKindKeepsAConventionThatIsRight) {
+  const std::pair<const char*, PointCloud> kinds[] = {{"statue", statue()},
+                                                      {"house", house()},
+                                                      {"tree", tree()},
+                                                      {"land", land()},
+                                                      {"room", closed_room({6.4f, 4.8f, 2.7f}, 0)},
+                                                      {"figure", stretched_figure()}};
+  for (const auto& [name, kind] : kinds)
+    for (const double turned_deg : {0.0, 30.0, 45.0, 200.0})
+      for (const int nth : {1, 10}) {
+        PointCloud cloud = every(nth, kind);
+        turn(cloud, glm::dmat3(glm::rotate(dmat4(1), glm::radians(turned_deg), dvec3(0, 0, 1))));
+        cloud.up = UpAxis::pos_z;
+        EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z) << name << ", " << turned_deg << ", 1 of " << nth;
+        turn(cloud, y_up);
+        cloud.up = UpAxis::pos_y;
+        EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y) << name << ", " << turned_deg << ", 1 of " << nth;
+      }
+}
+
+// Ground, however few stand on it, tells above from below: reconstructions of photographs have y down.
+TEST(Upright, WhatStandsOnGroundTellsWhichEndIsUp) {
+  for (const double turned_deg : {0.0, 30.0, 200.0})
+    for (const int nth : {1, 10}) {
+      PointCloud cloud = every(nth, house());
+      turn(cloud, glm::dmat3(glm::rotate(dmat4(1), glm::radians(turned_deg), dvec3(0, 0, 1))));
+      turn(cloud, glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0));
+      cloud.up = UpAxis::pos_y;
+      EXPECT_EQ(guess_upright(cloud).up, UpAxis::neg_y) << turned_deg << ", 1 of " << nth;
+    }
+}
+
+// One side of a small thing, a few degrees wide, in the axes of the camera that saw it.
+TEST(Upright, WhatOneCameraSawIsInItsAxes) {
+  std::mt19937 random(43);
+  std::normal_distribution<float> normal;
+  PointCloud seen, whole;
+  for (int i = 0; i < 40'000; ++i) {
+    const vec3 way = glm::normalize(vec3(normal(random), normal(random), normal(random)));
+    const vec3 at = vec3(0.02f, -0.03f, 1) + vec3(0.08f, 0.12f, 0.09f) * way;
+    whole.positions.push_back(at);
+    if (glm::dot(way / vec3(0.08f, 0.12f, 0.09f), at) < 0) seen.positions.push_back(at);
+  }
+  EXPECT_EQ(guess_upright(seen).up, UpAxis::neg_y);
+  EXPECT_TRUE(guess_upright(seen).is_camera_view);
+  turn(seen, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));  // as renderers have it
+  EXPECT_EQ(guess_upright(seen).up, UpAxis::pos_y);
+  EXPECT_FALSE(guess_upright(whole).is_camera_view) << "both of its sides were seen";
+}
+
+TEST(Upright, TablesStayOnTheirFeet) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  for (int i = 0; i < 40'000; ++i) {  // half of the points on four legs
+    const vec3 leg(i % 8 < 4 ? 0.0f : 1.55f, i % 4 < 2 ? 0.0f : 0.75f, 0);
+    const float a = unit(random), b = unit(random), c = unit(random);
+    cloud.positions.push_back(i % 2 == 0 ? vec3(1.6f * a, 0.8f * b, 0.75f)
+                                         : leg + vec3(0.05f * a, 0.05f * b, 0.75f * c));
+  }
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+  turn(cloud, y_up);
+  cloud.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+}
+
+TEST(Upright, FewPointsStandAsManyDo) {
+  // A dome on its base, which lies on its side by the custom of its format. Every tenth point is of the base.
+  std::mt19937 random(14);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int points : {800, 3000, 40'000}) {
+    PointCloud cloud;
+    cloud.up = UpAxis::pos_z;
+    for (int i = 0; i < points; ++i) {
+      const double angle = 2 * M_PI * unit(random), share = unit(random);
+      const double radius = i % 10 == 0 ? std::sqrt(share) : std::sqrt(1 - share * share);
+      cloud.positions.push_back(
+          vec3(radius * std::cos(angle), i % 10 == 0 ? 0 : share, radius * std::sin(angle)));
+    }
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y) << points;
+  }
+}
+
+TEST(Upright, RobotsLookAlongX) {
+  PointCloud cloud = street_sweep(64);
+  std::erase_if(cloud.positions, [](const vec3& p) { return !(p.x > 1 && std::abs(p.y) < 0.6f * p.x); });
+  cloud.up = UpAxis::pos_z;
+  const Upright guess = guess_upright(cloud);
+  EXPECT_EQ(guess.up, UpAxis::pos_z);
+  EXPECT_TRUE(guess.is_camera_view) << guess.reason;
+  EXPECT_NEAR(guess.azimuth_deg, -105, 1e-9) << "from -x, where it stood: azimuth 0 is -y, and 90 is x";
+  EXPECT_FALSE(guess_upright(street_sweep(64)).is_camera_view);
+}
+
+TEST(Upright, NothingToGuessFromKeepsTheCustom) {
+  PointCloud cloud;
+  cloud.positions.assign(50, vec3(1, 2, 3));
+  cloud.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+  cloud.positions.assign(5000, vec3(3, -2, 1));  // no extent at all
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
+}
+
+}  // namespace
