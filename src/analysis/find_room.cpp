@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t most_sampled = 200'000;
 constexpr int most_cells = 48, height_layers = 40;
 /// The share of all columns with points that have a floor and a ceiling with open space between, and of those
-/// pairs of them a twelfth of the room apart that agree on the heights of both.
+/// pairs of them a quarter of the room apart that agree on the heights of both: of a body, its top bends
+/// away.
 constexpr double roofed_least = 0.3, level_least = 0.6;
 /// The share of ceilings that are at most three layers thick, with three empty ones below: crowns of a
 /// planted forest are level too, but thick.
@@ -77,7 +78,7 @@ class Plan {
 
   bool is_room() const {
     int occupied = 0, roofed = 0, amid = 0, thin = 0, furnished = 0, pairs = 0, level = 0;
-    const int apart = cells_ / 12;
+    const int apart = cells_ / 4;
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
         const Column& column = at(x, y);

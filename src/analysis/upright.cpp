@@ -339,6 +339,8 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud) {
               std::max(sample.seen_along(2, true), ramp(-sample.mean_normal.z, 0.4, 0.5))};
   // What a picture shows is cut by its frame and faces the camera: that is no evidence any more.
   const double whole = 1 - std::max({camera[0], camera[1], camera[2]});
+  // Where Z is the convention, what is thin along y is a wall.
+  const dvec3 lies(0, cloud.up == UpAxis::pos_z ? 0 : sample.lies(1), sample.lies(2));
   std::vector<UpCandidate> candidates;
   double all = 0;
   for (const UpAxis up : {UpAxis::pos_z, UpAxis::pos_y, UpAxis::neg_y}) {
@@ -356,9 +358,8 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud) {
     set(UpEvidence::camera, camera[candidates.size() - 1]);
     set(UpEvidence::normals, whole * glm::dot(sample.mean_normal, way));
     // Land that ends at a straight border stands on no base there.
-    const double on_edge = std::max(sample.lies((axis + 1) % 3), sample.lies((axis + 2) % 3));
-    set(UpEvidence::base, whole * (1 - on_edge) * sample.support(axis, positive));
-    set(UpEvidence::lies, whole * sample.lies(axis));
+    set(UpEvidence::base, whole * (1 - lies[3 - axis]) * sample.support(axis, positive));
+    set(UpEvidence::lies, whole * lies[axis]);
     const auto [ground, stands] = sample.ground(axis, positive);
     set(UpEvidence::ground, whole * ground);
     set(UpEvidence::stands, whole * 0.5 * (stands - sample.ground(axis, !positive).second));
