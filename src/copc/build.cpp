@@ -153,6 +153,26 @@ class Builder {
     if (report_.points_read == 0)
       throw Error(ErrorCode::bad_input, sources_[0]->name + ": there is no point in it");
     in_box_ = report_.points_read;
+    unite_colors();
+  }
+
+  /// Files of 8, 12 and 16 bits, and without colours, side by side: 16 bits, and white for those without.
+  void unite_colors() {
+    color_bits_.assign(sources_.size(), std::nullopt);
+    if (sources_.size() < 2) return;
+    std::vector<int> bits;
+    for (const auto& source : sources_) bits.push_back(color_bits_of(*source, progress_));
+    const auto [least, most] = std::minmax_element(bits.begin(), bits.end());
+    if (*least == *most) return;
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+      color_bits_[i] = bits[i];
+      if (bits[i] == 0)
+        report_.notes.push_back(sources_[i]->name +
+                                ": has no colours beside files that have: its points are white");
+      else if (bits[i] < 16)
+        report_.notes.push_back(sources_[i]->name + ": its colours are " + std::to_string(bits[i]) +
+                                "-bit and are brought to 16 bits");
+    }
   }
 
   std::optional<Bounds> claimed_bounds() const {
@@ -239,7 +259,8 @@ class Builder {
     report_.notes.insert(report_.notes.end(), schema_.notes.begin(), schema_.notes.end());
     maps_.clear();
     bool is_exact = true;
-    for (const io::las::Header& header : headers) is_exact &= maps_.emplace_back(header, schema_).is_exact();
+    for (std::size_t i = 0; i < headers.size(); ++i)
+      is_exact &= maps_.emplace_back(headers[i], schema_, color_bits_[i]).is_exact();
     if (!is_exact)
       report_.notes.push_back(
           "the files are stored in different steps: points move by up to half of the finest");
@@ -579,6 +600,7 @@ class Builder {
   Schema schema_;
   std::optional<FileWriter> file_;
   std::vector<RecordMap> maps_;
+  std::vector<std::optional<int>> color_bits_;  ///< of each source, where they differ
   Cube cube_;
   std::optional<Locator> locator_;
   int bin_level_ = 0;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "io/color_depth.h"
 #include "io/las_fields.h"
 
 namespace sfumato::copc {
@@ -41,7 +42,8 @@ bool are_extra_bytes_alike(const Header& a, const Header& b) {
 }
 
 bool is_same_field(const Field& a, const Field& b) {
-  return a.name == b.name && a.type == b.type && a.scale == b.scale && a.offset == b.offset;
+  return a.name == b.name && a.type == b.type && a.scale == b.scale && a.offset == b.offset &&
+         a.no_data == b.no_data;
 }
 
 // Every field of every file; of one name and different kinds the later ones are numbered.
@@ -189,7 +191,7 @@ Schema choose_schema(const std::vector<Header>& headers, const std::vector<std::
   return schema;
 }
 
-RecordMap::RecordMap(const Header& source, const Schema& schema)
+RecordMap::RecordMap(const Header& source, const Schema& schema, std::optional<int> color_bits)
     : source_format_(source.format),
       format_(schema.format),
       record_length_(schema.record_length),
@@ -205,6 +207,7 @@ RecordMap::RecordMap(const Header& source, const Schema& schema)
     is_shifted_ &= is_whole(steps);
     shift_[axis] = is_shifted_ ? std::llround(steps) : 0;
   }
+  if (schema.format >= 7) color_bits_ = color_bits;
   const auto color = color_byte_of(source.format);
   if (schema.format >= 7 && io::las::has_color(source.format)) copies_.push_back({color, 30, 6});
   if (schema.format == 8 && has_nir(source.format)) copies_.push_back({36, 36, 2});
@@ -250,6 +253,14 @@ void RecordMap::convert(const std::uint8_t* record, std::uint8_t* out) const {
     put(out + 4 * axis, std::int32_t(placed));
   }
   for (const Copy& copy : copies_) std::memcpy(out + copy.to, record + copy.from, copy.size);
+  if (color_bits_) {
+    std::uint16_t rgb[3];
+    std::memcpy(rgb, out + 30, sizeof rgb);
+    const bool is_absent = *color_bits_ == 0 && rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0;
+    for (std::uint16_t& value : rgb)
+      value = is_absent ? 65535 : io::to_16_bits(value, *color_bits_ == 0 ? 16 : *color_bits_);
+    std::memcpy(out + 30, rgb, sizeof rgb);
+  }
   for (const Filling& filling : fillings_)
     std::memcpy(out + filling.to, filling.bytes.data(), filling.bytes.size());
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,9 @@ Schema choose_schema(const std::vector<io::las::Header>& headers, const std::vec
 /// From the records of one file to those of the schema.
 class RecordMap {
  public:
-  RecordMap(const io::las::Header& source, const Schema& schema);
+  /// `color_bits`: of the source where they are brought to the schema's 16; 0 makes its 0 0 0 white, as
+  /// points without a colour are drawn beside others. Otherwise colours are copied as they are.
+  RecordMap(const io::las::Header& source, const Schema& schema, std::optional<int> color_bits = {});
   /// `out` has room for one record.
   void convert(const std::uint8_t* record, std::uint8_t* out) const;
   /// Whether coordinates stay on their places; else they move by at most half a step.
@@ -57,6 +60,7 @@ class RecordMap {
   std::int64_t shift_[3] = {0, 0, 0};
   std::vector<Copy> copies_;
   std::vector<Filling> fillings_;
+  std::optional<int> color_bits_;
 };
 
 }  // namespace sfumato::copc

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "analysis/upright.h"
+#include "io/color_depth.h"
 #include "io/io.h"
 #include "io/las.h"
 #include "io/las_layout.h"
@@ -50,10 +52,10 @@ class CloudSource final : public Source {
         std::uint16_t((is_wkt ? 16 : 0) | (cloud.las ? cloud.las->time_and_returns : 0));
     notes = result.report.notes;
     notes.insert(notes.end(), layout.notes.begin(), layout.notes.end());
-    if (cloud.up != UpAxis::pos_z)
-      notes.push_back(to_string(cloud.up) +
-                      " is up in it, and COPC files are taken as +Z up: render with --up " +
-                      to_string(cloud.up));
+    const UpAxis up = cloud.up == UpAxis::pos_z || cloud.up_is_known ? cloud.up : analysis::guess_upright(cloud).up;
+    if (up != UpAxis::pos_z)
+      notes.push_back(to_string(up) + " is up in it, and COPC files are taken as +Z up: render with --up " +
+                      to_string(up));
     const std::size_t block = io::las::records_at_a_time(layout.record_length);
     std::vector<std::uint8_t> records;
     for (std::size_t first = 0; first < cloud.size(); first += block) {
@@ -125,6 +127,29 @@ std::unique_ptr<Source> open_source(const std::filesystem::path& file, const std
   }
   source->name = file.string();
   return source;
+}
+
+int color_bits_of(const Source& source, Progress& progress) {
+  const io::las::Header& header = source.header();
+  if (!io::las::has_color(header.format)) return 0;
+  const std::size_t byte = header.format == 2   ? 20
+                           : header.format >= 6 ? 30
+                                                : 28,
+                    parts = source.parts().size();
+  io::ColorDepth depth;
+  std::size_t last = parts;
+  for (const std::size_t part : {std::size_t(0), parts / 2, parts - 1}) {
+    if (part == last || parts == 0) continue;
+    progress.check();
+    source.read(last = part, [&](std::uint64_t, const std::uint8_t* records, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint8_t* at = records + i * header.record_length + byte;
+        depth.add(io::las::get<std::uint16_t>(at), io::las::get<std::uint16_t>(at + 2),
+                  io::las::get<std::uint16_t>(at + 4));
+      }
+    });
+  }
+  return depth.bits();
 }
 
 }  // namespace sfumato::copc

@@ -37,4 +37,8 @@ class Source {
 std::unique_ptr<Source> open_source(const std::filesystem::path& file, const std::filesystem::path& output,
                                     std::uint64_t memory, Progress& progress);
 
+/// The bits of the colours in its records, from some of them: 8, 12 or 16; 0 when there are none, or all are
+/// 0.
+int color_bits_of(const Source& source, Progress& progress);
+
 }  // namespace sfumato::copc

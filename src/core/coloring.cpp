@@ -22,7 +22,7 @@ constexpr Rgba8 clay{201, 186, 168, 255};
 
 bool has_colors(const PointCloud& cloud) {
   return std::any_of(cloud.colors.begin(), cloud.colors.end(),
-                     [](const Rgba8& c) { return c.r != 0 || c.g != 0 || c.b != 0; });
+                     [](const Rgba8& c) { return c != no_color && (c.r != 0 || c.g != 0 || c.b != 0); });
 }
 
 bool varies(const ScalarField* field) {
@@ -241,7 +241,8 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::vector<std::uint8_t> strongest;
   for (std::size_t i = 0; i < colors.size(); i += stride)
-    strongest.push_back(std::max({colors[i].r, colors[i].g, colors[i].b}));
+    if (colors[i] != no_color) strongest.push_back(std::max({colors[i].r, colors[i].g, colors[i].b}));
+  if (strongest.empty()) return 1;
   const float light = linear_from_srgb(value_at_share(strongest, 0.9));
   if (!(light > 0) || light >= light_enough) return 1;
   const float exposure = light_enough * (1 - light) / (light * (1 - light_enough));
@@ -325,8 +326,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     Colormap::named(settings.colormap);  // a wrong name is refused whatever is shown
   if (out.source == "rgb") {
     out.colors = cloud.colors;
-    for (Rgba8& c : out.colors) c.a = 255;
     out.exposure = settings.exposure.value_or(automatic_exposure(out.colors));
+    for (Rgba8& c : out.colors) c.a = 255;
     if (out.exposure != 1) expose(out.colors, out.exposure);
     if (out.exposure != 1 && !settings.exposure) {
       std::string times = std::to_string(std::round(10 * out.exposure) / 10);

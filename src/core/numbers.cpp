@@ -16,9 +16,14 @@ std::function<double(std::size_t)> numbers_of(const PointCloud& cloud, const std
   if (name == "elevation")
     return [c, up = up_vector(cloud.up)](std::size_t i) { return glm::dot(up, c->world(i)); };
   if (!cloud.colors.empty()) {
-    if (name == "red") return [c](std::size_t i) { return double(c->colors[i].r); };
-    if (name == "green") return [c](std::size_t i) { return double(c->colors[i].g); };
-    if (name == "blue") return [c](std::size_t i) { return double(c->colors[i].b); };
+    const auto channel = [c](std::uint8_t Rgba8::*own) {
+      return [c, own](std::size_t i) {
+        return c->colors[i] == no_color ? std::nan("") : double(c->colors[i].*own);
+      };
+    };
+    if (name == "red") return channel(&Rgba8::r);
+    if (name == "green") return channel(&Rgba8::g);
+    if (name == "blue") return channel(&Rgba8::b);
   }
   if (!cloud.radii.empty() && name == "radius") return [c](std::size_t i) { return double(c->radii[i]); };
   return {};

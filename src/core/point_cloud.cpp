@@ -105,6 +105,45 @@ void extend(std::vector<T>& a, std::size_t a_size, const std::vector<T>& b, std:
   a.resize(a_size + b_size, missing);
 }
 
+bool lacks_colors(const PointCloud& cloud) {
+  return std::all_of(cloud.colors.begin(), cloud.colors.end(),
+                     [](const Rgba8& c) { return c == no_color || (c.r == 0 && c.g == 0 && c.b == 0); });
+}
+
+/// Colours of LAS files side by side: those of more bits decide, and what 16-bit colours have beyond 8 bits
+/// is spelled out where the files do it differently. Before the scalars are put together; `fill` is for those
+/// of `other`.
+struct LowBytes {
+  static constexpr const char* name = "rgb_low_bytes";  // io/las_fields.h
+  bool fills = false;
+
+  LowBytes(PointCloud& cloud, const PointCloud& other, bool has_own, bool has_theirs) {
+    if (!has_own || !has_theirs) {
+      if (cloud.las && has_theirs && other.las)
+        cloud.las->color_bits = other.las->color_bits, cloud.las->colors_shifted = other.las->colors_shifted;
+      return;
+    }
+    const auto is_shifted = [](const PointCloud& c) { return c.las && c.las->colors_shifted; };
+    const bool own = is_shifted(cloud), theirs = is_shifted(other);
+    if (cloud.las)
+      cloud.las->color_bits = std::max(cloud.las->color_bits, other.las ? other.las->color_bits : 8);
+    if (own == theirs && !cloud.scalar(name) && !other.scalar(name)) return;
+    if (own && !cloud.scalar(name))
+      cloud.set_scalar({name, 0, std::vector<float>(cloud.size(), 0.0f), StoredType::uint32});
+    if (cloud.las) cloud.las->colors_shifted = false;
+    fills = theirs && !other.scalar(name);
+  }
+  void fill(PointCloud& cloud, std::size_t first) const {
+    if (!fills) return;
+    ScalarField* low = cloud.scalar(name);
+    if (!low)
+      low = &cloud.set_scalar({name, 0,
+                               std::vector<float>(cloud.size(), std::numeric_limits<float>::quiet_NaN()),
+                               StoredType::uint32});
+    std::fill(low->values.begin() + std::ptrdiff_t(first), low->values.end(), float(-low->offset));
+  }
+};
+
 /// The scalar `scanner`, or what it would be: the only scanner there is, or none that is known.
 ScalarField scanner_numbers(const PointCloud& cloud) {
   if (const ScalarField* field = cloud.scalar("scanner")) return *field;
@@ -191,7 +230,11 @@ void append(PointCloud& cloud, const PointCloud& other) {
   cloud.positions.reserve(n + m);
   for (const vec3& p : other.positions) cloud.positions.push_back(vec3(dvec3(p) + shift));
   extend(cloud.normals, n, other.normals, m, vec3(0));
-  extend(cloud.colors, n, other.colors, m, Rgba8{255, 255, 255, 255});
+  const bool has_own = !lacks_colors(cloud), has_theirs = !lacks_colors(other);
+  const LowBytes low_bytes(cloud, other, has_own, has_theirs);
+  if (!has_own && has_theirs) cloud.colors.clear();
+  const bool drops_theirs = has_own && !has_theirs;
+  extend(cloud.colors, n, drops_theirs ? std::vector<Rgba8>() : other.colors, m, no_color);
   extend(cloud.radii, n, other.radii, m, 0.0f);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (ScalarField& field : cloud.scalars) {
@@ -210,6 +253,7 @@ void append(PointCloud& cloud, const PointCloud& other) {
     added.values.insert(added.values.end(), field.values.begin(), field.values.end());
     cloud.scalars.push_back(std::move(added));
   }
+  low_bytes.fill(cloud, n);
   if (!cloud.source_index.empty() || !other.source_index.empty()) {
     // A scene's source index counts through its files in the order they were named.
     std::uint32_t base = std::uint32_t(n);

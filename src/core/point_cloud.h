@@ -16,6 +16,10 @@ namespace sfumato {
 /// How a scalar was stored in its file, so that a writer can store it the same way again.
 enum class StoredType { uint8, int8, uint16, int16, uint32, int32, float32, float64, uint64, int64 };
 
+/// The colour of a point that has none, in a cloud of which others have: white, and transparent, which tells
+/// it from a white one. Black is a colour.
+inline constexpr Rgba8 no_color{255, 255, 255, 0};
+
 /// One number per point. The value of point i is `offset + values[i]`: the offset keeps large numbers
 /// (GPS times) exact enough in float.
 struct ScalarField {
@@ -40,12 +44,13 @@ struct LasStep {
   std::string name;
   StoredType type = StoredType::int32;
   double scale = 1, offset = 0;
+  std::optional<double> no_data;  ///< the number that stands for no value
 };
 
 /// Fixed-point description of LAS coordinates, kept so that LAS -> LAS/LAZ loses nothing.
 struct LasScaling {
   dvec3 scale{0.001}, offset{0};  ///< a scale of 0: none, writers choose one
-  bool colors_16bit = true;       ///< false: the file held 0..255 in its 16-bit fields
+  int color_bits = 16;            ///< 8 or 12: the file held 0..255 or 0..4095 in its 16-bit fields
   bool colors_shifted =
       false;              ///< 16-bit colours were all v << 8 (else v * 257, or the scalar rgb_low_bytes)
   int point_format = -1;  ///< of the file, 0 to 10; -1 unknown
@@ -108,9 +113,10 @@ Bounds robust_bounds(const PointCloud& cloud, double low = 0.02, double high = 0
 /// `source_index`.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order);
 /// Appends `other`, moved to `cloud`'s origin (in double). Attributes that one side lacks are filled: normal
-/// 0, radius 0, white, NaN scalar. Scanners of `other` come behind those of `cloud`, and so do their numbers
-/// in the scalar `scanner`, which is there when either side has scanners. Numbers of a file that says of none
-/// of its scanners where it stood stay as they are: the others make room for them.
+/// 0, radius 0, `no_color`, NaN scalar; colours that are all zero are lacking. Scanners of `other` come
+/// behind those of `cloud`, and so do their numbers in the scalar `scanner`, which is there when either side
+/// has scanners. Numbers of a file that says of none of its scanners where it stood stay as they are: the
+/// others make room for them.
 void append(PointCloud& cloud, const PointCloud& other);
 /// Moves the points by an affine transform of the world; normals, radii, viewpoints and scanners follow, and
 /// `up` to the nearest axis.

@@ -5,7 +5,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/counted.h"
 #include "core/order.h"
+#include "io/color_depth.h"
 #include "io/columns.h"
 #include "io/large_vector.h"
 #include "io/parallel.h"
@@ -379,21 +381,40 @@ std::string coarse_floats(const PointCloud& cloud) {
 
 }  // namespace
 
-void CloudBuilder::finish_colors(const std::vector<Stats>& stats) {
+void CloudBuilder::finish_colors(const std::vector<Stats>& stats, ReadReport& report) {
   if (raw_colors_.empty()) return;
-  // Fractions, bytes in a wider type, or 16 bit: the file does not say, its largest value does.
-  const auto factor = [&](std::initializer_list<int> group) {
-    double largest = 0;
-    bool integers = true;
-    for (int column : group) {
-      largest = std::max(largest, stats[std::size_t(column)].max);
-      integers = integers && is_integer(columns_[std::size_t(column)].stored);
-    }
-    if (!integers && largest <= 1.01) return 255.0f;  // computed fractions end a little above 1
-    return largest <= 255 ? 1.0f : 1 / 256.0f;
+  const auto are_integers = [&](std::initializer_list<int> group) {
+    return std::all_of(group.begin(), group.end(),
+                       [&](int column) { return is_integer(columns_[std::size_t(column)].stored); });
   };
-  const float color_factor = factor({color_[0], color_[1], color_[2]});
-  const float alpha_factor = alpha_ < 0 ? 1.0f : factor({alpha_});
+  // Fractions, bytes in a wider type, 12 or 16 bit: the file does not say, what most points have does.
+  ColorDepth depth;
+  std::uint64_t fractions = 0, others = 0, absent = 0;
+  constexpr float largest_fraction = 1.01f;  // computed ones end a little above 1
+  for (const vec4& c : raw_colors_) {
+    const float largest = std::max({c.x, c.y, c.z});
+    if (std::isnan(c.x + c.y + c.z)) {
+      ++absent;
+      continue;
+    }
+    if (largest > 0) ++(largest <= largest_fraction ? fractions : others);
+    const auto whole = [](float value) { return std::uint32_t(std::clamp(value, 0.0f, 65535.0f)); };
+    depth.add(whole(c.x), whole(c.y), whole(c.z));
+  }
+  if (absent == raw_colors_.size()) {
+    raw_colors_ = {};
+    return;
+  }
+  const bool are_fractions = !are_integers({color_[0], color_[1], color_[2]}) && fractions >= 99 * others;
+  const int bits = std::max(8, depth.bits());
+  const float color_factor = are_fractions ? 255.0f : float(std::exp2(8 - bits));
+  float alpha_factor = 1;
+  if (alpha_ >= 0) {
+    const double largest = stats[std::size_t(alpha_)].max;
+    alpha_factor = !are_integers({alpha_}) && largest <= largest_fraction ? 255.0f
+                   : largest <= 255                                       ? 1.0f
+                                                                          : 1 / 256.0f;
+  }
   const auto byte = [](float value, float scale) {
     const float scaled = scale < 1 ? value * scale : value * scale + 0.5f;  // 16 bit: >> 8, others rounded
     return scaled > 0 ? std::uint8_t(std::min(scaled, 255.0f)) : std::uint8_t(0);  // NaN: 0
@@ -401,10 +422,19 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats) {
   allocate(colors_, raw_colors_.size());
   for (std::size_t i = 0; i < colors_.size(); ++i) {
     const vec4& c = raw_colors_[i];
-    colors_[i] = {byte(c.x, color_factor), byte(c.y, color_factor), byte(c.z, color_factor),
-                  alpha_ < 0 ? std::uint8_t(255) : byte(c.w, alpha_factor)};
+    colors_[i] = std::isnan(c.x + c.y + c.z)
+                     ? no_color
+                     : Rgba8{byte(c.x, color_factor), byte(c.y, color_factor), byte(c.z, color_factor),
+                             alpha_ < 0 ? std::uint8_t(255) : byte(c.w, alpha_factor)};
   }
   raw_colors_ = {};
+  if (absent > 0)
+    report.notes.push_back(counted(absent, "point") + (absent == 1 ? " has" : " have") +
+                           " no colour beside those that have: white");
+  if (!are_fractions && bits == 12)
+    report.notes.emplace_back("the colours hold 0 to 4095 and are taken as 12-bit");
+  if (const std::uint64_t beyond = depth.beyond(); !are_fractions && beyond > 0)
+    report.notes.push_back(beyond_bits(beyond, bits));
 }
 
 void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
@@ -438,7 +468,7 @@ void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
   });
   if (of_floats && !wide_positions_)
     if (std::string note = coarse_floats(cloud); !note.empty()) report.notes.push_back(std::move(note));
-  finish_colors(stats);
+  finish_colors(stats, report);
   cloud.normals = std::move(normals_);
   cloud.colors = std::move(colors_);
   cloud.radii = std::move(radii_);

@@ -105,7 +105,7 @@ class CloudBuilder {
   void decode_values(Cursor& cursor, const Batch& batch, std::size_t column, std::vector<T>& out);
   void close_gaps(const std::vector<Cursor>& cursors);
   void finish_positions(const dvec3& min, const dvec3& max, PointCloud& cloud);
-  void finish_colors(const std::vector<Stats>& stats);
+  void finish_colors(const std::vector<Stats>& stats, ReadReport& report);
 
   std::vector<Column> columns_;
   bool swap_ = false;

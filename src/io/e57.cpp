@@ -11,6 +11,8 @@
 #include <map>
 #include <optional>
 
+#include "core/counted.h"
+#include "io/color_depth.h"
 #include "io/e57_file.h"
 #include "io/format.h"
 #include "io/table.h"
@@ -66,11 +68,17 @@ class E57Reader {
       progress.update(double(s) / double(scans_.size()), "reading scans");
       read_section(scans_[s]);
       fill(scans_[s], table, first, progress);
+      part_colors(table, first, std::size_t(scans_[s].points));
       if (std::span<double> scanner = table.column("scanner"); !scanner.empty())
         std::fill_n(scanner.begin() + std::ptrdiff_t(first), scans_[s].points, double(s));
       first += std::size_t(scans_[s].points);
     }
+    unite_colors(table);
     table.build(false, progress, result);
+    if (no_returns_ > 0)
+      result.report.notes.push_back(
+          counted(no_returns_, "record") + (no_returns_ == 1 ? " lies" : " lie") +
+          " at 0 0 0, in the scanner itself, without being marked: no return, left out");
     // Of several scans each has its place in the list: their points number them.
     const dvec3 unknown(std::numeric_limits<double>::quiet_NaN());
     for (const Data3D& scan : scans_)
@@ -197,14 +205,18 @@ class E57Reader {
     for (const Data3D& scan : scans_)
       for (const PrototypeField& field : scan.fields) {
         if (is_coordinate(field.name)) continue;
-        const bool known =
-            std::any_of(all.begin(), all.end(), [&](const Column& c) { return c.name == field.name; });
+        const auto known =
+            std::find_if(all.begin(), all.end(), [&](const Column& c) { return c.name == field.name; });
         const bool small = field.kind == PrototypeField::Kind::integer && !field.is_scaled &&
                            field.low >= 0 && field.bits <= 16;
-        if (!known)
-          all.push_back({field.name, small ? (field.bits <= 8 ? StoredType::uint8 : StoredType::uint16)
-                                     : field.kind == PrototypeField::Kind::float32 ? StoredType::float32
-                                                                                   : StoredType::float64});
+        const StoredType type = small ? (field.bits <= 8 ? StoredType::uint8 : StoredType::uint16)
+                                : field.kind == PrototypeField::Kind::float32 ? StoredType::float32
+                                                                              : StoredType::float64;
+        if (known == all.end())
+          all.push_back({field.name, type});
+        else if (known->stored != type)  // scans that differ
+          known->stored =
+              is_integer(type) && is_integer(known->stored) ? StoredType::uint16 : StoredType::float64;
       }
     if (scans_.size() > 1) all.push_back({"scanner", StoredType::uint32});
     assign_roles(all);
@@ -334,6 +346,12 @@ class E57Reader {
     if (n > 0 && !cartesian && !(range && azimuth && elevation))
       file_.fail(scan.section,
                  "found points without cartesian or spherical coordinates; the file is damaged");
+    // Nothing returns from 0 0 0 of the scanner's own frame. Without a pose that may be the frame of
+    // anything, in which one point may lie there.
+    std::size_t at_zero = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      at_zero += cartesian ? x[i] == 0 && y[i] == 0 && z[i] == 0 : range[i] == 0;
+    const bool has_no_returns = at_zero > (scan.scanner() ? 0 : 1);
     const std::span<double> state =
         table.column(cartesian ? "cartesianInvalidState" : "sphericalInvalidState");
     std::span<double> out[3] = {table.column("x"), table.column("y"), table.column("z")};
@@ -346,6 +364,10 @@ class E57Reader {
     };
     for (std::size_t i = 0; i < n; ++i) {
       if (!state.empty() && state[first + i] > 0) continue;  // only a direction, or nothing: stays NaN
+      if (has_no_returns && (cartesian ? x[i] == 0 && y[i] == 0 && z[i] == 0 : range[i] == 0)) {
+        ++no_returns_;
+        continue;
+      }
       dvec3 p = cartesian
                     ? dvec3(x[i], y[i], z[i])
                     : range[i] * dvec3(std::cos(elevation[i]) * std::cos(azimuth[i]),
@@ -362,8 +384,47 @@ class E57Reader {
     }
   }
 
+  /// What a scan has of colours: their bits are its own, and where all are zero there are none.
+  void part_colors(Table& table, std::size_t first, std::size_t points) {
+    const std::span<double> red = table.column("colorRed"), green = table.column("colorGreen"),
+                            blue = table.column("colorBlue"), invalid = table.column("isColorInvalid");
+    if (red.empty() || green.empty() || blue.empty()) return;
+    ScanColors scan{first, first + points, {}};
+    for (std::size_t i = first; i < scan.last; ++i) {
+      if (!invalid.empty() && invalid[i] > 0) red[i] = green[i] = blue[i] = std::nan("");
+      if (!std::isnan(red[i]) && !std::isnan(green[i]) && !std::isnan(blue[i]))
+        scan.depth.add(channel(red[i]), channel(green[i]), channel(blue[i]));
+    }
+    colors_.push_back(std::move(scan));
+  }
+
+  /// Scans of 8, 12 and 16 bits side by side have 16.
+  void unite_colors(Table& table) {
+    int least = 16, most = 0;
+    for (const ScanColors& scan : colors_)
+      if (const int bits = scan.depth.bits()) least = std::min(least, bits), most = std::max(most, bits);
+    if (most == 0) return;  // black everywhere
+    for (const ScanColors& scan : colors_)
+      for (const char* name : {"colorRed", "colorGreen", "colorBlue"}) {
+        const std::span<double> values = table.column(name);
+        const int bits = scan.depth.bits();
+        if (bits != 0 && least == most) continue;
+        for (std::size_t i = scan.first; i < scan.last; ++i)
+          values[i] =
+              bits == 0 || std::isnan(values[i]) ? std::nan("") : to_16_bits(channel(values[i]), bits);
+      }
+  }
+  static std::uint32_t channel(double value) { return std::uint32_t(std::clamp(value, 0.0, 65535.0)); }
+
+  struct ScanColors {
+    std::size_t first, last;
+    ColorDepth depth;
+  };
+
   E57File file_;
   std::vector<Data3D> scans_;
+  std::vector<ScanColors> colors_;
+  std::uint64_t no_returns_ = 0;
 };
 
 }  // namespace

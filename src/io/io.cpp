@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/counted.h"
 #include "io/atomic_writer.h"
 #include "io/excerpt.h"
 #include "io/file.h"
@@ -132,6 +133,32 @@ const Format& find_format(const std::filesystem::path& file) {
       file.string() + ": not a point cloud format I know; convert it to one of " + all_extensions(false));
 }
 
+/// Records that a driver writes where nothing came back, as 0 0 0: at a scanner at the origin any, elsewhere
+/// more than a few on exactly that place.
+void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
+  constexpr std::size_t few = 3;
+  PointCloud& cloud = result.cloud;
+  ReadReport& report = result.report;
+  for (int k = 0; k < 3; ++k)
+    if (report.bounds_min[k] > 0 || report.bounds_max[k] < 0) return;
+  const vec3 zero(-cloud.origin);
+  const auto zeros = std::size_t(std::count(cloud.positions.begin(), cloud.positions.end(), zero));
+  if (zeros <= (has_scanner_at_origin ? 0 : few) || zeros == cloud.size()) return;
+  std::vector<std::uint32_t> kept;
+  kept.reserve(cloud.size() - zeros);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.positions[i] != zero) kept.push_back(std::uint32_t(i));
+  cloud = select(cloud, kept);
+  report.points_finite -= zeros, report.points_dropped += zeros;
+  const Bounds box = bounds(cloud);
+  for (int k = 0; k < 3; ++k) {
+    if (report.bounds_min[k] == 0) report.bounds_min[k] = box.min[k];
+    if (report.bounds_max[k] == 0) report.bounds_max[k] = box.max[k];
+  }
+  report.notes.push_back(counted(zeros, "record") + (zeros == 1 ? " is" : " are") +
+                         " 0 0 0, as scanners write where nothing returned: left out");
+}
+
 }  // namespace
 
 void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what) {
@@ -146,6 +173,9 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   ReadResult result = format.read(file, options, progress);
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
+  // E57 knows its scanners itself; the vertices of these are no returns.
+  if (format.name != "e57" && format.name != "obj" && format.name != "grid" && format.name != "colmap")
+    leave_out_no_returns(result, format.name == "kitti");
   if (options.max_points && result.cloud.size() > *options.max_points)
     result.cloud = subsample(result.cloud, std::size_t(*options.max_points));
   return result;

@@ -14,6 +14,44 @@ constexpr StoredType extra_types[] = {
     StoredType::uint8, StoredType::int8,   StoredType::uint16, StoredType::int16,   StoredType::uint32,
     StoredType::int32, StoredType::uint64, StoredType::int64,  StoredType::float32, StoredType::float64};
 
+constexpr std::size_t no_data_byte = 40;
+
+/// As the largest type of its kind; nothing that the field cannot hold stands for anything.
+std::optional<double> no_data_of(const std::uint8_t* at, StoredType type) {
+  const bool is_real = type == StoredType::float32 || type == StoredType::float64;
+  const bool is_unsigned = type == StoredType::uint8 || type == StoredType::uint16 ||
+                           type == StoredType::uint32 || type == StoredType::uint64;
+  const double value = is_real       ? get<double>(at)
+                       : is_unsigned ? double(get<std::uint64_t>(at))
+                                     : double(get<std::int64_t>(at));
+  double low = -1, high = 0;
+  switch (type) {
+    case StoredType::uint8: low = 0, high = 255; break;
+    case StoredType::int8: low = -128, high = 127; break;
+    case StoredType::uint16: low = 0, high = 65535; break;
+    case StoredType::int16: low = -32768, high = 32767; break;
+    case StoredType::uint32: low = 0, high = 4294967295.0; break;
+    case StoredType::int32: low = -2147483648.0, high = 2147483647.0; break;
+    case StoredType::uint64: low = 0, high = 0x1p63; break;
+    case StoredType::int64: low = -0x1p62, high = 0x1p62; break;
+    case StoredType::float32: low = -3.4e38, high = 3.4e38; break;
+    case StoredType::float64: low = -1.7e308, high = 1.7e308; break;
+  }
+  return value >= low && value <= high ? std::optional(value) : std::nullopt;
+}
+
+void put_no_data(std::uint8_t* at, StoredType type, double value) {
+  switch (type) {
+    case StoredType::float32:
+    case StoredType::float64: return put(at, value);
+    case StoredType::uint8:
+    case StoredType::uint16:
+    case StoredType::uint32:
+    case StoredType::uint64: return put(at, std::uint64_t(value));
+    default: return put(at, std::int64_t(value));
+  }
+}
+
 }  // namespace
 
 bool Field::needs_residual() const {
@@ -37,7 +75,7 @@ std::vector<Field> standard_fields(int format) {
   const bool extended = format >= 6;
   std::vector<Field> fields;
   auto add = [&](const char* name, StoredType type, int byte, bool optional = false) -> Field& {
-    return fields.emplace_back(Field{name, type, std::uint16_t(byte), 0, 0, 1, 0, optional, false});
+    return fields.emplace_back(Field{name, type, std::uint16_t(byte), 0, 0, 1, 0, optional, false, {}});
   };
   auto add_bits = [&](const char* name, int byte, int shift, int bits, bool optional) {
     Field& field = add(name, StoredType::uint8, byte, optional);
@@ -92,7 +130,7 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
       for (unique = name + "_" + std::to_string(count); names.contains(unique);)
         unique = name + "_" + std::to_string(++count);
     names.emplace(unique, 1);
-    fields.push_back({unique, type, std::uint16_t(byte), 0, 0, scale, offset, false, true});
+    fields.push_back({unique, type, std::uint16_t(byte), 0, 0, scale, offset, false, true, {}});
     byte += size_of(type);
   };
   for (const Vlr& vlr : header.vlrs) {
@@ -122,6 +160,7 @@ std::vector<Field> extra_fields(const Header& header, std::vector<std::string>& 
         const double offset = (options & 16) ? get<double>(d + 136 + 8 * k) : 0;
         add(descriptor_name(d) + (parts > 1 ? "_" + std::to_string(k) : ""), stored, scale == 0 ? 1 : scale,
             offset);
+        if (options & 1) fields.back().no_data = no_data_of(d + no_data_byte + 8 * k, stored);
       }
     }
   }
@@ -152,8 +191,12 @@ std::vector<std::uint8_t> extra_bytes_record(const std::vector<Field>& fields) {
                              std::begin(extra_types)));
     const std::size_t length = std::min(fields[i].name.size(), longest_name);
     std::memcpy(d + 4, fields[i].name.data(), length);
+    if (fields[i].no_data) {
+      d[3] = 1;
+      put_no_data(d + no_data_byte, fields[i].type, *fields[i].no_data);
+    }
     if (!fields[i].is_scaled()) continue;
-    d[3] = 8 | 16;  // scale and offset hold
+    d[3] |= 8 | 16;  // scale and offset hold
     put(d + 112, fields[i].scale);
     put(d + 136, fields[i].offset);
   }

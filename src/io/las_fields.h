@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct Field {
   std::uint16_t byte = 0;
   std::uint8_t shift = 0, bits = 0;  ///< of a bit field inside a uint8; bits = 0: the whole value
   double scale = 1, offset = 0;
-  bool optional = false;  ///< left out of cloud and report when it is zero in every point
-  bool is_extra = false;  ///< lies in the extra bytes
+  bool optional = false;          ///< left out of cloud and report when it is zero in every point
+  bool is_extra = false;          ///< lies in the extra bytes
+  std::optional<double> no_data;  ///< of extra bytes: the stored number that stands for no value
 
   bool is_color() const { return !is_extra && (name == "red" || name == "green" || name == "blue"); }
   /// Whether the cloud lacks it where it is zero in every point.

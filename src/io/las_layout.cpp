@@ -109,7 +109,10 @@ void put_value(const Field& field, double value, std::uint8_t* record) {
                                  << field.shift);
     return;
   }
-  if (field.is_scaled()) value = (value - field.offset) / field.scale;
+  if (std::isnan(value) && field.no_data)
+    value = *field.no_data;
+  else if (field.is_scaled())
+    value = (value - field.offset) / field.scale;
   switch (field.type) {
     case StoredType::uint8: return put(at, clamped<std::uint8_t>(value));
     case StoredType::int8: return put(at, clamped<std::int8_t>(value));
@@ -196,7 +199,7 @@ std::optional<LasStep> step_of(const Source& source, const PointCloud& cloud) {
     const auto [low, high] = limits_of(Field{step.name, step.type});
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const double number = (source.value(cloud, i) - step.offset) / step.scale;
-      if (is_float(step.type)) continue;
+      if (is_float(step.type) || (step.no_data && std::isnan(number))) continue;
       if (!(std::abs(number - std::round(number)) < 0.01 && std::round(number) >= low &&
             std::round(number) <= high))
         return std::nullopt;
@@ -231,7 +234,7 @@ WriteLayout choose_layout(const PointCloud& cloud) {
   choose_scaling(cloud, layout);
   if (cloud.las) {
     layout.colors_shifted = cloud.las->colors_shifted;
-    layout.colors_16bit = cloud.las->colors_16bit;
+    layout.color_bits = cloud.las->color_bits;
   }
   std::vector<Source> sources = sources_of(cloud);
   std::vector<Range> ranges;
@@ -251,7 +254,7 @@ WriteLayout choose_layout(const PointCloud& cloud) {
   layout.format = least_format(needs_extended, gps_time, !cloud.colors.empty(), nir);
   if (cloud.las && cloud.las->point_format >= 0) {
     const int own = without_waves(cloud.las->point_format);
-    const bool has_all = has_gps_time(own) >= gps_time && has_color(own) == !cloud.colors.empty() &&
+    const bool has_all = has_gps_time(own) >= gps_time && has_color(own) >= !cloud.colors.empty() &&
                          (own == 8) >= nir && (own >= 6) >= needs_extended;
     if (has_all) layout.format = own;
   }
@@ -276,6 +279,7 @@ WriteLayout choose_layout(const PointCloud& cloud) {
         source.field.type = step->type;
         source.field.scale = step->scale;
         source.field.offset = step->offset;
+        source.field.no_data = step->no_data;
       } else {
         source.field.type = extra_type(source, ranges[i]);
       }
@@ -324,13 +328,17 @@ void WriteLayout::pack(const PointCloud& cloud, std::size_t first, std::size_t c
     }
     if (cloud.colors.empty()) continue;
     const Rgba8& rgba = cloud.colors[i];
+    const bool is_absent = rgba == no_color;  // written as white: LAS has no other word for it
     const double packed = low ? low->value(i) : 0;
-    const auto low_bytes = std::uint32_t(std::isfinite(packed) ? packed : 0);
+    const bool has_low = low && std::isfinite(packed) && !is_absent;
+    const auto low_bytes = std::uint32_t(has_low ? packed : 0);
     const std::uint8_t channels[3] = {rgba.r, rgba.g, rgba.b};
     for (unsigned c = 0; c < 3; ++c) {
       const unsigned high = channels[c];
-      const unsigned rest = low ? (low_bytes >> (16 - 8 * c)) & 255 : colors_shifted ? 0 : high;
-      put<std::uint16_t>(record + color + 2 * c, std::uint16_t(colors_16bit ? high << 8 | rest : high));
+      const unsigned rest = has_low                        ? (low_bytes >> (16 - 8 * c)) & 255
+                            : colors_shifted && !is_absent ? 0
+                                                           : high;
+      put<std::uint16_t>(record + color + 2 * c, std::uint16_t((high << 8 | rest) >> (16 - color_bits)));
     }
   }
 }

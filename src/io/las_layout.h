@@ -28,7 +28,8 @@ struct WriteLayout {
   int format = 0;
   std::uint16_t record_length = 0;
   dvec3 scale{0.001}, offset{0};
-  bool colors_shifted = false, colors_16bit = true;
+  bool colors_shifted = false;
+  int color_bits = 16;             ///< of the 16
   std::vector<Source> sources;     ///< fields that get values; the others stay zero
   std::vector<Field> extra;        ///< those of them in the extra bytes, in order
   std::vector<std::string> notes;  ///< what the user should know of the choice

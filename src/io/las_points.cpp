@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/order.h"
+#include "io/color_depth.h"
 #include "io/columns.h"
 #include "io/large_vector.h"
 
@@ -144,7 +145,7 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
   const std::size_t stride = header_.record_length;
   const std::uint8_t* at = records + field.byte;
   // Zeros are there already, or need not be.
-  if (column.base == 0 && field.offset == 0 && is_zero(field, seen)) {
+  if (column.base == 0 && field.offset == 0 && field.no_data != 0 && is_zero(field, seen)) {
     stats.min = std::min(stats.min, 0.0);
     stats.max = std::max(stats.max, 0.0);
     stats.count += count;
@@ -172,9 +173,13 @@ void PointCollector::unpack_values(Column& column, std::size_t first, const std:
   float* residual = has_residual && *column.residuals_at ? column.residuals_at->load() + first : nullptr;
   double low = stats.min, high = stats.max, sum = 0;
   std::uint64_t finite = 0;
+  const bool is_always_finite = std::is_integral_v<T> && !field.no_data;
+  const T no_data = field.no_data ? T(*field.no_data) : T();
   for (std::size_t i = 0; i < count; ++i, at += stride) {
-    const double value = double(get<T>(at)) * field.scale + field.offset;
-    if (std::is_integral_v<T> || std::isfinite(value)) {
+    const T raw = get<T>(at);
+    const double value = field.no_data && raw == no_data ? std::numeric_limits<double>::quiet_NaN()
+                                                         : double(raw) * field.scale + field.offset;
+    if (is_always_finite || std::isfinite(value)) {
       low = std::min(low, value);
       high = std::max(high, value);
       sum += value;
@@ -282,7 +287,7 @@ ReadResult PointCollector::finish(const std::vector<Stats>& parts, Progress& pro
   if (header_.format == 4 || header_.format == 5 || header_.format >= 9)
     result.report.notes.emplace_back("wave packets are not read");
   place_points(result, total, progress);
-  place_colors(result, total, progress);
+  place_colors(result, progress);
   place_scalars(result, total);
   place_normals_and_radii(result);
   return result;
@@ -297,6 +302,8 @@ std::int32_t PointCollector::median_step(int axis) const {
 
 void PointCollector::place_points(ReadResult& result, const Stats& total, Progress& progress) {
   PointCloud& cloud = result.cloud;
+  std::string rounded;
+  double by = 0;
   if (!positions_.empty()) {
     for (int axis = 0; axis < 3; ++axis) {
       const double a = header_.scale[axis] * total.low[std::size_t(axis)] + header_.offset[axis];
@@ -308,13 +315,15 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
       if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > 15e6) {
         cloud.origin[axis] = header_.scale[axis] * median_step(axis) + header_.offset[axis];
         const double reach = std::max(std::abs(a - cloud.origin[axis]), std::abs(b - cloud.origin[axis]));
-        result.report.notes.push_back(
-            std::string("the ") + "xyz"[axis] +
-            " coordinates have more digits than a float holds and are rounded, by " +
-            short_text(std::exp2(std::floor(std::log2(reach)) - 24)) + " at most");
+        rounded += (rounded.empty() ? "" : ", ") + std::string(1, "xyz"[axis]);
+        by = std::max(by, std::exp2(std::floor(std::log2(reach)) - 24));
       }
     }
   }
+  if (!rounded.empty())
+    result.report.notes.push_back("the " + rounded +
+                                  " coordinates have more digits than a float holds and are rounded, by " +
+                                  short_text(by) + " at most");
   const dvec3 scale = header_.scale, shift = header_.offset, origin = cloud.origin;
   parallel_tasks((positions_.size() + pass_size - 1) / pass_size, progress, "placing points",
                  [&](std::size_t task) {
@@ -329,25 +338,36 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
   cloud.positions = std::move(positions_);
 }
 
-void PointCollector::place_colors(ReadResult& result, const Stats& total, Progress& progress) {
+void PointCollector::place_colors(ReadResult& result, Progress& progress) {
   if (colors_.empty()) return;
-  double high = 0;
-  for (int column : color_columns_) high = std::max(high, total.fields[std::size_t(column)].max);
-  const bool is_8bit = high <= 255;
-  result.cloud.las->colors_16bit = !is_8bit;
-  if (is_8bit && high > 0)
-    result.report.notes.emplace_back("the 16-bit colours hold 0 to 255 and are taken as 8-bit");
+  ColorDepth depth;
+  for (const auto& [r, g, b] : colors_) depth.add(r, g, b);
+  const int bits = depth.bits();
+  if (bits == 0) {  // none has a colour, and black is one
+    colors_ = {};
+    return;
+  }
+  const bool is_8bit = bits == 8;
+  result.cloud.las->color_bits = bits;
+  if (bits < 16)
+    result.report.notes.push_back("the 16-bit colours hold 0 to " + std::to_string(largest_of(bits)) +
+                                  " and are taken as " + std::to_string(bits) + "-bit");
+  if (const std::uint64_t beyond = depth.beyond()) result.report.notes.push_back(beyond_bits(beyond, bits));
+  const auto most = std::uint16_t(largest_of(bits));
   std::vector<Rgba8>& colors = result.cloud.colors;
   allocate(colors, colors_.size());
   std::vector<float> low;
   if (!is_8bit) allocate(low, colors_.size());
   const std::size_t tasks = (colors_.size() + pass_size - 1) / pass_size;
   // Which of the two usual ways from 8 to 16 bits the file used, if any: then the low bytes are known.
-  std::vector<char> repeats(tasks, 1), shifts(tasks, 1);
+  std::vector<char> repeats(tasks, bits == 16), shifts(tasks, 1);
   parallel_tasks(tasks, progress, "placing colours", [&](std::size_t task) {
     const std::size_t last = std::min(colors_.size(), (task + 1) * pass_size);
     for (std::size_t i = task * pass_size; i < last; ++i) {
-      const auto& [r, g, b] = colors_[i];
+      std::array<std::uint16_t, 3> c = colors_[i];
+      for (std::uint16_t& value : c)
+        value = std::uint16_t(std::min(value, most) << (is_8bit ? 0 : 16 - bits));
+      const auto& [r, g, b] = c;
       if (is_8bit) {
         colors[i] = {std::uint8_t(r), std::uint8_t(g), std::uint8_t(b), 255};
         continue;
@@ -388,8 +408,8 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     if (is_zero && field.is_left_out_as_zero()) continue;
     StoredType type = field.type;
     if (field.is_scaled()) type = field.is_extra ? StoredType::float64 : StoredType::float32;
-    if (field.is_scaled() && field.is_extra)
-      result.cloud.las->steps.push_back({field.name, field.type, field.scale, field.offset});
+    if ((field.is_scaled() || field.no_data) && field.is_extra)
+      result.cloud.las->steps.push_back({field.name, field.type, field.scale, field.offset, field.no_data});
     numbers(column.values, *column.values_at);  // none was other than zero in a cloud that is not all there
     result.cloud.set_scalar({field.name, column.base, std::move(column.values), type});
     if (stats.has_residual)

@@ -62,7 +62,7 @@ class PointCollector {
                      const std::vector<std::uint8_t>& seen, FieldStats& stats);
   std::int32_t median_step(int axis) const;
   void place_points(ReadResult& result, const Stats& total, Progress& progress);
-  void place_colors(ReadResult& result, const Stats& total, Progress& progress);
+  void place_colors(ReadResult& result, Progress& progress);
   void place_scalars(ReadResult& result, const Stats& total);
   void place_normals_and_radii(ReadResult& result);
 

@@ -120,6 +120,7 @@ class PtxReader {
       }
       read_cell(m);
     }
+    leave_out_zero_colors(scan);
     scans_.push_back(scan);
     return true;
   }
@@ -152,6 +153,16 @@ class PtxReader {
     };
     if (count == 4 || count == 7) keep(3, v[3]);
     for (int k = 0; k < 3 && count >= 6; ++k) keep(std::size_t(4 + k), v[color + k]);
+  }
+
+  /// A scan whose colours are all zero has none.
+  void leave_out_zero_colors(const Scan& scan) {
+    const auto begin = [&](std::size_t k) {
+      return values_[k].begin() + std::ptrdiff_t(std::min(values_[k].size(), scan.first));
+    };
+    for (std::size_t k = 4; k < 7; ++k)
+      if (std::any_of(begin(k), values_[k].end(), [](double value) { return value > 0; })) return;
+    for (std::size_t k = 4; k < 7; ++k) std::fill(begin(k), values_[k].end(), std::nan(""));
   }
 
   /// From record numbers, column after column, to places in each scan's grid.

@@ -74,7 +74,7 @@ void RenderSettings::describe(ParamList& p) {
   p.add("specular", phong.specular)
       .range(0, 1)
       .help(
-          "strength of highlights (auto: 0.1; 0 where colours stand for values, as highlights are no value)")
+          "strength of highlights (auto: 0.1; 0 where colours stand for values, and for orthographic views)")
       .paper("k_s");
   p.add("shininess", phong.shininess).range(1, 1000).help("sharpness of highlights");
   p.add("shadows", shadows, {"off", "hard", "soft", "stored"})

@@ -24,6 +24,10 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   for (const SceneFile& file : files) scene.trees_.push_back(copc::read_tree(file.name));
   scene.budget_ = std::max<std::uint64_t>(1, memory / memory_of_point);
   if (options.read.max_points) scene.budget_ = std::min(scene.budget_, *options.read.max_points);
+  // Views are measured in metres.
+  if (!options.keep_degrees)
+    for (const copc::Tree& tree : scene.trees_)
+      if (degrees_of(tree.crs, tree.bounds, tree.bounds)) return std::nullopt;
   if (scene.points() <= scene.budget_ && !always) return std::nullopt;
   scene.files_ = files;
   scene.options_ = options;

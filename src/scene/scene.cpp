@@ -47,6 +47,7 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
                    const std::function<io::ReadResult(std::size_t)>& read, bool may_be_empty) {
   Scene scene;
   std::vector<std::pair<std::size_t, std::size_t>> from_las;
+  std::vector<bool> lack_colors;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string& file = files[i].name;
     io::ReadResult result = read(i);
@@ -77,17 +78,29 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
         scene.notes.push_back(file + ": its coordinate system is not that of " + files[0].name +
                               "; the numbers are put together as they are");
     }
+    lack_colors.push_back(std::all_of(result.cloud.colors.begin(), result.cloud.colors.end(),
+                                      [](const Rgba8& c) { return c.r == 0 && c.g == 0 && c.b == 0; }));
     // Tells the files of a scene apart; counts from 1 in their order.
     const float number = float(scene.files.size());
     result.cloud.set_scalar({"file", 0, std::vector<float>(result.cloud.size(), number), StoredType::uint16});
     if (is_las) from_las.emplace_back(scene.cloud.size(), scene.cloud.size() + result.cloud.size());
     append(scene.cloud, result.cloud);
   }
+  if (std::count(lack_colors.begin(), lack_colors.end(), true) < std::ptrdiff_t(lack_colors.size()))
+    for (std::size_t i = 0; i < lack_colors.size(); ++i)
+      if (lack_colors[i])
+        scene.notes.push_back(files[i].name +
+                              ": has no colours beside files that have: its points are white");
   for (const auto& [first, last] : from_las) restore_zeros(scene.cloud, first, last);
   if (scene.cloud.empty())
     throw Error(
         ErrorCode::bad_input,
         files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
+  if (!options.keep_degrees) scene.metres = options.metres ? options.metres : degrees_of(scene.cloud);
+  if (scene.metres) {
+    scene.metres->apply(scene.cloud);
+    scene.notes.push_back((files.size() == 1 ? files[0].name + ": " : std::string()) + scene.metres->note());
+  }
   if (options.up) scene.cloud.set_up(*options.up);
   return scene;
 }
@@ -125,7 +138,9 @@ void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOption
     scene.before_selection = std::make_shared<const PointCloud>(subsample(scene.cloud, enough_for_upright));
   const std::string whose = files.size() == 1 ? files[0].name + ": " : std::string();
   try {
-    scene.selected = apply(options.selection, scene.cloud);
+    Selection selection = options.selection;
+    if (selection.crop && scene.metres) selection.crop = scene.metres->moved(*selection.crop);
+    scene.selected = apply(selection, scene.cloud);
   } catch (const NothingSelected& error) {
     throw NothingSelected(whose + error.what());
   } catch (const Error& error) {

@@ -262,7 +262,7 @@ void Session::forget_programs() {
     if (part.rule) part.look = part.rule->look(Look(part.rule->technique));
 }
 
-std::vector<Item> Session::settle(Look& look, Progress& progress) {
+std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& progress) {
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
   RenderSettings& settings = look.settings;
   std::vector<Item> items;
@@ -275,7 +275,9 @@ std::vector<Item> Session::settle(Look& look, Progress& progress) {
     }
     analysis::complete(renderer_.prepared(k), own.technique->needs(), options_.prepare, progress);
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
-    own.settings.phong.specular.resolve(coloring_.kind == ColorKind::rgb ? 0.1f : 0.0f);
+    // Seen in parallel, a plane has one angle to view and light: a highlight would lift all of its colours.
+    const bool has_highlights = coloring_.kind == ColorKind::rgb && !camera.orthographic();
+    own.settings.phong.specular.resolve(has_highlights ? 0.1f : 0.0f);
     own.settings.palette = palette_;
     items.push_back({k, own.technique.get(), &own.settings});
   }
@@ -305,7 +307,7 @@ void Session::name_notes(RenderOutput& out, const Look& look) const {
 }
 
 RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants& wants, Progress& progress) {
-  RenderOutput out = renderer_.render(settle(look, progress), camera, look.settings, wants, progress);
+  RenderOutput out = renderer_.render(settle(look, camera, progress), camera, look.settings, wants, progress);
   name_notes(out, look);
   return out;
 }
@@ -313,14 +315,14 @@ RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants
 RenderOutput Session::render_rows(Look& look, const Camera& camera, const RenderWants& wants,
                                   const RowSink& sink, Progress& progress) {
   RenderOutput out =
-      renderer_.render_rows(settle(look, progress), camera, look.settings, wants, sink, progress);
+      renderer_.render_rows(settle(look, camera, progress), camera, look.settings, wants, sink, progress);
   name_notes(out, look);
   return out;
 }
 
 RenderOutput Session::render_panorama(Look& look, const Camera& camera, const RenderWants& wants,
                                       Progress& progress) {
-  RenderOutput out = sfumato::render_panorama(renderer_, settle(look, progress), camera,
+  RenderOutput out = sfumato::render_panorama(renderer_, settle(look, camera, progress), camera,
                                               up_vector(pose_.upright.up), look.settings, wants, progress);
   name_notes(out, look);
   return out;

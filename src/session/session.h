@@ -124,7 +124,7 @@ class Session {
   /// Notes say which technique is meant where there are several.
   void name_notes(RenderOutput& out, const Look& look) const;
   /// What follows from scene and technique together; returns what is drawn.
-  std::vector<Item> settle(Look& look, Progress& progress);
+  std::vector<Item> settle(Look& look, const Camera& camera, Progress& progress);
 
   Renderer renderer_;
   SessionOptions options_;

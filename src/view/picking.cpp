@@ -66,7 +66,8 @@ Picked describe(const PointCloud& cloud, std::size_t index, const std::vector<st
   };
   if (!cloud.colors.empty()) {
     const Rgba8 c = cloud.colors[index];
-    say("rgb", std::to_string(c.r) + ", " + std::to_string(c.g) + ", " + std::to_string(c.b));
+    say("rgb", c == no_color ? "none"
+                             : std::to_string(c.r) + ", " + std::to_string(c.g) + ", " + std::to_string(c.b));
   }
   for (const ScalarField& field : cloud.scalars) {
     const double value = field.value(index);

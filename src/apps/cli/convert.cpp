@@ -131,7 +131,7 @@ int convert_command(const Words& words) {
   std::unique_ptr<gl::Context> context;
   if (shadows.is_asked()) context = gl::Context::create_headless();
   Console console(common);
-  input.scene.read.every_attribute = true;
+  input.scene.read.every_attribute = input.scene.keep_degrees = true;
   scene::Scene scene = scene::read_scene(placed, input.scene, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
@@ -143,9 +143,13 @@ int convert_command(const Words& words) {
   if (context) shadows.add(scene, input.scene.up, *context, console);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
     console.say("sfumato: " + output + ": " + note);
-  if (scene.cloud.up != UpAxis::pos_z && !output.ends_with(".ply"))
+  // What rendering will find: the custom of the old format says less than the shape.
+  const UpAxis up = scene.cloud.up == UpAxis::pos_z || scene.cloud.up_is_known
+                        ? scene.cloud.up
+                        : stand_upright(scene, {}).upright.up;
+  if (up != UpAxis::pos_z && !output.ends_with(".ply"))
     console.say("sfumato: " + output + ": files of this format are taken as +Z up, this cloud is " +
-                to_string(scene.cloud.up) + " up: render it with --up " + to_string(scene.cloud.up));
+                to_string(up) + " up: render it with --up " + to_string(up));
   console.say("wrote " + output + " (" + counted_of(scene.cloud.size(), scene.points_read, "point") + ")");
   return scene.damage.empty() ? 0 : int(ErrorCode::partial);
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "analysis/prepare.h"
@@ -19,6 +20,14 @@ namespace {
 
 /// Fifteen digits: 848935.2, not 848935.2000000001.
 std::string coordinate(double value) { return fmt::format("{:.15g}", value); }
+
+/// Ten digits, more where the number has more in front of its point: times of 1e18.
+std::string statistic(double value) {
+  constexpr double largest_whole = 1e20;
+  if (std::abs(value) < 1e10) return fmt::format("{:.10g}", value);
+  return std::abs(value) < largest_whole ? fmt::format("{:.{}f}", value, value == std::floor(value) ? 0 : 3)
+                                         : fmt::format("{:.17g}", value);
+}
 
 std::string count(std::uint64_t value) {
   std::string text = std::to_string(value);
@@ -67,7 +76,7 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
   row("median_spacing", r.points_finite && spacing ? fmt::format("{:.6g}", *spacing) : "-");
   text += fmt::format("{:<24}{:>16}{:>16}{:>16}\n", "attributes", "min", "max", "mean");
   for (const io::AttributeStats& a : r.attributes)
-    text += fmt::format("  {:<22}{:>16.10g}{:>16.10g}{:>16.10g}\n", a.name, a.min, a.max, a.mean);
+    text += fmt::format("  {:<22} {:>15} {:>15} {:>15}\n", a.name, statistic(a.min), statistic(a.max), statistic(a.mean));
   return text;
 }
 

@@ -166,6 +166,21 @@ scene::Scene read_seen(const scene::LeveledScene& leveled, const std::vector<Cam
       report, console);
 }
 
+/// Points from everywhere in the files of a sequence: what follows from the whole is the same for all of its pictures.
+PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Console& console) {
+  constexpr std::size_t points_of_all = 300'000, least_of_a_file = 2'000;
+  const std::size_t points = std::max(least_of_a_file, points_of_all / files.size());
+  PointCloud all;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    console.set_step("looking at file", i, files.size());
+    std::optional<scene::Scene> part = scene::read_sample({files[i]}, options.input.scene, points, console);
+    if (!part) part = scene::read_scene(std::vector{files[i]}, options.input.scene, console);
+    append(all, subsample(part->cloud, points));
+  }
+  all.grid_index.clear(), all.grids.clear();
+  return all;
+}
+
 /// Files for a view that is known.
 scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderOptions& options,
                       const Choice& choice, RenderReport& report, Console& console) {
@@ -403,6 +418,13 @@ int render_command(const Words& words) {
   auto [scene, pose, camera, cameras, by_camera] = see(
       options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   watch.lap("read");
+  std::shared_ptr<const PointCloud> overview;
+  options.input.scene.metres = scene.metres;
+  if (options.sequence && options.files.size() > 1) {
+    PointCloud all = overview_of(options.placed(), options, console);
+    all.up = scene.cloud.up;
+    scene.overview = overview = std::make_shared<const PointCloud>(std::move(all));
+  }
   const Bounds box = bounds(scene.cloud);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
   if (report.frames > 1)
@@ -419,6 +441,7 @@ int render_command(const Words& words) {
           by_camera ? read_seen(*by_camera, {seen}, options, choice, report, console)
                     : read_for(seen, {options.placed(std::size_t(n))}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
+      if (overview) next.overview = overview;
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
     }

@@ -31,7 +31,7 @@ TEST(PointCloud, AppendMovesToOneOriginAndFillsWhatIsMissing) {
   ASSERT_EQ(a.size(), 5u);
   EXPECT_EQ(a.world(4).x, 1e6 + 11);
   EXPECT_EQ(a.colors.size(), 5u);
-  EXPECT_EQ(a.colors[0], (Rgba8{255, 255, 255, 255}));
+  EXPECT_EQ(a.colors[0], no_color);
   EXPECT_EQ(a.scalar("order")->value(4), 1e9 + 1);
   EXPECT_TRUE(std::isnan(a.scalar("extra")->value(0)));
   EXPECT_EQ(a.scalar("extra")->value(4), 6);

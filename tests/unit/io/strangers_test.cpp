@@ -4,11 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
 
 #include "unit/io/files.h"
+#include "unit/io/las_bytes.h"
 #include "unit/io/truth.h"
 
 namespace sfumato {
@@ -90,6 +93,190 @@ TEST(Strangers, NumbersOfPointsAndWordsBehindThem) {
     named.columns = {"_", "y", "x", "z"};
     EXPECT_EQ(io::read(*stranger(name), named).report.points, 900u) << name;
   }
+}
+
+TEST(Strangers, NoDataIsNoValue) {
+  READ_STRANGER(read, "03_reflectance_nodata_u16.las");
+  const ScalarField* field = read.cloud.scalar("Reflectance");
+  ASSERT_TRUE(field);
+  EXPECT_EQ(std::count_if(field->values.begin(), field->values.end(), [](float v) { return std::isnan(v); }), 150);
+  const auto& stats = read.report.attributes.back();
+  EXPECT_GE(stats.min, -18.1);
+  EXPECT_LE(stats.max, -11.9);
+}
+
+TEST(Strangers, AScanWithoutColoursHasNone) {
+  READ_STRANGER(read, "04_one_scan_without_colours.e57");
+  std::size_t absent = 0;
+  for (std::size_t i = 0; i < read.cloud.size(); ++i) {
+    const bool is_absent = read.cloud.colors.at(i) == no_color;
+    absent += is_absent;
+    EXPECT_FALSE(read.cloud.colors[i] == (Rgba8{0, 0, 0, 255}));
+  }
+  EXPECT_TRUE(absent > 300 && absent < 600) << absent;
+  EXPECT_THAT(notes_of(read), HasSubstr("no colour"));
+}
+
+TEST(Strangers, OneOddValueDecidesNothing) {
+  READ_STRANGER(read, "08_rgb8_one_256.las");
+  int brightest = 0, ordinary = 0;
+  for (const Rgba8& c : read.cloud.colors) brightest = std::max(brightest, int(c.r)), ordinary += c.r >= 40;
+  EXPECT_EQ(brightest, 255);
+  EXPECT_EQ(ordinary, 900);
+  EXPECT_THAT(notes_of(read), HasSubstr("beyond 255"));
+}
+
+TEST(Strangers, SplatsOfHardlyAnyOpacityAreLeftOut) {
+  READ_STRANGER(read, "13_splats_fog.ply");
+  EXPECT_EQ(read.cloud.size(), 900u);
+  EXPECT_THAT(notes_of(read), HasSubstr("300"));
+}
+
+TEST(Strangers, NothingReturnsFromTheScannerItself) {
+  READ_STRANGER(read, "17_zeros_at_the_scanner.e57");
+  EXPECT_EQ(read.cloud.size(), 900u);
+  EXPECT_THAT(notes_of(read), HasSubstr("450 records"));
+}
+
+/// A LAS file of point format 2 with these colours.
+std::filesystem::path colored_las(const std::string& name, const std::vector<std::array<int, 3>>& colors, int east = 0) {
+  test::LasFile file;
+  file.format = 2, file.record_length = 26;
+  file.records.resize(26 * colors.size());
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    test::put<std::int32_t>(file.records, 26 * i, east + int(i));
+    test::put<std::int32_t>(file.records, 26 * i + 4, int(i * i % 97));
+    file.records[26 * i + 14] = 9;
+    for (std::size_t k = 0; k < 3; ++k)
+      test::put<std::uint16_t>(file.records, 26 * i + 20 + 2 * k, std::uint16_t(colors[i][k]));
+  }
+  return test::save(file.bytes(), name);
+}
+
+std::vector<std::array<int, 3>> colors_of(int most, int points = 300) {
+  std::vector<std::array<int, 3>> colors;
+  for (int i = 0; i < points; ++i) colors.push_back({i * most / (points - 1), most / 2 + i % 3, most - i % 5});
+  return colors;
+}
+
+TEST(StrangersKinds, EightTwelveAndSixteenBits) {
+  for (const int bits : {8, 12, 16}) {
+    const int most = (1 << bits) - 1;
+    const io::ReadResult read = io::read(colored_las("a.las", colors_of(most)));
+    for (std::size_t i = 0; i < 300; ++i) EXPECT_NEAR(read.cloud.colors[i].r, 255.0 * double(i) / 299, 1.01) << bits;
+    // A few odd values change nothing for the others.
+    std::vector<std::array<int, 3>> odd = colors_of(most);
+    odd[7] = {most + 1 > 65535 ? 65535 : most + 1, 0, 0};
+    EXPECT_NEAR(io::read(colored_las("b.las", odd)).cloud.colors[200].b, 255, 2) << bits;
+    // And all of it is written as it was.
+    const std::filesystem::path copy = test::temporary("copy.las");
+    io::write(copy, read.cloud);
+    const test::Bytes before = test::load(test::temporary("a.las")), after = test::load(copy);
+    const std::size_t from = test::get<std::uint32_t>(before, 96), to = test::get<std::uint32_t>(after, 96);
+    for (std::size_t i = 0; i < 300; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        ASSERT_EQ(test::get<std::uint16_t>(after, to + i * test::get<std::uint16_t>(after, 105) + 20 + 2 * k),
+                  test::get<std::uint16_t>(before, from + 26 * i + 20 + 2 * k))
+            << bits << " bits, point " << i;
+  }
+  // Dark, but made of 8 bits: 16.
+  std::vector<std::array<int, 3>> dark;
+  for (int i = 0; i < 300; ++i) dark.push_back({i % 12 * 257, 257, 514});
+  EXPECT_EQ(io::read(colored_las("c.las", dark)).cloud.colors[11].r, 11);
+}
+
+// Every pair of files in both orders, through every format that is written: no colour changes by more than a step.
+TEST(StrangersKinds, JoinsKeepTheColoursOfEach) {
+  struct Part {
+    const char* name;
+    int most;  ///< 0: all black, which is none
+  };
+  const Part parts[] = {{"8", 255}, {"12", 4095}, {"16", 65535}, {"none", 0}};
+  for (const Part& first : parts)
+    for (const Part& second : parts) {
+      if (first.most == 0 && second.most == 0) continue;
+      std::filesystem::path files[2];
+      const Part* own[2] = {&first, &second};
+      for (int k = 0; k < 2; ++k)
+        files[k] = colored_las(std::to_string(k) + ".las",
+                               own[k]->most ? colors_of(own[k]->most) : std::vector<std::array<int, 3>>(300), 1000 * k);
+      PointCloud joined = io::read(files[0]).cloud;
+      append(joined, io::read(files[1]).cloud);
+      for (const char* extension : {".las", ".laz", ".ply", ".pcd"}) {
+        const std::filesystem::path out = test::temporary(std::string("joined") + extension);
+        io::write(out, joined);
+        const PointCloud back = io::read(out).cloud;
+        ASSERT_EQ(back.size(), 600u);
+        for (int k = 0; k < 2; ++k)
+          for (std::size_t i = 0; i < 300; ++i) {
+            const Rgba8 c = back.colors.at(std::size_t(300 * k) + i);
+            const double expected = own[k]->most ? 255.0 * double(i) / 299 : 255;
+            ASSERT_NEAR(c.r, expected, 1.01) << first.name << " + " << second.name << extension << " point " << i;
+          }
+      }
+    }
+}
+
+TEST(StrangersKinds, NumbersThatStandForNoValue) {
+  struct Kind {
+    std::uint8_t type;
+    std::size_t size;
+    double no_data;
+    double scale;
+  };
+  for (const Kind& kind : {Kind{1, 1, 255, 1}, Kind{3, 2, 65535, 0.01}, Kind{4, 2, -9999, 1}, Kind{6, 4, -9999, 0.001},
+                           Kind{9, 4, -9999, 1}, Kind{10, 8, -9999, 1}}) {
+    test::Bytes described = test::extra_field("value", kind.type, kind.scale != 1 ? 1 | 8 : 1, kind.scale);
+    if (kind.type >= 9)
+      test::put<double>(described, 40, kind.no_data);
+    else
+      test::put<std::int64_t>(described, 40, std::int64_t(kind.no_data));
+    test::LasFile file;
+    file.minor = 4;
+    file.record_length = std::uint16_t(20 + kind.size);
+    file.vlrs = {{"LASF_Spec", 4, described}};
+    file.records.resize(3 * file.record_length);
+    const double raw[3] = {10, kind.no_data, 20};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t at = i * file.record_length + 20;
+      test::put<std::int32_t>(file.records, i * file.record_length, int(i));
+      switch (kind.type) {
+        case 1: test::put(file.records, at, std::uint8_t(raw[i])); break;
+        case 3: test::put(file.records, at, std::uint16_t(raw[i])); break;
+        case 4: test::put(file.records, at, std::int16_t(raw[i])); break;
+        case 6: test::put(file.records, at, std::int32_t(raw[i])); break;
+        case 9: test::put(file.records, at, float(raw[i])); break;
+        default: test::put(file.records, at, raw[i]);
+      }
+    }
+    const std::filesystem::path path = test::save(file.bytes(), "a.las"), copy = test::temporary("b.las");
+    const io::ReadResult read = io::read(path);
+    io::write(copy, read.cloud);
+    for (const io::ReadResult& each : {read, io::read(copy)}) {
+      EXPECT_TRUE(std::isnan(each.cloud.scalar("value")->values[1])) << int(kind.type);
+      EXPECT_NEAR(each.cloud.scalar("value")->value(2), 20 * kind.scale, 1e-9) << int(kind.type);
+      EXPECT_NEAR(each.report.attributes.back().max, 20 * kind.scale, 1e-9) << int(kind.type);
+      EXPECT_NEAR(each.report.attributes.back().mean, 15 * kind.scale, 1e-9) << int(kind.type);
+    }
+  }
+}
+
+TEST(StrangersKinds, PartsOfPtxWithoutColours) {
+  const std::string pose = "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  for (const char* without : {"1 2 3 0.5\n4 5 6 0.5\n", "1 2 3 0.5 0 0 0\n4 5 6 0.5 0 0 0\n"}) {
+    const PointCloud cloud = read_text(pose + without + pose + "7 8 9 0.5 10 20 30\n1 1 1 0.5 0 0 0\n", "a.ptx").cloud;
+    EXPECT_EQ(cloud.colors.at(0), no_color);
+    EXPECT_EQ(cloud.colors.at(2), (Rgba8{10, 20, 30, 255}));
+    EXPECT_EQ(cloud.colors.at(3), (Rgba8{0, 0, 0, 255}));  // black beside colours is black
+  }
+}
+
+TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
+  std::string points, grid;
+  for (int i = 0; i < 40; ++i) points += i % 4 ? "0 0 0 7\n" : std::to_string(i) + ".5 2.5 3 7\n";
+  EXPECT_EQ(read_text(points).cloud.size(), 10u);
+  EXPECT_THAT(notes_of(read_text(points)), HasSubstr("30 records are 0 0 0"));
+  EXPECT_EQ(read_text("0 0 0\n1 2 3\n4 5 6\n").cloud.size(), 3u);  // the origin may be a point
 }
 
 // Names of the columns, in remarks and lines of their own, by any separator.
