@@ -88,8 +88,8 @@ const Names words_of_axes[3] = {
     {"x", "easting", "east", "e", "rechtswert", "rechts", "ostwert", "ost", "este", "est", "longitude", "lon",
      "lng", "long"},
     {"y", "northing", "north", "n", "hochwert", "hoch", "nordwert", "nord", "norte", "latitude", "lat"},
-    {"z", "elevation", "height", "altitude", "elev", "alt", "h", "hoehe", "hoehenwert", "cota", "quota",
-     "altura", "rl", "level"}};
+    {"z", "elevation", "height", "altitude", "elev", "ele", "alt", "h", "hoehe", "hoehenwert", "cota",
+     "quota", "altura", "rl", "level"}};
 
 void use_names_of_axes(Names& names) {
   Names low = names, cores;

@@ -69,6 +69,10 @@ Commas commas_of(std::string_view line) {
     const std::string_view text(word, std::size_t(at - word));
     at = skip_blanks(at, end);
     if (at < end && *at == ';') ++at;
+    const auto is_letter = [](char c) {
+      return std::isalpha(static_cast<unsigned char>(c)) && c != 'e' && c != 'E';
+    };
+    if (std::any_of(text.begin(), text.end(), is_letter)) continue;  // no number, whatever its commas are
     ++words;
     const std::size_t comma = text.find(',');
     if (comma == std::string_view::npos) continue;

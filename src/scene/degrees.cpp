@@ -78,12 +78,13 @@ void LocalMetres::apply(PointCloud& cloud) const {
 
 std::string LocalMetres::note() const {
   char text[320];
-  std::snprintf(text, sizeof text,
-                "x and y are degrees (%s): drawn in metres around %.6f %s %.6f %s, %.1f km a degree east and %.1f km "
-                "north; sfumato info gives the file's numbers",
-                by_values ? "by their values; the file names no coordinate system" : "by the coordinate system",
-                std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(longitude), longitude < 0 ? "W" : "E",
-                east / 1000, north / 1000);
+  std::snprintf(
+      text, sizeof text,
+      "x and y are degrees (%s): drawn in metres around %.6f %s %.6f %s, %.1f km a degree east and %.1f km "
+      "north; sfumato info gives the file's numbers",
+      by_values ? "by their values; the file names no coordinate system" : "by the coordinate system",
+      std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(longitude), longitude < 0 ? "W" : "E",
+      east / 1000, north / 1000);
   return text;
 }
 

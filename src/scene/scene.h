@@ -25,7 +25,8 @@ struct SceneOptions {
   io::ReadOptions read;
   Selection selection;
   std::optional<UpAxis> up;  ///< wins over what the files say
-  bool keep_degrees = false;  ///< x and y that are degrees stay so; otherwise the scene is in metres (degrees.h)
+  bool keep_degrees =
+      false;  ///< x and y that are degrees stay so; otherwise the scene is in metres (degrees.h)
   std::optional<LocalMetres> metres;  ///< those of an earlier scene, which is seen by the same camera
 };
 
@@ -44,7 +45,7 @@ struct Scene {
   std::uint64_t points_read = 0;     ///< in the files
   std::uint64_t points_missing = 0;  ///< of those, in parts that are damaged and left out
   SelectionReport selected;
-  std::optional<LocalMetres> metres;  ///< what became of x and y that were degrees
+  std::optional<LocalMetres> metres;   ///< what became of x and y that were degrees
   std::vector<std::string> notes;      ///< of readers ("FILE: ..."), of putting together and of selecting
   std::vector<std::string> damage;     ///< of files, the parts that are left out, and why: a line each
   std::optional<LevelsReport> levels;  ///< of a scene that was read by its levels (scene/leveled_scene.h)

@@ -76,7 +76,8 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
   row("median_spacing", r.points_finite && spacing ? fmt::format("{:.6g}", *spacing) : "-");
   text += fmt::format("{:<24}{:>16}{:>16}{:>16}\n", "attributes", "min", "max", "mean");
   for (const io::AttributeStats& a : r.attributes)
-    text += fmt::format("  {:<22} {:>15} {:>15} {:>15}\n", a.name, statistic(a.min), statistic(a.max), statistic(a.mean));
+    text += fmt::format("  {:<22} {:>15} {:>15} {:>15}\n", a.name, statistic(a.min), statistic(a.max),
+                        statistic(a.mean));
   return text;
 }
 

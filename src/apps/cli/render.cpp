@@ -166,7 +166,8 @@ scene::Scene read_seen(const scene::LeveledScene& leveled, const std::vector<Cam
       report, console);
 }
 
-/// Points from everywhere in the files of a sequence: what follows from the whole is the same for all of its pictures.
+/// Points from everywhere in the files of a sequence: what follows from the whole is the same for all of its
+/// pictures.
 PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Console& console) {
   constexpr std::size_t points_of_all = 300'000, least_of_a_file = 2'000;
   const std::size_t points = std::max(least_of_a_file, points_of_all / files.size());

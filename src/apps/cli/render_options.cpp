@@ -48,9 +48,10 @@ void RenderOptions::declare(CommandLine& line) {
             "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg)");
   line.text("--frames", frames, "N", "pictures of the path (120)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
-  line.flag("--sequence", sequence,
-            "files are frames: one picture each, from the camera of the first, with one colour range for all, "
-            "-o frame_{n:04}.png");
+  line.flag(
+      "--sequence", sequence,
+      "files are frames: one picture each, from the camera of the first, with one colour range for all, "
+      "-o frame_{n:04}.png");
   line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
   line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
   line.text("--scene", scene, "FILE.json",

@@ -24,7 +24,8 @@ std::filesystem::path part(const std::string& name, int bits, float east) {
 }
 
 TEST(ColorJoins, BuildBringsAllTo16Bits) {
-  for (const auto& [first, second] : {std::pair{8, 16}, {16, 8}, {12, 16}, {16, 12}, {8, 12}, {0, 16}, {8, 0}}) {
+  for (const auto& [first, second] :
+       {std::pair{8, 16}, {16, 8}, {12, 16}, {16, 12}, {8, 12}, {0, 16}, {8, 0}}) {
     const std::vector files{part("first.las", first, 0), part("second.las", second, 100)};
     const std::filesystem::path out = std::filesystem::path(::testing::TempDir()) / "joined.copc.laz";
     const copc::BuildReport report = copc::build(files, out);

@@ -1,0 +1,130 @@
+// Files as people send them, through the whole command: what was reported wrong once, right.
+#include <cmath>
+#include <fstream>
+
+#include "cli/command.h"
+
+namespace sfumato::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class StrangersCommand : public CommandTest {
+ protected:
+  /// A hill of points: x and y from `low` on, `size` wide, `height` high; a colour a stripe.
+  std::string write_hill(const std::string& name, double x, double y, double size, double height,
+                         double base = 0) {
+    std::string text = "x y z r g b\n";
+    char line[160];
+    for (int i = 0; i < 60; ++i)
+      for (int j = 0; j < 60; ++j) {
+        const double u = i / 59.0, v = j / 59.0, z = base + height * std::sin(3 * u) * std::sin(3 * v);
+        std::snprintf(line, sizeof line, "%.10f %.10f %.4f %d %d %d\n", x + size * u, y + size * v, z, 200,
+                      40 + 3 * i, 40);
+        text += line;
+      }
+    return write(name, text);
+  }
+  static double wide(const Image<Rgba8>& image) {
+    int low = image.width(), high = -1;
+    const Rgba8 background = image.at(0, 0);
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x)
+        if (image.at(x, y) != background) low = std::min(low, x), high = std::max(high, x);
+    return high - low + 1;
+  }
+  /// The file of that name in ../shared/data/strangers, or nothing.
+  static std::optional<std::string> stranger(const std::string& name) {
+    std::filesystem::path folder;
+    if (const char* given = std::getenv("SFUMATO_TEST_DATA")) folder = given;
+    for (std::filesystem::path at = SFUMATO_SOURCE_DIR; folder.empty() && at.has_relative_path();
+         at = at.parent_path())
+      if (std::filesystem::exists(at.parent_path() / "shared/data"))
+        folder = at.parent_path() / "shared/data";
+    const std::filesystem::path file = folder / "strangers" / name;
+    return std::filesystem::exists(file) ? std::optional(file.string()) : std::nullopt;
+  }
+};
+
+TEST_F(StrangersCommand, DegreesAreDrawnInMetresAndSaid) {
+  write_hill("degrees.txt", 13.38, 52.51, 0.0003, 6, 34);
+  const Outcome made = run({"degrees.txt", "--view", "top", "--camera-orthographic", "-o", "a.png",
+                            "--resolution", "200x200", "-t", "points"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("degrees"));
+  EXPECT_THAT(made.err, HasSubstr("67.9 km"));
+  EXPECT_GT(wide(read_png("a.png")), 80);
+  const Outcome info = run({"info", "degrees.txt"});
+  EXPECT_THAT(info.out, HasSubstr("13.38"));
+  EXPECT_EQ(run({"convert", "degrees.txt", "-o", "copy.ply"}).code, 0);
+  EXPECT_THAT(run({"info", "copy.ply"}).out, HasSubstr("13.38"));
+  // Metres are none, however small the numbers.
+  write_hill("metres.txt", 13.38, 52.51, 8, 6, 34);
+  EXPECT_THAT(run({"metres.txt", "-o", "b.png", "--resolution", "64x64"}).err, Not(HasSubstr("degrees")));
+}
+
+TEST_F(StrangersCommand, ASequenceHasOneRange) {
+  write_hill("1.txt", 0, 0, 20, 6, 34);
+  write_hill("2.txt", 0, 0, 20, 6, 44);
+  const auto report = run({"1.txt", "2.txt", "--sequence", "--color-by", "elevation", "-o", "frame_{n}.png",
+                           "-t", "points", "--shading", "unlit", "--resolution", "120x90"});
+  ASSERT_EQ(report.code, 0) << report.err;
+  const auto mean_red = [&](const std::string& name) {
+    const Image<Rgba8> image = read_png(name);
+    double sum = 0;
+    int count = 0;
+    for (const Rgba8& c : image)
+      if (!(c == image.at(0, 0))) sum += c.g, ++count;
+    return sum / count;
+  };
+  // With a range of its own each would look like the other.
+  EXPECT_GT(std::abs(mean_red("frame_0.png") - mean_red("frame_1.png")), 40);
+}
+
+TEST_F(StrangersCommand, APlanShowsTheColoursOfTheFile) {
+  std::string text = "x y z r g b\n";
+  for (int i = 0; i < 100; ++i)
+    for (int j = 0; j < 100; ++j)
+      text += std::to_string(i) + " " + std::to_string(j) + " 0 " + (i < 50 ? "20 20 20\n" : "150 120 80\n");
+  write("plan.txt", text);
+  ASSERT_EQ(run({"plan.txt", "--view", "top", "--camera-orthographic", "--up", "+Z", "-t", "points",
+                 "--exposure", "1", "-o", "a.png", "--resolution", "100x100"})
+                .code,
+            0);
+  const Image<Rgba8> image = read_png("a.png");
+  const Rgba8 dark = image.at(30, 50), light = image.at(70, 50);
+  EXPECT_NEAR(dark.r, 20, 2);
+  EXPECT_NEAR(light.r, 150, 2);
+  EXPECT_NEAR(light.b, 80, 2);
+}
+
+TEST_F(StrangersCommand, TheRealOnes) {
+  const auto chart = stranger("12_chart.ply"), land = stranger("16_land_z_up.ply"),
+             west = stranger("14_west_zero_rgb.las"), east = stranger("14_east_rgb.las"),
+             west8 = stranger("11_west_8bit.las"), east16 = stranger("11_east_16bit.las"),
+             degrees = stranger("05_degrees_no_crs.las");
+  if (!chart || !land || !west || !east || !west8 || !east16 || !degrees)
+    GTEST_SKIP() << "no strangers' files";
+  EXPECT_THAT(run({"convert", *land, "-o", "x.las"}).err, Not(HasSubstr("--up +Y")));
+  EXPECT_THAT(run({*degrees, "-o", "d.png", "--resolution", "64x48"}).err, HasSubstr("degrees"));
+  const Outcome joined = run({*west, *east, "-o", "w.png", "--resolution", "64x48"});
+  EXPECT_THAT(joined.err, HasSubstr("has no colours"));
+  ASSERT_EQ(run({"build", *west8, *east16, "-o", "o.copc.laz"}).code, 0);
+  const auto info = run_json({"info", "--stats", "--json", "o.copc.laz"});
+  double least = 1e9, most = 0;
+  for (const auto& attribute : info["attributes"])
+    if (attribute["name"] == "red") least = attribute["min"], most = attribute["max"];
+  EXPECT_EQ(least, 10280);
+  EXPECT_EQ(most, 53970);
+  ASSERT_EQ(run({*chart, "--view", "top", "--camera-orthographic", "--up", "+Z", "-o", "c.png",
+                 "--resolution", "300x200"})
+                .code,
+            0);
+  int black = 0;
+  for (const Rgba8& c : read_png("c.png")) black += std::abs(c.r - 20) < 4 && std::abs(c.g - 20) < 4;
+  EXPECT_GT(black, 1000);
+}
+
+}  // namespace
+}  // namespace sfumato::testing
