@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t head_bytes = 8 + 3 * 8 + 3 + 8 + 8;  ///< of a point in front of its track
 constexpr std::size_t track_bytes = 8;                     ///< a picture and a place in it
 constexpr std::uint64_t longest_track = 1 << 20, largest_id = std::uint64_t(1) << 48;
-constexpr double farthest = 1e9;
+constexpr double farthest_point = 1e9;
 
 struct Point {
   std::uint64_t id = 0, track = 0;
@@ -40,7 +40,7 @@ Point point_at(const char* at) {
 
 bool is_plausible(const Point& point) {
   for (const double value : point.xyz)
-    if (!(std::abs(value) <= farthest)) return false;
+    if (!(std::abs(value) <= farthest_point)) return false;
   return point.id < largest_id && point.track <= longest_track && std::isfinite(point.error);
 }
 
@@ -65,6 +65,8 @@ bool is_colmap_points(std::string_view head) {
 ReadResult read_colmap_points(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);
   const std::string bytes = file.read_text(0, std::size_t(file.size()));
+  if (bytes.size() < 8 + head_bytes)
+    bad_input(path, "byte 0", "found no point; the file is cut short, fetch it again");
   const char* at = bytes.data();
   const auto count = take<std::uint64_t>(at);
   if (count > (bytes.size() - 8) / head_bytes)

@@ -21,10 +21,10 @@
 namespace sfumato::io {
 namespace {
 
-constexpr std::size_t least_columns = 3, most_columns = 12;
+constexpr std::size_t least_floats = 3, most_floats = 12;
 constexpr std::size_t sampled_floats = 1 << 16;
 /// Nothing that a vehicle sees is farther, metres.
-constexpr double farthest = 1e5;
+constexpr double farthest_echo = 1e5;
 
 struct Values {
   double mean = 0, deviation = 0, low = std::numeric_limits<double>::infinity(), high = -low;
@@ -87,7 +87,7 @@ std::vector<float> sample_of(const File& file, std::uint64_t floats, std::uint64
 [[noreturn]] void refuse(const File& file, const std::string& found) {
   bad_input(
       file.path(), "byte 0",
-      found + ", expected points of 3 to " + std::to_string(most_columns) +
+      found + ", expected points of 3 to " + std::to_string(most_floats) +
           " floats as of a vehicle's scanner; name the columns (--columns x,y,z,intensity,...) or the format "
           "by its extension");
 }
@@ -95,12 +95,12 @@ std::vector<float> sample_of(const File& file, std::uint64_t floats, std::uint64
 std::size_t find_columns(const File& file, std::uint64_t floats) {
   // Of fewer points columns have no deviations worth the name: KITTI's four where they can be.
   constexpr std::uint64_t least_points = 16;
-  if (floats < least_points * least_columns)
+  if (floats < least_points * least_floats)
     for (const std::size_t columns : {4, 5, 6, 3})
       if (floats % columns == 0) return columns;
   double shortest = std::numeric_limits<double>::infinity(), mixed = 0;
   std::size_t best = 0;
-  for (std::size_t columns = least_columns; columns <= most_columns; ++columns) {
+  for (std::size_t columns = least_floats; columns <= most_floats; ++columns) {
     if (floats % columns != 0 || floats / columns < least_points) continue;
     const std::vector<float> sample = sample_of(file, floats, columns);
     const double per_float = code_length(sample, columns) / double(sample.size());
@@ -112,7 +112,7 @@ std::size_t find_columns(const File& file, std::uint64_t floats) {
   if (best == 0) refuse(file, "found " + counted(floats, "float") + ", which are no whole number of points");
   if (!std::isfinite(shortest)) refuse(file, "found numbers that are none");
   const std::vector<float> sample = sample_of(file, floats, best);
-  for (std::size_t turn = least_columns; turn < best; ++turn)
+  for (std::size_t turn = least_floats; turn < best; ++turn)
     if (best % turn == 0 && repeats(sample, best, turn)) return turn;
   // A handful of points tells nothing; of many, columns that are one like the other are of anything.
   if (sample.size() >= 64 * best && shortest >= mixed) refuse(file, "found floats without columns");
@@ -123,7 +123,7 @@ std::size_t find_columns(const File& file, std::uint64_t floats) {
 std::vector<std::string> names_of(const std::vector<float>& sample, std::size_t columns) {
   std::vector<std::string> names{"x", "y", "z"};
   bool intensity = false, ring = false, time = false;
-  for (std::size_t k = least_columns; k < columns; ++k) {
+  for (std::size_t k = least_floats; k < columns; ++k) {
     const Values column = column_of(sample, k, columns);
     if (column.deviation == 0 && k + 1 < columns) {
       names.push_back("_");  // padding
@@ -145,7 +145,7 @@ std::vector<std::string> names_of(const std::vector<float>& sample, std::size_t 
 ReadResult read_floats(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
   const std::uint64_t floats = file.size() / sizeof(float);
-  if (file.size() % sizeof(float) != 0 || floats < least_columns)
+  if (file.size() % sizeof(float) != 0 || floats < least_floats)
     bad_input(
         path, "byte " + std::to_string(file.size()),
         "the file ends inside a point, expected records of floats (KITTI, nuScenes); it is cut short or of "
@@ -182,7 +182,7 @@ ReadResult read_floats(const std::filesystem::path& path, const ReadOptions& opt
   ReadResult result;
   builder.finish(cursors, result);
   const double reach = std::max(glm::length(result.report.bounds_min), glm::length(result.report.bounds_max));
-  if (result.report.points_finite == 0 || !(reach <= farthest))
+  if (result.report.points_finite == 0 || !(reach <= farthest_echo))
     refuse(file, "found coordinates up to " + short_text(reach));
   result.cloud.scanners.push_back(dvec3(0));
   std::string list;

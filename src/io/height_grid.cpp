@@ -17,7 +17,7 @@ namespace sfumato::io {
 namespace {
 
 constexpr double least_of_surfer = 1.70141e38;  ///< what Surfer writes where there is nothing
-constexpr std::size_t most_keys = 16;
+constexpr std::size_t most_header_words = 16;
 
 std::string lower(std::string_view word) {
   std::string low(word);
@@ -142,7 +142,7 @@ class GridReader {
     do {
       std::string key = lower(word);
       if (!std::isalpha(static_cast<unsigned char>(key[0])) || key == "null" || key == "nan") break;
-      if (keys.size() >= most_keys) fail("found more words than a grid has; the file is damaged");
+      if (keys.size() >= most_header_words) fail("found more words than a grid has; the file is damaged");
       if (key.back() == ':') key.pop_back();
       keys[key] = number(("a number for " + key).c_str());
       is_grass_ = is_grass_ || key == "rows";

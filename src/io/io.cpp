@@ -9,6 +9,7 @@
 #include "io/file.h"
 #include "io/format.h"
 #include "io/las.h"
+#include "io/splats.h"
 
 namespace sfumato::io {
 namespace {
@@ -70,13 +71,22 @@ const std::vector<Format>& table() {
        "depth image (16-bit PNG or EXR) and its camera as JSON",
        is_depth_image,
        read_depth_image},
-      {"colmap", {}, "COLMAP points3D.bin (points3D.txt is text)", is_colmap_points, read_colmap_points},
+      {"colmap",
+       {"points3d.bin"},
+       "COLMAP points3D.bin (points3D.txt is text)",
+       is_colmap_points,
+       read_colmap_points},
       {"kitti",
        {".bin"},
        "scans of vehicles as bare floats: KITTI, nuScenes and their like",
        nullptr,
        read_floats},
-      {"grid", {}, "heights on a grid: ESRI ASCII (.asc), GRASS, Surfer", is_height_grid, read_height_grid},
+      {"splat", {".splat"}, "3D Gaussian splats, 32 bytes each", nullptr, read_splat},
+      {"grid",
+       {".grd"},
+       "heights on a grid: ESRI ASCII (.asc), GRASS, Surfer",
+       is_height_grid,
+       read_height_grid},
       // Last: any lines of numbers are text.
       {"text",
        {".xyz", ".txt", ".csv", ".asc"},

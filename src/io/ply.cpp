@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "io/columns.h"
 #include "core/counted.h"
@@ -11,6 +10,7 @@
 #include "io/format.h"
 #include "io/parallel.h"
 #include "io/ply_header.h"
+#include "io/splats.h"
 #include "io/text_rows.h"
 
 namespace sfumato::io {
@@ -155,59 +155,9 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
 
 }  // namespace
 
-namespace {
-
-/// Which Gaussian splats are drawn as points. What covers more than it lets through is solid; fainter ones
-/// stand for as many points as they cover, by chance that a hash of their number decides (as stochastic
-/// transparency does, Enderton et al. 2010); what adds less than a step of 8 bits is nothing, as for their
-/// own renderer (Kerbl et al. 2023).
-std::vector<std::uint32_t> visible_splats(const ScalarField& opacity) {
-  constexpr double least = 1.0 / 255, solid = 0.5;
-  std::vector<std::uint32_t> kept;
-  for (std::size_t i = 0; i < opacity.values.size(); ++i) {
-    const double covers = 1 / (1 + std::exp(-opacity.value(i)));  // stored as its logit
-    auto hash = std::uint32_t(i) * 2654435761u;
-    hash = (hash ^ hash >> 15) * 2246822519u;
-    if (std::isnan(covers) || (covers >= least && covers / solid * 0x1p32 > double(hash ^ hash >> 13)))
-      kept.push_back(std::uint32_t(i));
-  }
-  return kept;
-}
-
-/// Files of 3D Gaussian splats hold colours as spherical harmonics. The constant term, the same from every
-/// side: 1/2 + f_dc / sqrt(4 pi), in sRGB (Kerbl et al. 2023, whose program stores it so).
-void color_by_harmonics(ReadResult& result) {
-  PointCloud& cloud = result.cloud;
-  const ScalarField* terms[] = {cloud.scalar("f_dc_0"), cloud.scalar("f_dc_1"), cloud.scalar("f_dc_2")};
-  if (!terms[0] || !terms[1] || !terms[2]) return;
-  const auto byte = [&](const ScalarField& term, std::size_t i) {
-    const double value = 0.5 + term.value(i) / std::sqrt(4 * std::numbers::pi);
-    return std::uint8_t(std::lround(255 * std::clamp(std::isnan(value) ? 0.5 : value, 0.0, 1.0)));
-  };
-  if (cloud.colors.empty()) {
-    cloud.colors.resize(cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i)
-      cloud.colors[i] = {byte(*terms[0], i), byte(*terms[1], i), byte(*terms[2], i), 255};
-  }
-  std::string faint;
-  if (const ScalarField* opacity = cloud.scalar("opacity")) {
-    const std::vector<std::uint32_t> kept = visible_splats(*opacity);
-    if (const std::size_t left_out = cloud.size() - kept.size(); left_out > 0 && !kept.empty()) {
-      cloud = select(cloud, kept);
-      result.report.points_finite -= left_out, result.report.points_dropped += left_out;
-      const Bounds box = bounds(cloud);
-      result.report.bounds_min = box.min, result.report.bounds_max = box.max;
-      faint = "; " + counted(left_out, "faint one") + " left out by their opacity";
-    }
-  }
-  result.report.notes.push_back("Gaussian splats: their centres are drawn, in their mean colours (f_dc)" +
-                                faint);
-}
-
-}  // namespace
-
 ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places,
                              Progress& progress) {
+  if (are_packed_splats(header)) return read_packed_splats(file, header, progress);
   ReadResult result;
   result.cloud.up = header.up;
   result.cloud.up_is_known = header.says_up;

@@ -54,7 +54,8 @@ void read_cloud(std::string_view bytes) {
 
 constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd",
                obj[] = ".obj", e57[] = ".e57", ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz",
-               npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin";
+               npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc",
+               colmap[] = ".bin", splat[] = ".splat";
 
 void read_mesh(std::string_view bytes) {
   static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj");
@@ -125,17 +126,29 @@ void read_command_line(std::string_view bytes) {
 }  // namespace
 
 const std::map<std::string, FuzzTarget>& fuzz_targets() {
-  static const std::map<std::string, FuzzTarget> all = {
-      {"las", read_cloud<las>},   {"laz", read_cloud<laz>},
-      {"copc", read_cloud<copc>}, {"ply", read_cloud<ply>},
-      {"pcd", read_cloud<pcd>},   {"obj", read_cloud<obj>},
-      {"e57", read_cloud<e57>},   {"ptx", read_cloud<ptx>},
-      {"pts", read_cloud<pts>},   {"text", read_cloud<text>},
-      {"npy", read_cloud<npy>},   {"kitti", read_cloud<kitti>},
-      {"npz", read_cloud<npz>},   {"draco", read_cloud<draco>},
-      {"mesh", read_mesh},        {"depth", read_depth},
-      {"exr", read_exr},          {"camera", read_camera},
-      {"preset", read_preset},    {"command_line", read_command_line}};
+  static const std::map<std::string, FuzzTarget> all = {{"las", read_cloud<las>},
+                                                        {"laz", read_cloud<laz>},
+                                                        {"copc", read_cloud<copc>},
+                                                        {"ply", read_cloud<ply>},
+                                                        {"pcd", read_cloud<pcd>},
+                                                        {"obj", read_cloud<obj>},
+                                                        {"e57", read_cloud<e57>},
+                                                        {"ptx", read_cloud<ptx>},
+                                                        {"pts", read_cloud<pts>},
+                                                        {"text", read_cloud<text>},
+                                                        {"npy", read_cloud<npy>},
+                                                        {"kitti", read_cloud<kitti>},
+                                                        {"grid", read_cloud<grid>},
+                                                        {"colmap", read_cloud<colmap>},
+                                                        {"splat", read_cloud<splat>},
+                                                        {"npz", read_cloud<npz>},
+                                                        {"draco", read_cloud<draco>},
+                                                        {"mesh", read_mesh},
+                                                        {"depth", read_depth},
+                                                        {"exr", read_exr},
+                                                        {"camera", read_camera},
+                                                        {"preset", read_preset},
+                                                        {"command_line", read_command_line}};
   return all;
 }
 

@@ -105,6 +105,16 @@ std::vector<Seed> seeds() {
   add("draco", ".drc", draco_cloud());
 #endif
   add("kitti", ".bin", bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f));
+  const std::string head = "ncols 3\nnrows 2\nxllcorner 1\nyllcorner 2\ncellsize 0.5\nNODATA_value -9\n";
+  add("grid", ".asc", head + "1 2 3\n4 -9 6\n");
+  add("grid", ".grd", "DSAA\n3 2\n0 4\n10 11\n1 6\n1 2 3\n4 5 6\n");
+  std::string colmap = bytes_of(std::uint64_t(2));
+  for (const double x : {1.0, 2.0})
+    colmap += bytes_of(std::uint64_t(7), x, 2.5, 3.5) + "rgb" + bytes_of(0.5, std::uint64_t(1), 3u, 4u);
+  add("colmap", ".bin", colmap);
+  add("splat", ".splat",
+      bytes_of(1.0f, 2.0f, 3.0f, 1.0f, 1.0f, 1.0f, 0xFF102030u, 0u) +
+          bytes_of(4.0f, 5.0f, 6.0f, 1.0f, 1.0f, 1.0f, 0xFF405060u, 0u));
   const std::string frame =
       R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
   all.push_back({"depth", ".json", frame, "d.png", png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500})});

@@ -279,6 +279,36 @@ TEST(StrangersKinds, PartsOfPtxWithoutColours) {
   }
 }
 
+/// Three splats: solid, hardly there, and solid.
+TEST(StrangersKinds, PackedSplats) {
+  std::string ply = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
+  for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"})
+    ply += std::string("property float ") + name + "\n";
+  ply +=
+      "element vertex 3\nproperty uint packed_position\nproperty uint packed_rotation\nproperty uint "
+      "packed_scale\n"
+      "property uint packed_color\nend_header\n";
+  ply += test::bytes_of(-1.0f, -2.0f, -3.0f, 1.0f, 2.0f, 3.0f);
+  const std::uint32_t high = 2047u << 21 | 1023u << 11 | 2047u;
+  ply += test::bytes_of(0u, 0u, 0u, 0x0A141EFFu, 0u, 0u, 0u, 0x0A141E00u, high, 0u, 0u, 0x645A50FFu);
+  const io::ReadResult read = io::read(write_file("a.compressed.ply", ply));
+  ASSERT_EQ(read.cloud.size(), 2u);
+  EXPECT_EQ(read.cloud.world(0), dvec3(-1, -2, -3));
+  EXPECT_EQ(read.cloud.world(1), dvec3(1, 2, 3));
+  EXPECT_EQ(read.cloud.colors.at(0), (Rgba8{10, 20, 30, 255}));
+  std::string splats;
+  for (int i = 0; i < 3; ++i) {
+    splats += test::bytes_of(float(i), 2.0f, 3.0f, 0.1f, 0.1f, 0.1f);
+    splats +=
+        test::bytes_of(std::uint8_t(9), std::uint8_t(8), std::uint8_t(7), std::uint8_t(i == 1 ? 0 : 255), 0u);
+  }
+  const PointCloud cloud = io::read(write_file("a.splat", splats)).cloud;
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.world(1), dvec3(2, 2, 3));
+  EXPECT_EQ(cloud.colors.at(0), (Rgba8{9, 8, 7, 255}));
+  test::expect_cuts_are_safe("b.ply", ply, 3);
+}
+
 TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
   std::string points, grid;
   for (int i = 0; i < 40; ++i) points += i % 4 ? "0 0 0 7\n" : std::to_string(i) + ".5 2.5 3 7\n";

@@ -1,0 +1,193 @@
+#include "io/splats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "core/counted.h"
+#include "io/format.h"
+#include "io/table.h"
+
+namespace sfumato::io {
+namespace {
+
+/// Which Gaussian splats are drawn as points. What covers more than it lets through is solid; fainter ones
+/// stand for as many points as they cover, by chance that a hash of their number decides (as stochastic
+/// transparency does, Enderton et al. 2010); what adds less than a step of 8 bits is nothing, as for their
+/// own renderer (Kerbl et al. 2023).
+std::vector<std::uint32_t> visible_splats(std::size_t count,
+                                          const std::function<double(std::size_t)>& opacity) {
+  constexpr double least = 1.0 / 255, solid = 0.5;
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double covers = opacity(i);
+    auto hash = std::uint32_t(i) * 2654435761u;
+    hash = (hash ^ hash >> 15) * 2246822519u;
+    if (std::isnan(covers) || (covers >= least && covers / solid * 0x1p32 > double(hash ^ hash >> 13)))
+      kept.push_back(std::uint32_t(i));
+  }
+  return kept;
+}
+
+/// `opacity` of a point, 0 to 1.
+void leave_out_faint(ReadResult& result, const std::function<double(std::size_t)>& opacity) {
+  PointCloud& cloud = result.cloud;
+  const std::vector<std::uint32_t> kept = visible_splats(cloud.size(), opacity);
+  std::string faint;
+  if (const std::size_t left_out = cloud.size() - kept.size(); left_out > 0 && !kept.empty()) {
+    cloud = select(cloud, kept);
+    result.report.points_finite -= left_out, result.report.points_dropped += left_out;
+    const Bounds box = bounds(cloud);
+    result.report.bounds_min = box.min, result.report.bounds_max = box.max;
+    faint = "; " + counted(left_out, "faint one") + " left out by their opacity";
+  }
+  result.report.notes.push_back("Gaussian splats: their centres are drawn, in their mean colours (f_dc)" +
+                                faint);
+}
+
+constexpr std::uint64_t splats_a_chunk = 256;
+
+const PlyElement* chunks_of(const PlyHeader& header) {
+  for (const PlyElement& element : header.elements)
+    if (element.name == "chunk" && !element.has_list()) return &element;
+  return nullptr;
+}
+
+int place_of(const PlyElement& element, std::string_view name) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i)
+    if (element.properties[i].name == name) return int(i);
+  return -1;
+}
+
+}  // namespace
+
+/// Files of 3D Gaussian splats hold colours as spherical harmonics. The constant term, the same from every
+/// side: 1/2 + f_dc / sqrt(4 pi), in sRGB (Kerbl et al. 2023, whose program stores it so).
+void color_by_harmonics(ReadResult& result) {
+  PointCloud& cloud = result.cloud;
+  const ScalarField* terms[] = {cloud.scalar("f_dc_0"), cloud.scalar("f_dc_1"), cloud.scalar("f_dc_2")};
+  if (!terms[0] || !terms[1] || !terms[2]) return;
+  const auto byte = [&](const ScalarField& term, std::size_t i) {
+    const double value = 0.5 + term.value(i) / std::sqrt(4 * std::numbers::pi);
+    return std::uint8_t(std::lround(255 * std::clamp(std::isnan(value) ? 0.5 : value, 0.0, 1.0)));
+  };
+  if (cloud.colors.empty()) {
+    cloud.colors.resize(cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      cloud.colors[i] = {byte(*terms[0], i), byte(*terms[1], i), byte(*terms[2], i), 255};
+  }
+  const ScalarField* stored = cloud.scalar("opacity");
+  leave_out_faint(result, [stored](std::size_t i) {
+    return stored ? 1 / (1 + std::exp(-stored->value(i))) : 1;  // stored as its logit
+  });
+}
+
+bool are_packed_splats(const PlyHeader& header) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  return !header.ascii && chunks_of(header) && !vertex.has_list() &&
+         place_of(vertex, "packed_position") >= 0 && place_of(vertex, "packed_color") >= 0;
+}
+
+ReadResult read_packed_splats(const File& file, const PlyHeader& header, Progress& progress) {
+  const PlyElement &chunk = *chunks_of(header), &vertex = header.elements[header.vertex];
+  const char* corners[] = {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"};
+  const char* limits[] = {"min_r", "min_g", "min_b", "max_r", "max_g", "max_b"};
+  for (const char* name : corners)
+    if (place_of(chunk, name) < 0)
+      bad_input(file.path(), "header",
+                std::string("the chunks of packed splats lack ") + name + "; export it again");
+  if (vertex.count > chunk.count * splats_a_chunk || vertex.count > file.size() / vertex.record_size() ||
+      chunk.count > file.size() / chunk.record_size())
+    bad_input(file.path(), "header",
+              "found " + std::to_string(vertex.count) + " splats in " + std::to_string(chunk.count) +
+                  " chunks of 256 and " + std::to_string(file.size()) +
+                  " bytes; the file is cut short or damaged");
+  PlyWalker walker(file, header.big_endian, header.data_begin);
+  std::vector<double> boxes;
+  std::vector<Column> columns{{"x", StoredType::float32},      {"y", StoredType::float32},
+                              {"z", StoredType::float32},      {"red", StoredType::float32},
+                              {"green", StoredType::float32},  {"blue", StoredType::float32},
+                              {"opacity", StoredType::float32}};
+  assign_roles(columns);
+  Table table(std::move(columns), std::size_t(vertex.count));
+  for (const PlyElement& element : header.elements) {
+    if (&element == &chunk) {
+      for (std::uint64_t i = 0; i < element.count * element.properties.size(); ++i)
+        boxes.push_back(walker.number(element.properties[std::size_t(i % element.properties.size())].type));
+      continue;
+    }
+    if (&element != &vertex) {
+      if (boxes.empty() || &element < &vertex) walker.skip_element(element, progress);
+      continue;
+    }
+    if (boxes.empty() && vertex.count > 0)
+      bad_input(file.path(), "header", "found no chunks in front of packed splats; export it again");
+    for (std::size_t i = 0; i < vertex.count; ++i) {
+      if (i % 65'536 == 0) progress.check();
+      std::uint32_t position = 0, color = 0;
+      for (const PlyProperty& property : vertex.properties) {
+        const double value = walker.number(property.type);
+        const bool fits = value >= 0 && value <= 0xFFFFFFFFp0;
+        if (property.name == "packed_position") position = fits ? std::uint32_t(value) : 0;
+        if (property.name == "packed_color") color = fits ? std::uint32_t(value) : 0;
+      }
+      const double* box = boxes.data() + i / splats_a_chunk * chunk.properties.size();
+      const auto between = [&](const char* const(&names)[6], std::size_t axis, double share) {
+        const double low = box[place_of(chunk, names[axis])], high = box[place_of(chunk, names[axis + 3])];
+        return low + share * (high - low);
+      };
+      const double place[3] = {(position >> 21) / 2047.0, (position >> 11 & 1023) / 1023.0,
+                               (position & 2047) / 2047.0};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double share = (color >> (24 - 8 * axis) & 255) / 255.0;
+        const double value = place_of(chunk, limits[0]) >= 0 ? between(limits, axis, share) : share;
+        table.column(axis)[i] = between(corners, axis, place[axis]);
+        table.column(3 + axis)[i] = 255 * std::clamp(value, 0.0, 1.0);
+      }
+      table.column(6)[i] = (color & 255) / 255.0;
+    }
+  }
+  ReadResult result;
+  table.build(false, progress, result);
+  result.cloud.up = header.up, result.cloud.up_is_known = header.says_up;
+  const ScalarField* opacity = result.cloud.scalar("opacity");
+  leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i); });
+  return result;
+}
+
+ReadResult read_splat(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+  constexpr std::size_t record = 32, color = 24;
+  const File file(path);
+  if (file.size() % record != 0)
+    bad_input(path, "byte " + std::to_string(file.size()),
+              "the file ends inside a splat of 32 bytes; it is cut short or of another layout");
+  std::vector<Column> columns;
+  const char* names[] = {"x", "y", "z", "red", "green", "blue"};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const StoredType type = k < 3 ? StoredType::float32 : StoredType::uint8;
+    columns.push_back({names[k], type, type, k < 3 ? 4 * k : color + k - 3, record});
+  }
+  columns.push_back({"opacity", StoredType::uint8, StoredType::uint8, color + 3, record});
+  assign_roles(columns);
+  const auto rows = std::size_t(file.size() / record);
+  CloudBuilder builder(std::move(columns), rows);
+  std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, rows)};
+  constexpr std::size_t step = 1 << 16;
+  std::vector<std::byte> block;
+  for (std::size_t first = 0; first < rows; first += step) {
+    progress.check();
+    const std::size_t count = std::min(step, rows - first);
+    block.resize(count * record);
+    file.read(first * record, block);
+    builder.decode(cursors[0], block.data(), 0, count, first);
+  }
+  ReadResult result;
+  builder.finish(cursors, result);
+  result.cloud.up = UpAxis::neg_y;  // of the cameras that they were trained on, as their viewers show them
+  const ScalarField* opacity = result.cloud.scalar("opacity");
+  leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i) / 255; });
+  return result;
+}
+
+}  // namespace sfumato::io

@@ -1,0 +1,20 @@
+// 3D Gaussian splats as coloured points: those of PLY files, of SuperSplat's packed PLY files, and of .splat
+// files.
+#pragma once
+
+#include "io/ply_header.h"
+
+namespace sfumato::io {
+
+/// Colours the points of a PLY by the constant term of their harmonics, where they have such, and leaves out
+/// faint ones.
+void color_by_harmonics(ReadResult& result);
+
+/// Positions of 11, 10 and 11 bits within the box of each 256 splats (SuperSplat's "compressed PLY").
+bool are_packed_splats(const PlyHeader& header);
+ReadResult read_packed_splats(const File& file, const PlyHeader& header, Progress& progress);
+
+/// 32 bytes a splat: place and scale as floats, colour and opacity as bytes, rotation as bytes.
+ReadResult read_splat(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
+
+}  // namespace sfumato::io
