@@ -69,8 +69,8 @@ TEST_F(StrangersCommand, ASequenceHasOneRange) {
   write_hill("low.txt", 0, 0, 20, 6, 34);
   write_hill("high.txt", 0, 0, 20, 24, 34);
   const auto mean_green = [&](const std::string& other) {
-    EXPECT_EQ(run({"low.txt", other, "--sequence", "--color-by", "elevation", "-o", "frame_{n}.png", "-t",
-                   "points", "--resolution", "120x90"})
+    EXPECT_EQ(run({"low.txt", other, "--sequence", "--up", "+Z", "--color-by", "elevation", "-o",
+                   "frame_{n}.png", "-t", "points", "--resolution", "120x90"})
                   .code,
               0);
     const Image<Rgba8> image = read_png("frame_0.png");
