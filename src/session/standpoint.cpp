@@ -25,6 +25,8 @@ constexpr double gain_from_above = 1.6;
 /// and 0.46 of a village on hills and of a pit, of which a quarter is hidden; of other scans of which a fifth
 /// is, 0.55 along a power line, 0.65 of a park, 0.75 and more of forests, streets and objects.
 constexpr double hides_much = 0.2, leaves_hidden = 0.5;
+/// The share of the surface that a cutaway must reveal: one voxel in fifty, where rooms have 4 to 17.
+constexpr double revealed_least = 0.02;
 /// What lies this share of the subject's size behind the nearest point of its cell is hidden.
 constexpr double hidden_behind = 0.04;
 
@@ -100,36 +102,59 @@ Area area_of(const Subject& subject) {
   return area;
 }
 
-/// The share of the voxels that no other one hides, seen from far off.
-double visible_area(const Area& area, UpAxis up, const Standpoint& from) {
-  Camera camera =
+/// The voxels that no other one hides, seen from far off; of a room, through the walls before it.
+std::vector<bool> seen_of(const Area& area, UpAxis up, const Standpoint& from, double cell_edges,
+                          const Room* room = nullptr) {
+  const Camera camera =
       frame(area.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg), glm::radians(from.elevation_deg));
+  const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
   const dmat4 to_eye = camera.view();
-  // Wider than a voxel, so that a surface has no gaps; as deep as one that is seen aslant is in a cell.
-  const double cell = 1.2 * area.edge, behind = 3 * area.edge;
+  // As deep as a surface that is seen aslant is in a cell.
+  const double cell = cell_edges * area.edge, behind = 3 * area.edge;
+  std::vector<bool> free(area.voxels.size());
+  if (area.voxels.empty()) return free;
   const int across = int(area.box.diagonal() / cell) + 3;
-  if (area.voxels.empty()) return 1;
   std::vector<double> nearest(std::size_t(across) * std::size_t(across), -1e300);
   const auto place = [&](const dvec3& p) {
     return std::size_t(std::clamp(int(p.y / cell + across / 2.0), 0, across - 1)) * std::size_t(across) +
            std::size_t(std::clamp(int(p.x / cell + across / 2.0), 0, across - 1));
   };
-  std::vector<dvec3> seen;
+  std::vector<dvec3> at;
   for (const dvec3& world : area.voxels) {
-    seen.push_back(dvec3(to_eye * glm::dvec4(world, 1)));
-    double& here = nearest[place(seen.back())];
-    here = std::max(here, seen.back().z);
+    at.push_back(is_behind(walls, world) ? dvec3(0, 0, -1e301) : dvec3(to_eye * glm::dvec4(world, 1)));
+    double& here = nearest[place(at.back())];
+    here = std::max(here, at.back().z);
   }
-  const auto free = std::count_if(seen.begin(), seen.end(),
-                                  [&](const dvec3& p) { return p.z > nearest[place(p)] - behind; });
-  return double(free) / double(seen.size());
+  for (std::size_t i = 0; i < at.size(); ++i)
+    free[i] = at[i].z > nearest[place(at[i])] - behind && at[i].z > -1e300;
+  return free;
+}
+
+double share(const std::vector<bool>& seen) {
+  return seen.empty() ? 1 : double(std::count(seen.begin(), seen.end(), true)) / double(seen.size());
 }
 
 /// Whether so much of the area is hidden that one looks from farther above, where that shows most of it.
 bool hides_land(const Subject& subject, UpAxis up, const Standpoint& from, const Standpoint& over) {
+  constexpr double wide = 1.2;  // edges: wider than a voxel
   const Area area = area_of(subject);
-  const double hidden = 1 - visible_area(area, up, from);
-  return hidden > hides_much && 1 - visible_area(area, up, over) < leaves_hidden * hidden;
+  const double hidden = 1 - share(seen_of(area, up, from, wide));
+  return hidden > hides_much && 1 - share(seen_of(area, up, over, wide)) < leaves_hidden * hidden;
+}
+
+/// Whether a cutaway shows what no view from outside does. Of a closed body it shows none: the inside of what
+/// is seen from the other side.
+bool reveals(const Subject& subject, UpAxis up, const Standpoint& into) {
+  constexpr double closed =
+      1.5;  // edges: a lattice leaves no circle of 0.71 edges empty, so walls have no gaps
+  const Area area = area_of(subject);
+  std::vector<bool> hidden = seen_of(area, up, into, closed, &*subject.room);
+  for (const double elevation : {elevation_lying, elevation_amid})
+    for (int side = 0; side < 12; ++side) {
+      const std::vector<bool> seen = seen_of(area, up, {30.0 * side, elevation}, closed);
+      for (std::size_t i = 0; i < seen.size(); ++i) hidden[i] = hidden[i] && !seen[i];
+    }
+  return share(hidden) > revealed_least;
 }
 
 /// Over the corner of two walls that leave most to be seen.
@@ -151,12 +176,16 @@ Standpoint into_room(const Subject& subject, UpAxis up) {
 
 }  // namespace
 
-Standpoint standpoint_for(const Subject& subject, UpAxis up) {
+Standpoint standpoint_for(Subject& subject, UpAxis up) {
   const double steep = height_over_width(subject.box, up);
   const double upright = std::clamp((steep - lies) / (stands - lies), 0.0, 1.0);
   // Amid what thins out, farther things would stand before the camera.
   if (subject.thins_out) return {-30, elevation_amid};
-  if (subject.room) return into_room(subject, up);
+  if (subject.room) {
+    const Standpoint into = into_room(subject, up);
+    if (reveals(subject, up, into)) return into;
+    subject.room.reset();
+  }
   Standpoint best{-30, std::lerp(elevation_lying, elevation_standing, upright)};
   Standpoint over = best;
   over.elevation_deg = elevation_amid;

@@ -12,8 +12,9 @@ struct Standpoint {
 
 /// What stands is seen almost at eye level, a little from the left of its front, as one looks at a statue;
 /// what lies, from above, and from farther above where it hides much of itself. Land has no front: it is seen
-/// from where it fills most of a picture of 16 to 9.
-Standpoint standpoint_for(const Subject& subject, UpAxis up);
+/// from where it fills most of a picture of 16 to 9. A room of which the cutaway shows nothing that the whole
+/// hides is none any more.
+Standpoint standpoint_for(Subject& subject, UpAxis up);
 
 /// A place inside of a scan to look around from: where a scanner stood, else the middle. World.
 dvec3 place_inside(const PointCloud& cloud);

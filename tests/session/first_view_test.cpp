@@ -353,6 +353,18 @@ TEST(FirstView, BehindAnInnerWallTheScanGoesOn) {
   for (double x = 17; x < 21; x += 0.5) EXPECT_FALSE(is_behind(sides, {x, 1, 0.1})) << x;
 }
 
+// Half spaces around a closed body, as of a room, leave out its top and show its inside, which is seen from
+// outside.
+TEST(FirstView, ACutawayOfAClosedBodyIsNone) {
+  Pose body = pose_of(box_of({2, 2, 0.6}, 60'000));
+  body.subject.room = Room{{{0, 0, 1, -0.59}, {1, 0, 0, -1.99}, {0, -1, 0, -0.01}}};
+  standpoint_for(body.subject, UpAxis::pos_z);
+  EXPECT_TRUE(body.subject.room) << "its floor is seen from nowhere else";
+  std::erase_if(body.subject.points, [](const dvec3& p) { return p.z < 0.01; });
+  standpoint_for(body.subject, UpAxis::pos_z);
+  EXPECT_FALSE(body.subject.room);
+}
+
 TEST(FirstView, WhatIsNoRoomKeepsItsWalls) {
   for (const char* name : {"courtyard", "forest", "spheres", "tori"})
     EXPECT_FALSE(pose_of(scan(name, synth::Sampling::automatic, 200'000)).subject.room) << name;
