@@ -1,17 +1,14 @@
-// A thread that paints: a GL context without a window, a session on it, and finished pictures out of it.
-// Whoever asks never waits; a newer request cancels an older one.
+// A thread that paints: a GL context without a window, sessions on it, and finished pictures out of it.
+// Whoever asks never waits; a newer request cancels an older one. Several painters may share one thread, and
+// those of them that look at the same points share these: each has a camera, a look and colours of its own.
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <variant>
 #include <vector>
 
@@ -27,6 +24,9 @@ using Settle = std::function<TechniqueChoice(const TechniqueChoice&)>;
 
 struct SceneJob {
   std::uint64_t id = 0;
+  /// Painters of one thread that show the same key have the same points, those of the first that came; empty:
+  /// points of its own.
+  std::string shared_key;
   scene::Scene scene;
   Pose pose;
   SessionOptions options;
@@ -107,6 +107,9 @@ struct Activity {
   std::string text;  ///< empty: nothing
 };
 
+/// The context, the sessions and the thread itself. It ends with the last painter that uses it.
+class PaintThread;
+
 class Painter {
  public:
   /// `wake` is called from the thread of the painter whenever there is an answer. `others` painters wait for
@@ -117,13 +120,18 @@ class Painter {
     std::condition_variable all_there;
     int missing;
   };
-  Painter(std::shared_ptr<Gate> gate, std::function<void()> wake);
-  /// Cancels what is going on and waits for it.
+  static std::shared_ptr<PaintThread> make_thread(std::shared_ptr<Gate> gate);
+  Painter(std::shared_ptr<PaintThread> thread, std::function<void()> wake);
+  Painter(std::shared_ptr<Gate> gate, std::function<void()> wake)
+      : Painter(make_thread(std::move(gate)), std::move(wake)) {}
+  /// Cancels what is going on for it, and waits for that where nobody else uses the thread.
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// Replaces the scene; pictures asked for before are cancelled, but for those to be kept, which it waits
+  /// The points of that key stay until this painter shows or holds something else; false: they are not here.
+  bool hold(const std::string& shared_key);
+  /// Replaces the scene; pictures asked for before are called off, but for those to be kept, which it waits
   /// for.
   void show(SceneJob job);
   /// The newest wins; the one under way is cancelled.
@@ -144,40 +152,15 @@ class Painter {
   /// What the driver complained of since the last call; tests fail on any.
   std::vector<std::string> take_driver_messages();
   /// What the points take in memory, as of the last picture.
-  std::uint64_t point_bytes() const { return point_bytes_; }
+  std::uint64_t point_bytes() const;
   /// Of the context; empty while there is none.
   std::string renderer_name() const;
 
- private:
-  class Watch;
-  struct Easel;
-  void run();
-  void answer(Answer answer);
-  void do_scene(Easel& easel, SceneJob job, Watch& watch);
-  PickAnswer do_pick(Easel& easel, const PickJob& job);
-  bool prepare_ahead(Easel& easel);
-  bool is_lost();
-  Profile do_profile(Easel& easel, const ProfileJob& job);
-  Picture do_picture(Easel& easel, const PictureJob& job, Watch& watch);
+  struct Wanted;  ///< what one painter asks for and gets
 
-  std::shared_ptr<Gate> gate_;
-  std::function<void()> wake_;
-  mutable std::mutex mutex_;
-  std::condition_variable work_;
-  std::optional<SceneJob> scene_;
-  std::optional<PictureJob> live_;
-  std::deque<PictureJob> kept_;
-  std::deque<PickJob> picks_;
-  std::optional<ProfileJob> profile_;
-  std::vector<Answer> answers_;
-  Activity activity_;
-  std::string renderer_name_;
-  std::vector<std::string> driver_messages_;
-  std::atomic<std::uint64_t> point_bytes_{0};
-  bool prepares_ahead_ = true;  ///< of the thread alone
-  std::atomic<bool> forget_programs_{false};
-  std::atomic<bool> stop_{false}, cancel_live_{false}, cancel_scene_{false}, cancel_idle_{false};
-  std::thread thread_;  // last: it uses all the others
+ private:
+  std::shared_ptr<PaintThread> thread_;
+  std::shared_ptr<Wanted> mine_;
 };
 
 }  // namespace sfumato::view

@@ -22,8 +22,10 @@ Workbench::Workbench(Start start)
       start_(std::move(start)),
       wishes_(start_.wishes),
       history_(wishes_),
-      sample_(std::make_unique<Painter>(gate_, start_.wake)),
-      whole_(std::make_unique<Painter>(gate_, start_.wake)),
+      sample_(start_.shared ? std::make_unique<Painter>(start_.shared->sample, start_.wake)
+                            : std::make_unique<Painter>(gate_, start_.wake)),
+      whole_(start_.shared ? std::make_unique<Painter>(start_.shared->whole, start_.wake)
+                           : std::make_unique<Painter>(gate_, start_.wake)),
       loader_(std::make_unique<Loader>(start_.wake)) {
   frames_ = start_.frames;
   load(false);
@@ -264,6 +266,14 @@ void Workbench::load(bool anew) {
   wanted_key_ = wishes_.scene_key();
   if (loaded_key_ != wanted_key_) file_times_.clear();
   loaded_key_ = wanted_key_;
+  known_.reset();
+  if (start_.shared && !anew) {
+    known_ = start_.shared->find(loaded_key_);
+    // Both keep it: one that had to be read again would miss what the other has.
+    const bool has_sample = sample_->hold(loaded_key_), has_whole = whole_->hold(loaded_key_);
+    if (!has_sample || !has_whole) known_.reset();
+    if (known_) return loader_->call_off();
+  }
   LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene};
   job.cutaway = !wishes_.whole;
   job.memory = start_.memory;
@@ -341,6 +351,7 @@ void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
     job.options = wanted.session_options();
     job.color_key = wanted.color_key();
     job.technique = wanted.technique;
+    if (start_.shared && !loaded.is_sample && !loaded.follows_view) job.shared_key = loaded_key_;
     job.parameters_of = [wishes = wanted](const std::string& technique) {
       return wishes.parameters_of(technique);
     };
@@ -422,6 +433,8 @@ void Workbench::take_loaded(Loaded loaded) {
                 false});
   send_scene(loaded, is_another_view);
   scene_ = std::move(loaded);
+  if (start_.shared && !scene_->is_sample && !scene_->follows_view)
+    shared_scene_ = known_ ? std::exchange(known_, nullptr) : start_.shared->keep(loaded_key_, *scene_);
   // The picture of the view stays until there is a better one.
   if (!is_another_view || refinement_.moving(now_ms_)) touched();
 }
@@ -632,8 +645,13 @@ void Workbench::tick(double now_ms) {
     if (is_over) play(false);
     touched();
   }
-  if (width_ > 0)
+  if (width_ > 0 && known_) {
+    Loaded loaded = *known_;
+    loaded.id = load_id_, loaded.is_first = true;
+    take_loaded(std::move(loaded));
+  } else if (width_ > 0) {
     if (auto loaded = loader_->take()) take_loaded(std::move(*loaded));
+  }
   for (Answer& each : sample_->take_answers()) take_answer(std::move(each), false);
   for (Answer& each : whole_->take_answers()) take_answer(std::move(each), true);
   watch_files();
@@ -672,7 +690,7 @@ void Workbench::tick(double now_ms) {
 }
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
-  if (play_began_ms_) return 0;
+  if (play_began_ms_ || known_) return 0;
   if (playing_frames() && frame_stood_ms_) return std::max(0.0, frame_due_ms() - now_ms);
   std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
   if (has_to_load()) {

@@ -18,6 +18,7 @@
 #include "view/navigator.h"
 #include "view/painter.h"
 #include "view/refinement.h"
+#include "view/shared_scenes.h"
 #include "view/wishes.h"
 
 namespace sfumato::view {
@@ -33,7 +34,8 @@ struct Start {
       shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
   std::vector<scene::SceneFile>
       frames;  ///< of a sequence: files that are shown one at a time; the first is among the wishes
-  std::function<void()> wake;  ///< from any thread: there is something to `tick` for
+  std::function<void()> wake;            ///< from any thread: there is something to `tick` for
+  std::shared_ptr<SharedScenes> shared;  ///< with other workbenches of this thread; null: alone
 };
 
 /// Bytes.
@@ -111,6 +113,7 @@ class Workbench {
   /// Only a sample of the files is there: they are being read, or could not be.
   bool has_sample_only() const { return scene_ && scene_->is_sample; }
   bool loading() const { return loading_; }
+  std::string loaded_key() const { return loaded_key_; }
   const std::string& reason() const { return reason_; }
   bool whole_ready() const { return whole_ready_; }
   std::size_t left_out() const { return left_out_; }
@@ -223,6 +226,8 @@ class Workbench {
   bool timings_ = false, had_whole_ = false;
   std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
   std::optional<Loaded> scene_;
+  std::shared_ptr<const Loaded> known_,
+      shared_scene_;  ///< what another workbench has read: about to be taken; taken
   std::shared_ptr<const Picture> shown_;
   std::string reason_;
   std::size_t left_out_ = 0;

@@ -1,0 +1,391 @@
+#include "view/paint_thread.h"
+
+#include <chrono>
+#include <new>
+
+#include "core/error.h"
+#include "gl/reset.h"
+#include "view/navigator.h"
+
+namespace sfumato::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Without a wish, until attributes are measured that somebody may want.
+constexpr std::chrono::milliseconds idle_time(1500);
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// The message that a person gets for whatever was thrown.
+Failure failure_of(std::uint64_t id) {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return {id, error.code(), error.what()};
+  } catch (const std::bad_alloc&) {
+    return {id, ErrorCode::out_of_memory, "out of memory; open fewer points (--max-points N)"};
+  } catch (const std::exception& error) {
+    return {id, ErrorCode::usage, error.what()};
+  }
+}
+
+}  // namespace
+
+/// Progress of the job under way, and the way to call it off.
+class PaintThread::Watch final : public Progress {
+ public:
+  enum class Kind { scene, live, kept, idle };
+  Watch(PaintThread& thread, Wanted* one, Kind kind) : thread_(thread), one_(one), kind_(kind) {}
+  Kind kind() const { return kind_; }
+  void update(double fraction, std::string_view text) override {
+    if (!one_) return;
+    const std::lock_guard lock(thread_.mutex);
+    one_->activity = {fraction, std::string(text)};
+    // A progress bar moves a few times a second; a call for every step would keep the window busy.
+    if (const auto now = Clock::now(); now - last_wake_ > std::chrono::milliseconds(100)) {
+      last_wake_ = now;
+      one_->wake();
+    }
+  }
+  bool cancelled() const override {
+    if (thread_.stop_) return true;
+    if (kind_ == Kind::idle) return thread_.cancel_idle;
+    if (one_->gone) return true;
+    if (kind_ == Kind::kept) return false;
+    return one_->cancel_scene || (kind_ == Kind::live && one_->cancel_live);
+  }
+
+ private:
+  PaintThread& thread_;
+  Wanted* one_;  ///< null: nobody waits for it
+  Kind kind_;
+  Clock::time_point last_wake_{};
+};
+
+void PaintThread::answer(Wanted& one, Answer answer) {
+  std::function<void()> wake;
+  {
+    const std::lock_guard lock(mutex);
+    one.answers.push_back(std::move(answer));
+    one.activity = {};
+    wake = one.wake;
+  }
+  wake();
+}
+
+void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
+  if (const auto known = shared_.find(job.shared_key); !job.shared_key.empty() && known != shared_.end()) {
+    SceneReady ready = known->second->ready;
+    ready.id = job.id;
+    {
+      const std::lock_guard lock(mutex);
+      one.stand = known->second;
+      one.held_key.clear();
+    }
+    drop_unused();
+    return answer(one, std::move(ready));
+  }
+  // Memory for two scenes at a time is not asked for where nobody else shows the old one.
+  std::shared_ptr<Stand> stand = std::exchange(one.stand, nullptr);
+  if (stand &&
+      std::any_of(shared_.begin(), shared_.end(), [&](const auto& each) { return each.second == stand; })) {
+    stand.reset();
+    drop_unused();
+  }
+  if (!stand) stand = std::make_shared<Stand>();
+  if (!stand->session) stand->session = std::make_unique<Session>(*context_);
+  stand->looks.clear();  // what they hold of the last cloud is of no use for this one
+  stand->color_key = job.color_key;
+  stand->background = job.options.background;
+  stand->file_names = job.scene.file_names;
+  stand->prepares_ahead = true;
+  SceneReady ready;
+  ready.id = job.id;
+  const auto needs = [&](const Session::Suggest& suggest) {
+    std::string technique = job.technique;
+    if (technique.empty() && job.settle) {
+      ready.choice = job.settle(suggest());
+      technique = ready.choice.technique;
+    }
+    if (technique.empty() || !job.measures) return Attributes();
+    return stand->look_of(technique, job.parameters_of(technique)).technique->needs();
+  };
+  try {
+    stand->session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
+  } catch (...) {
+    // A session that holds nothing is kept for the next scene; one that was cut off half way may draw what it
+    // has.
+    if (!stand->session->empty()) one.stand = stand;
+    throw;
+  }
+  ready.points = stand->session->prepared_points();
+  ready.notes = stand->session->notes();
+  ready.left_out = stand->session->left_out();
+  ready.coloring = stand->session->coloring();
+  stand->ready = ready;
+  {
+    const std::lock_guard lock(mutex);
+    one.stand = stand;
+    one.held_key.clear();
+    if (!job.shared_key.empty()) shared_[job.shared_key] = stand;
+  }
+  answer(one, std::move(ready));
+}
+
+Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch) {
+  Stand& stand = *one.stand;
+  const auto asked = Clock::now();
+  Session& session = *stand.session;
+  Look& look = stand.look_of(job.technique, job.parameters);
+  if (stand.color_key != job.color_key) {
+    stand.color_key.clear();  // half coloured where a source is refused
+    session.set_color(job.color);
+    stand.color_key = job.color_key;
+  }
+  if (stand.background != job.background) {
+    session.set_background(job.background);
+    stand.background = job.background;
+  }
+  // What is measured once for all pictures is not called off with this one: a hand that moves on would never
+  // see its end.
+  Watch for_all(*this, &one, watch.kind() == Watch::Kind::kept ? Watch::Kind::kept : Watch::Kind::scene);
+  session.complete(look, for_all);
+  watch.check();
+  const auto start = Clock::now();
+  RenderWants wants;
+  wants.timings = job.timings;
+  RenderOutput out = session.render(look, job.camera, wants, watch);
+  Picture picture;
+  picture.id = job.id;
+  picture.image = std::move(out.rgba8);
+  picture.camera = job.camera;
+  picture.technique = job.technique;
+  for (const Param& param : look.parameters.all())
+    if (param.can_be_auto) picture.resolved.emplace_back(param.name, param.resolved());
+  picture.notes = std::move(out.notes);
+  picture.timings = std::move(out.timings);
+  picture.points_drawn = out.points_drawn;
+  picture.coloring = session.coloring();
+  picture.background = session.background();
+  picture.draw_ms = ms_since(start);
+  picture.took_ms = ms_since(asked);
+  return picture;
+}
+
+/// The nearest of what each part offers: what lies clearly behind another part's point is hidden by it.
+PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
+  const Stand& stand = *one.stand;
+  const Session& session = *stand.session;
+  PickAnswer found{job.id, {}};
+  double nearest = 0;
+  for (std::size_t k = 0; k < session.parts().size(); ++k) {
+    const PointCloud& cloud = session.cloud(k);
+    const auto index =
+        nearest_point(cloud, job.camera, job.x_px, job.y_px, 12, 0.02, session.pose().subject.room);
+    if (!index) continue;
+    const double depth = project(job.camera, cloud.world(*index)).z;
+    if (found.picked && depth >= nearest) continue;
+    nearest = depth;
+    found.picked = describe(cloud, *index, stand.file_names);
+    found.picked->source = session.source(k, *index);
+  }
+  return found;
+}
+
+/// While nothing is asked for: measures what other techniques will want, so that the first switch to one does
+/// not wait for it. False when there is nothing to do.
+bool PaintThread::prepare_ahead() {
+  for (const std::shared_ptr<Wanted>& one : painters_) {
+    if (!one->stand || !one->stand->prepares_ahead) continue;
+    Stand& stand = *one->stand;
+    if (stand.session->prepared_points() > Stand::most_points_of_looks) continue;
+    Watch watch(*this, nullptr, Watch::Kind::idle);
+    try {
+      const Attributes of_most = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty;
+      if (stand.session->complete(of_most, watch) ||
+          stand.session->complete(of_most | Attribute::cluster, watch))
+        return true;
+      stand.prepares_ahead = false;  // it is all there
+    } catch (const Cancelled&) {
+      return true;  // another time
+    } catch (const std::exception&) {
+      stand.prepares_ahead = false;  // who asks for it will be told
+    }
+  }
+  return false;
+}
+
+Profile PaintThread::do_profile(Wanted& one, const ProfileJob& job) {
+  const Session& session = *one.stand->session;
+  Profile profile;
+  profile.id = job.id, profile.line = job.line, profile.width = job.width;
+  for (std::size_t k = 0; k < session.parts().size(); ++k)
+    add_to_profile(profile, session.cloud(k), session.colors(k), session.pose().upright.up,
+                   [&](std::size_t i) { return session.source(k, i); });
+  return profile;
+}
+
+/// Nothing more can be drawn: whoever asked is told by an answer of id 0.
+bool PaintThread::is_lost() {
+  try {
+    gl::check_reset();
+    return false;
+  } catch (...) {
+    const Failure failure = failure_of(0);
+    std::vector<std::shared_ptr<Wanted>> all;
+    {
+      const std::lock_guard lock(mutex);
+      lost_ = failure;
+      all = painters_;
+    }
+    for (const auto& one : all) answer(*one, failure);
+    return true;
+  }
+}
+
+/// Points that nobody shows or holds any more are dropped, and painters that are gone.
+void PaintThread::drop_unused() {
+  std::vector<std::shared_ptr<Stand>> unused;  // freed without the lock
+  std::vector<std::shared_ptr<Wanted>> gone;
+  const std::lock_guard lock(mutex);
+  const auto is_gone = [](const auto& one) { return one->gone.load(); };
+  std::copy_if(painters_.begin(), painters_.end(), std::back_inserter(gone), is_gone);
+  std::erase_if(painters_, is_gone);
+  for (const auto& one : gone) unused.push_back(std::exchange(one->stand, nullptr));
+  std::erase_if(shared_, [&](const auto& each) {
+    if (std::any_of(painters_.begin(), painters_.end(), [&](const auto& one) {
+          return one->stand == each.second || one->held_key == each.first;
+        }))
+      return false;
+    unused.push_back(each.second);
+    return true;
+  });
+}
+
+/// With the lock.
+std::shared_ptr<Painter::Wanted> PaintThread::next_waiting() {
+  for (std::size_t k = 1; k <= painters_.size(); ++k) {
+    const std::size_t i = (turn_ + k) % painters_.size();
+    if (!painters_[i]->is_waiting()) continue;
+    turn_ = i;
+    return painters_[i];
+  }
+  return nullptr;
+}
+
+void PaintThread::draw() {
+  while (!stop_) {
+    std::optional<SceneJob> scene;
+    std::optional<PictureJob> picture;
+    std::optional<PickJob> pick;
+    std::optional<ProfileJob> profile;
+    std::shared_ptr<Wanted> one;
+    auto kind = Watch::Kind::live;
+    drop_unused();
+    {
+      std::unique_lock lock(mutex);
+      const auto has_gone = [&] {
+        return std::any_of(painters_.begin(), painters_.end(),
+                           [](const auto& each) { return each->gone.load(); });
+      };
+      const auto is_wanted = [&] {
+        return stop_ || has_gone() || std::any_of(painters_.begin(), painters_.end(), [](const auto& each) {
+                 return each->is_waiting();
+               });
+      };
+      if (!work.wait_for(lock, idle_time, is_wanted)) {
+        cancel_idle = false;
+        lock.unlock();
+        if (prepare_ahead()) continue;
+        lock.lock();
+        work.wait(lock, is_wanted);
+      }
+      if (stop_) break;
+      if (has_gone()) continue;
+      one = next_waiting();
+      if (!one) continue;
+      // Pictures for keeps are of the points that they were asked for with.
+      if (one->scene && (one->kept.empty() || !one->stand)) {
+        scene = std::exchange(one->scene, std::nullopt);
+        one->cancel_scene = false;
+        kind = Watch::Kind::scene;
+      } else if (!one->picks.empty()) {
+        pick = std::move(one->picks.front());
+        one->picks.pop_front();
+      } else if (one->profile) {
+        profile = std::exchange(one->profile, std::nullopt);
+      } else if (!one->kept.empty()) {
+        picture = std::move(one->kept.front());
+        one->kept.pop_front();
+        kind = Watch::Kind::kept;
+      } else {
+        picture = std::exchange(one->live, std::nullopt);
+        one->cancel_live = false;
+      }
+    }
+    const std::uint64_t id = scene ? scene->id : picture ? picture->id : pick ? pick->id : profile->id;
+    Watch watch(*this, one.get(), kind);
+    try {
+      if (forget_programs.exchange(false))
+        for (const auto& each : painters_)
+          if (each->stand) each->stand->looks.clear(), each->stand->session->forget_programs();
+      if (scene) {
+        do_scene(*one, std::move(*scene), watch);
+      } else if (picture) {
+        answer(*one, do_picture(*one, *picture, watch));
+      } else if (profile) {
+        answer(*one, do_profile(*one, *profile));
+      } else {
+        answer(*one, do_pick(*one, *pick));
+      }
+    } catch (const Cancelled&) {
+      answer(*one, CalledOff{id});
+    } catch (...) {
+      answer(*one, failure_of(id));
+    }
+    if (one->stand) one->point_bytes = one->stand->session->point_bytes();
+    if (is_lost()) break;
+    const std::vector<std::string> complaints = context_->take_messages();
+    const std::lock_guard lock(mutex);
+    one->driver_messages.insert(one->driver_messages.end(), complaints.begin(), complaints.end());
+    if (one->driver_messages.size() > 100) one->driver_messages.resize(100);
+  }
+}
+
+void PaintThread::run() {
+  try {
+    const std::lock_guard lock(gate_->mutex);
+    context_ = gl::Context::create_headless();
+  } catch (...) {
+    const Failure failure = failure_of(0);
+    std::vector<std::shared_ptr<Wanted>> all;
+    {
+      const std::lock_guard lock(mutex);
+      lost_ = failure;
+      all = painters_;
+    }
+    for (const auto& one : all) answer(*one, failure);
+  }
+  {
+    // The limits of the driver are read by everybody and written by each that comes.
+    std::unique_lock lock(gate_->mutex);
+    --gate_->missing;
+    gate_->all_there.notify_all();
+    gate_->all_there.wait(lock, [&] { return gate_->missing <= 0; });
+  }
+  if (!context_) return;
+  {
+    const std::lock_guard lock(mutex);
+    renderer_name = context_->limits().renderer;
+  }
+  draw();
+  // What is on the GPU goes before its context does.
+  shared_.clear();
+  for (const auto& one : painters_) one->stand.reset();
+  context_.reset();
+}
+
+}  // namespace sfumato::view

@@ -1,0 +1,126 @@
+// The thread behind painters: its context, the points on it and who waits for pictures of them.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <map>
+#include <thread>
+
+#include "view/painter.h"
+
+namespace sfumato::view {
+
+/// Points that stand in memory, with what is drawn of them. They live on the thread of the context.
+struct Stand {
+  static constexpr std::size_t most_points_of_looks = 5'000'000;
+
+  std::unique_ptr<Session> session;
+  /// Those drawn last, newest first: another picture of one needs no programs or tables made anew.
+  std::vector<std::unique_ptr<Look>> looks;
+  std::string color_key;
+  std::optional<vec3> background;
+  std::vector<std::string> file_names;
+  SceneReady ready;
+  bool prepares_ahead = true;
+
+  Look& look_of(const std::string& technique, const NamesAndValues& parameters) {
+    const auto found =
+        std::find_if(looks.begin(), looks.end(), [&](const auto& each) { return each->name == technique; });
+    if (found == looks.end())
+      looks.insert(looks.begin(), std::make_unique<Look>(technique));
+    else
+      std::rotate(looks.begin(), found, found + 1);
+    // Of very large clouds the tables of several techniques would not fit beside each other.
+    if (const std::size_t most = session->prepared_points() > most_points_of_looks ? 1 : 3;
+        looks.size() > most)
+      looks.resize(most);
+    Look& look = *looks.front();
+    look.reset();
+    for (const auto& [name, value] : parameters) look.set(name, value);
+    look.check();
+    return look;
+  }
+  // What techniques hold on the GPU goes before the session does.
+  ~Stand() { looks.clear(); }
+};
+
+struct Painter::Wanted {
+  std::function<void()> wake;
+  std::optional<SceneJob> scene;
+  std::optional<PictureJob> live;
+  std::deque<PictureJob> kept;
+  std::deque<PickJob> picks;
+  std::optional<ProfileJob> profile;
+  std::vector<Answer> answers;
+  Activity activity;
+  std::vector<std::string> driver_messages;
+  std::string held_key;
+  std::shared_ptr<Stand> stand;  ///< null: nothing to draw
+  std::atomic<std::uint64_t> point_bytes{0};
+  std::atomic<bool> gone{false}, cancel_live{false}, cancel_scene{false};
+
+  bool is_waiting() const { return scene || (stand && (live || profile || !kept.empty() || !picks.empty())); }
+};
+
+class PaintThread {
+ public:
+  using Wanted = Painter::Wanted;
+  explicit PaintThread(std::shared_ptr<Painter::Gate> gate)
+      : gate_(std::move(gate)), thread_([this] { run(); }) {}
+  ~PaintThread() {
+    {
+      const std::lock_guard lock(mutex);
+      stop_ = true;
+      work.notify_all();
+    }
+    thread_.join();
+  }
+
+  std::shared_ptr<Wanted> add(std::function<void()> wake) {
+    auto one = std::make_shared<Wanted>();
+    one->wake = std::move(wake);
+    const std::lock_guard lock(mutex);
+    if (lost_) one->answers.push_back(*lost_);
+    painters_.push_back(one);
+    return one;
+  }
+  void remove(Wanted& one) {
+    one.gone = one.cancel_live = one.cancel_scene = true;
+    const std::lock_guard lock(mutex);
+    one.wake = [] {};
+    cancel_idle = true;
+    work.notify_all();
+  }
+  bool has(const std::string& key) const { return shared_.contains(key); }
+
+  mutable std::mutex mutex;
+  std::condition_variable work;
+  std::string renderer_name;
+  std::atomic<bool> cancel_idle{false}, forget_programs{false};
+
+ private:
+  class Watch;
+  void run();
+  void draw();
+  void answer(Wanted& one, Answer answer);
+  void do_scene(Wanted& one, SceneJob job, Watch& watch);
+  PickAnswer do_pick(Wanted& one, const PickJob& job);
+  bool prepare_ahead();
+  bool is_lost();
+  Profile do_profile(Wanted& one, const ProfileJob& job);
+  Picture do_picture(Wanted& one, const PictureJob& job, Watch& watch);
+  void drop_unused();
+  std::shared_ptr<Wanted> next_waiting();
+
+  std::shared_ptr<Painter::Gate> gate_;
+  std::unique_ptr<gl::Context> context_;
+  std::vector<std::shared_ptr<Wanted>> painters_;
+  std::size_t turn_ = 0;  ///< whose wish was met last: each gets a picture in turn
+  std::map<std::string, std::shared_ptr<Stand>> shared_;
+  std::optional<Failure> lost_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;  // last: it uses all the others
+};
+
+}  // namespace sfumato::view
