@@ -69,11 +69,8 @@ std::string print(float value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-}  // namespace
-
-void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality) {
+std::string encoded_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality) {
   refuse_size(file, image, 65500, "JPEG");
-  AtomicWriter writer(file);
   std::vector<JSAMPLE> row(std::size_t(image.width()) * 3);
   jpeg_compress_struct codec{};
   JpegErrors errors{};
@@ -84,7 +81,18 @@ void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, in
   const std::unique_ptr<unsigned char, decltype(&std::free)> owner(bytes, std::free);
   if (!done)
     throw Error(ErrorCode::io, file.string() + ": libjpeg could not encode the picture; write a .png");
-  writer.write(std::string_view(reinterpret_cast<const char*>(bytes), size));
+  return std::string(reinterpret_cast<const char*>(bytes), size);
+}
+
+}  // namespace
+
+std::string jpeg_bytes(const Image<Rgba8>& image, int quality) {
+  return encoded_jpeg("a picture in memory", image, quality);
+}
+
+void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality) {
+  AtomicWriter writer(file);
+  writer.write(encoded_jpeg(file, image, quality));
   writer.commit();
 }
 

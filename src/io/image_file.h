@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "core/image.h"
 #include "io/image_png.h"
@@ -12,6 +13,8 @@ namespace sfumato::io {
 /// `alpha`, JPEG has none. The file appears under its name only when it is complete; throws Error(io),
 /// Error(usage) when the format cannot hold a picture of this size.
 void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality);
+/// What `write_jpeg` would write.
+std::string jpeg_bytes(const Image<Rgba8>& image, int quality);
 void write_webp(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha, int quality);
 
 /// Depth as 16-bit grey: 0 where nothing is, else 1 at the nearest depth to 65535 at the farthest. Both ends

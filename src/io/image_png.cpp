@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
+#include <optional>
 
 #include "core/error.h"
 #include "io/atomic_writer.h"
@@ -12,14 +14,14 @@ namespace sfumato::io {
 namespace {
 
 struct Sink {
-  AtomicWriter& writer;
+  std::function<void(std::string_view)> write;
   std::exception_ptr error;  // exceptions must not cross libpng's C frames
 };
 
 void write_bytes(png_structp png, png_bytep bytes, png_size_t count) {
   auto* sink = static_cast<Sink*>(png_get_io_ptr(png));
   try {
-    sink->writer.write(std::string_view(reinterpret_cast<const char*>(bytes), count));
+    sink->write(std::string_view(reinterpret_cast<const char*>(bytes), count));
   } catch (...) {
     sink->error = std::current_exception();
     png_error(png, "write failed");
@@ -82,14 +84,14 @@ struct PngRows::State {
   std::string file;
   int width, height;
   bool alpha;
-  AtomicWriter writer;
-  Sink sink{writer, nullptr};
+  std::optional<AtomicWriter> writer;  ///< nothing: into memory
+  Sink sink;
   png_structp png = nullptr;
   png_infop info = nullptr;
   std::vector<std::uint8_t> row;
 
   State(const std::filesystem::path& path, int width_px, int height_px, bool gray, bool with_alpha,
-        const PngTexts& texts);
+        const PngTexts& texts, std::string* bytes = nullptr);
   ~State() { png_destroy_write_struct(&png, &info); }
   void expect(bool done) const {
     if (sink.error) std::rethrow_exception(sink.error);
@@ -103,18 +105,21 @@ struct PngRows::State {
   }
   void finish() {
     expect(end(png, info));
-    writer.commit();
+    if (writer) writer->commit();
   }
 };
 
 PngRows::State::State(const std::filesystem::path& path, int width_px, int height_px, bool gray,
-                      bool with_alpha, const PngTexts& texts)
+                      bool with_alpha, const PngTexts& texts, std::string* bytes)
     : file(path.string()),
       width(width_px),
       height(height_px),
       alpha(with_alpha),
-      writer(path),
       row(std::size_t(width_px) * 4) {
+  if (bytes)
+    sink.write = [bytes](std::string_view more) { bytes->append(more); };
+  else
+    writer.emplace(path), sink.write = [this](std::string_view more) { writer->write(more); };
   std::vector<png_text> entries;
   for (const auto& [key, value] : texts) {
     png_text entry{};
@@ -155,6 +160,14 @@ void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, boo
   PngRows rows(file, image.width(), image.height(), alpha, texts);
   rows.write(image);
   rows.finish();
+}
+
+std::string png_bytes(const Image<Rgba8>& image, bool alpha, const PngTexts& texts) {
+  std::string bytes;
+  PngRows::State state("a picture in memory", image.width(), image.height(), false, alpha, texts, &bytes);
+  state.write(image);
+  state.finish();
+  return bytes;
 }
 
 void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& gray, const PngTexts& texts) {

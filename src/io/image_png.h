@@ -19,6 +19,9 @@ using PngTexts = std::vector<std::pair<std::string, std::string>>;
 void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
                const PngTexts& texts = {});
 
+/// What `write_png` would write.
+std::string png_bytes(const Image<Rgba8>& image, bool alpha, const PngTexts& texts = {});
+
 /// The same from top to bottom, for pictures that are never in memory as a whole. Without `finish` nothing
 /// appears.
 class PngRows {

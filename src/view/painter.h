@@ -131,7 +131,7 @@ class Painter {
 
   /// The points of that key stay until this painter shows or holds something else; false: they are not here.
   bool hold(const std::string& shared_key);
-  /// Replaces the scene; pictures asked for before are called off, but for those to be kept, which it waits
+  /// Replaces the scene; pictures asked for before are cancelled, but for those to be kept, which it waits
   /// for.
   void show(SceneJob job);
   /// The newest wins; the one under way is cancelled.

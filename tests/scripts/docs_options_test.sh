@@ -15,6 +15,7 @@ parameters() { grep -oE '`[a-z][a-z0-9_]*`' | tr -d '`' | sed 's/^/--/; s/_/-/g'
 {
   "$sfumato" --help all
   for command in info convert build synth techniques formats doctor completion; do "$sfumato" $command --help; done
+  if "$sfumato" help | grep -q "^ *serve "; then "$sfumato" serve --help; else printf -- '--port\n--bind\n--host\n--open\n--clients\n--selections\n'; fi
 } | options >"$work/main"
 {
   cat "$work/main"
@@ -31,6 +32,7 @@ cat >"$work/others" <<'END'
 --no-build-isolation pip
 --no-install-recommends apt
 --install wsl
+--all install-deps
 --laszip-source install-deps
 --part eval
 --preset cmake

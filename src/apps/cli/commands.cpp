@@ -14,6 +14,9 @@ const std::vector<Command>& all_commands() {
       {"info", "what files hold: points, extent, attributes, spacing", info_command},
       {"convert", "one or several clouds to LAS, LAZ, PLY, PCD, CSV, XYZ, NPY", convert_command},
       {"build", "files of any size to one COPC file with levels of detail", build_command},
+#ifdef SFUMATO_SERVE
+      {"serve", "scans in the browser, rendered where the data is", serve_command},
+#endif
       {"synth", "synthetic scans with known truth", synth_command},
       {"techniques", "what techniques there are, and their parameters", techniques_command},
       {"formats", "what is read and written", formats_command},

@@ -16,6 +16,7 @@
 #include "io/file_names.h"
 #include "passes/shadows.h"
 #include "render_options.h"
+#include "render_request.h"
 #include "report.h"
 #include "scene/leveled_scene.h"
 #include "session/preset.h"
@@ -82,15 +83,6 @@ Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& re
   report.cutaway = pose.subject.room.has_value();
   report.up = to_string(upright.up), report.up_reason = upright.reason;
   return pose;
-}
-
-/// The parameters and options of a preset as words of a command line.
-Words words_of(const Preset& preset, const Choice& choice) {
-  Words words;
-  for (const auto& values :
-       {preset.options, preset.parameters_for(choice.looks(), choice.prepare_parameters)})
-    for (const auto& [name, value] : values) words.push_back("--" + name + "=" + value);
-  return words;
 }
 
 /// Refuses outputs that would replace an input or each other, before anything is read.
@@ -303,94 +295,29 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
   return code == 0 && report.is_partial ? int(ErrorCode::partial) : code;
 }
 
-std::string all_technique_names() {
-  std::string names;
-  for (const TechniqueInfo& info : all_techniques()) names += (names.empty() ? "" : ",") + info.name;
-  return names;
-}
-
 #ifdef SFUMATO_VIEWER
 /// Without -o: the same scene, look and first view in a window.
 int view_command(RenderOptions& options, Choice& choice, const CommandLine& line) {
-  view::Start start;
-  view::Wishes& wishes = start.wishes;
-  wishes.files = options.files;
-  if (options.sequence) {
-    start.frames = options.placed();
-    wishes.files.resize(1);
-  }
-  for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);
-  for (const std::string& rule : options.draw) wishes.draw.push_back(view::DrawRow::from(rule));
-  wishes.scene = options.input.scene;
-  for (const auto& [name, value] : line.given())
-    if (view::is_kept_as_written(name)) wishes.input.emplace_back(name, value);
-  for (const Param& param : choice.prepare_parameters.all())
-    if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
-  for (const auto& chosen : choice.techniques) wishes.take(*chosen);
-  if (!choice.automatic()) wishes.technique = choice.techniques.front()->name;
-  wishes.color_by = options.color.color_by;
-  wishes.colormap = options.color.colormap;
-  wishes.color_range = options.color_range;
-  wishes.point_color = options.point_color;
-  wishes.exposure = options.exposure_text;
-  wishes.whole = options.camera.whole;
-  start.memory = options.memory;
-  wishes.background_color = options.background_color;
-  wishes.legend = options.legend;
-  start.watch = options.watch;
-  start.shader_folder = options.shader_folder;
-  // Called by one thread, which alone uses the choice from then on.
-  start.settle = [&choice](const TechniqueChoice& found) {
-    choice.settle(found);
-    TechniqueChoice settled = found;
-    settled.technique = choice.techniques.front()->name, settled.reason = choice.techniques.front()->reason;
-    return settled;
-  };
-  start.first_camera = [&options](const Pose& pose, int width, int height) {
-    CameraOptions camera = options.camera;
-    if (!camera.file && !camera.preset) camera.resolution = fmt::format("{}x{}", width, height);
-    return camera.resolve(pose);
-  };
   viewer::Settings settings;
   settings.verbose = options.common.verbose;
   if (options.camera.resolution)
     std::tie(settings.width, settings.height) = parse_resolution("--resolution", *options.camera.resolution);
-  return viewer::run(std::move(start), settings);
+  return viewer::run(view_start(options, choice, line.given()), settings);
 }
 #endif
 
 }  // namespace
 
 int render_command(const Words& words) {
-  Preset preset;
-  const Preset defaults = CommandLine::listener ? Preset{} : load_config();
-  for (const char* option : {"preset", "scene"})
-    if (const std::string file = peek(words, 0, option); !file.empty()) preset = load_preset(file);
-  std::string names = peek(words, 't', "technique");
-  for (const std::string& other : {preset.technique, defaults.technique, default_technique()})
-    if (names.empty()) names = other;
-  if (names == "all") names = all_technique_names();
-
-  Choice choice(names);
-  RenderOptions options;
-  CommandLine line("sfumato", "Renders point clouds to pictures.");
-  options.declare(line);
-  declare(choice, line);
+  RenderRequest request(words);
+  Choice& choice = request.choice;
+  RenderOptions& options = request.options;
+  CommandLine& line = request.line;
+  const Preset& preset = request.preset;
   line.usage("sfumato FILE... [-t TECHNIQUE] [-o PICTURE]");
   // Who asks about a technique wants its parameters.
   if (peek(words, 't', "technique").empty()) line.short_help(short_help);
-  if (CommandLine::listener) return line.parse({}), 0;
-  // A layer each: what comes later wins, also over names qualified by a technique.
-  for (const Words& layer : {words_of(defaults, choice), words_of(preset, choice)})
-    if (!layer.empty()) line.parse(layer);
-  if (!line.parse(words)) return 0;
-  options.technique = names;
-  options.camera.preset = preset.camera;
-  options.scene_files = preset.files;
-  if (!preset.files.empty() && options.scene.empty())
-    throw Error(ErrorCode::usage, preset.file + " names files, so it is a scene: --scene " + preset.file);
-  if (!options.scene.empty() && options.files.empty())
-    for (const scene::SceneFile& file : preset.files) options.files.push_back(file.name);
+  if (!request.parse(words)) return 0;
   choice.given = line.given();
   options.check(choice.count);
   for (const auto& chosen : choice.techniques) chosen->check();

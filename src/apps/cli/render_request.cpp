@@ -1,0 +1,114 @@
+#include "render_request.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/param.h"
+
+namespace sfumato::cli {
+namespace {
+
+/// The parameters and options of a preset as words of a command line.
+Words words_of(const Preset& preset, const Choice& choice) {
+  Words words;
+  for (const auto& values :
+       {preset.options, preset.parameters_for(choice.looks(), choice.prepare_parameters)})
+    for (const auto& [name, value] : values) words.push_back("--" + name + "=" + value);
+  return words;
+}
+
+std::pair<Preset, Preset> presets_of(const Words& words) {
+  std::pair<Preset, Preset> found;
+  if (!CommandLine::listener) found.second = load_config();
+  for (const char* option : {"preset", "scene"})
+    if (const std::string file = peek(words, 0, option); !file.empty()) found.first = load_preset(file);
+  return found;
+}
+
+std::string names_of(const Words& words, const std::pair<Preset, Preset>& presets) {
+  std::string names = peek(words, 't', "technique");
+  for (const std::string& other : {presets.first.technique, presets.second.technique, default_technique()})
+    if (names.empty()) names = other;
+  if (names != "all") return names;
+  names.clear();
+  for (const TechniqueInfo& info : all_techniques()) names += (names.empty() ? "" : ",") + info.name;
+  return names;
+}
+
+}  // namespace
+
+RenderRequest::RenderRequest(const Words& words, const std::string& command, const std::string& description)
+    : RenderRequest(words, command, description, presets_of(words)) {}
+
+RenderRequest::RenderRequest(const Words& words, const std::string& command, const std::string& description,
+                             std::pair<Preset, Preset> presets)
+    : preset(presets.first),
+      choice(names_of(words, presets)),
+      line(command, description),
+      defaults_(presets.second) {
+  options.declare(line);
+  declare(choice, line);
+  options.technique = names_of(words, presets);
+}
+
+bool RenderRequest::parse(const Words& words) {
+  if (CommandLine::listener) return line.parse({}), false;
+  // A layer each: what comes later wins, also over names qualified by a technique.
+  for (const Words& layer : {words_of(defaults_, choice), words_of(preset, choice)})
+    if (!layer.empty()) line.parse(layer);
+  const std::string names = options.technique;
+  if (!line.parse(words)) return false;
+  options.technique = names;
+  options.camera.preset = preset.camera;
+  options.scene_files = preset.files;
+  if (!preset.files.empty() && options.scene.empty())
+    throw Error(ErrorCode::usage, preset.file + " names files, so it is a scene: --scene " + preset.file);
+  if (!options.scene.empty() && options.files.empty())
+    for (const scene::SceneFile& file : preset.files) options.files.push_back(file.name);
+  return true;
+}
+
+view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndValues& given) {
+  view::Start start;
+  view::Wishes& wishes = start.wishes;
+  wishes.files = options.files;
+  if (options.sequence) {
+    start.frames = options.placed();
+    wishes.files.resize(1);
+  }
+  for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);
+  for (const std::string& rule : options.draw) wishes.draw.push_back(view::DrawRow::from(rule));
+  wishes.scene = options.input.scene;
+  for (const auto& [name, value] : given)
+    if (view::is_kept_as_written(name)) wishes.input.emplace_back(name, value);
+  for (const Param& param : choice.prepare_parameters.all())
+    if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
+  for (const auto& chosen : choice.techniques) wishes.take(*chosen);
+  if (!choice.automatic()) wishes.technique = choice.techniques.front()->name;
+  wishes.color_by = options.color.color_by;
+  wishes.colormap = options.color.colormap;
+  wishes.color_range = options.color_range;
+  wishes.point_color = options.point_color;
+  wishes.exposure = options.exposure_text;
+  wishes.whole = options.camera.whole;
+  start.memory = options.memory;
+  wishes.background_color = options.background_color;
+  wishes.legend = options.legend;
+  start.watch = options.watch;
+  start.shader_folder = options.shader_folder;
+  // Called by one thread, which alone uses the choice from then on.
+  start.settle = [&choice](const TechniqueChoice& found) {
+    choice.settle(found);
+    TechniqueChoice settled = found;
+    settled.technique = choice.techniques.front()->name, settled.reason = choice.techniques.front()->reason;
+    return settled;
+  };
+  start.first_camera = [&options](const Pose& pose, int width, int height) {
+    CameraOptions camera = options.camera;
+    if (!camera.file && !camera.preset) camera.resolution = fmt::format("{}x{}", width, height);
+    return camera.resolve(pose);
+  };
+  return start;
+}
+
+}  // namespace sfumato::cli

@@ -1,0 +1,34 @@
+// The words of a rendering, parsed: for the command, its window and the browser alike.
+#pragma once
+
+#include <memory>
+
+#include "render_options.h"
+#include "session/preset.h"
+#include "view/workbench.h"
+
+namespace sfumato::cli {
+
+struct RenderRequest {
+  Preset preset;
+  Choice choice;
+  RenderOptions options;
+  CommandLine line;
+
+  /// Declares the options of rendering with the techniques that `words` or presets name. More may be declared
+  /// before `parse`.
+  explicit RenderRequest(const Words& words, const std::string& command = "sfumato",
+                         const std::string& description = "Renders point clouds to pictures.");
+  /// The configuration, a preset and the words, one over the other. False when help was asked for, or listed.
+  bool parse(const Words& words);
+
+ private:
+  RenderRequest(const Words& words, const std::string& command, const std::string& description,
+                std::pair<Preset, Preset> presets);
+  Preset defaults_;
+};
+
+/// What a viewer begins with. `options` and `choice` are used as long as it runs.
+view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndValues& given);
+
+}  // namespace sfumato::cli

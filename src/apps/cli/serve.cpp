@@ -1,0 +1,181 @@
+// sfumato serve FILE...: the same scene, look and first view in a browser.
+#ifdef SFUMATO_SERVE
+#include "../serve/server.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <set>
+
+#include "commands.h"
+#include "console.h"
+#include "core/error.h"
+#include "core/param.h"
+#include "render_request.h"
+
+namespace sfumato::cli {
+namespace {
+
+/// Options of a picture that may come from elsewhere: none names a file, and none outlives the picture.
+/// Parameters of techniques and of the analysis may as well.
+const std::set<std::string>& options_of_requests() {
+  static const std::set<std::string> names{"technique",
+                                           "draw",
+                                           "resolution",
+                                           "view",
+                                           "zoom",
+                                           "roll",
+                                           "look-at",
+                                           "distance",
+                                           "whole",
+                                           "camera-position",
+                                           "camera-focal-point",
+                                           "camera-view-up",
+                                           "camera-direction",
+                                           "camera-azimuth-angle",
+                                           "camera-elevation-angle",
+                                           "camera-view-angle",
+                                           "camera-orthographic",
+                                           "crop",
+                                           "crop-relative",
+                                           "show-classes",
+                                           "hide-classes",
+                                           "filter",
+                                           "max-points",
+                                           "up",
+                                           "color-by",
+                                           "color",
+                                           "colormap",
+                                           "color-range",
+                                           "exposure",
+                                           "legend",
+                                           "background-color"};
+  return names;
+}
+
+bool is_parameter(const std::string& option) {
+  std::string name = option.substr(std::min(option.size(), option.find('.') + 1));
+  if (!techniques_with(name).empty()) return true;
+  Choice choice("points");
+  std::replace(name.begin(), name.end(), '-', '_');
+  return !choice.find(name).empty();
+}
+
+Words words_of(const serve::Query& query) {
+  Words words;
+  for (const auto& [name, value] : query) {
+    if (!options_of_requests().contains(name) && !is_parameter(name))
+      throw Error(ErrorCode::usage,
+                  "'" + name + "' is no option of a picture that is asked for here; see openapi.json");
+    if (value.empty() ||
+        (value == "true" && (name == "legend" || name == "whole" || name == "camera-orthographic")))
+      words.push_back("--" + name);
+    else
+      words.push_back("--" + name + "=" + value);
+  }
+  return words;
+}
+
+/// Parsed and checked, as of a command that begins with these files.
+std::shared_ptr<RenderRequest> request_of(Words words, const Words& files, const std::string& preset) {
+  words.insert(words.begin(), files.begin(), files.end());
+  if (!preset.empty()) words.push_back("--preset=" + preset);
+  auto request = std::make_shared<RenderRequest>(words);
+  request->parse(words);
+  request->choice.given = request->line.given();
+  request->options.check(request->choice.count);
+  for (const auto& chosen : request->choice.techniques) chosen->check();
+  request->options.camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
+  return request;
+}
+
+view::Start start_of(const std::shared_ptr<RenderRequest>& request) {
+  view::Start start = view_start(request->options, request->choice, request->line.given());
+  // What these use stays as long as they do.
+  start.settle = [request, settle = start.settle](const TechniqueChoice& found) {
+    request->choice.reopen();
+    return settle(found);
+  };
+  start.first_camera = [request, first = start.first_camera](const Pose& pose, int width, int height) {
+    return first(pose, width, height);
+  };
+  return start;
+}
+
+}  // namespace
+
+int serve_command(const Words& words) {
+  auto request = std::make_shared<RenderRequest>(
+      words, "sfumato serve", "Shows point clouds in browsers, rendered where the data is.");
+  RenderOptions& options = request->options;
+  CommandLine& line = request->line;
+  serve::Settings settings;
+  std::string port = "8080", clients = "16", selections = "4";
+  bool is_open = false;
+  line.group("Serving");
+  line.text("--port", port, "N", "of the address; 0 takes one that is free (8080)");
+  line.text("--bind", settings.address, "ADDRESS",
+            "in numbers; 0.0.0.0 is reached from other machines (127.0.0.1)");
+  line.texts("--host", settings.hosts, "NAME",
+             "a name that browsers may call this machine by, as behind a proxy");
+  line.flag("--open", is_open, "open the address in a browser of this machine");
+  line.text("--clients", clients, "N", "pages at the same time (16)");
+  line.text("--selections", selections, "N",
+            "different selections of points (classes, boxes, items) in memory at the same time (4)");
+  line.usage("sfumato serve FILE... [--port N] [--open] [-t TECHNIQUE]");
+  line.footer(
+      "It prints one address, whose long number lets in who knows it. Other machines reach it through\n"
+      "  ssh -L 8080:127.0.0.1:8080 SERVER\n"
+      "and the same address. docs/serve.md has more.");
+  if (!request->parse(words)) return 0;
+  settings.port = int(parse_whole("--port", port, 0));
+  if (settings.port > 65535) throw Error(ErrorCode::usage, "--port: " + port + " is more than 65535");
+  settings.clients = std::size_t(std::min(1000L, parse_whole("--clients", clients, 1)));
+  settings.selections = std::size_t(std::min(100L, parse_whole("--selections", selections, 1)));
+  settings.opens_browser = is_open;
+  settings.verbose = options.common.verbose;
+  settings.token = serve::new_token();
+  char name[256] = "";
+  if (::gethostname(name, sizeof name - 1) == 0 && settings.address != "127.0.0.1")
+    settings.hosts.push_back(name);
+  if (options.has_output())
+    throw Error(ErrorCode::usage,
+                "serve writes no files: leave out -o and --output-...; the page saves pictures");
+  if (options.files.empty() && options.scene.empty())
+    throw Error(ErrorCode::usage, "serve what? name a file: sfumato serve FILE...");
+  if (options.watch || options.sequence || options.each || !options.path.empty())
+    throw Error(ErrorCode::usage, "serve shows one scene: leave out --watch, --sequence, --each and --path");
+  request->choice.given = line.given();
+  options.check(request->choice.count);
+  for (const auto& chosen : request->choice.techniques) chosen->check();
+  options.camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
+  options.expand_files();
+
+  Console console(options.common);
+  serve::Sources sources;
+  sources.quote = [](const Words& all) { return quote(all); };
+  sources.announce = [](const std::string& address) { print(address + "\n"), std::fflush(stdout); };
+  sources.say = [&](const std::string& text) { console.say("sfumato: " + text); };
+  sources.start = [&] { return start_of(request); };
+  sources.request = [&](const serve::Query& query) {
+    const auto asked = request_of(words_of(query), options.files, options.preset);
+    serve::Request wanted;
+    wanted.start = start_of(asked);
+    wanted.start.wishes.transforms = start_of(request).wishes.transforms;
+    if (asked->options.camera.resolution)
+      std::tie(wanted.width, wanted.height) =
+          parse_resolution("resolution", *asked->options.camera.resolution);
+    const int most = settings.limits.shot_side_px;
+    if (wanted.width > most || wanted.height > most)
+      throw Error(ErrorCode::usage, fmt::format("resolution: at most {0}x{0}", most));
+    return wanted;
+  };
+  const int code = serve::run(settings, sources);
+  if (!view::Loader::has_left_work()) return code;
+  std::fflush(nullptr);
+  std::_Exit(code);
+}
+
+}  // namespace sfumato::cli
+#endif

@@ -1,0 +1,304 @@
+#include "protocol.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "core/error.h"
+#include "io/bounded_json.h"
+#include "view/light_hand.h"
+
+namespace sfumato::serve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using view::Wishes;
+using view::Workbench;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorCode::usage, "a message of the page: " + what);
+}
+
+/// One message, with values that are what they should be.
+class Message {
+ public:
+  explicit Message(std::string_view text) : json_(io::parse_json(text, "a message of the page")) {
+    if (!json_.is_object()) refuse("it is no object");
+  }
+  double number(const char* name) const {
+    const auto found = json_.find(name);
+    if (found == json_.end() || !found->is_number()) refuse(std::string(name) + " is no number");
+    const double value = found->get<double>();
+    if (!std::isfinite(value) || std::abs(value) > 1e15) refuse(std::string(name) + " is out of range");
+    return value;
+  }
+  int whole(const char* name, int low, int high) const {
+    const double value = number(name);
+    if (value < low || value > high)
+      refuse(std::string(name) + " is not within " + std::to_string(low) + " to " + std::to_string(high));
+    return int(value);
+  }
+  bool flag(const char* name) const {
+    const auto found = json_.find(name);
+    if (found == json_.end()) return false;
+    if (!found->is_boolean()) refuse(std::string(name) + " is neither true nor false");
+    return found->get<bool>();
+  }
+  std::string text(const char* name) const {
+    const auto found = json_.find(name);
+    if (found == json_.end() || !found->is_string()) refuse(std::string(name) + " is no text");
+    return text_of(*found, name);
+  }
+  static std::string text_of(const Json& json, const char* name) {
+    const std::string value = json.get<std::string>();
+    if (value.size() > 2000 ||
+        std::any_of(value.begin(), value.end(), [](unsigned char c) { return c < 32; }))
+      refuse(std::string(name) + " is no plain text");
+    return value;
+  }
+  const Json* list(const char* name, std::size_t most) const {
+    const auto found = json_.find(name);
+    if (found == json_.end() || found->is_null()) return nullptr;
+    if (!found->is_array() || found->size() > most)
+      refuse(std::string(name) + " is no list of at most " + std::to_string(most));
+    return &*found;
+  }
+  std::vector<double> numbers(const char* name, std::size_t count) const {
+    const Json* all = list(name, count);
+    if (!all) return {};
+    std::vector<double> values;
+    for (const Json& each : *all) {
+      if (!each.is_number() || !std::isfinite(each.get<double>()))
+        refuse(std::string(name) + " holds what is no number");
+      values.push_back(each.get<double>());
+    }
+    if (values.size() != count)
+      refuse(std::string(name) + " is not of " + std::to_string(count) + " numbers");
+    return values;
+  }
+
+ private:
+  Json json_;
+};
+
+std::string light_of(const Workbench& bench) {
+  const auto found = bench.wishes().shared.find("light");
+  return found == bench.wishes().shared.end() ? "headlight" : found->second;
+}
+
+bool has_shadows(const Workbench& bench) {
+  const auto found = bench.wishes().shared.find("shadows");
+  return found != bench.wishes().shared.end() && found->second != "off";
+}
+
+void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
+  const int height = bench.height();
+  if (hand.kind == Hand::Kind::light)
+    bench.change("light", [&](Wishes& next) {
+      next.set("light", view::drag_light(light_of(bench), bench.camera(), bench.navigator().up_axis(),
+                                         has_shadows(bench), dx, dy, height));
+    });
+  else if (hand.kind != Hand::Kind::none)
+    bench.move(hand.kind == Hand::Kind::rotate ? "rotate" : "pan", [&](view::Navigator& to) {
+      if (hand.kind == Hand::Kind::rotate)
+        to.rotate(dx, dy, height, hand.pivot);
+      else
+        to.pan(dx, dy, height, hand.pivot);
+    });
+}
+
+void show_class(Workbench& bench, int id, bool shown) {
+  bench.change("classes", [&](Wishes& next) {
+    Selection& wanted = next.scene.selection;
+    if (!wanted.show_classes.empty() && bench.scene()) {
+      for (const ClassShare& each : bench.scene()->classes)
+        if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), each.id) ==
+            wanted.show_classes.end())
+          wanted.hide_classes.push_back(each.id);
+      wanted.show_classes.clear();
+    }
+    std::erase(wanted.hide_classes, id);
+    if (!shown) wanted.hide_classes.push_back(id);
+    std::sort(wanted.hide_classes.begin(), wanted.hide_classes.end());
+    wanted.hide_withheld = !wanted.hide_classes.empty();
+  });
+}
+
+void set_color(Workbench& bench, const std::string& name, const std::string& value) {
+  const std::map<std::string, std::string Wishes::*> places{{"colormap", &Wishes::colormap},
+                                                            {"color_range", &Wishes::color_range},
+                                                            {"exposure", &Wishes::exposure},
+                                                            {"point_color", &Wishes::point_color},
+                                                            {"background_color", &Wishes::background_color}};
+  bench.change(name, [&](Wishes& next) {
+    if (name == "color_by") {
+      next.color_by = value, next.color_range.clear(), next.point_color.clear();
+      return;
+    }
+    const auto place = places.find(name);
+    if (place == places.end()) refuse("there is no colour setting '" + name + "'");
+    next.*place->second = value;
+    (void)next.color(), (void)next.background();
+  });
+}
+
+void draw_rows(Workbench& bench, const Json& rows) {
+  std::vector<view::DrawRow> wanted;
+  for (const Json& each : rows) {
+    if (!each.is_object() || !each.contains("rule") || !each["rule"].is_string()) refuse("a row has no rule");
+    view::DrawRow row = view::DrawRow::from(Message::text_of(each["rule"], "rule"));
+    if (each.contains("visible") && each["visible"].is_boolean()) row.visible = each["visible"].get<bool>();
+    wanted.push_back(row);
+  }
+  bench.change("items", [&](Wishes& next) { next.draw = wanted; });
+}
+
+void show_side(Workbench& bench, const std::string& side) {
+  const std::map<std::string, view::NamedView> sides{
+      {"front", view::NamedView::front}, {"back", view::NamedView::back},
+      {"left", view::NamedView::left},   {"right", view::NamedView::right},
+      {"top", view::NamedView::top},     {"bottom", view::NamedView::bottom}};
+  const auto found = sides.find(side);
+  bench.move(side, [&](view::Navigator& to) {
+    if (found != sides.end()) return to.show(found->second, bench.width(), bench.height());
+    if (side == "reset") return to.reset();
+    if (side == "frame") return to.frame(bench.width(), bench.height());
+    if (side == "parallel") return to.toggle_orthographic();
+    refuse("there is no view '" + side + "'");
+  });
+}
+
+void path(Workbench& bench, const Message& said, const Limits& limits) {
+  const std::string what = said.text("what");
+  if (what == "add") {
+    if (bench.path.keys().size() >= limits.path_keys) return bench.say("the path is full", true);
+    return bench.path.add(bench.wishes().camera);
+  }
+  if (what == "clear") return bench.path.clear();
+  if (what == "play") return bench.play(true);
+  if (what == "stop") return bench.play(false);
+  if (what == "seconds") {
+    bench.path.seconds_per_key = std::clamp(said.number("value"), 0.05, 60.0);
+    return;
+  }
+  if (what == "remove" && !bench.path.empty())
+    return bench.path.remove(std::size_t(said.whole("key", 0, int(bench.path.keys().size()) - 1)));
+  refuse("there is no step '" + what + "' of a path");
+}
+
+using Deed = std::function<void(Workbench&, Hand&, const Message&, const Limits&)>;
+
+const std::map<std::string, Deed>& deeds() {
+  static const std::map<std::string, Deed> all{
+      {"size",
+       [](auto& bench, auto&, auto& said, auto& limits) {
+         bench.set_size(said.whole("width", 1, limits.side_px), said.whole("height", 1, limits.side_px));
+       }},
+      {"got", [](auto&, auto& hand, auto& said,
+                 auto&) { hand.confirmed = std::uint64_t(std::max(0.0, said.number("id"))); }},
+      {"command", [](auto&, auto& hand, auto&, auto&) { hand.wants_command = true; }},
+      {"grab",
+       [](auto& bench, auto& hand, auto& said, auto&) {
+         const std::string kind = said.text("kind");
+         hand.kind = kind == "rotate"  ? Hand::Kind::rotate
+                     : kind == "light" ? Hand::Kind::light
+                                       : Hand::Kind::pan;
+         const double x = said.number("x"), y = said.number("y");
+         hand.pivot = hand.kind == Hand::Kind::rotate ? bench.pivot_at(x, y) : bench.place_at(x, y);
+       }},
+      {"drag", [](auto& bench, auto& hand, auto& said,
+                  auto&) { drag(bench, hand, said.number("dx"), said.number("dy")); }},
+      {"zoom",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const dvec3 place = bench.place_at(said.number("x"), said.number("y"));
+         const double steps = std::clamp(said.number("steps"), -50.0, 50.0);
+         bench.move("zoom", [&](view::Navigator& to) { to.zoom(steps, place); });
+       }},
+      {"angle",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const double steps = std::clamp(said.number("steps"), -50.0, 50.0);
+         bench.move("angle", [&](view::Navigator& to) { to.set_angle(to.camera().fov_deg - 2 * steps); });
+       }},
+      {"fly",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const std::vector<double> way = said.numbers("way", 3);
+         if (way.empty()) refuse("there is no way to fly");
+         const dvec3 along = glm::clamp(dvec3(way[0], way[1], way[2]), dvec3(-1), dvec3(1));
+         const double seconds = std::clamp(said.number("seconds"), 0.0, 0.25);
+         bench.move("fly", [&](view::Navigator& to) { to.fly(along, seconds, said.flag("fast") ? 5 : 1); });
+       }},
+      {"look_at",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const dvec3 place = bench.pivot_at(said.number("x"), said.number("y"));
+         bench.move("pivot", [&](view::Navigator& to) { to.look_at(place); });
+       }},
+      {"view", [](auto& bench, auto&, auto& said, auto&) { show_side(bench, said.text("name")); }},
+      {"pick", [](auto& bench, auto&, auto& said,
+                  auto&) { bench.pick(said.number("x"), said.number("y"), said.flag("add")); }},
+      {"clear", [](auto& bench, auto&, auto&, auto&) { bench.clear_picked(), bench.close_profile(); }},
+      {"profile", [](auto& bench, auto&, auto& said, auto&) { bench.cut_profile(said.number("width")); }},
+      {"technique",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const std::string name = said.text("name");
+         bench.change("technique", [&](Wishes& next) { next.technique = find_technique(name).name; });
+       }},
+      {"set",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const std::string name = said.text("name"), value = said.text("value");
+         bench.change(name, [&](Wishes& next) { next.set(name, value); });
+       }},
+      {"reset",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const std::string name = said.text("name");
+         bench.change(name, [&](Wishes& next) { name.empty() ? next.reset_all() : next.reset(name); });
+       }},
+      {"color", [](auto& bench, auto&, auto& said,
+                   auto&) { set_color(bench, said.text("name"), said.text("value")); }},
+      {"legend",
+       [](auto& bench, auto&, auto& said, auto&) {
+         bench.change("legend", [on = said.flag("on")](Wishes& next) { next.legend = on; });
+       }},
+      {"whole",
+       [](auto& bench, auto&, auto& said, auto&) {
+         bench.change("whole room", [on = said.flag("on")](Wishes& next) { next.whole = on; });
+       }},
+      {"class", [](auto& bench, auto&, auto& said,
+                   auto&) { show_class(bench, said.whole("id", 0, 255), said.flag("shown")); }},
+      {"clip",
+       [](auto& bench, auto&, auto& said, auto&) {
+         const std::vector<double> box = said.numbers("box", 6);
+         bench.change("clip", [&](Wishes& next) {
+           auto& crop = next.scene.selection.crop;
+           if (box.empty()) return crop.reset();
+           const dvec3 a(box[0], box[1], box[2]), b(box[3], box[4], box[5]);
+           crop = Bounds{glm::min(a, b), glm::max(a, b)};
+         });
+       }},
+      {"draw",
+       [](auto& bench, auto&, auto& said, auto& limits) {
+         const Json* rows = said.list("rows", limits.draw_rows);
+         draw_rows(bench, rows ? *rows : Json::array());
+       }},
+      {"undo", [](auto& bench, auto&, auto&, auto&) { bench.undo(); }},
+      {"redo", [](auto& bench, auto&, auto&, auto&) { bench.redo(); }},
+      {"path", [](auto& bench, auto&, auto& said, auto& limits) { path(bench, said, limits); }},
+      {"shoot",
+       [](auto& bench, auto&, auto& said, auto& limits) {
+         bench.shoot(said.whole("width", 1, limits.shot_side_px),
+                     said.whole("height", 1, limits.shot_side_px));
+       }},
+  };
+  return all;
+}
+
+}  // namespace
+
+void obey(Workbench& bench, Hand& hand, std::string_view text, const Limits& limits) {
+  const Message said(text);
+  const auto deed = deeds().find(said.text("do"));
+  if (deed == deeds().end()) refuse("there is no deed '" + said.text("do") + "'");
+  deed->second(bench, hand, said, limits);
+}
+
+}  // namespace sfumato::serve

@@ -1,0 +1,40 @@
+// Messages of a page as edits of a workbench, and its state as JSON.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "view/workbench.h"
+
+namespace sfumato::serve {
+
+/// The drag under way, and what else the last message was about.
+struct Hand {
+  enum class Kind { none, rotate, pan, light } kind = Kind::none;
+  dvec3 pivot{0};
+  std::uint64_t confirmed = 0;  ///< the picture that the page has shown
+  bool wants_command = false;
+};
+
+/// Limits of what a page may ask for.
+struct Limits {
+  int side_px = 4096;        ///< of a picture in the page
+  int shot_side_px = 16384;  ///< of a picture to keep
+  std::size_t path_keys = 1000, draw_rows = 100, waiting_shots = 4;
+};
+
+/// Does what one message asks. Throws Error(usage) for what is no message of ours; what the workbench
+/// refuses, it says itself.
+void obey(view::Workbench& bench, Hand& hand, std::string_view text, const Limits& limits);
+
+/// What panels show, in parts that are sent when they change.
+nlohmann::ordered_json state_of(const view::Workbench& bench);
+
+/// Of a server, for programs.
+nlohmann::ordered_json info_of(const view::Workbench& bench);
+
+/// A camera as the page calculates with it.
+nlohmann::ordered_json camera_json(const Camera& camera);
+
+}  // namespace sfumato::serve

@@ -1,0 +1,50 @@
+// The server: HTTP and WebSocket on one thread, viewers behind them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "access.h"
+#include "viewer.h"
+
+namespace sfumato::serve {
+
+struct Settings {
+  std::string address = "127.0.0.1";
+  int port = 8080;                 ///< 0: one that is free
+  std::vector<std::string> hosts;  ///< names that browsers may know this machine by
+  std::string token;
+  std::size_t clients = 16;    ///< pages at the same time
+  std::size_t selections = 4;  ///< different selections of points in memory at the same time
+  bool opens_browser = false, verbose = false;
+  Limits limits;
+};
+
+/// A picture that a program asks for.
+struct Request {
+  view::Start start;
+  int width = 1280, height = 720;
+};
+
+struct Sources {
+  std::function<view::Start()> start;            ///< of a new page
+  std::function<Request(const Query&)> request;  ///< throws Error(usage) for what is no option
+  std::function<std::string(const std::vector<std::string>&)> quote;
+  std::function<void(const std::string&)> announce;  ///< the address, once it answers
+  std::function<void(const std::string&)> say;
+};
+
+/// Serves until Ctrl-C or SIGTERM; returns 0. Throws Error(io) where the port is taken, and what the files or
+/// the driver complain of before the first picture.
+int run(const Settings& settings, const Sources& sources);
+
+/// What the page is made of.
+struct PageFile {
+  std::string name, type, text;
+};
+extern const std::vector<PageFile> page_files;
+
+}  // namespace sfumato::serve

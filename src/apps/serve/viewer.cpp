@@ -1,0 +1,186 @@
+#include "viewer.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/version.h"
+#include "io/camera_json.h"
+#include "io/image_file.h"
+#include "labels/legend.h"
+
+namespace sfumato::serve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Panels need no more; every picture comes with what it is.
+constexpr double state_ms = 60;
+
+/// Means of so many pixels by so many.
+Image<Rgba8> smaller(const Image<Rgba8>& image, int by) {
+  if (by <= 1 || image.width() < by || image.height() < by) return image;
+  Image<Rgba8> out(image.width() / by, image.height() / by);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      int r = 0, g = 0, b = 0;
+      for (int k = 0; k < by * by; ++k) {
+        const Rgba8& c = image.at(x * by + k % by, y * by + k / by);
+        r += c.r, g += c.g, b += c.b;
+      }
+      const int n = by * by;
+      out.at(x, y) = {std::uint8_t(r / n), std::uint8_t(g / n), std::uint8_t(b / n), 255};
+    }
+  return out;
+}
+
+}  // namespace
+
+std::string shot_png(view::Shot shot, const std::string& name,
+                     const std::function<std::string(const std::vector<std::string>&)>& quote) {
+  std::vector<std::string> command = shot.words;
+  command.insert(command.begin(), "sfumato");
+  command.insert(command.end(), {"-o", name});
+  if (shot.legend) labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
+  return io::png_bytes(shot.picture.image, false,
+                       {{"Software", std::string("sfumato ") + version()},
+                        {"Command", quote(command)},
+                        {"Camera", io::camera_to_json(shot.picture.camera)}});
+}
+
+void Viewer::begin(std::shared_ptr<view::SharedScenes> shared) {
+  if (bench_) start_.wishes = bench_->wishes();
+  bench_.reset();
+  sent_.reset();
+  start_.shared = std::move(shared);
+  bench_ = std::make_unique<view::Workbench>(start_);
+  if (!size_message_.empty()) obey(*bench_, hand_, size_message_, outside_.limits);
+}
+
+void Viewer::hear(std::string_view text, double now_ms) {
+  if (text.starts_with(R"({"do":"size")")) size_message_ = text;
+  if (!bench_) return;  // what is pressed before there is a picture has nothing to act on
+  const view::Wishes before = bench_->wishes();
+  hand_.confirmed = 0, hand_.wants_command = false;
+  obey(*bench_, hand_, text, outside_.limits);
+  if (hand_.confirmed) pace_.confirmed(hand_.confirmed, now_ms);
+  if (hand_.wants_command) {
+    std::vector<std::string> words = bench_->wishes().words(bench_->width(), bench_->height());
+    words.insert(words.begin(), "sfumato");
+    words.insert(words.end(), {"-o", "picture.png"});
+    outside_.send_text(Json{{"command", outside_.quote(words)}}.dump());
+  }
+  const std::string key = bench_->wishes().scene_key();
+  if (key != before.scene_key() && !outside_.may_show(key)) {
+    bench_->change("refused", [&](view::Wishes& next) { next = before; });
+    bench_->say("this server holds as many selections of points as its memory is given; undo one, or wait",
+                true);
+  }
+}
+
+const std::optional<view::Failure>& Viewer::fatal() const {
+  static const std::optional<view::Failure> none;
+  return bench_ ? bench_->fatal() : none;
+}
+
+std::optional<double> Viewer::wait_ms(double now_ms) const {
+  if (!bench_) return std::nullopt;
+  std::optional<double> wait = bench_->wait_ms(now_ms);
+  if (now_ms - told_ms_ < state_ms) wait = std::min(wait.value_or(state_ms), state_ms);
+  return wait;
+}
+
+void Viewer::tick(double now_ms) {
+  if (!bench_) return;
+  bench_->tick(now_ms);
+  for (const view::Message& each : bench_->take_messages())
+    outside_.send_text(Json{{"say", each.text}, {"error", each.is_error}}.dump(
+        -1, ' ', false, Json::error_handler_t::replace));
+  send_picture(now_ms);
+  send_shots();
+  send_state(now_ms);
+}
+
+void Viewer::send_state(double now_ms) {
+  if (now_ms - told_ms_ < state_ms) return;
+  told_ms_ = now_ms;
+  Json news = Json::object();
+  const Json state = state_of(*bench_);
+  for (const auto& [part, value] : state.items()) {
+    std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (std::string& told = told_[part]; told != text) {
+      told = std::move(text);
+      news[part] = value;
+    }
+  }
+  if (!news.empty())
+    outside_.send_text(Json{{"state", news}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Viewer::send(Json header, std::string image) {
+  const std::string text = header.dump();
+  std::string bytes;
+  bytes.reserve(4 + text.size() + image.size());
+  for (int shift = 0; shift < 32; shift += 8) bytes += char(text.size() >> shift & 255);
+  bytes += text;
+  bytes += image;
+  outside_.send_bytes(std::move(bytes));
+}
+
+void Viewer::send_picture(double now_ms) {
+  const std::shared_ptr<const view::Picture> picture = bench_->picture();
+  const bool legend = bench_->wishes().legend;
+  if (!picture || is_encoding_ || !pace_.may_send()) return;
+  const bool is_final = bench_->settled();
+  if (picture == sent_ && legend == sent_legend_ && (sent_exactly_ || !is_final)) return;
+  // A slow line gets a picture that it can carry at once, and then the exact one.
+  const bool is_first_of_final = is_final && picture != sent_;
+  const bool exact = is_final && !(is_first_of_final && pace_.is_slow_for(picture->image.size()));
+  sent_ = picture, sent_legend_ = legend, sent_exactly_ = exact;
+  is_encoding_ = true;
+  struct Encoded {
+    std::string bytes;
+  };
+  auto encoded = std::make_shared<Encoded>();
+  const bool draws_legend =
+      legend && picture->image.width() == bench_->width() && picture->image.height() == bench_->height();
+  const int quality = is_final ? Pace::most_quality : pace_.quality(), shrink = exact ? 1 : pace_.shrink();
+  Json header{{"kind", "picture"},
+              {"type", exact ? "image/png" : "image/jpeg"},
+              {"camera", camera_json(picture->camera)},
+              {"technique", picture->technique},
+              {"exact", exact}};
+  outside_.in_background(
+      [encoded, picture, draws_legend, exact, quality, shrink] {
+        Image<Rgba8> image = smaller(picture->image, shrink);
+        if (draws_legend && shrink == 1) labels::draw_legend(image, picture->coloring, picture->background);
+        encoded->bytes = exact ? io::png_bytes(image, false) : io::jpeg_bytes(image, quality);
+      },
+      [self = shared_from_this(), encoded, header, exact, now_ms]() mutable {
+        self->is_encoding_ = false;
+        const std::uint64_t id = self->next_id_++;
+        header["id"] = id;
+        self->pace_.sent(id, encoded->bytes.size(), !exact, now_ms);
+        self->send(std::move(header), std::move(encoded->bytes));
+      });
+}
+
+void Viewer::send_shots() {
+  for (view::Shot& shot : bench_->take_shots()) {
+    auto encoded = std::make_shared<std::string>();
+    const int width = shot.picture.image.width(), height = shot.picture.image.height();
+    outside_.in_background(
+        [encoded, shot = std::move(shot), quote = outside_.quote]() mutable {
+          *encoded = shot_png(std::move(shot), "picture.png", quote);
+        },
+        [self = shared_from_this(), encoded, width, height] {
+          self->send({{"kind", "shot"},
+                      {"type", "image/png"},
+                      {"name", "picture.png"},
+                      {"width", width},
+                      {"height", height}},
+                     std::move(*encoded));
+        });
+  }
+}
+
+}  // namespace sfumato::serve

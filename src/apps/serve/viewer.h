@@ -1,0 +1,62 @@
+// One person at the server: a workbench of their own, what their page says, and the pictures that go there.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "pace.h"
+#include "protocol.h"
+#include "view/workbench.h"
+
+namespace sfumato::serve {
+
+/// What a viewer needs of the server.
+struct Outside {
+  std::function<void(std::string)> send_text;
+  std::function<void(std::string)> send_bytes;
+  /// Runs the first on another thread, then the second on this one.
+  std::function<void(std::function<void()>, std::function<void()>)> in_background;
+  std::function<std::string(const std::vector<std::string>&)> quote;  ///< words as a line of a shell
+  std::function<bool(const std::string&)> may_show;  ///< whether there is memory for points of that scene key
+  Limits limits;
+};
+
+class Viewer : public std::enable_shared_from_this<Viewer> {
+ public:
+  Viewer(view::Start start, Outside outside) : outside_(std::move(outside)), start_(std::move(start)) {}
+
+  /// Scenes may be read and drawn from now on, also after a driver was lost: the wishes stay.
+  void begin(std::shared_ptr<view::SharedScenes> shared);
+  /// A message of the page. Throws Error(usage), Error(bad_input) for what is none.
+  void hear(std::string_view text, double now_ms);
+  void tick(double now_ms);
+  std::optional<double> wait_ms(double now_ms) const;
+  const std::optional<view::Failure>& fatal() const;
+  const view::Workbench* bench() const { return bench_.get(); }
+
+ private:
+  void send_state(double now_ms);
+  void send_picture(double now_ms);
+  void send_shots();
+  void send(nlohmann::ordered_json header, std::string image);
+
+  Outside outside_;
+  view::Start start_;
+  std::unique_ptr<view::Workbench> bench_;
+  Hand hand_;
+  Pace pace_;
+  std::string size_message_;  ///< the last, for a workbench that begins later
+  std::shared_ptr<const view::Picture> sent_;
+  bool sent_legend_ = false, sent_exactly_ = false, is_encoding_ = false;
+  std::uint64_t next_id_ = 1;
+  std::map<std::string, std::string> told_;  ///< parts of the state as they were sent
+  double told_ms_ = -1e9;
+};
+
+/// A picture to keep as the command writes it: with its words, and the name that it is saved by.
+std::string shot_png(view::Shot shot, const std::string& name,
+                     const std::function<std::string(const std::vector<std::string>&)>& quote);
+
+}  // namespace sfumato::serve

@@ -1,0 +1,123 @@
+// Several workbenches over one scene: read once, in memory once, each with a view and a look of its own.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "io/io.h"
+#include "view/workbench.h"
+
+namespace sfumato::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class SharedScenesTest : public ::testing::Test {
+ protected:
+  SharedScenesTest() {
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("sfumato_shared_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    PointCloud cloud;
+    ScalarField classes{"classification", 0, {}, StoredType::uint8};
+    for (int i = 0; i < 2500; ++i) {
+      cloud.positions.push_back({float(i % 50), float(i / 50), float(i % 7)});
+      classes.values.push_back(i % 2 ? 2.0f : 6.0f);
+    }
+    cloud.scalars = {classes};
+    file_ = (folder_ / "scan.las").string();
+    io::write(file_, cloud);
+  }
+  ~SharedScenesTest() override { std::filesystem::remove_all(folder_); }
+
+  std::unique_ptr<Workbench> open(std::shared_ptr<SharedScenes> shared) const {
+    Start start;
+    start.wishes.files = {file_};
+    start.wishes.technique = "points";
+    start.wake = [] {};
+    start.shared = std::move(shared);
+    auto bench = std::make_unique<Workbench>(std::move(start));
+    bench->set_size(160, 100);
+    return bench;
+  }
+  void settle(std::initializer_list<Workbench*> benches) const {
+    for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
+      bool all = true;
+      for (Workbench* bench : benches) {
+        bench->tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
+        for (const Message& message : bench->take_messages()) EXPECT_FALSE(message.is_error) << message.text;
+        all = all && bench->settled();
+      }
+      if (all) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    FAIL() << "the pictures did not come within a minute";
+  }
+  static bool same(const Picture& a, const Picture& b) {
+    return a.image.width() == b.image.width() && std::equal(a.image.begin(), a.image.end(), b.image.begin());
+  }
+
+  std::filesystem::path folder_;
+  std::string file_;
+  Clock::time_point began_ = Clock::now();
+};
+
+TEST_F(SharedScenesTest, SecondReadsNothingAndSharesThePoints) {
+  const auto shared = std::make_shared<SharedScenes>();
+  const auto first = open(shared);
+  settle({first.get()});
+  std::filesystem::remove(file_);  // whoever reads it now fails
+  const auto second = open(shared);
+  settle({first.get(), second.get()});
+  EXPECT_EQ(first->scene()->near, second->scene()->near);
+  EXPECT_EQ(first->memory().points, second->memory().points);
+  EXPECT_TRUE(same(*first->picture(), *second->picture()));
+}
+
+TEST_F(SharedScenesTest, EachHasTheViewAndTheLookThatItHasAlone) {
+  const auto look = [](Workbench& bench) {
+    bench.change("technique", [](Wishes& next) { next.technique = "splats"; });
+    bench.change("color", [](Wishes& next) { next.color_by = "classification"; });
+    bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 100, dvec3(25, 25, 3)); });
+  };
+  const auto alone = open(nullptr), alone_with_look = open(nullptr);
+  look(*alone_with_look);
+  settle({alone.get(), alone_with_look.get()});
+  const auto shared = std::make_shared<SharedScenes>();
+  const auto first = open(shared), second = open(shared);
+  settle({first.get(), second.get()});
+  look(*second);
+  settle({first.get(), second.get()});
+  first->repaint();
+  settle({first.get(), second.get()});
+  second->repaint();
+  settle({first.get(), second.get()});
+  EXPECT_TRUE(same(*first->picture(), *alone->picture()));
+  EXPECT_TRUE(same(*second->picture(), *alone_with_look->picture()));
+  EXPECT_FALSE(same(*first->picture(), *second->picture()));
+}
+
+TEST_F(SharedScenesTest, AnotherSelectionOfPointsIsNobodyElses) {
+  const auto shared = std::make_shared<SharedScenes>();
+  const auto first = open(shared);
+  settle({first.get()});
+  auto second = open(shared);
+  settle({first.get(), second.get()});
+  second->change("classes", [](Wishes& next) { next.scene.selection.hide_classes = {2}; });
+  settle({first.get(), second.get()});
+  EXPECT_EQ(first->scene()->points_shown, 2500u);
+  EXPECT_EQ(second->scene()->points_shown, 1250u);
+  EXPECT_FALSE(same(*first->picture(), *second->picture()));
+  second->undo();  // what the first has is here
+  std::filesystem::remove(file_);
+  settle({first.get(), second.get()});
+  EXPECT_TRUE(same(*first->picture(), *second->picture()));
+  second.reset();
+  first->repaint();
+  settle({first.get()});
+}
+
+}  // namespace
+}  // namespace sfumato::view
