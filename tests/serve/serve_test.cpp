@@ -78,10 +78,14 @@ TEST(Pace, SlowLinesGetPicturesThatTheyCarry) {
   // 10 Mbit/s and 40 ms; a picture of 1280x720 takes 3 kB for each step of quality, less when it is shrunk.
   const auto bytes = [&] { return std::size_t(6000 * pace.quality() / (pace.shrink() * pace.shrink())); };
   carry(pace, 1250, 40, 40, bytes);
-  EXPECT_LT(double(bytes()) / 1250, 1.5 * Pace::wanted_ms);
+  EXPECT_LE(double(bytes()) / 1250,
+            Pace::wanted_ms);  // one step of quality may be too much, then it goes back
+  EXPECT_GE(double(bytes()) / 1250, 0.1 * Pace::wanted_ms);
   EXPECT_LT(pace.quality(), 75);
-  EXPECT_NEAR(pace.bytes_per_ms(), 1250, 400);
-  EXPECT_NEAR(pace.latency_ms(), 140, 110);
+  EXPECT_LE(pace.bytes_per_ms(), 1250);
+  EXPECT_GE(pace.bytes_per_ms(), 300);
+  EXPECT_GE(pace.latency_ms(), 40);
+  EXPECT_LE(pace.latency_ms(), 140);
 }
 
 TEST(Pace, FastLinesGetTheBest) {

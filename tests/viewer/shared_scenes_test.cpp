@@ -55,6 +55,15 @@ class SharedScenesTest : public ::testing::Test {
     }
     FAIL() << "the pictures did not come within a minute";
   }
+  /// The last has so many points.
+  void until(std::uint64_t points, std::initializer_list<Workbench*> benches) const {
+    const Workbench* last = *(benches.end() - 1);
+    for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
+      settle(benches);
+      if (last->scene()->points_shown == points) return;
+    }
+    FAIL() << "other points did not come within a minute";
+  }
   static bool same(const Picture& a, const Picture& b) {
     return a.image.width() == b.image.width() && std::equal(a.image.begin(), a.image.end(), b.image.begin());
   }
@@ -83,6 +92,7 @@ TEST_F(SharedScenesTest, EachHasTheViewAndTheLookThatItHasAlone) {
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 100, dvec3(25, 25, 3)); });
   };
   const auto alone = open(nullptr), alone_with_look = open(nullptr);
+  settle({alone.get(), alone_with_look.get()});
   look(*alone_with_look);
   settle({alone.get(), alone_with_look.get()});
   const auto shared = std::make_shared<SharedScenes>();
@@ -106,12 +116,14 @@ TEST_F(SharedScenesTest, AnotherSelectionOfPointsIsNobodyElses) {
   auto second = open(shared);
   settle({first.get(), second.get()});
   second->change("classes", [](Wishes& next) { next.scene.selection.hide_classes = {2}; });
+  until(1250, {first.get(), second.get()});
   settle({first.get(), second.get()});
   EXPECT_EQ(first->scene()->points_shown, 2500u);
   EXPECT_EQ(second->scene()->points_shown, 1250u);
   EXPECT_FALSE(same(*first->picture(), *second->picture()));
   second->undo();  // what the first has is here
   std::filesystem::remove(file_);
+  until(2500, {first.get(), second.get()});
   settle({first.get(), second.get()});
   EXPECT_TRUE(same(*first->picture(), *second->picture()));
   second.reset();

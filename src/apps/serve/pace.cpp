@@ -15,27 +15,25 @@ void Pace::confirmed(std::uint64_t id, double now_ms) {
     if (one.id != id) continue;
     const double whole = std::max(0.01, now_ms - one.when_ms);
     latency_ms_ = latency_ms_ == 0 ? whole : std::min(1.001 * latency_ms_, whole);
-    // A picture that waited behind another began its way when that one had arrived.
-    const double way = now_ms - std::max(one.when_ms, confirmed_ms_);
-    // The part of it that grows with the bytes: at least a hundredth, so that a fast line has a rate at all.
-    const double carrying = std::max(way - (one.when_ms > confirmed_ms_ ? latency_ms_ : 0), 0.01 * whole);
+    // A picture that waited behind another began its way when that one had arrived. The latency counts as if
+    // it were carrying: what is promised of a line is rather too little.
+    const double took = std::max(0.01, now_ms - std::max(one.when_ms, confirmed_ms_));
     if (one.bytes >= 2000) {
-      const double rate = double(one.bytes) / carrying;
+      const double rate = double(one.bytes) / took;
       bytes_per_ms_ = bytes_per_ms_ == 0 ? rate : 0.8 * bytes_per_ms_ + 0.2 * rate;
     }
     confirmed_ms_ = now_ms;
-    if (one.in_motion) adapt(one.bytes);
+    if (one.in_motion) adapt(took);
   }
 }
 
-void Pace::adapt(std::size_t bytes) {
-  const double takes = double(bytes) / std::max(bytes_per_ms_, 1e-9);
-  if (takes > wanted_ms) {
+void Pace::adapt(double took_ms) {
+  if (took_ms > wanted_ms) {
     if (quality_ > least_quality)
       quality_ = std::max(least_quality, quality_ - 10);
     else
       shrink_ = std::min(4, shrink_ + 1);
-  } else if (takes < 0.4 * wanted_ms) {
+  } else if (took_ms < 0.4 * wanted_ms) {
     if (shrink_ > 1)
       --shrink_;
     else

@@ -10,8 +10,7 @@ namespace sfumato::serve {
 
 class Pace {
  public:
-  static constexpr double wanted_ms =
-      100;  ///< that a picture in motion may take on its way, beyond the latency
+  static constexpr double wanted_ms = 100;  ///< that a picture in motion may take until it is confirmed
   static constexpr int least_quality = 30, most_quality = 90;
 
   /// Another picture would not queue behind others.
@@ -36,7 +35,7 @@ class Pace {
     bool in_motion;
     double when_ms;
   };
-  void adapt(std::size_t bytes);
+  void adapt(double took_ms);
 
   std::deque<Sent> waiting_;
   double latency_ms_ = 0, bytes_per_ms_ = 0, confirmed_ms_ = 0;
