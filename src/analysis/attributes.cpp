@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -19,25 +20,24 @@
 #include "analysis/range_image.h"
 #include "analysis/stroke_attributes.h"
 #include "analysis/support.h"
+#include "analysis/vouched.h"
 #include "analysis/wide_normals.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
 
-/// In median radii: the largest disc in clutter, before it shrinks.
-constexpr float most_in_clutter = 1.5f;
-/// And where the neighbours do not clearly lie in a plane, whatever surrounds them: a trunk of few points is
-/// no club. Sparse ground has larger discs.
-constexpr float most_unless_flat = most_in_clutter;
+/// Of a disc over what is vouched for (splats.cpp draws 1.5 radii): discs that are tilted against each other
+/// by 30 degrees still meet where they would touch, 1.2 = 1 / cos 30 and a little.
+constexpr float overlap = 0.8f;
+
+/// In median radii: the largest disc where the neighbours do not clearly lie in a plane, whatever surrounds
+/// them: a trunk of few points is no club. Sparse ground has larger discs.
+constexpr float largest_unless_flat = 1.5f;
 /// The share of surfaces among what surrounds a point, up to which it is foliage with branches, and from
 /// which on it may be a wall or ground with trees: 0 to 0.3 around branches of forests, 0.9 on the ground
 /// below them, on statues and in rooms; but 0.5 on a tower of few points.
-constexpr float most_in_crown = 0.5f, crown = 0.3f, grove = 0.5f;
-
-/// In diagonals of the cloud (without its strays): the largest disc of a part that is sparser than the rest.
-/// Larger ones are no more seen as a surface but as plates, as of the last rings of a scanner on a tripod.
-constexpr float largest_sparse = 0.005f;
+constexpr float crown = 0.3f, grove = 0.5f;
 
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
@@ -53,12 +53,6 @@ bool complete_for_all(const std::vector<T>& values) {
                                   return complete;
                                 },
                                 std::logical_and<>());
-}
-
-/// The largest radius of a disc that stands for this neighbourhood: half the width of an evenly filled
-/// ellipse of its variances, for a branch is no plank, but at least what joins the points of a line.
-float width_of(const LocalFrame& frame, std::size_t neighbors) {
-  return std::max(2 * std::sqrt(frame.variance.y), 2 * std::sqrt(3 * frame.variance.z) / float(neighbors));
 }
 
 /// So many of the neighbours reach half as far as 24, and still tell a plane from a corner; not when they lie
@@ -103,7 +97,6 @@ class UsualRadii {
     });
   }
   float near(std::size_t point) const { return usual_[point / around]; }
-  float largest() const { return *std::max_element(usual_.begin(), usual_.end()); }
 
  private:
   std::vector<float> usual_;
@@ -154,7 +147,7 @@ class Completion {
     tbb::concurrent_vector<NearNormal> near_normals;
     const bool shrink = radii && options_.clutter_radius < 1;
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
-    std::vector<float> narrow(flatness.size(), 1.0f);
+    std::vector<Cell> cells(flatness.size());
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
     const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
     const auto radius_in = [&](std::span<const std::uint32_t> ids, std::span<const float> distances2) {
@@ -169,10 +162,11 @@ class Completion {
                        own_radius = radii && missing(new_radii[i]);
             const auto frame =
                 find_normals || (own_radius && shrink) ? local_frame(cloud_.positions, i, ids) : std::nullopt;
+            std::optional<vec3> near;
             if (frame) {
               scatter[i] = scatter_of(*frame);
-              if (const auto near = near_normal(cloud_.positions, i, ids, distances2, scatter[i]))
-                near_normals.push_back({i, own_normal ? orientation.facing(i, *near) : vec3(0)});
+              near = near_normal(cloud_.positions, i, ids, distances2, scatter[i]);
+              if (near) near_normals.push_back({i, own_normal ? orientation.facing(i, *near) : vec3(0)});
             }
             if (normals && frame) thickness2[i] = frame->variance.x;
             if (own_normal)
@@ -181,7 +175,7 @@ class Completion {
               new_radii[i] = radius_in(ids, distances2);
               if (shrink && frame) {
                 flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, std::sqrt(distances2.back()));
-                narrow[i] = std::min(1.0f, width_of(*frame, ids.size()) / new_radii[i]);
+                cells[i] = cell_of(cloud_.positions, i, ids, *frame, near.value_or(frame->normal));
               }
             }
             if (keep) kept.keep(i, ids);
@@ -197,7 +191,7 @@ class Completion {
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
     std::vector<float> shrunk;
-    if (shrink) shrunk = shrink_in_clutter(flatness, narrow, new_radii);
+    if (shrink) shrunk = shrink_to_vouched(flatness, cells, new_radii);
     // A call before this one may have shrunk them for another technique: the same division brings them back.
     const Radii sized{radii ? new_radii : cloud_.radii, radii ? shrunk : prepared_.shrunk};
     if (const ScalarField* stored = uncertainty ? cloud_.scalar(unevenness_name) : nullptr) {
@@ -256,54 +250,39 @@ class Completion {
     return noise;
   }
 
-  /// Returns by how much: PreparedCloud::shrunk.
-  std::vector<float> shrink_in_clutter(const std::vector<float>& flatness, const std::vector<float>& narrow,
+  /// Returns by how much: PreparedCloud::shrunk. A disc is as large as its neighbours vouch for, as far as
+  /// they lie on a surface, and a dot elsewhere.
+  std::vector<float> shrink_to_vouched(const std::vector<float>& flatness, const std::vector<Cell>& cells,
                                        std::vector<float>& radii) {
-    // A disc that is much larger than usual belongs to a point that stands alone. What is usual differs from
-    // place to place: where a dense scan meets a sparse one, the sparse one is no heap of strays.
-    const UsualRadii usual(radii);
-    const Bounds box = robust_bounds(cloud_, 0.001, 0.999);
-    const float least_limit = largest_disc * prepared_.median_radius,
-                plate = largest_sparse * float(glm::length(box.max - box.min));
-    prepared_.radius_limit = std::max(least_limit, std::min(largest_disc * usual.largest(), plate));
-    const auto most = [&](std::size_t i) {
-      return std::max(least_limit, std::min(largest_disc * usual.near(i), plate));
-    };
-    std::vector<float> ratio(radii.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) ratio[i] = std::min(1.0f, most(i) / radii[i]);
-    });
-    const auto less = [](float f) { return f < 1; };
-    const bool alone = std::any_of(ratio.begin(), ratio.end(), less),
-               cluttered = std::any_of(flatness.begin(), flatness.end(), less) ||
-                           std::any_of(narrow.begin(), narrow.end(), less);
-    if (!alone && !cluttered) return {};
-    if (!cluttered) {
-      for (std::size_t i = 0; i < radii.size(); ++i) radii[i] *= ratio[i];
-      return ratio;
-    }
+    if (!tells_clutter(radii.size(), k_)) return {};
     const SurfaceShares shares = surface_shares(cloud_.positions, flatness, int(k_), progress_);
-    const bool tells = tells_clutter(radii.size(), k_);
+    const UsualRadii usual(radii);
+    const float medians = prepared_.median_radius;
+    std::vector<float> ratio(radii.size(), 1.0f);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const float least = options_.clutter_radius,
-                    dot = most_in_clutter * prepared_.median_radius / radii[i];
+        if (!cells[i].is_measured()) continue;  // the file has its radius, or all neighbours are in one place
+        const float radius = radii[i], small = largest_unless_flat * medians / radius,
+                    dot = options_.clutter_radius * std::min(1.0f, medians / radius);
         // What is sparse and hangs above all that surrounds it, as wires above a field, is on no surface.
-        const float own = dot < 1 ? shares.own[i] * shares.in_layer[i] : shares.own[i];
-        float shrunk = std::max(least, std::min(std::lerp(least, 1.0f, own), narrow[i]));
-        // A stray point is as far from its neighbours as they are from anything, which is no size.
-        if (dot < 1) shrunk *= std::lerp(dot, 1.0f, own);
-        if (tells && (flatness[i] < 1 || narrow[i] < 1 || shares.own[i] < 1))
-          shrunk = std::min(shrunk, most_unless_flat * prepared_.median_radius / radii[i]);
+        const float own = small < 1 ? shares.own[i] * shares.in_layer[i] : shares.own[i];
+        // Inside a surface as by Eq. 20, at its end no farther than its points are surrounded.
+        const float end = overlap * vouched_radius(cells[i]) / radius,
+                    disc = std::lerp(std::min(1.0f, end), 1.0f, glm::smoothstep(0.5f, 1.0f, cells[i].closed));
+        float most = 1;
+        if (flatness[i] < 1 || own < 1) most = small;
         // The few points of branches that a scanner saw between leaves are flat by chance, far apart, and
         // planks when drawn as large as that.
-        const float twig = std::max(least, most_in_crown * prepared_.median_radius / radii[i]);
-        if (twig < 1)
-          shrunk = std::min(shrunk, std::lerp(twig, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
-        ratio[i] = std::min(ratio[i], shrunk);
+        if (small < 3)
+          most = std::min(most, std::lerp(small / 3, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
+        // A disc that is much larger than usual belongs to a point that stands alone. What is usual differs
+        // from place to place: where a dense scan meets a sparse one, the sparse one is no heap of strays.
+        most = std::min(most, largest_disc * std::max(medians, usual.near(i)) / radius);
+        ratio[i] = std::max(dot, std::min(most, std::lerp(dot, disc, own)));
         radii[i] *= ratio[i];
       }
     });
+    prepared_.radius_limit = std::max(largest_disc * medians, *std::max_element(radii.begin(), radii.end()));
     return ratio;
   }
 

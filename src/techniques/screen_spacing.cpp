@@ -7,6 +7,15 @@
 
 namespace sfumato {
 
+float widest_disc_px(const ScreenSpacing& spacing, int height) {
+  constexpr float closes = 2.5f;  // spacings: half of the widest gap in a surface (surface, gap_scale)
+  return std::max({4.0f, float(height) / 90, closes * spacing.median_px});
+}
+
+float ScreenSpacings::widest_disc_px(const Frame& frame) {
+  return sfumato::widest_disc_px(measure(frame.cloud, frame.views), frame.camera.whole_height());
+}
+
 ScreenSpacing ScreenSpacings::measure(const GpuCloud& cloud, std::span<const Camera> views) {
   const PreparedCloud& prepared = cloud.prepared();
   const Bounds& box = most_.at(cloud.serial(), [&] { return robust_bounds(prepared.cloud); });

@@ -6,6 +6,7 @@
 
 #include "core/camera.h"
 #include "core/derived.h"
+#include "passes/frame.h"
 #include "passes/gpu_cloud.h"
 
 namespace sfumato {
@@ -16,10 +17,16 @@ struct ScreenSpacing {
   float pixel = 0;                      ///< median size of a pixel where they are, scene units
 };
 
+/// Radius of the widest disc in a picture of this height: whether anything is farther from a measured point
+/// nobody knows. 8 px of 720; where most points in view are farther apart, as wide as the gaps between them.
+float widest_disc_px(const ScreenSpacing& spacing, int height);
+
 class ScreenSpacings {
  public:
   /// `views`: whole pictures (Frame::views).
   ScreenSpacing measure(const GpuCloud& cloud, std::span<const Camera> views);
+  /// `widest_disc_px` of a frame.
+  float widest_disc_px(const Frame& frame);
 
  private:
   Derived<std::uint64_t, Bounds> most_;  ///< of most points: a batch is as wide as its farthest stray

@@ -156,6 +156,7 @@ class Denoise final : public Technique {
     if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
     const bool prefilter = parameters_.prefilter.resolve(automatic());
     measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
+    if (parameters_.clamp_radius) shape.widest_px = spacings_.widest_disc_px(frame);
     if (parameters_.antialias) shape.prefilter_px = 1;
     if (automatic() || prefilter) shape.part = SplatPart::above;
     if (prefilter) {

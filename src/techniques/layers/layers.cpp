@@ -208,7 +208,8 @@ class Layers final : public Technique {
     const bool discs = draws_discs(frame.cloud);
     const float point_size = parameters_.point_size.resolve(discs ? 3.0f : 2.0f);
     footprint_ = {SizeMode::adaptive, point_size};
-    footprint_.most_px = largest_footprint(frame.camera.whole_height());
+    const int height = frame.camera.whole_height();
+    footprint_.most_px = std::min(largest_footprint(height), 2 * widest_disc_px(spacing, height));
     footprint_.oriented = discs;
     if (!discs && spacing.largest_px * point_size <= 0.5f) footprint_ = {SizeMode::pixels, 1};
     // Points scattered at random leave one place in exp(pi) free between round discs of two spacings, and a

@@ -26,6 +26,7 @@
 #include "techniques/soft/interior.h"
 #include "techniques/soft/one_layer.h"
 #include "techniques/soft/solid_part.h"
+#include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -173,6 +174,7 @@ class Soft final : public Technique {
     Parameters& p = parameters_;
     SplatShape shape;
     shape.radius_scale = p.radius_scale;
+    if (p.clamp_radius) shape.widest_px = spacings_.widest_disc_px(frame);
     if (p.antialias) shape.prefilter_px = 1;
     shape.field_threshold = p.field_threshold.resolve(field_.threshold);
     p.modulation_threshold.resolve(field_.modulation_threshold);
@@ -318,6 +320,7 @@ class Soft final : public Technique {
   Derived<CastersKey, std::shared_ptr<const GpuCloud::Casters>> casters_;
   Nearby nearby_;
   SplatSurface surface_;
+  ScreenSpacings spacings_;
   SolidPart solid_;
   SoftPoints points_;
   Express express_;

@@ -8,10 +8,12 @@
 // epsilon means the same in the corners of a wide view; normals are averaged facing the camera, because scans
 // know no inside.
 
+#include <algorithm>
 #include <numbers>
 
 #include "passes/shade.h"
 #include "passes/splat_surface.h"
+#include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -24,7 +26,8 @@ struct Parameters {
   bool antialias = true;
   // Discs of Eq 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times 1.5,
   // 1e-4.
-  float radius_scale = 1.5f;
+  static constexpr float usual_scale = 1.5f;
+  float radius_scale = usual_scale;
   bool clamp_radius = true;
 
   void describe(ParamList& p) {
@@ -65,6 +68,9 @@ class Splats final : public Technique {
     SplatShape shape;
     shape.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
+    if (parameters_.clamp_radius)
+      shape.widest_px =
+          spacings_.widest_disc_px(frame) * std::max(1.0f, shape.radius_scale / Parameters::usual_scale);
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
@@ -84,6 +90,7 @@ class Splats final : public Technique {
  private:
   Parameters parameters_;
   SplatSurface surface_;
+  ScreenSpacings spacings_;
   gl::Texture albedo_;
   Shade shade_;
 };

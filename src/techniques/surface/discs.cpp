@@ -54,7 +54,7 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
   planes_.set("normal_scale", options.normal_scale)
       .set("disc_scale", options.disc_scale)
       .set("levels", levels);
-  planes_.set("gap_scale", options.gap_scale);
+  planes_.set("gap_scale", options.gap_scale).set("widest_px", options.widest_px);
   planes_.run(squares.tiles(), {&all_clusters_, &about_[0]}, {&orientations_, &ends_}, {vec4(0), vec4(0)});
 
   gl::ensure(openness_, "openness", GL_RG32F, width / 4, height / 4);

@@ -20,6 +20,7 @@ class Discs {
     float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
     float ambient_occlusion = 0;
     float occlusion_scale = 4;  ///< how far occluders are looked for, point spacings
+    float widest_px = 64;       ///< radius of the widest disc; tiles_in_reach.glsl looks as far as 64
     bool with_shadow = false;
   };
   /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F. The

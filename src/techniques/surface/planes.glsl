@@ -9,9 +9,8 @@ uniform float disc_scale;    // radius of a disc, point spacings
 uniform float gap_scale;     // how far apart points of one surface may be, point spacings
 
 const float lone_scale = 0.3;        // of a disc without a plane over one with
-// Radius of the widest disc: as far as tiles_in_reach.glsl looks. Of a stray point before the camera, or of one without
-// neighbours in reach, nothing larger is known.
-const float widest_px = 64.0;
+uniform float widest_px;     // radius of the widest disc; of what would be wider nothing but a dot remains
+const float fill_scale = 0.8;        // as in disc.glsl
 const float rim_scale = 0.65;        // of a disc that is seen edge-on over one that is not
 
 bool filter_pixel(ivec2 pixel) {
@@ -46,7 +45,8 @@ bool filter_pixel(ivec2 pixel) {
   if (dot(normal, toward) < 0.0) normal = -normal;
 
   // The surface ends where all neighbours are on one side, and where it turns away from the camera.
-  out_1 = vec4(0.0, 0.0, infinity, found ? spacing : -radius);
+  float filled = min(spacing, widest_px / (fill_scale * pixels_at(-own.z)));  // disc.vert
+  out_1 = vec4(0.0, 0.0, infinity, found ? filled : -radius);
   bool tilted = dot(normal, toward) < 0.7;
   if (found && (tilted || bitCount(fit.octants) < 7 || length(fit.mean) > 0.15)) {
     float scale = pixels_at(-own.z);
@@ -57,9 +57,11 @@ bool filter_pixel(ivec2 pixel) {
     if (thickness < 0.1) radius = max(radius, 0.52 * around.gap);
     if (length(fit.mean) > 0.05) radius *= mix(rim_scale, 1.0, smoothstep(0.3, 0.8, dot(normal, toward)));
     if (around.end < max(radius * scale, 1.0) && (tilted || length(fit.mean) > 0.1)) {
-      out_1 = vec4(outwards, around.end, spacing);
+      out_1 = vec4(outwards, around.end, filled);
     }
   }
-  out_0 = vec4(normal, max(min(radius, widest_px / pixels_at(-own.z)), 0.01 * spacing));
+  float wider = radius * pixels_at(-own.z) / widest_px;
+  if (wider > 1.0) radius *= min(1.0, max(2.0 / wider, 0.5)) / wider;
+  out_0 = vec4(normal, max(radius, 0.01 * spacing));
   return true;
 }

@@ -23,6 +23,7 @@
 #include "passes/shade.h"
 #include "techniques/surface/discs.h"
 #include "techniques/surface/screen_operators.h"
+#include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
 namespace sfumato {
@@ -179,6 +180,7 @@ class SurfaceTechnique final : public Technique {
   void draw_discs(Frame& frame, const Tiles& tiles) {
     discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
     discs_options_.gap_scale = removal_.gap_scale;
+    discs_options_.widest_px = std::min(64.0f, spacings_.widest_disc_px(frame));
     // Discs average colours that occlusion has darkened, in which nobody could find a category again.
     const bool has_occlusion = frame.settings.shading == Shading::lit && frame.settings.palette.empty();
     discs_options_.ambient_occlusion = has_occlusion ? ambient_occlusion_ : 0;
@@ -331,6 +333,7 @@ class SurfaceTechnique final : public Technique {
   Filling filling_ = Filling::discs;
   Discs::Options discs_options_;
   Discs discs_;
+  ScreenSpacings spacings_;
   std::map<std::pair<Shading, bool>, ScreenPass> compose_discs_;
   PointsToPixels to_pixels_;
   PixelLayer layer_;
