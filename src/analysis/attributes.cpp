@@ -255,7 +255,10 @@ class Completion {
   std::vector<float> shrink_to_vouched(const std::vector<float>& flatness, const std::vector<Cell>& cells,
                                        std::vector<float>& radii) {
     if (!tells_clutter(radii.size(), k_)) return {};
-    const SurfaceShares shares = surface_shares(cloud_.positions, flatness, int(k_), progress_);
+    const bool is_flat = std::all_of(flatness.begin(), flatness.end(), [](float f) { return f >= 1; });
+    const std::vector<float> whole(is_flat ? radii.size() : 0, 1.0f);
+    const SurfaceShares shares = is_flat ? SurfaceShares{whole, whole, whole}
+                                         : surface_shares(cloud_.positions, flatness, int(k_), progress_);
     const UsualRadii usual(radii);
     const float medians = prepared_.median_radius;
     std::vector<float> ratio(radii.size(), 1.0f);

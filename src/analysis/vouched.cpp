@@ -55,11 +55,17 @@ class Polygon {
       }
       if (count + 2 > room) return;
     }
-    corners_ = kept, count_ = count;
+    std::copy(kept.begin(), kept.begin() + count, corners_.begin());
+    count_ = count;
+    is_closed_ = true;
+    for (std::size_t k = 0; k < count_; ++k) is_closed_ = is_closed_ && !corners_[k].first;
     for (std::size_t k = 0; k < count_; ++k)
       reach2 = std::max(reach2, glm::dot(corners_[k].at, corners_[k].at));
     reach2_ = reach2;
   }
+
+  /// Nothing is left of its first edges.
+  bool is_closed() const { return is_closed_; }
 
   Cell cell() const {
     Cell cell{0, 0};
@@ -87,6 +93,7 @@ class Polygon {
   std::array<Corner, room> corners_;
   std::size_t count_ = 0;
   float reach2_ = 0;
+  bool is_closed_ = false;
 };
 
 }  // namespace
@@ -116,7 +123,8 @@ Cell cell_of(std::span<const vec3> positions, std::uint32_t point, std::span<con
     spacing = std::min(spacing, std::sqrt(distances2[7] * std::numbers::pi_v<float> / 8));
   }
   Polygon polygon(widest_gap * spacing);
-  for (std::size_t k = 0; k < count; ++k) {
+  // Inside a surface nobody asks how large the cell is.
+  for (std::size_t k = 0; k < count && !polygon.is_closed(); ++k) {
     if (heights[k] > layer) continue;
     const vec3 way = positions[neighbors[k]] - positions[point];
     polygon.cut(vec2(glm::dot(way, along), glm::dot(way, across)));

@@ -19,7 +19,8 @@ namespace sfumato::analysis {
 /// of a surface is empty once in 10,000 times (exp(-pi 1.7^2)): there lies a hole, or the next line of a
 /// scanner whose lines make no surface.
 struct Cell {
-  /// To the farthest corner that is bounded, 0 where there is none; infinite: nobody measured it.
+  /// To the farthest corner that is bounded, 0 where there is none, no less than that where the cell is
+  /// closed; infinite: nobody measured it.
   float radius = std::numeric_limits<float>::infinity();
   /// Share of the directions in which it is bounded: 1 inside a surface, 1/2 at its border.
   float closed = 1;

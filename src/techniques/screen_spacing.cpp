@@ -8,7 +8,7 @@
 namespace sfumato {
 
 float widest_disc_px(const ScreenSpacing& spacing, int height) {
-  constexpr float closes = 2.5f;  // spacings: half of the widest gap in a surface (surface, gap_scale)
+  constexpr float closes = 2;  // spacings: no gap of a random sample is wider
   return std::max({4.0f, float(height) / 90, closes * spacing.median_px});
 }
 

@@ -180,7 +180,7 @@ class SurfaceTechnique final : public Technique {
   void draw_discs(Frame& frame, const Tiles& tiles) {
     discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
     discs_options_.gap_scale = removal_.gap_scale;
-    discs_options_.widest_px = std::min(64.0f, spacings_.widest_disc_px(frame));
+    discs_options_.widest_px = std::min(64.0f, 1.3f * spacings_.widest_disc_px(frame));  // half of gap_scale
     // Discs average colours that occlusion has darkened, in which nobody could find a category again.
     const bool has_occlusion = frame.settings.shading == Shading::lit && frame.settings.palette.empty();
     discs_options_.ambient_occlusion = has_occlusion ? ambient_occlusion_ : 0;
