@@ -30,7 +30,7 @@ struct JpegErrors {
 
 /// The part that libjpeg may leave by longjmp: no object with a destructor lives in here.
 bool encode_jpeg(jpeg_compress_struct& codec, JpegErrors& errors, const Image<Rgba8>& image, int quality,
-                 JSAMPLE* row, unsigned char** bytes, unsigned long* size) {
+                 double dpi, JSAMPLE* row, unsigned char** bytes, unsigned long* size) {
   codec.err = jpeg_std_error(&errors.manager);
   errors.manager.error_exit = leave;
   if (setjmp(errors.jump)) return false;
@@ -42,6 +42,10 @@ bool encode_jpeg(jpeg_compress_struct& codec, JpegErrors& errors, const Image<Rg
   codec.in_color_space = JCS_RGB;
   jpeg_set_defaults(&codec);
   jpeg_set_quality(&codec, quality, TRUE);
+  if (dpi > 0) {
+    codec.density_unit = 1;  // inch
+    codec.X_density = codec.Y_density = UINT16(std::lround(dpi));
+  }
   if (quality >= 90)  // thin coloured points keep their colour
     codec.comp_info[0].h_samp_factor = codec.comp_info[0].v_samp_factor = 1;
   jpeg_start_compress(&codec, TRUE);
@@ -69,14 +73,15 @@ std::string print(float value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-std::string encoded_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality) {
+std::string encoded_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality,
+                         double dpi) {
   refuse_size(file, image, 65500, "JPEG");
   std::vector<JSAMPLE> row(std::size_t(image.width()) * 3);
   jpeg_compress_struct codec{};
   JpegErrors errors{};
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
-  const bool done = encode_jpeg(codec, errors, image, quality, row.data(), &bytes, &size);
+  const bool done = encode_jpeg(codec, errors, image, quality, dpi, row.data(), &bytes, &size);
   jpeg_destroy_compress(&codec);
   const std::unique_ptr<unsigned char, decltype(&std::free)> owner(bytes, std::free);
   if (!done)
@@ -87,12 +92,12 @@ std::string encoded_jpeg(const std::filesystem::path& file, const Image<Rgba8>& 
 }  // namespace
 
 std::string jpeg_bytes(const Image<Rgba8>& image, int quality) {
-  return encoded_jpeg("a picture in memory", image, quality);
+  return encoded_jpeg("a picture in memory", image, quality, 0);
 }
 
-void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality) {
+void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality, double dpi) {
   AtomicWriter writer(file);
-  writer.write(encoded_jpeg(file, image, quality));
+  writer.write(encoded_jpeg(file, image, quality, dpi));
   writer.commit();
 }
 

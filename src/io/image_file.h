@@ -11,8 +11,9 @@ namespace sfumato::io {
 
 /// JPEG and WebP, sRGB, `quality` 1 to 100; WebP at 100 keeps every pixel. WebP keeps straight alpha with
 /// `alpha`, JPEG has none. The file appears under its name only when it is complete; throws Error(io),
-/// Error(usage) when the format cannot hold a picture of this size.
-void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality);
+/// Error(usage) when the format cannot hold a picture of this size. `dpi`: pixels an inch on paper, 0: none
+/// is said.
+void write_jpeg(const std::filesystem::path& file, const Image<Rgba8>& image, int quality, double dpi = 0);
 /// What `write_jpeg` would write.
 std::string jpeg_bytes(const Image<Rgba8>& image, int quality);
 void write_webp(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha, int quality);

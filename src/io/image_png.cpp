@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <functional>
 #include <optional>
@@ -45,7 +46,7 @@ void fill_row(const Image<std::uint16_t>& image, int y, bool, std::uint8_t* out)
 
 /// The parts that libpng may leave by longjmp: no object with a destructor lives in them.
 bool begin(png_structp png, png_infop info, int width, int height, bool gray, bool alpha,
-           const std::vector<png_text>& texts) {
+           const std::vector<png_text>& texts, double dpi) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), gray ? 16 : 8,
                gray    ? PNG_COLOR_TYPE_GRAY
@@ -57,6 +58,8 @@ bool begin(png_structp png, png_infop info, int width, int height, bool gray, bo
   png_set_compression_level(png, 1);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   if (!gray) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  const auto per_metre = png_uint_32(std::lround(dpi / 0.0254));
+  if (dpi > 0) png_set_pHYs(png, info, per_metre, per_metre, PNG_RESOLUTION_METER);
   if (!texts.empty()) png_set_text(png, info, texts.data(), int(texts.size()));
   png_write_info(png, info);
   return true;
@@ -91,7 +94,7 @@ struct PngRows::State {
   std::vector<std::uint8_t> row;
 
   State(const std::filesystem::path& path, int width_px, int height_px, bool gray, bool with_alpha,
-        const PngTexts& texts, std::string* bytes = nullptr);
+        const PngTexts& texts, double dpi = 0, std::string* bytes = nullptr);
   ~State() { png_destroy_write_struct(&png, &info); }
   void expect(bool done) const {
     if (sink.error) std::rethrow_exception(sink.error);
@@ -110,7 +113,7 @@ struct PngRows::State {
 };
 
 PngRows::State::State(const std::filesystem::path& path, int width_px, int height_px, bool gray,
-                      bool with_alpha, const PngTexts& texts, std::string* bytes)
+                      bool with_alpha, const PngTexts& texts, double dpi, std::string* bytes)
     : file(path.string()),
       width(width_px),
       height(height_px),
@@ -142,29 +145,30 @@ PngRows::State::State(const std::filesystem::path& path, int width_px, int heigh
   png_set_write_fn(png, &sink, write_bytes, nullptr);
   // libpng takes a million pixels a side for an attack unless told otherwise.
   png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
-  const bool done = begin(png, info, width, height, gray, alpha, entries);
+  const bool done = begin(png, info, width, height, gray, alpha, entries, dpi);
   if (!done) {
     png_destroy_write_struct(&png, &info);
     expect(false);
   }
 }
 
-PngRows::PngRows(const std::filesystem::path& file, int width, int height, bool alpha, const PngTexts& texts)
-    : state_(std::make_unique<State>(file, width, height, false, alpha, texts)) {}
+PngRows::PngRows(const std::filesystem::path& file, int width, int height, bool alpha, const PngTexts& texts,
+                 double dpi)
+    : state_(std::make_unique<State>(file, width, height, false, alpha, texts, dpi)) {}
 PngRows::~PngRows() = default;
 void PngRows::write(const Image<Rgba8>& rows) { state_->write(rows); }
 void PngRows::finish() { state_->finish(); }
 
 void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
-               const PngTexts& texts) {
-  PngRows rows(file, image.width(), image.height(), alpha, texts);
+               const PngTexts& texts, double dpi) {
+  PngRows rows(file, image.width(), image.height(), alpha, texts, dpi);
   rows.write(image);
   rows.finish();
 }
 
 std::string png_bytes(const Image<Rgba8>& image, bool alpha, const PngTexts& texts) {
   std::string bytes;
-  PngRows::State state("a picture in memory", image.width(), image.height(), false, alpha, texts, &bytes);
+  PngRows::State state("a picture in memory", image.width(), image.height(), false, alpha, texts, 0, &bytes);
   state.write(image);
   state.finish();
   return bytes;

@@ -15,9 +15,9 @@ namespace sfumato::io {
 using PngTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// 8-bit sRGB. With `alpha` the picture is RGBA with straight alpha, else RGB. The file appears under its
-/// name only when it is complete; throws Error(io).
+/// name only when it is complete; throws Error(io). `dpi`: pixels an inch on paper, 0: none is said.
 void write_png(const std::filesystem::path& file, const Image<Rgba8>& image, bool alpha,
-               const PngTexts& texts = {});
+               const PngTexts& texts = {}, double dpi = 0);
 
 /// What `write_png` would write.
 std::string png_bytes(const Image<Rgba8>& image, bool alpha, const PngTexts& texts = {});
@@ -26,7 +26,8 @@ std::string png_bytes(const Image<Rgba8>& image, bool alpha, const PngTexts& tex
 /// appears.
 class PngRows {
  public:
-  PngRows(const std::filesystem::path& file, int width, int height, bool alpha, const PngTexts& texts = {});
+  PngRows(const std::filesystem::path& file, int width, int height, bool alpha, const PngTexts& texts = {},
+          double dpi = 0);
   ~PngRows();
   PngRows(const PngRows&) = delete;
   PngRows& operator=(const PngRows&) = delete;

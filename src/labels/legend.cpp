@@ -18,44 +18,42 @@ std::string title_of(const std::string& source) {
   return title;
 }
 
-/// Some rows of a picture.
-struct Sheet {
-  Image<Rgba8>& rows;
-  int first_row, height;  ///< the first of them in the picture, and the height of that
-  int width() const { return rows.width(); }
-  void fill(int x, int y, int w, int h, Rgba8 color, int coverage = 255) const {
-    labels::fill(rows, x, y - first_row, w, h, color, coverage);
-  }
-  void write(const Text& text, int x, int y, std::string_view words, Rgba8 ink) const {
-    text.draw(rows, x, y - first_row, words, ink);
-  }
-};
+/// Shorter than the ticks' decimals plus one where the last digit is 0.
+std::string end_text(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals + 1);
+  if (text.back() == '0') text = fmt::format("{:.{}f}", value, decimals);
+  return text;
+}
 
-struct Panel {
-  int x, y, width, height, pad;
-  Panel(const Sheet& sheet, int content_width, int content_height, int pad_px)
-      : width(content_width + 2 * pad_px), height(content_height + 2 * pad_px), pad(pad_px) {
-    x = sheet.width() - width - pad;
-    y = sheet.height - height - pad;
-  }
-  void draw(const Sheet& sheet, const vec3& background) const {
-    const vec3 c = background * 255.0f + 0.5f;
-    sheet.fill(x, y, width, height, {std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z), 255}, 210);
-  }
-};
-
-void draw_bar(const Sheet& sheet, const Coloring& coloring, const vec3& background, const Text& text) {
+void draw_bar(const Sheet& sheet, const Coloring& coloring, const vec3& background, const LegendLook& look,
+              const Text& text, const Margins& margins) {
   const int em = text.size(), bar_width = std::max(4, em),
-            bar_height = std::max(3 * em, sheet.height * 35 / 100);
+            bar_height = std::max(6 * em, int(std::lround(sheet.height * 0.35 * look.size)));
   int decimals = 0;
-  std::vector<double> ticks =
-      nice_ticks(coloring.low, coloring.high, std::max(2, bar_height / (3 * em)), decimals);
-  const std::string title = title_of(coloring.source);
+  const std::vector<double> ticks = legend_ticks(coloring.low, coloring.high, decimals);
+  const bool has_range = coloring.high != coloring.low;
+  const auto row_of = [&](double value) {
+    const double share = has_range ? (value - coloring.low) / (coloring.high - coloring.low) : 0.5;
+    return int(std::lround((1 - share) * (bar_height - 1)));
+  };
+  // The ends are values of their own; a round number too near to one of them would be written over it.
+  std::vector<std::pair<int, std::string>> rows;
+  if (has_range)
+    for (const double end : {coloring.high, coloring.low})
+      rows.emplace_back(row_of(end), end_text(end, decimals));
+  const std::size_t ends = rows.size();
+  for (const double tick : ticks) {
+    const int row = row_of(tick);
+    if (std::all_of(rows.begin(), rows.begin() + std::ptrdiff_t(ends),
+                    [&](const auto& end) { return std::abs(end.first - row) > em; }))
+      rows.emplace_back(row, fmt::format("{:.{}f}", tick, decimals));
+  }
+  std::string title = look.title.empty() ? title_of(coloring.source) : look.title;
+  if (!look.unit.empty()) title += " (" + look.unit + ")";
   int label_width = 0;
-  for (double tick : ticks)
-    label_width = std::max(label_width, text.width(fmt::format("{:.{}f}", tick, decimals)));
+  for (const auto& [row, label] : rows) label_width = std::max(label_width, text.width(label));
   const int content_width = std::max(text.width(title), bar_width + em + label_width);
-  const Panel panel(sheet, content_width, bar_height + 2 * em, em * 2 / 3);
+  const Plate panel(sheet, look.corner, margins, content_width, bar_height + 2 * em, em * 2 / 3);
   panel.draw(sheet, background);
 
   const Rgba8 ink = ink_on(background);
@@ -64,17 +62,15 @@ void draw_bar(const Sheet& sheet, const Coloring& coloring, const vec3& backgrou
   const Colormap map = Colormap::named(coloring.colormap);
   for (int row = 0; row < bar_height; ++row)
     sheet.fill(left, top + row, bar_width, 1, map.at(1 - (row + 0.5) / bar_height));
-  for (double tick : ticks) {
-    const double share =
-        coloring.high != coloring.low ? (tick - coloring.low) / (coloring.high - coloring.low) : 0.5;
-    const int y = top + int(std::lround((1 - share) * (bar_height - 1)));
+  for (const auto& [row, label] : rows) {
+    const int y = top + row;
     sheet.fill(left + bar_width, y, std::max(2, em / 3), std::max(1, em / 16), ink);
-    sheet.write(text, left + bar_width + em * 2 / 3, y + em * 3 / 8, fmt::format("{:.{}f}", tick, decimals),
-                ink);
+    sheet.write(text, left + bar_width + em * 2 / 3, y + em * 3 / 8, label, ink);
   }
 }
 
-void draw_swatches(const Sheet& sheet, const Coloring& coloring, const vec3& background, const Text& text) {
+void draw_swatches(const Sheet& sheet, const Coloring& coloring, const vec3& background,
+                   const LegendLook& look, const Text& text, const Margins& margins) {
   const int em = text.size(), line = em * 3 / 2;
   std::vector<std::size_t> shown(coloring.swatches.size());
   std::iota(shown.begin(), shown.end(), 0u);
@@ -95,10 +91,15 @@ void draw_swatches(const Sheet& sheet, const Coloring& coloring, const vec3& bac
   };
   int label_width = 0;
   for (std::size_t i : shown) label_width = std::max(label_width, text.width(label_of(coloring.swatches[i])));
-  const Panel panel(sheet, line + label_width, line * int(shown.size()), em * 2 / 3);
+  const int title_lines = look.title.empty() ? 0 : 1;
+  const Plate panel(sheet, look.corner, margins,
+                    std::max(line + label_width, title_lines ? text.width(look.title) : 0),
+                    line * (int(shown.size()) + title_lines), em * 2 / 3);
   panel.draw(sheet, background);
   const Rgba8 ink = ink_on(background);
   int y = panel.y + panel.pad;
+  if (title_lines)
+    sheet.write(text, panel.x + panel.pad, y + (line - em) / 2 + em * 7 / 8, look.title, ink), y += line;
   for (std::size_t i : shown) {
     const Swatch& swatch = coloring.swatches[i];
     sheet.fill(panel.x + panel.pad, y + (line - em) / 2, em, em, swatch.color);
@@ -124,19 +125,36 @@ std::vector<double> nice_ticks(double low, double high, int count, int& decimals
   return ticks;
 }
 
-void draw_legend(Image<Rgba8>& image, const Coloring& coloring, const vec3& background) {
-  draw_legend(image, 0, image.height(), coloring, background);
+std::vector<double> legend_ticks(double low, double high, int& decimals) {
+  if (low > high) std::swap(low, high);
+  decimals = 3;
+  if (!(high > low)) return {low};
+  // The roundest first: with these factors there is always one that gives four to six numbers.
+  const double power = std::pow(10.0, std::floor(std::log10(high - low)));
+  for (const double factor : {1.0, 2.0, 5.0, 2.5, 4.0, 3.0, 1.5, 6.0, 8.0})
+    for (const double scale : {power, power / 10}) {
+      const double step = factor * scale, first = std::ceil(low / step - 1e-9),
+                   last = std::floor(high / step + 1e-9);
+      if (last - first < 3 || last - first > 5) continue;
+      decimals = 0;
+      for (double whole = step; decimals < 12 && std::abs(whole - std::round(whole)) > 1e-6 * whole;
+           whole *= 10)
+        ++decimals;
+      std::vector<double> ticks;
+      for (double k = first; k <= last; ++k) ticks.push_back(k == 0 ? 0 : k * step);
+      return ticks;
+    }
+  return nice_ticks(low, high, 5, decimals);
 }
 
-void draw_legend(Image<Rgba8>& rows, int first_row, int height, const Coloring& coloring,
-                 const vec3& background) {
+void draw_legend(const Sheet& sheet, const Coloring& coloring, const vec3& background, const LegendLook& look,
+                 int em, const Margins& margins) {
   if (coloring.kind != ColorKind::scalar && coloring.swatches.empty()) return;
-  const Text text(std::clamp(height / 42, 9, 64));
-  const Sheet sheet{rows, first_row, height};
+  const Text text(std::clamp(int(std::lround(em * look.size)), 6, 256));
   if (coloring.kind == ColorKind::scalar)
-    draw_bar(sheet, coloring, background, text);
+    draw_bar(sheet, coloring, background, look, text, margins);
   else
-    draw_swatches(sheet, coloring, background, text);
+    draw_swatches(sheet, coloring, background, look, text, margins);
 }
 
 }  // namespace sfumato::labels

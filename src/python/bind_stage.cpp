@@ -6,10 +6,8 @@
 #include "core/error.h"
 #include "core/version.h"
 #include "io/camera_json.h"
-#include "io/image_exr.h"
-#include "io/image_file.h"
+#include "io/georeference.h"
 #include "io/image_png.h"
-#include "io/npy.h"
 #include "labels/contact_sheet.h"
 #include "stage.h"
 
@@ -92,6 +90,10 @@ StageOptions options_of(const std::string& technique, const Settings& parameters
     options.background = color_of("background", *text);
   options.up = up_axis(text_in(wishes, "up"));
   if (wishes.contains("whole")) options.whole = wishes["whole"].cast<bool>();
+  if (wishes.contains("vertical_exaggeration"))
+    options.vertical_exaggeration = wishes["vertical_exaggeration"].cast<double>();
+  if (!(options.vertical_exaggeration >= 0.001 && options.vertical_exaggeration <= 1000))
+    throw Error(ErrorCode::usage, "vertical_exaggeration: it is outside [0.001, 1000]");
   if (wishes.contains("draw"))
     for (const py::handle& rule : wishes["draw"])
       options.draw.push_back(DrawRule::parse(rule.cast<std::string>()));
@@ -130,7 +132,14 @@ ViewWishes view_wishes(const py::dict& wishes) {
     if (wishes.contains(key)) to = wishes[key].cast<double>();
   };
   number("azimuth", out.azimuth), number("elevation", out.elevation), number("fov", out.fov),
-      number("distance", out.distance);
+      number("distance", out.distance), number("pixel_size", out.pixel_size),
+      number("scale", out.print_scale);
+  if (wishes.contains("dpi")) out.dpi = wishes["dpi"].cast<double>();
+  for (const auto& [key, value] :
+       {std::pair("pixel_size", out.pixel_size), {"scale", out.print_scale}, {"dpi", std::optional(out.dpi)}})
+    if (value && !(*value > 0)) throw Error(ErrorCode::usage, std::string(key) + ": it is not more than 0");
+  if (out.pixel_size && out.print_scale)
+    throw Error(ErrorCode::usage, "pixel_size and scale contradict each other: give one of them");
   if (out.elevation && std::abs(*out.elevation) > 90)
     throw Error(ErrorCode::usage, "elevation: it is outside [-90, 90] degrees");
   if (out.fov && !(*out.fov >= 0.001 && *out.fov <= 179))
@@ -183,10 +192,12 @@ py::dict dict_of(const std::vector<Setting>& settings) {
 std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera>& camera,
                              const std::pair<int, int>& size, const std::optional<std::string>& technique,
                              const Settings& parameters, const std::vector<std::string>& outputs,
-                             const std::optional<Camera>& light_from, bool panorama, bool legend,
-                             const py::object& progress) {
-  ShotRequest request{camera,     size.first, size.second, technique, parameters,
-                      light_from, panorama,   legend,      {}};
+                             const std::optional<Camera>& light_from, bool panorama,
+                             const NamesAndValues& furniture, const py::object& progress) {
+  ShotRequest request{camera, size.first, size.second, technique, parameters, light_from, panorama, {}, {}};
+  for (const auto& [name, value] : furniture)
+    if (!sfumato::set(request.furniture, name, value))
+      throw Error(ErrorCode::usage, "there is no '" + name + "' in pictures");
   if (size.first < 1 || size.second < 1)
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
   request.wants.color = false;
@@ -214,31 +225,6 @@ template <class T>
 py::object image(Image<T>& values, std::vector<py::ssize_t> shape, auto* first, const py::object& owner) {
   if (values.empty()) return py::none();
   return view(first, std::move(shape), owner);
-}
-
-/// Formats by extension, as the command writes them.
-void save(Shot& shot, const std::string& file, const std::string& extension, int quality) {
-  const RenderOutput& images = shot.images;
-  const bool is_linear = extension == ".exr" || extension == ".npy";
-  if ((is_linear ? images.color_linear.empty() : images.rgba8.empty()))
-    throw Error(ErrorCode::usage, file + ": the picture has no " + (is_linear ? "linear" : "rgba") +
-                                      " image; name it in outputs when rendering");
-  const std::string made_by = std::string("sfumato ") + version();
-  const py::gil_scoped_release release;
-  if (extension == ".png")
-    io::write_png(
-        file, images.rgba8, shot.transparent,
-        {{"Software", made_by}, {"Technique", shot.technique}, {"Camera", io::camera_to_json(shot.camera)}});
-  else if (extension == ".jpg" || extension == ".jpeg")
-    io::write_jpeg(file, images.rgba8, quality);
-  else if (extension == ".webp")
-    io::write_webp(file, images.rgba8, shot.transparent, quality);
-  else if (extension == ".exr")
-    io::write_exr(file, images.color_linear, images.depth, images.normal, made_by);
-  else if (extension == ".npy")
-    io::write_npy(file, images.color_linear);
-  else
-    throw Error(ErrorCode::usage, file + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
 }
 
 /// Pictures of one size side by side, each below its label.
@@ -458,6 +444,11 @@ void bind_stage(py::module_& module) {
     return rows;
   });
   module.def("colormap_names", &Colormap::names);
+  module.def("furniture_options", [] {
+    std::vector<std::string> names;
+    for (const FurnitureOption& option : furniture_options()) names.emplace_back(option.name);
+    return names;
+  });
   module.def("colormap", [](const std::string& name, int count) {
     const Colormap map = Colormap::named(name);
     py::array_t<std::uint8_t> out({py::ssize_t(count), py::ssize_t(3)});

@@ -4,7 +4,6 @@
 
 #include "core/counted.h"
 #include "core/error.h"
-#include "labels/legend.h"
 #include "passes/shadows.h"
 #include "session/standpoint.h"
 
@@ -83,11 +82,12 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
     notes_.push_back(std::to_string(scene.selected.hidden) +
                      " points are withheld or of a hidden class (hide_classes=() shows them)");
   const UpAxis custom = scene.cloud.up;
+  crs_ = scene.cloud.crs;
   if (stand) {
     stand_ = *stand;
     scene.cloud.up = stand_.pose.upright.up;
   } else {
-    stand_.pose = stand_upright(scene, options_.up, !options_.whole);
+    stand_.pose = stand_upright(scene, options_.up, !options_.whole, options_.vertical_exaggeration);
     stand_.place = place_inside(scene.cloud);
   }
   const Pose& pose = stand_.pose;
@@ -190,11 +190,13 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
                                       std::to_string(shot.camera.height) +
                                       " is beyond the largest picture (" + std::to_string(limit) +
                                       " px a side): give a smaller size");
+  labels::check(request.furniture, shot.camera, stand_.pose.upright.up, request.panorama);
   if (request.light_from) fix_light(look.settings, *request.light_from, stand_.pose.upright.up);
   progress.update(0, "rendering " + look.name);
   shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)
                                  : session_->render(look, shot.camera, request.wants, progress);
   shot.transparent = options_.transparent;
+  shot.up = stand_.pose.upright.up, shot.crs = crs_;
   shot.technique = look.name;
   shot.reason = look.reason;
   shot.color_by = session_->coloring().source;
@@ -203,11 +205,13 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
   for (const std::string& note : session_->coloring().notes) shot.notes.push_back(note);
   shot.coloring = session_->coloring();
   const bool explains_itself = shot.coloring.kind != ColorKind::scalar && shot.coloring.swatches.empty();
-  if (request.legend && explains_itself)
+  if (request.furniture.legend && explains_itself)
     shot.notes.push_back("legend has no effect: the points are coloured by " + shot.coloring.source +
                          ", which explains itself");
-  else if (request.legend && !shot.images.rgba8.empty())
-    labels::draw_legend(shot.images.rgba8, shot.coloring, shot.background);
+  if (!shot.images.rgba8.empty())
+    labels::draw_furniture(
+        shot.images.rgba8, request.furniture,
+        {shot.camera, stand_.pose.upright.up, crs_, shot.coloring, shot.background, request.panorama});
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
   shot.parameters = resolved(look.parameters);
   shot.analysis_parameters = resolved(choice_.prepare_parameters);

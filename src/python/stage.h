@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cloud.h"
+#include "labels/furniture.h"
 #include "levels.h"
 #include "run.h"
 #include "session/choice.h"
@@ -24,6 +25,7 @@ struct StageOptions {
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
   bool transparent = false;
   std::optional<UpAxis> up;
+  double vertical_exaggeration = 1;
   bool whole = false;                       ///< rooms with the walls that hide them from outside
   std::optional<Selection> selection;       ///< nothing: the cloud was read with what is wanted
   std::optional<std::uint64_t> max_points;  ///< of what is selected
@@ -38,7 +40,7 @@ struct ShotRequest {
   Settings parameters;                   ///< on top of those of the stage
   std::optional<Camera> light_from;      ///< the light stays where it is for this camera, as along a path
   bool panorama = false;                 ///< everything around the camera
-  bool legend = false;                   ///< drawn into the sRGB picture
+  Furniture furniture;                   ///< drawn into the sRGB picture
   RenderWants wants;
 };
 
@@ -53,7 +55,12 @@ struct Shot {
   vec3 background{1};
   std::vector<std::string> notes;
   Coloring coloring;  ///< without `colors`
+  UpAxis up = UpAxis::pos_z;
+  std::string crs;
 };
+
+/// Writes a picture in the format of its extension. Throws Error(usage) for others.
+void save(const Shot& shot, const std::string& file, const std::string& extension, int quality, double dpi);
 
 class Stage final : public OnGl {
  public:
@@ -86,6 +93,7 @@ class Stage final : public OnGl {
   Stand stand_;
   std::vector<std::string> notes_;  ///< of reading and selecting
   std::size_t points_ = 0;
+  std::string crs_;
 };
 
 }  // namespace sfumato::python

@@ -14,7 +14,21 @@
 
 namespace sfumato {
 
-Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool cutaway) {
+void exaggerate(PointCloud& cloud, double factor) {
+  const dvec3 up = up_vector(cloud.up);
+  if (!cloud.scalar("elevation")) {
+    ScalarField heights{"elevation", glm::dot(up, cloud.origin), {}, StoredType::float32};
+    heights.values.reserve(cloud.size());
+    for (const vec3& p : cloud.positions) heights.values.push_back(glm::dot(vec3(up), p));
+    cloud.set_scalar(std::move(heights));
+  }
+  const UpAxis axis = cloud.up;
+  transform(cloud, glm::scale(dmat4(1), dvec3(1) + (factor - 1) * glm::abs(up)));
+  cloud.up = axis;
+}
+
+Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool cutaway,
+                   double vertical_exaggeration) {
   analysis::Upright upright;
   if (asked)
     upright = {*asked, "--up"};
@@ -23,7 +37,8 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   else
     upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud);
   scene.cloud.up = upright.up;
-  Pose pose{upright, subject_of(scene.cloud, !cutaway)};
+  if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
+  Pose pose{upright, subject_of(scene.cloud, !cutaway), horizontal_unit(scene.cloud.crs)};
   if (!upright.is_camera_view) {
     if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
     const Standpoint from = standpoint_for(pose.subject, upright.up);

@@ -11,6 +11,7 @@
 #include "analysis/prepare.h"
 #include "analysis/upright.h"
 #include "core/coloring.h"
+#include "core/units.h"
 #include "scene/scene.h"
 #include "session/draw_rule.h"
 #include "session/first_view.h"
@@ -33,11 +34,18 @@ struct SessionOptions {
 struct Pose {
   analysis::Upright upright;
   Subject subject;
+  LengthUnit unit = {};  ///< of the horizontal axes, as far as the files say
 };
 
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
 /// `cutaway`: rooms are seen without the walls before them.
-Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {}, bool cutaway = true);
+/// `vertical_exaggeration`: heights become so many times as large, and the scalar `elevation` keeps the true
+/// ones.
+Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {}, bool cutaway = true,
+                   double vertical_exaggeration = 1);
+/// Heights (world coordinates along the cloud's up axis) times a factor; the scalar `elevation` has the true
+/// ones.
+void exaggerate(PointCloud& cloud, double factor);
 /// The view from the side that suits the scan, which shows all but outliers.
 Camera first_view(const Pose& pose, int width, int height);
 

@@ -1,5 +1,8 @@
 #include "session/view_wishes.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/error.h"
 
 namespace sfumato {
@@ -54,6 +57,45 @@ void aim(Camera& camera, UpAxis up, const ViewWishes& wishes) {
   if (wishes.view_up) camera.up = *wishes.view_up;
 }
 
+/// The size of a pixel in scene units that is wished for; 0: none.
+double pixel_size_of(const Pose& pose, const ViewWishes& wishes) {
+  if (wishes.pixel_size) return *wishes.pixel_size;
+  if (!wishes.print_scale) return 0;
+  if (pose.unit.symbol == "°")
+    throw Error(ErrorCode::usage,
+                "--scale: the file's coordinates are degrees, which have no length on paper");
+  const double metres = pose.unit.metres > 0 ? pose.unit.metres : 1;
+  return *wishes.print_scale * 0.0254 / wishes.dpi / metres;
+}
+
+/// A parallel view whose pixels have this size; `placed`: what it looks at stays in the middle.
+void set_pixel_size(Camera& camera, const Bounds& box, double pixel, const ViewWishes& wishes) {
+  make_orthographic(camera);
+  const dmat4 to_world = camera.inverse_view();
+  const bool placed = wishes.look_at || wishes.position || wishes.focal_point || wishes.start;
+  for (const int axis : {0, 1}) {
+    const dvec3 along(to_world[axis]);
+    double low = 1e300, high = -1e300;
+    for (int corner = 0; corner < 8; ++corner) {
+      const dvec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                    corner & 4 ? box.max.z : box.min.z);
+      low = std::min(low, glm::dot(along, p)), high = std::max(high, glm::dot(along, p));
+    }
+    // Borders at multiples of a pixel, so that pictures of neighbouring scans lie on one grid.
+    double first = std::floor(low / pixel + 1e-6), last = std::max(first + 1, std::ceil(high / pixel - 1e-6));
+    int& size = axis == 0 ? camera.width : camera.height;
+    if (!wishes.size && !placed) {
+      size = int(std::min(last - first, 1e6));
+    } else {
+      first = std::round(0.5 * (first + last - size)), last = first + size;
+    }
+    if (placed) continue;
+    const double shift = 0.5 * (first + last) * pixel - glm::dot(along, camera.position);
+    camera.position += shift * along, camera.target += shift * along;
+  }
+  camera.height_world = pixel * camera.height;
+}
+
 }  // namespace
 
 Camera view_of(const Pose& pose, const ViewWishes& wishes) {
@@ -64,6 +106,8 @@ Camera view_of(const Pose& pose, const ViewWishes& wishes) {
   if (wishes.orthographic) make_orthographic(camera);
   if (wishes.zoom != 1) magnify(camera, wishes.zoom);
   if (wishes.roll != 0) roll(camera, glm::radians(wishes.roll));
+  if (const double pixel = pixel_size_of(pose, wishes); pixel > 0)
+    set_pixel_size(camera, pose.subject.box, pixel, wishes);
   return camera;
 }
 

@@ -22,14 +22,19 @@ struct ViewWishes {
   std::optional<dvec3> look_at;  ///< looked at from the same side and distance; with `position`, from there
   double zoom = 1, roll = 0;
   bool orthographic = false;
+  std::optional<double> pixel_size;  ///< scene units a pixel shows, in parallel projection
+  std::optional<double>
+      print_scale;  ///< the N of 1:N on paper, at `dpi`; the pose's unit says how long a unit is
+  double dpi = 300;
   bool upright = false;  ///< azimuth and elevation are a named view, whose picture stands upright
   std::optional<std::pair<int, int>> size;    ///< px
   std::pair<int, int> first_size{1280, 720};  ///< of the view that shows the scan, where no size is given
 };
 
-/// Throws Error(usage) where the camera would stand in the place that it looks at. A `start` with intrinsics
-/// of its own takes no size, fov or parallel projection: who asks refuses them first, by the names that they
-/// have there.
+/// A pixel of such a size without a picture's size shows all of the subject's box, and the borders of the
+/// picture lie at multiples of it. Throws Error(usage) where the camera would stand in the place that it
+/// looks at. A `start` with intrinsics of its own takes no size, fov or parallel projection: who asks refuses
+/// them first, by the names that they have there.
 Camera view_of(const Pose& pose, const ViewWishes& wishes);
 
 }  // namespace sfumato

@@ -1,5 +1,7 @@
 #include "view/picking.h"
 
+#include "core/units.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -102,18 +104,6 @@ int decimals_of(double scene_size) {
 
 std::string coordinate_text(double value, double scene_size) { return fixed(value, decimals_of(scene_size)); }
 
-std::string unit_of(const std::string& crs) {
-  std::string text = crs;
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  // The last unit of a WKT is that of its axes.
-  const std::size_t unit = text.rfind("unit[\"");
-  if (unit == std::string::npos) return "units";
-  const std::string name = text.substr(unit + 6, text.find('"', unit + 6) - unit - 6);
-  if (name == "metre" || name == "meter" || name == "m") return "m";
-  if (name.find("foot") != std::string::npos || name.find("feet") != std::string::npos || name == "ft")
-    return "ft";
-  return "units";
-}
+std::string unit_of(const std::string& crs) { return horizontal_unit(crs).symbol; }
 
 }  // namespace sfumato::view

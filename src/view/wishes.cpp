@@ -4,6 +4,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/furniture.h"
 #include "core/numbers.h"
 #include "view/controls.h"
 
@@ -188,6 +189,7 @@ NamesAndValues Wishes::options() const {
   if (!background_color.empty()) say("background-color", background_color);
   if (whole) say("whole", "true");
   if (legend && point_color.empty()) say("legend", "true");
+  for (const auto& [name, value] : furniture) say(name.c_str(), value);
   return all;
 }
 
@@ -195,6 +197,7 @@ void Wishes::take_options(const NamesAndValues& given) {
   const Wishes plain;
   color_by = plain.color_by, colormap = plain.colormap, color_range = plain.color_range;
   exposure = plain.exposure, point_color = plain.point_color, background_color = plain.background_color;
+  furniture.clear();
   legend = plain.legend, whole = plain.whole, draw = plain.draw;
   for (const auto& [name, value] : given) {
     if (name == "color-by") color_by = value;
@@ -203,7 +206,10 @@ void Wishes::take_options(const NamesAndValues& given) {
     if (name == "exposure") exposure = value;
     if (name == "color") point_color = value;
     if (name == "background-color") background_color = value;
-    if (name == "legend") legend = value == "true";
+    if (name == "legend")
+      legend = value == "true";
+    else if (is_furniture(name))
+      furniture.emplace_back(name, value);
     if (name == "whole") whole = value == "true";
     if (name == "draw") draw.push_back(DrawRow::from(value));
   }
@@ -248,7 +254,7 @@ std::string Wishes::color_key() const {
 std::string Wishes::look_key() const {
   Wishes look = *this;
   look.camera = {};
-  look.legend = false;  // drawn over the picture
+  look.legend = false, look.furniture.clear();  // drawn over the picture
   return text_of(look.words(1, 1));
 }
 

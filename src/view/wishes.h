@@ -43,7 +43,8 @@ struct Wishes {
   std::string color_by = "auto", colormap, color_range, exposure, point_color,
               background_color;  ///< as options
   bool legend = false;
-  bool whole = false;  ///< rooms with the walls before them
+  NamesAndValues furniture;  ///< other options of labels/furniture.h
+  bool whole = false;        ///< rooms with the walls before them
   std::vector<DrawRow>
       draw;  ///< the first that selects a point draws it; the others are drawn by `technique`
   ViewCamera camera;

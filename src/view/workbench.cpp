@@ -194,7 +194,12 @@ void Workbench::shoot(int width, int height) {
 void Workbench::paint_shot(int width, int height) {
   PictureJob job = job_for(Refinement::ladder[0], width, height);
   job.id = next_id_++;
-  waiting_shots_.emplace_back(job.id, Shot{{}, wishes_.words(width, height), wishes_.legend});
+  waiting_shots_.emplace_back(job.id, Shot{{},
+                                           wishes_.words(width, height),
+                                           wishes_.legend,
+                                           wishes_.furniture,
+                                           scene_ ? scene_->pose.upright.up : UpAxis::pos_z,
+                                           scene_ ? scene_->crs : ""});
   whole_->paint_for_keeps(std::move(job));
 }
 

@@ -55,6 +55,9 @@ struct Shot {
   Picture picture;
   std::vector<std::string> words;  ///< the command without -o
   bool legend = false;
+  NamesAndValues furniture = {};
+  UpAxis up = UpAxis::pos_z;
+  std::string crs = {};
 };
 
 class Workbench {

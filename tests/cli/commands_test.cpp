@@ -58,7 +58,7 @@ TEST_F(CommandTest, MistakesAreOneLineAndExitCode1) {
            {{"cube.ply", "-o", "a.png", "-t", "pointz"}, "points"},
            {{"cube.ply", "-o", "a.png", "--color-by", "rows"}, "did you mean 'row'?"},
            {{"cube.ply", "-o", "a.png", "--colormap", "turbu"}, "did you mean 'turbo'?"},
-           {{"cube.ply", "-o", "a.bmp"}, ".png, .jpg, .webp, .exr or .npy"},
+           {{"cube.ply", "-o", "a.bmp"}, ".png, .jpg, .webp, .tif, .exr or .npy"},
            {{"cube.ply", "-o", "a.png", "--resolution", "64"}, "WIDTHxHEIGHT"},
            {{"cube.ply", "-o", "a.png", "--camera-position", "1,2"}, "3 numbers"},
            {{"cube.ply", "-o", "a.png", "--camera-position", "1,2,3", "--camera-azimuth-angle", "3"},

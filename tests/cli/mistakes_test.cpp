@@ -137,7 +137,7 @@ TEST_F(MistakesTest, OfFiles) {
       {{"*.laz", "-o", "a.png"}, 6, "check the folder and the pattern"},
       {{"words.xyz", "-o", "a.png"}, 2, "words.xyz"},
       {{"wide.xyz", "-o", "a.png"}, 2, "iconv -f UTF-16 -t UTF-8"},
-      {{"cube.ply", "-o", "a.bmp"}, 1, "written as .png, .jpg, .webp, .exr or .npy"},
+      {{"cube.ply", "-o", "a.bmp"}, 1, "written as .png, .jpg, .webp, .tif, .exr or .npy"},
       {{"cube.ply", "-o", "cube.ply"}, 1, "cube.ply"},
       {{"cube.ply", "-o", "a_{x}.png"}, 1, "there are {stem}"},
       {{"cube.ply", "-o", "a_{n}.png"}, 1, "{n} numbers the pictures of --path, --sequence or --each"},

@@ -32,6 +32,16 @@ void CameraOptions::declare(CommandLine& line) {
   line.text("--roll", roll_deg, "DEG", "turn the camera about its direction of view, counter-clockwise (0)");
   line.text("--look-at", look_at, "X,Y,Z", "look at this place from the same side");
   line.text("--distance", distance, "D", "how far from the place looked at, scene units");
+  line.text("--scale", scale, "1:N",
+            "print scale of a parallel view: the picture has the right size on paper");
+  line.text("--dpi", dpi_text, "N",
+            "pixels an inch on paper, kept in .png, .jpg and .tif (300 with --scale)");
+  line.text(
+      "--pixel-size", pixel_size, "D",
+      "scene units that a pixel of a parallel view shows; without --resolution the picture is as large as "
+      "the scan");
+  line.text("--vertical-exaggeration", exaggeration_text, "F",
+            "heights F times as large, those of legends stay true (1)");
   line.flag("--whole", whole, "keep the ceiling and near walls of a room, and frame all points but outliers");
   line.flag("--panorama", panorama,
             "all around --camera-position in one picture twice as wide as high (2048x1024, equirectangular)");
@@ -75,6 +85,19 @@ void CameraOptions::check() {
   refuse_pair(look_at && position, "--look-at and --camera-position");
   refuse_pair(distance && position, "--distance and --camera-position");
   vector("--look-at", look_at);
+  if (pixel_size) positive("--pixel-size", *pixel_size);
+  refuse_pair(pixel_size && scale, "--pixel-size and --scale");
+  if (dpi() > 0 && !(dpi() >= 1 && dpi() <= 100'000))
+    throw Error(ErrorCode::usage, "--dpi: '" + *dpi_text + "' is not in 1..100000");
+  print_scale(), vertical_exaggeration();
+  for (const auto& [option, given] :
+       {std::pair("--pixel-size", pixel_size.has_value()), {"--scale", scale.has_value()}}) {
+    if (!given) continue;
+    const std::string name = option;
+    refuse_pair(panorama, (name + " and --panorama").c_str());
+    refuse_pair(zoom.has_value(), (name + " and --zoom").c_str());
+    refuse_pair(view_angle_deg.has_value(), (name + " and --camera-view-angle").c_str());
+  }
   if (zoom) positive("--zoom", *zoom);
   if (distance) positive("--distance", *distance);
   if (roll_deg) parse_number("--roll", *roll_deg);
@@ -113,6 +136,24 @@ void CameraOptions::check() {
   if (resolution) parse_resolution("--resolution", *resolution);
 }
 
+double CameraOptions::print_scale() const {
+  if (!scale) return 0;
+  const double value = scale->starts_with("1:") ? parse_number("--scale", scale->substr(2)) : 0;
+  if (!(value > 0)) throw Error(ErrorCode::usage, "--scale: '" + *scale + "' is no scale; write 1:200");
+  return value;
+}
+
+double CameraOptions::dpi() const { return dpi_text ? parse_number("--dpi", *dpi_text) : scale ? 300 : 0; }
+
+double CameraOptions::vertical_exaggeration() const {
+  if (!exaggeration_text) return 1;
+  const double factor = parse_number("--vertical-exaggeration", *exaggeration_text);
+  if (!(factor >= 0.001 && factor <= 1000))
+    throw Error(ErrorCode::usage,
+                "--vertical-exaggeration: '" + *exaggeration_text + "' is not in 0.001..1000");
+  return factor;
+}
+
 bool CameraOptions::moves_camera() const {
   return file || position || focal_point || view_up || direction || azimuth_deg || elevation_deg ||
          view_angle_deg || zoom || look_at || distance;
@@ -136,6 +177,8 @@ ViewWishes CameraOptions::wishes() const {
   out.zoom = number("--zoom", zoom).value_or(1);
   out.roll = number("--roll", roll_deg).value_or(0);
   out.orthographic = orthographic;
+  out.pixel_size = number("--pixel-size", pixel_size);
+  if (scale) out.print_scale = print_scale(), out.dpi = dpi();
   out.upright = view.has_value();
   if (resolution) out.size = parse_resolution("--resolution", *resolution);
   if (panorama) out.first_size = {2048, 1024};
@@ -149,9 +192,11 @@ Camera CameraOptions::resolve(const Pose& pose) const {
     if (all.size)
       throw Error(ErrorCode::usage, "--resolution does not go with the intrinsics of " + name +
                                         ": they hold for its own width and height");
-    if (all.fov || orthographic)
+    if (all.fov || orthographic || all.pixel_size || all.print_scale)
       throw Error(ErrorCode::usage,
-                  "--camera-view-angle and --camera-orthographic do not go with the intrinsics of " + name);
+                  "--camera-view-angle, --camera-orthographic, --pixel-size and --scale do not go with the "
+                  "intrinsics of " +
+                      name);
   }
   return view_of(pose, all);
 }

@@ -15,6 +15,7 @@ struct CameraOptions {
   std::optional<std::string> file, position, focal_point, view_up, direction, azimuth_deg, elevation_deg,
       view_angle_deg;
   std::optional<std::string> resolution, view, zoom, roll_deg, look_at, distance;
+  std::optional<std::string> pixel_size, scale, dpi_text, exaggeration_text;
   bool orthographic = false, panorama = false, whole = false;
   std::optional<Camera> preset;  ///< camera kept in a preset; `file` wins over it
 
@@ -30,6 +31,11 @@ struct CameraOptions {
   bool stands_somewhere() const {
     return file || position || focal_point || look_at || distance || zoom || preset || panorama;
   }
+  /// The N of --scale 1:N, and what it needs; 0 where it is not given.
+  double print_scale() const;
+  /// Pixels an inch on paper; 0 where nobody means paper.
+  double dpi() const;
+  double vertical_exaggeration() const;
   /// Whether anything but the picture's size was asked for.
   bool moves_camera() const;
 

@@ -34,6 +34,7 @@ int formats_command(const Words& words) {
   text += "\nClouds that are written (sfumato convert IN... -o OUT)\n" + rows(written, width, 28);
   text += "\nPictures (-o)\n" + rows({{".png", "8-bit sRGB; with the command that made it inside"},
                                       {".jpg .jpeg .webp", "8-bit sRGB (--quality)"},
+                                      {".tif .tiff", "8-bit sRGB, a plan as GeoTIFF"},
                                       {".exr", "32-bit float: linear colour, depth Z, normals N.X N.Y N.Z"},
                                       {".npy", "float32 array (height, width, 4), linear"}},
                                      width, 28);

@@ -71,7 +71,11 @@ scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderR
 /// Which way is up, and from where to look, unless the user or the file says so.
 Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& report, Console& console) {
   const UpAxis custom = scene.cloud.up;
-  Pose pose = stand_upright(scene, options.input.scene.up, !options.camera.whole);
+  Pose pose = stand_upright(scene, options.input.scene.up, !options.camera.whole,
+                            options.camera.vertical_exaggeration());
+  if (!options.furniture.unit.empty()) pose.unit = unit_named(options.furniture.unit);
+  if (options.camera.scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
+    console.say("--scale: the file does not say its unit, taken for metres; --unit ft says otherwise");
   const analysis::Upright& upright = pose.upright;
   if (upright.up != custom)
     console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason,
@@ -103,6 +107,8 @@ void check_names(const RenderOptions& options, const Choice& choice) {
           std::pair("--output-camera", options.output_camera)})
       if (!pattern.empty() && !(n > 0 && is_video(pattern)))
         names.output(option, file_name(pattern, options.parts(n)));
+    if (options.world_file)
+      names.output("--world-file", io::world_file_name(file_name(options.output, options.parts(n))).string());
     if (!options.output_panels.empty())
       for (const auto& chosen : choice.techniques)
         names.output("--output-panels", file_name(options.output_panels, options.parts(n, chosen->name)));
@@ -187,6 +193,10 @@ scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderO
 Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
           Console& console) {
   auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
+  if (leveled && options.camera.vertical_exaggeration() != 1)
+    throw Error(
+        ErrorCode::usage,
+        "--vertical-exaggeration needs all points in memory, and files are larger: raise --memory or crop");
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
   sight.pose = pose_of(sight.scene, options, report, console);
   sight.camera = first_camera(options, sight.pose, sight.scene.cloud);
@@ -370,6 +380,8 @@ int render_command(const Words& words) {
                     : read_for(seen, {options.placed(std::size_t(n))}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
       if (overview) next.overview = overview;
+      if (options.camera.vertical_exaggeration() != 1)
+        exaggerate(next.cloud, options.camera.vertical_exaggeration());
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
     }

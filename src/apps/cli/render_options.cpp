@@ -32,9 +32,11 @@ void RenderOptions::declare(CommandLine& line) {
              "the first that "
              "selects a point "
              "wins (sfumato help draw)");
-  line.text("-o,--output", output, "FILE",
-            "the picture: .png .jpg .webp (sRGB), .exr (linear, Z, normals), .npy (linear RGBA); - is "
-            "standard output");
+  line.text(
+      "-o,--output", output, "FILE",
+      "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, clear where nothing is), .exr "
+      "(linear, Z, normals), .npy (linear RGBA); - is standard output");
+  line.flag("--world-file", world_file, "the place of a plan beside its picture, as NAME.pgw");
   line.flag("--each", each, "one picture each file, -o '{stem}.png'; a bad file does not stop the others");
   line.text("--output-panels", output_panels, "NAME_{technique}.png",
             "the panels of a contact sheet as single pictures too");
@@ -82,9 +84,22 @@ void RenderOptions::declare(CommandLine& line) {
             "values at the ends of the colour map (2-98 % of the points, nearly all of heights)");
   line.text("--exposure", exposure_text, "F",
             "brightness of the file's own colours, 1: as they are (what suits them)");
-  line.flag("--legend", legend, "explain the colours in the picture");
   line.text("--background-color", background_color, "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)");
   line.flag("--no-background", no_background, "transparent where nothing is");
+  line.group("In the picture");
+  for (const FurnitureOption& option : furniture_options()) {
+    const std::string name = option.name;
+    if (bool* flag = flag_of(furniture, name))
+      line.flag("--" + name, *flag, option.help);
+    else
+      line.handler("--" + name, option.metavar, option.help, false, [this, name](const std::string& value) {
+        try {
+          sfumato::set(furniture, name, value);
+        } catch (const Error& error) {
+          refuse("--" + std::string(error.what()));
+        }
+      });
+  }
 }
 
 namespace {
@@ -97,7 +112,8 @@ vec3 color_of(const std::string& option, const std::string& text) {
 }
 
 bool is_picture(const std::string& extension) {
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".webp";
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".webp" ||
+         extension == ".tif" || extension == ".tiff";
 }
 
 bool has_part(const std::string& pattern, const std::string& name) {
@@ -119,7 +135,7 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   }
   if (!output.empty() && !is_video(output) && !is_picture(extension) && extension != ".exr" &&
       extension != ".npy")
-    refuse("-o " + output + ": pictures are written as .png, .jpg, .webp, .exr or .npy");
+    refuse("-o " + output + ": pictures are written as .png, .jpg, .webp, .tif, .exr or .npy");
   const bool has_jpeg = extension == ".jpg" || extension == ".jpeg";
   if (no_background && has_jpeg)
     refuse("--no-background: a JPEG cannot be transparent; write a .png or .webp");
@@ -145,8 +161,21 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
     refuse("--output-depth " + output_depth + ": depth is written as .npy, .exr or .png (16 bit)");
   if (!output_normal.empty() && extension_of(output_normal) != ".npy")
     refuse("--output-normal " + output_normal + ": the array is written as .npy");
-  if (legend && (extension == ".exr" || extension == ".npy"))
-    refuse("--legend goes with .png, .jpg and .webp only");
+  if (!furniture.empty() && (extension == ".exr" || extension == ".npy")) {
+    const Furniture& f = furniture;
+    refuse(std::string(f.legend          ? "--legend"
+                       : f.scale_bar     ? "--scale-bar"
+                       : f.north_arrow   ? "--north-arrow"
+                       : f.grid          ? "--grid"
+                       : f.title.empty() ? "--caption"
+                                         : "--title") +
+           " goes with .png, .jpg and .webp only (and .tif), whose pixels are colours");
+  }
+  if (world_file && (output.empty() || is_video(output) || io::is_standard_output(output)))
+    refuse("--world-file stands beside a picture: add -o PLAN.png");
+  furniture.print_scale = camera.print_scale(), furniture.dpi = camera.dpi();
+  // A map lies over others: it covers what it shows.
+  if ((extension == ".tif" || extension == ".tiff") && background_color.empty()) no_background = true;
   if (json && io::is_standard_output(output))
     refuse("--json and -o " + output + " both write to standard output");
 }
@@ -169,6 +198,8 @@ void RenderOptions::check_window(std::size_t technique_count) const {
                                       {"--panorama", camera.panorama},
                                       {"--save-scene", !save_scene.empty()},
                                       {"--no-background", no_background},
+                                      {"--world-file", world_file},
+                                      {"--vertical-exaggeration", camera.exaggeration_text.has_value()},
                                       {"--save-preset", !save_preset.empty()},
                                       {"--json", json},
                                       {"--timings", timings}})
@@ -235,7 +266,7 @@ void RenderOptions::check(std::size_t technique_count) {
     color.solid = to_rgba8(color_of("--color", point_color));
     for (const auto& [option, given] : {std::pair("--colormap", !color.colormap.empty()),
                                         {"--color-range", !color_range.empty()},
-                                        {"--legend", legend}})
+                                        {"--legend", furniture.legend}})
       if (given) refuse(std::string(option) + " does not go with --color, which paints every point alike");
   }
   if (!color_range.empty()) {

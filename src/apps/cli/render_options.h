@@ -13,6 +13,7 @@
 #include "input_options.h"
 #include "parameters.h"
 #include "scene/leveled_scene.h"
+#include "labels/furniture.h"
 #include "session/draw_rule.h"
 
 namespace sfumato::cli {
@@ -31,7 +32,8 @@ struct RenderOptions {
   CommonOptions common;
   std::string background_color, color_range, exposure_text, point_color, quality_text;
   ColorSettings color;
-  bool no_background = false, legend = false, timings = false, json = false, watch = false;
+  bool no_background = false, world_file = false, timings = false, json = false, watch = false;
+  Furniture furniture;
   bool sequence = false;  ///< every file is a picture, all from the camera of the first
   bool each = false;      ///< every file is a picture of its own
   std::string path, frames, degrees, preset, save_preset, scene, save_scene, shader_folder,

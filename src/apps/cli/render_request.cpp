@@ -93,7 +93,9 @@ view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndVal
   wishes.whole = options.camera.whole;
   start.memory = options.memory;
   wishes.background_color = options.background_color;
-  wishes.legend = options.legend;
+  wishes.legend = options.furniture.legend;
+  for (const auto& [name, value] : given)
+    if (name != "legend" && is_furniture(name)) wishes.furniture.emplace_back(name, value);
   start.watch = options.watch;
   start.shader_folder = options.shader_folder;
   // Called by one thread, which alone uses the choice from then on.

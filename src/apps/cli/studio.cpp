@@ -11,7 +11,7 @@
 #include "io/image_exr.h"
 #include "io/image_file.h"
 #include "io/npy.h"
-#include "labels/legend.h"
+#include "labels/furniture.h"
 
 namespace sfumato::cli {
 
@@ -61,6 +61,7 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
     for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
     return needs;
   };
+  crs_ = scene.cloud.crs;
   SessionOptions wanted{choice_.prepare, options_.color, {}, options_.rules};
   if (!options_.background_color.empty()) wanted.background = options_.background;
   session_.set_scene(std::move(scene), std::move(pose), wanted, needs_of, console_);
@@ -79,9 +80,25 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
     if (settled && !chosen->reason.empty() && session_.parts().front().rules.empty())
       console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
   for (const std::string& note : coloring.notes) console_.say("sfumato: " + note);
-  if (options_.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())
+  if (options_.furniture.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())
     console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring.source +
                  ", which explains itself");
+}
+
+void Studio::draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row) const {
+  labels::draw_furniture(rows, first_row, options_.furniture,
+                         {camera, session_.pose().upright.up, crs_, session_.coloring(),
+                          session_.background(), options_.camera.panorama});
+}
+
+/// Where the picture lies on the map, when somebody asks for that. A TIFF of any other view is a picture.
+std::optional<io::Georeference> Studio::place_of(const Camera& camera) const {
+  const UpAxis up = session_.pose().upright.up;
+  if (options_.world_file) return io::georeference(camera, up, crs_, "--world-file");
+  const std::string extension = extension_of(options_.output);
+  if (extension != ".tif" && extension != ".tiff") return std::nullopt;
+  if (options_.camera.panorama || up != UpAxis::pos_z || !labels::is_plan(camera, up)) return std::nullopt;
+  return io::georeference(camera, up, crs_, "-o");
 }
 
 RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
@@ -94,6 +111,9 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
     throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture ({} px a side): "
                                               "lower --resolution",
                                               camera.width, camera.height, Renderer::largest_side));
+  labels::check(options_.furniture, camera, session_.pose().upright.up, options_.camera.panorama);
+  if (const auto place = place_of(camera); place && options_.world_file)
+    world_ = {io::world_file_name(file_name(options_.output, options_.parts(n))), *place};
   const bool is_one = choice_.techniques.size() == 1 && options_.output_panels.empty() &&
                       !options_.camera.panorama && !is_video(options_.output);
   if (is_one && session_.is_tiled(camera)) return shoot_rows(camera, n, watch);
@@ -117,19 +137,21 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("render");
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
   if (panels.size() > 1) {
-    if (options_.legend) labels::draw_legend(panels.back().image, session_.coloring(), session_.background());
+    draw_furniture(panels.back().image, camera);
     if (wants_.color)
       out.rgba8 = labels::contact_sheet(panels, session_.background(), options_.no_background);
-  } else if (options_.legend && wants_.color) {
-    labels::draw_legend(out.rgba8, session_.coloring(), session_.background());
+  } else if (wants_.color) {
+    draw_furniture(out.rgba8, camera);
   }
   write(out, camera, n);
+  write_world_file();
   watch.lap("write");
 }
 
 /// The files of one picture, written as its rows come. Formats that need all of it get it at the end.
 struct Studio::Rows {
   std::optional<io::PngRows> png;
+  std::optional<io::TiffRows> tiff;
   std::optional<io::ExrRows> exr, depth_exr;
   std::optional<io::NpyRows> npy, depth_npy, normal_npy;
   std::string whole_name, depth_name;
@@ -149,8 +171,11 @@ void Studio::open(Rows& rows, const Camera& camera, int n) {
       rows.npy.emplace(name, width, height, 4);
     else if (extension == ".jpg" || extension == ".jpeg" || extension == ".webp")
       rows.whole_name = name, rows.whole = Image<Rgba8>(width, height);
+    else if (extension == ".tif" || extension == ".tiff")
+      rows.tiff.emplace(name, width, height, options_.no_background, options_.camera.dpi(), place_of(camera),
+                        command_);
     else
-      rows.png.emplace(name, width, height, options_.no_background, texts_of(camera));
+      rows.png.emplace(name, width, height, options_.no_background, texts_of(camera), options_.camera.dpi());
   }
   if (!options_.output_depth.empty()) {
     const std::string name = name_of(options_.output_depth, n), extension = extension_of(name);
@@ -171,9 +196,9 @@ void Studio::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& c
     if (!rows.corner) rows.corner = strip.rgba8.at(0, 0);
     rows.is_blank = is_blank(strip.rgba8, *rows.corner);
   }
-  if (options_.legend && !strip.rgba8.empty())
-    labels::draw_legend(strip.rgba8, first_row, camera.height, session_.coloring(), session_.background());
+  if (!strip.rgba8.empty()) draw_furniture(strip.rgba8, camera, first_row);
   if (rows.png) rows.png->write(strip.rgba8);
+  if (rows.tiff) rows.tiff->write(strip.rgba8);
   if (rows.exr) rows.exr->write(strip.color_linear, strip.depth, strip.normal);
   if (rows.npy) rows.npy->write(strip.color_linear);
   if (!rows.whole.empty()) std::copy(strip.rgba8.begin(), strip.rgba8.end(), rows.whole.data() + place);
@@ -185,6 +210,7 @@ void Studio::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& c
 
 void Studio::close(Rows& rows, const Camera& camera) {
   if (rows.png) rows.png->finish();
+  if (rows.tiff) rows.tiff->finish();
   for (auto* exr : {&rows.exr, &rows.depth_exr})
     if (*exr) (*exr)->finish();
   for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.normal_npy})
@@ -212,7 +238,15 @@ void Studio::shoot_rows(const Camera& camera, int n, Stopwatch& watch) {
   report_.blank_pictures += out.points_drawn == 0 || (wants_.color && rows.is_blank);
   close(rows, camera);
   if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
+  write_world_file();
   watch.lap("write");
+}
+
+void Studio::write_world_file() {
+  if (!world_) return;
+  io::write_world_file(world_->first, world_->second);
+  report_.outputs.push_back(world_->first.string());
+  world_.reset();
 }
 
 /// Nothing but background: points may lie in the view and yet be too small or too far to be seen.
@@ -230,9 +264,17 @@ std::string Studio::name_of(const std::string& pattern, int n, const std::string
 
 void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
   const std::string extension = extension_of(name);
-  if (extension == ".jpg" || extension == ".jpeg") return io::write_jpeg(name, image, options_.quality);
+  if (extension == ".jpg" || extension == ".jpeg") {
+    return io::write_jpeg(name, image, options_.quality, options_.camera.dpi());
+  }
   if (extension == ".webp") return io::write_webp(name, image, options_.no_background, options_.quality);
-  io::write_png(name, image, options_.no_background, texts_of(camera));
+  if (extension == ".tif" || extension == ".tiff") {
+    io::TiffRows tiff(name, image.width(), image.height(), options_.no_background, options_.camera.dpi(),
+                      place_of(camera), command_);
+    tiff.write(image);
+    return tiff.finish();
+  }
+  io::write_png(name, image, options_.no_background, texts_of(camera), options_.camera.dpi());
 }
 
 io::PngTexts Studio::texts_of(const Camera& camera) const {
@@ -251,7 +293,7 @@ void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera
   for (const labels::Panel& panel : panels) {
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
-    if (options_.legend) labels::draw_legend(image, session_.coloring(), session_.background());
+    draw_furniture(image, camera);
     write_picture(name, image, camera);
   }
 }

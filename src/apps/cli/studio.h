@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "console.h"
+#include "io/georeference.h"
 #include "io/image_png.h"
 #include "labels/contact_sheet.h"
 #include "parameters.h"
@@ -46,6 +47,9 @@ class Studio {
   RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
   std::string name_of(const std::string& pattern, int n, const std::string& technique = {});
   void write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera);
+  void draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row = 0) const;
+  std::optional<io::Georeference> place_of(const Camera& camera) const;
+  void write_world_file();
   void write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n);
   void write_depth(const std::string& name, const Image<float>& depth);
   void write(const RenderOutput& out, const Camera& camera, int n);
@@ -65,6 +69,8 @@ class Studio {
   std::unique_ptr<Video> video_;  ///< of -o NAME.mp4, from the first frame on
   std::unique_ptr<gl::Context> context_;
   Session session_;
+  std::string crs_;                                                          ///< of the points that are drawn
+  std::optional<std::pair<std::filesystem::path, io::Georeference>> world_;  ///< of the picture in the making
   RenderWants wants_;
 };
 

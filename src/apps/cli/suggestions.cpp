@@ -59,8 +59,8 @@ const std::map<std::string, std::string>& synonyms() {
                                                            {"normals", "--output-normal"},
                                                            {"decimate", "--max-points"},
                                                            {"colorbar", "--legend"},
-                                                           {"scale-bar", "--legend"},
-                                                           {"bar", "--legend"},
+                                                           {"scalebar", "--scale-bar"},
+                                                           {"bar", "--scale-bar"},
                                                            {"colors", "--color"}};
   return table;
 }

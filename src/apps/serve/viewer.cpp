@@ -6,7 +6,7 @@
 #include "core/version.h"
 #include "io/camera_json.h"
 #include "io/image_file.h"
-#include "labels/legend.h"
+#include "labels/furniture.h"
 
 namespace sfumato::serve {
 namespace {
@@ -33,6 +33,13 @@ Image<Rgba8> smaller(const Image<Rgba8>& image, int by) {
   return out;
 }
 
+/// What of it has a meaning in this view.
+void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
+                    const std::string& crs) {
+  labels::draw_furniture(image, labels::meaningful(furniture, picture.camera, up),
+                         {picture.camera, up, crs, picture.coloring, picture.background});
+}
+
 }  // namespace
 
 std::string shot_png(view::Shot shot, const std::string& name,
@@ -40,7 +47,8 @@ std::string shot_png(view::Shot shot, const std::string& name,
   std::vector<std::string> command = shot.words;
   command.insert(command.begin(), "sfumato");
   command.insert(command.end(), {"-o", name});
-  if (shot.legend) labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
+  draw_furniture(shot.picture.image, shot.picture, furniture_of(shot.legend, shot.furniture), shot.up,
+                 shot.crs);
   return io::png_bytes(shot.picture.image, false,
                        {{"Software", std::string("sfumato ") + version()},
                         {"Command", quote(command)},
@@ -141,8 +149,12 @@ void Viewer::send_picture(double now_ms) {
     std::string bytes;
   };
   auto encoded = std::make_shared<Encoded>();
-  const bool draws_legend =
-      legend && picture->image.width() == bench_->width() && picture->image.height() == bench_->height();
+  const view::Loaded* scene = bench_->scene();
+  const UpAxis up = scene ? scene->pose.upright.up : UpAxis::pos_z;
+  const std::string crs = scene ? scene->crs : "";
+  const Furniture furniture = furniture_of(legend, bench_->wishes().furniture);
+  const bool draws_furniture = !furniture.empty() && picture->image.width() == bench_->width() &&
+                               picture->image.height() == bench_->height();
   const int quality = is_final ? Pace::most_quality : pace_.quality(), shrink = exact ? 1 : pace_.shrink();
   Json header{{"kind", "picture"},
               {"type", exact ? "image/png" : "image/jpeg"},
@@ -150,9 +162,9 @@ void Viewer::send_picture(double now_ms) {
               {"technique", picture->technique},
               {"exact", exact}};
   outside_.in_background(
-      [encoded, picture, draws_legend, exact, quality, shrink] {
+      [encoded, picture, draws_furniture, furniture, up, crs, exact, quality, shrink] {
         Image<Rgba8> image = smaller(picture->image, shrink);
-        if (draws_legend && shrink == 1) labels::draw_legend(image, picture->coloring, picture->background);
+        if (draws_furniture && shrink == 1) draw_furniture(image, *picture, furniture, up, crs);
         encoded->bytes = exact ? io::png_bytes(image, false) : io::jpeg_bytes(image, quality);
       },
       [self = shared_from_this(), encoded, header, exact, now_ms]() mutable {

@@ -11,7 +11,7 @@
 #include "interface.h"
 #include "io/camera_json.h"
 #include "io/image_png.h"
-#include "labels/legend.h"
+#include "labels/furniture.h"
 
 namespace sfumato::viewer {
 
@@ -25,6 +25,12 @@ std::string free_name(const std::string& stem, const std::string& extension) {
   }
 }
 
+void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
+                    const std::string& crs) {
+  labels::draw_furniture(image, labels::meaningful(furniture, picture.camera, up),
+                         {picture.camera, up, crs, picture.coloring, picture.background});
+}
+
 void Interface::take_shots() {
   for (view::Shot& shot : bench_.take_shots()) {
     const std::string name = free_name("sfumato", ".png");
@@ -36,8 +42,8 @@ void Interface::take_shots() {
             cli::Words command = shot.words;
             command.insert(command.begin(), "sfumato");
             command.insert(command.end(), {"-o", name});
-            if (shot.legend)
-              labels::draw_legend(shot.picture.image, shot.picture.coloring, shot.picture.background);
+            draw_furniture(shot.picture.image, shot.picture, furniture_of(shot.legend, shot.furniture),
+                           shot.up, shot.crs);
             io::write_png(name, shot.picture.image, false,
                           {{"Software", std::string("sfumato ") + version()},
                            {"Command", cli::quote(command)},

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "labels/furniture.h"
 #include "view/controls.h"
 #include "view/histogram.h"
 #include "view/keys.h"
@@ -16,6 +17,9 @@
 #include "window.h"
 
 namespace sfumato::viewer {
+/// What of it has a meaning in this view.
+void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
+                    const std::string& crs);
 
 class Interface {
  public:
@@ -86,6 +90,7 @@ class Interface {
   std::string look_key_;
   std::shared_ptr<const view::Picture> uploaded_;
   bool uploaded_legend_ = false;
+  NamesAndValues uploaded_furniture_;
   std::deque<Toast> toasts_;
   std::vector<std::future<view::Message>> writers_;
   std::string search_, preset_name_, path_name_, screenshot_size_;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "interface.h"
-#include "labels/legend.h"
+#include "labels/furniture.h"
 #include "panel_tools.h"
 #include "view/light_hand.h"
 
@@ -29,13 +29,18 @@ std::optional<double> Interface::wait_ms(double) const {
 
 void Interface::show_picture() {
   const auto& picture = bench_.picture();
-  if (!picture || (picture == uploaded_ && uploaded_legend_ == bench_.wishes().legend)) return;
+  if (!picture || (picture == uploaded_ && uploaded_legend_ == bench_.wishes().legend &&
+                   uploaded_furniture_ == bench_.wishes().furniture))
+    return;
   uploaded_ = picture;
-  uploaded_legend_ = bench_.wishes().legend;
+  uploaded_legend_ = bench_.wishes().legend, uploaded_furniture_ = bench_.wishes().furniture;
+  const Furniture furniture = furniture_of(uploaded_legend_, uploaded_furniture_);
   const bool exact = picture->image.width() == bench_.width() && picture->image.height() == bench_.height();
-  if (!uploaded_legend_ || !exact) return window_.upload(picture->image, exact);
+  if (furniture.empty() || !exact) return window_.upload(picture->image, exact);
   Image<Rgba8> explained = picture->image;
-  labels::draw_legend(explained, picture->coloring, picture->background);
+  const view::Loaded* scene = bench_.scene();
+  draw_furniture(explained, *picture, furniture, scene ? scene->pose.upright.up : UpAxis::pos_z,
+                 scene ? scene->crs : "");
   window_.upload(explained, exact);
 }
 

@@ -55,13 +55,23 @@ def count_of(name, value):
     return int(found)
 
 
+#: What is drawn into pictures, as keywords.
+FURNITURE = tuple(name.replace("-", "_") for name in _engine.furniture_options())
+
+
+def furniture_of(keywords):
+    """Names and texts of those keywords that are given."""
+    return [(name.replace("_", "-"), text_of(name, keywords[name])) for name in FURNITURE
+            if keywords.get(name) is not None]
+
+
 #: Options of the command as keywords of `Renderer`.
 _OPTIONS = {
     "color-by": ("color_by", _text), "color": ("color", _text), "colormap": ("colormap", _text), "color-range": ("range", _numbers),
     "exposure": ("exposure", _number), "background-color": ("background", _text), "up": ("up", _text), "whole": ("whole", _bool),
     "crop": ("crop", _numbers), "crop-relative": ("crop_relative", _numbers), "show-classes": ("show_classes", _integers),
     "hide-classes": ("hide_classes", _integers), "max-points": ("max_points", count_of), "columns": ("columns", _words),
-    "legend": ("legend", _bool)}
+    "vertical-exaggeration": ("vertical_exaggeration", _number)}
 _REPEATED = {"draw": "draw", "filter": "filters"}
 #: And of `Renderer.view`.
 _VIEWS = {
@@ -69,9 +79,9 @@ _VIEWS = {
     "camera-azimuth-angle": ("azimuth", _number), "camera-elevation-angle": ("elevation", _number),
     "camera-view-angle": ("fov", _number), "camera-orthographic": ("orthographic", _bool), "camera-position": ("position", _numbers),
     "camera-focal-point": ("look_at", _numbers), "camera-direction": ("direction", _numbers), "camera-view-up": ("view_up", _numbers),
-    "resolution": ("size", _size)}
+    "resolution": ("size", _size), "pixel-size": ("pixel_size", _number), "scale": ("scale", _text), "dpi": ("dpi", _number)}
 #: What says how a file is written, not how a picture looks.
-_OF_FILES = ("quality",)
+_OF_FILES = ("quality", "world-file")
 
 
 class Look:
@@ -96,6 +106,8 @@ class Look:
         for name, text in found["options"]:
             if name in _REPEATED:
                 look.keywords.setdefault(_REPEATED[name], []).append(text)
+            elif name.replace("-", "_") in FURNITURE:
+                look.keywords[name.replace("-", "_")] = text
             elif name in _OPTIONS:
                 keyword, parse = _OPTIONS[name]
                 look.keywords[keyword] = parse(f"{look.file}: options: {name}", text)
@@ -108,7 +120,7 @@ class Look:
             elif is_parameter(name):  # of a technique: as good among the options
                 own.append((name.replace("-", "_"), text))
             elif name not in _OF_FILES:
-                near = _engine.nearest_word(name, [*_OPTIONS, *_VIEWS, *_REPEATED, "no-background"])
+                near = _engine.nearest_word(name, [*_OPTIONS, *_VIEWS, *_REPEATED, *_engine.furniture_options(), "no-background"])
                 raise Error(f"{look.file}: options: there is no '{name}'" + (f"; did you mean '{near}'?" if near else ""), "bad_input")
         look.parameters = own + look.parameters
         return look
@@ -142,7 +154,8 @@ class Look:
 #: Keywords of `Renderer` with what they are when nobody says otherwise.
 KEYWORDS = {"technique": "auto", "background": "auto", "up": None, "color": None, "color_by": None, "colormap": None, "range": None,
             "exposure": None, "hide_classes": (7, 18), "show_classes": None, "filters": (), "crop": None, "crop_relative": None,
-            "max_points": None, "columns": (), "whole": False, "draw": (), "legend": False}
+            "max_points": None, "columns": (), "whole": False, "draw": (), "vertical_exaggeration": None,
+            **dict.fromkeys(FURNITURE)}
 
 
 def is_default(name, value):
@@ -170,6 +183,8 @@ def options_of(keywords, is_scene=False):
         elif name in ("crop", "crop_relative"):
             numbers = [number for each in value for number in (each if hasattr(each, "__iter__") else (each,))]  # maybe two corners
             options.append((names[name], text_of(name, numbers)))
+        elif name in FURNITURE:
+            options.append((name.replace("_", "-"), text_of(name, value)))
         elif name in names:
             options.append((names[name], text_of(name, value)))
     return options

@@ -5,7 +5,7 @@ from . import _engine, _progress
 from ._camera import Camera, orbit
 from ._cloud import Cloud, Levels, selection_of
 from ._error import Error, warn_of_damage
-from ._look import KEYWORDS, Look, count_of, is_default, options_of
+from ._look import FURNITURE, KEYWORDS, Look, count_of, furniture_of, is_default, options_of
 from ._scene import Scene
 from ._techniques import settings_of
 
@@ -98,16 +98,16 @@ class Picture:
         """What is worth knowing about the picture, a list of lines."""
         return self._shot.notes
 
-    def save(self, file, quality=90):
-        """Writes .png .jpg .webp (sRGB), .exr (linear, with depth and normals where they were asked for) or .npy (linear).
+    def save(self, file, quality=90, dpi=0):
+        """Writes .png .jpg .webp .tif (sRGB; the .tif of a plan is a GeoTIFF), .exr (linear, with depth and normals where they were asked for) or .npy (linear).
 
-        `quality` from 1 to 100 is that of .jpg and .webp. PNG and EXR keep camera and technique. The file appears when it is
+        `quality` from 1 to 100 is that of .jpg and .webp, `dpi` the pixels an inch on paper (0: none is said). PNG and EXR keep camera and technique. The file appears when it is
         complete. Raises `Error`: "usage" for other extensions, "io".
         """
         if not 1 <= quality <= 100:
             raise Error(f"quality: {quality} is not in 1..100")
         file = os.fspath(file)
-        self._shot.save(file, os.path.splitext(file)[1].lower(), int(quality))
+        self._shot.save(file, os.path.splitext(file)[1].lower(), int(quality), float(dpi))
 
     def _repr_png_(self):
         if self.rgba is None:
@@ -132,6 +132,16 @@ class Picture:
 def _size(size):
     width, height = size
     return int(width), int(height)
+
+
+def _scale(scale):
+    """The N of "1:N"."""
+    if isinstance(scale, str):
+        one, _, number = scale.partition(":")
+        if one != "1" or not number.replace(".", "", 1).isdigit():
+            raise Error(f"scale: '{scale}' is no scale; write \"1:200\"")
+        return float(number)
+    return scale
 
 
 def _color_text(name, value):
@@ -166,6 +176,7 @@ class Renderer:
                  up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
                  show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
                  preset=None, progress=None, strict=False, **parameters):
+        drawn_on = {name: parameters.pop(name) for name in ("vertical_exaggeration", *FURNITURE) if name in parameters}
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
             color, colors = colors, None
@@ -174,6 +185,7 @@ class Renderer:
                  "show_classes": show_classes, "filters": [filters] if isinstance(filters, str) else list(filters), "crop": crop,
                  "crop_relative": crop_relative, "max_points": max_points, "whole": whole,
                  "draw": [draw] if isinstance(draw, str) else [str(rule) for rule in draw]}
+        given.update(drawn_on)
         # Each wins over what comes before it: what is always so, the scene, the preset, what is given.
         look = points._look() if isinstance(points, Scene) else Look()
         preset = Look.of(preset)
@@ -184,13 +196,16 @@ class Renderer:
         self._first = {**look.view, **preset.view}
         self._first_camera = preset.camera or look.camera
         self._progress = _progress.callback(progress)
-        self.legend = bool(wanted["legend"])
+        self._furniture = {name: wanted[name] for name in FURNITURE}
+        self.legend = wanted["legend"] in (True, "true")
 
         wishes = _color_wishes(*(wanted[name] for name in ("color", "color_by", "colormap", "range", "exposure")))
         selection = selection_of(wanted["crop"], wanted["crop_relative"], wanted["show_classes"], wanted["hide_classes"], wanted["filters"])
         wishes["background"] = _color_text("background", wanted["background"]) or "auto"
         wishes["up"] = wanted["up"]
         wishes["whole"] = bool(wanted["whole"])
+        if wanted["vertical_exaggeration"] is not None:
+            wishes["vertical_exaggeration"] = float(wanted["vertical_exaggeration"])
         wishes["draw"] = wanted["draw"]
         if self._preset_parameters:
             wishes["preset_parameters"] = self._preset_parameters
@@ -261,16 +276,20 @@ class Renderer:
                **parameters):
         """A `Picture`. Everything is as in the function `render`; technique and parameters given here hold for this
         picture, on top of those of the renderer. What another technique needs is computed once."""
+        furniture = {name: parameters.pop(name) for name in FURNITURE if name in parameters}
+        if legend is not None:
+            furniture["legend"] = bool(legend)
         settings = settings_of(parameters, _KEYWORDS)
         camera = self._panorama(camera, size) if panorama else self._camera(camera, size)
         self._read([camera or self._stand.first_view(*_size(size or (1280, 720)))], panorama, settings)
-        return self._render(camera, size, technique, outputs, None, progress, settings, panorama, legend)
+        return self._render(camera, size, technique, outputs, None, progress, settings, panorama, furniture)
 
-    def _render(self, camera, size, technique, outputs, light_from, progress, settings, panorama=False, legend=None):
+    def _render(self, camera, size, technique, outputs, light_from, progress, settings, panorama=False, furniture=()):
         outputs = [outputs] if isinstance(outputs, str) else list(outputs)
-        legend = self.legend if legend is None else bool(legend)
-        return Picture(self._stage.render(camera, _size(size or (1280, 720)), technique, settings, outputs, light_from, panorama, legend,
-                                          _progress.callback(progress)))
+        paper = list(getattr(camera, "_paper", ()))
+        furniture = paper + furniture_of({**self._furniture, "legend": self.legend, **dict(furniture)})
+        return Picture(self._stage.render(camera, _size(size or (1280, 720)), technique, settings, outputs, light_from, panorama,
+                                          furniture, _progress.callback(progress)))
 
     def _camera(self, camera, size, default=(1280, 720)):
         """None is the first view of `size`."""
@@ -279,13 +298,14 @@ class Renderer:
                 return None
             wishes = {**self._first, **({"size": size} if size else {})}
             if self._first_camera is None:
-                return self.view(**{"size": default, **wishes})
+                return self.view(**{**({} if wishes.keys() & {"pixel_size", "scale"} else {"size": default}), **wishes})
             return self.view(start=self._first_camera, **wishes) if wishes else self._first_camera
         if isinstance(camera, (str, os.PathLike)):
             name = os.fspath(camera)
             camera = Camera.load(name) if name.endswith(".json") else self.view(name, size=size or self._first.get("size", default))
         elif isinstance(camera, dict):
-            camera = self.view(**{"size": size or self._first.get("size", default), **camera})
+            found = size or self._first.get("size", None if camera.keys() & {"pixel_size", "scale"} else default)
+            camera = self.view(**{**({"size": found} if found else {}), **camera})
         if not isinstance(camera, _engine.Camera):
             raise Error("camera: give a Camera, the name of a side, angles as a dict, or a JSON file")
         if size is None or _size(size) == camera.size:
@@ -309,7 +329,7 @@ class Renderer:
         _engine.save_preset(os.fspath(file), self.technique, [*self._preset_parameters, *self._settings], options_of(self._wanted), camera, [])
 
     def view(self, side=None, azimuth=None, elevation=None, zoom=1.0, roll=0.0, look_at=None, distance=None, fov=None,
-             orthographic=False, size=None, position=None, direction=None, view_up=None, start=None):
+             orthographic=False, size=None, position=None, direction=None, view_up=None, start=None, pixel_size=None, scale=None, dpi=300):
         """A `Camera` that shows the cloud.
 
         Parameters
@@ -336,6 +356,10 @@ class Renderer:
             World: stands there, looking at `look_at`, along `direction`, or at the middle.
         direction, view_up : three numbers, optional
             Of the view, and what is up in the picture.
+        pixel_size : float, optional
+            Scene units that a pixel of a parallel view shows; without `size` the picture is as large as the scan.
+        scale : "1:N" or N, optional
+            Print scale of a parallel view at `dpi` pixels an inch; `Picture.save` keeps them with ``dpi=``.
         start : `Camera`, optional
             Changes this one, in place of the view that shows the scan.
         """
@@ -351,13 +375,17 @@ class Renderer:
                 raise Error("a side and azimuth or elevation contradict each other: give one of them")
             azimuth, elevation = _engine.find_view(side)
             wishes["upright"] = True
-        for name, value in (("azimuth", azimuth), ("elevation", elevation), ("distance", distance), ("fov", fov)):
+        for name, value in (("azimuth", azimuth), ("elevation", elevation), ("distance", distance), ("fov", fov), ("pixel_size", pixel_size),
+                            ("scale", _scale(scale)), ("dpi", dpi if scale is not None else None)):
             if value is not None:
                 wishes[name] = float(value)
         for name, value in (("look_at", look_at), ("position", position), ("direction", direction), ("view_up", view_up)):
             if value is not None:
                 wishes[name] = tuple(float(v) for v in value)
-        return Camera._of(self._stand.view(wishes))
+        camera = Camera._of(self._stand.view(wishes))
+        if scale is not None:
+            camera._paper = (("print-scale", repr(_scale(scale))), ("dpi", repr(float(dpi))))
+        return camera
 
     def orbit(self, frames=120, degrees=360.0, start=None, size=None):
         """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view, from as far away as the other sides need."""
@@ -527,6 +555,10 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         stood, else in the middle. Depth is the distance from there.
     legend : bool
         Explains the colours in a corner of `Picture.rgba`.
+    legend_title, legend_unit, legend_place, legend_size, scale_bar, north_arrow, grid, title, caption, unit
+        What else is drawn into `Picture.rgba`, as the options of the command: ``scale_bar=True, title="Site 4"``.
+    vertical_exaggeration : float, optional
+        Heights so many times as large; those of legends stay true.
     progress : function of (share, text) or a tqdm bar, optional
     strict : bool
         As in `read`.

@@ -226,6 +226,7 @@ TEST(Wishes, TakeBackTheOptionsThatTheyGave) {
   coloured.color_by = "classification", coloured.colormap = "turbo", coloured.exposure = "2";
   coloured.background_color = "black", coloured.legend = coloured.whole = true;
   coloured.set_color_range(1, 5);
+  coloured.furniture = {{"scale-bar", "true"}, {"title", "Site 4"}};
   coloured.draw = {DrawRow::from("class 3: soft")};
   Wishes single;
   single.point_color = "steelblue";
