@@ -204,7 +204,7 @@ class Completion {
                                             keep ? &kept : nullptr));
     }
     if (!shrunk.empty()) prepared_.shrunk = std::move(shrunk);
-    if (normals) cloud_.normals = std::move(new_normals), prepared_.noise = noise;
+    if (normals) cloud_.normals = std::move(new_normals), prepared_.noise = std::max(prepared_.noise, noise);
     if (radii) cloud_.radii = std::move(new_radii);
   }
 

@@ -10,6 +10,7 @@
 #include "analysis/morton.h"
 #include "analysis/range_image.h"
 #include "analysis/spacing.h"
+#include "analysis/surface_noise.h"
 #include "analysis/survey.h"
 
 namespace sfumato::analysis {
@@ -90,6 +91,7 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
   prepared.batches = cut_batches(prepared.cloud.positions);
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
+  prepared.noise = surface_noise(tree);
   complete(prepared, choose(prepared, tree), options, &tree, progress);
   return prepared;
 }

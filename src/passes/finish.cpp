@@ -1,31 +1,6 @@
 #include "passes/finish.h"
 
-#include <cmath>
-
 namespace sfumato {
-namespace {
-
-/// Of noise that is spread normally 0.3 % lies farther from its surface.
-constexpr float most_deviations = 3;
-
-}  // namespace
-
-void EyeDomeLighting::run(const View& view, const RenderSettings& settings, float spacing, float noise,
-                          const gl::Texture& color, const gl::Texture& depth, const gl::Texture& out) {
-  if (!pass_) pass_ = ScreenPass("passes/eye_dome_lighting.glsl", {GL_RGBA32F});
-  view.bind();
-  pass_.set("radius_px", settings.edl_radius).set("strength", settings.edl_strength.value());
-  // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same
-  // extent.
-  const Camera& camera = view.camera();
-  const double reference =
-      camera.whole_height() / camera.pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
-  pass_.set("orthographic_distance", float(reference))
-      .set("spacing", spacing)
-      .set("least_step", most_deviations * noise);
-  pass_.run({&color, &depth}, {&out});
-}
-
 void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::Texture& depth,
                          const gl::Texture& out) {
   if (!smooth_) {

@@ -35,6 +35,13 @@ Light Light::parse(std::string_view text) {
   return light;
 }
 
+void Phong::resolve(bool is_photographed, bool are_values) {
+  const bool has_own_light = is_photographed && ambient.is_auto() && diffuse.is_auto();
+  ambient.resolve(has_own_light ? 1 : usual_ambient);
+  diffuse.resolve(has_own_light ? 0 : usual_diffuse);
+  specular.resolve(has_own_light || are_values ? 0 : usual_specular);
+}
+
 Light key_light(const Camera& camera, UpAxis up_axis) {
   const dvec3 up = up_vector(up_axis), forward = camera.direction();
   dvec3 right = glm::cross(forward, camera.up);
@@ -69,8 +76,18 @@ void RenderSettings::describe(ParamList& p) {
           "weight: of the chosen bin (denoise only)");
   p.add("light", light_text)
       .help("headlight | X,Y,Z (point light, world) | dir:X,Y,Z (direction it comes from)");
-  p.add("ambient", phong.ambient).range(0, 1).help("share of light that reaches every point").paper("k_a");
-  p.add("diffuse", phong.diffuse).range(0, 1).help("share of light by the angle to the light").paper("k_d");
+  p.add("ambient", phong.ambient)
+      .range(0, 1)
+      .help(
+          "share of light that reaches every point (auto: 0.3; 1 where the colours are photographed and "
+          "neither a light nor shadows are asked for)")
+      .paper("k_a");
+  p.add("diffuse", phong.diffuse)
+      .range(0, 1)
+      .help(
+          "share of light by the angle to the light (auto: 0.7; 0 where the colours are photographed, as for "
+          "ambient)")
+      .paper("k_d");
   p.add("specular", phong.specular)
       .range(0, 1)
       .help(
@@ -99,12 +116,20 @@ void RenderSettings::describe(ParamList& p) {
   p.add("ground", ground).help("a plane under the cloud that catches its shadow (with shadows hard or soft)");
   p.add("edl", edl)
       .help(
-          "eye-dome lighting as a finish (auto: where the technique wants it, and on splats without "
-          "colours of their own)");
-  p.add("edl_radius", edl_radius).range(0.5, 16).unit("px").help("reach of eye-dome lighting");
+          "eye-dome lighting as a finish: lines along steps of depth that are no noise (auto: in every "
+          "technique)");
+  p.add("edl_radius", edl_radius)
+      .range(0.5, 16)
+      .unit("px")
+      .help("reach of eye-dome lighting; in pictures higher than 720 px so much more");
   p.add("edl_strength", edl_strength)
       .range(0, 10)
-      .help("darkness of eye-dome lighting (auto: 0.4, on splats 0.12)");
+      .help("darkness of eye-dome lighting (auto: 0.4 in points, 0.12 where surfaces are closed)");
+  p.add("ambient_occlusion", ambient_occlusion)
+      .range(0, 1)
+      .help(
+          "darkening of hollows by the share of the sky that what is around them hides, at several scales "
+          "(auto: 0.7)");
   p.add("samples", samples)
       .range(1, 64)
       .help("samples per pixel, averaged: the smoothest outlines, at that many times the cost");

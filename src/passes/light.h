@@ -30,8 +30,13 @@ std::string light_text_of(const dvec3& towards);
 /// Phong terms: colour = albedo (ambient + m diffuse n.l) + m specular (r.v)^shininess, m = shadow factor
 /// (Dobrev 2010, Sec. 4: c = k_a + m (k_d + k_s)).
 struct Phong {
-  float ambient = 0.3f, diffuse = 0.7f, shininess = 24;
-  Auto<float> specular{std::nullopt, 0.1f};  ///< automatic: none where colours stand for values (Session)
+  static constexpr float usual_ambient = 0.3f, usual_diffuse = 0.7f, usual_specular = 0.1f;
+  float shininess = 24;
+  /// Automatic: all ambient where colours bring their light and the lamp is nobody's choice (Session).
+  Auto<float> ambient{std::nullopt, usual_ambient}, diffuse{std::nullopt, usual_diffuse};
+  Auto<float> specular{std::nullopt, usual_specular};  ///< automatic: none there, nor where they are values
+  /// Of photographs (dos Anjos 2017, Sec. 5.2): they were lit when they were taken.
+  void resolve(bool is_photographed, bool are_values);
   bool operator==(const Phong&) const = default;
 };
 
@@ -59,12 +64,16 @@ struct RenderSettings {
   Auto<float> shadow_distance;  ///< d_min of the lit test, scene units
   bool ground = false;          ///< a plane under the cloud that catches shadows
   Auto<bool> edl;               ///< automatic: what the technique wants
-  float edl_radius = 1.4f;      ///< pixels (the two numbers Potree users know)
+  /// Pixels of a picture 720 px high, of higher ones so much more (the two numbers Potree users know).
+  float edl_radius = 1.4f;
   static constexpr float usual_edl = 0.4f;
   Auto<float> edl_strength{std::nullopt, usual_edl};  ///< automatic: Technique::edl_strength, else the usual
-  /// The colours are the points' own and tell small shapes apart; those of clay, heights or classes do not.
-  /// Set by whoever chose them, and no parameter.
-  bool own_colors = true;
+  /// The colours are photographs: small shapes are in them, with their light, and what is drawn of depth is
+  /// coarse. Set by whoever chose the colours, and no parameter.
+  bool photographed = true;
+  /// Share of the light from everywhere that what is around takes; automatic: Session.
+  static constexpr float usual_occlusion = 0.7f;
+  Auto<float> ambient_occlusion;
   /// Linear colours of categories: a surface shows one of them and nothing between them. At most
   /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
   std::vector<vec3> palette;
@@ -77,7 +86,8 @@ struct RenderSettings {
   bool fast = false;    ///< allow float atomics: not bit-reproducible
 
   /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess,
-  /// edl, edl_radius, edl_strength, samples, smooth_outlines, fast. (Background has its own options.)
+  /// edl, edl_radius, edl_strength, ambient_occlusion, samples, smooth_outlines, fast. (Background has its
+  /// own options.)
   void describe(ParamList& params);
   bool operator==(const RenderSettings&) const = default;
 };

@@ -16,7 +16,8 @@ void set_light_uniforms(gl::Program& program, const View& view, const RenderSett
     light_eye = vec4(0, 0, 1, 0);
   program.set("light_eye", light_eye);
   const Phong& phong = settings.phong;
-  program.set("phong", vec4(phong.ambient, phong.diffuse, phong.specular.value(), phong.shininess));
+  program.set("phong",
+              vec4(phong.ambient.value(), phong.diffuse.value(), phong.specular.value(), phong.shininess));
   if (!program.has("palette_size")) return;
   program.set("palette_size", int(settings.palette.size()))
       .set("palette", std::span<const vec3>(settings.palette));

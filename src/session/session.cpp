@@ -142,6 +142,8 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointClou
   }
   contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
   background_ = options_.background.value_or(contrasting_);
+  are_photographed_ = coloring_.source == "rgb" && !options_.color.solid &&
+                      distinct_colors(coloring_.colors, RenderSettings::palette_limit).empty();
   palette_.clear();
   if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)
     for (const Rgba8& c : distinct_colors(coloring_.colors, RenderSettings::palette_limit))
@@ -281,6 +283,8 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
   RenderSettings& settings = look.settings;
   std::vector<Item> items;
+  const bool is_photographed = are_photographed_ && settings.shadows == Shadows::off &&
+                               Light::parse(settings.light_text).kind == Light::Kind::headlight;
   bool has_hard_edges = false;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Look& own = parts_[k].look ? *parts_[k].look : look;
@@ -292,16 +296,16 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
     // Seen in parallel, a plane has one angle to view and light: a highlight would lift all of its colours.
     const bool has_highlights = coloring_.kind == ColorKind::rgb && !camera.orthographic();
-    own.settings.phong.specular.resolve(has_highlights ? 0.1f : 0.0f);
+    own.settings.phong.resolve(is_photographed, !has_highlights);
     own.settings.palette = palette_;
     items.push_back({k, own.technique.get(), &own.settings});
   }
   settings.background = background_;
-  settings.own_colors =
-      coloring_.kind == ColorKind::normal || (coloring_.source == "rgb" && !options_.color.solid);
-  const float edl = edl_strength(items, settings.own_colors);
+  settings.photographed = are_photographed_;
+  const float edl = edl_strength(items, are_photographed_);
   settings.edl.resolve(edl > 0);
   settings.edl_strength.resolve(edl > 0 ? edl : RenderSettings::usual_edl);
+  settings.ambient_occlusion.resolve(RenderSettings::usual_occlusion);
   settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
   if (casts_shadows(settings.shadows) && !shadow_box_) {
     std::vector<const PointCloud*> clouds;

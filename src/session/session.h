@@ -143,7 +143,8 @@ class Session {
   std::optional<Bounds> shadow_box_;  ///< without strays; found with the first shadow
   float spacing_ = 0;                 ///< median of the densest part
   Coloring coloring_;
-  std::vector<vec3> palette_;  ///< linear colours of categories; empty: colours are no categories
+  bool are_photographed_ = false;  ///< colours of the file, more than anybody would choose
+  std::vector<vec3> palette_;      ///< linear colours of categories; empty: colours are no categories
   Pose pose_;
   vec3 background_{1}, contrasting_{1};  ///< contrasting: with the colours, where nobody asks for another
   std::size_t left_out_ = 0;

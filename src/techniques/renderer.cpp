@@ -9,6 +9,7 @@
 #include "passes/finish.h"
 #include "passes/ground.h"
 #include "passes/merge.h"
+#include "passes/relief.h"
 #include "passes/screen_pass.h"
 #include "passes/shadows.h"
 #include "techniques/tiles.h"
@@ -22,7 +23,8 @@ struct Shot {
   const RenderSettings& settings;  ///< of the scene
   gl::Timers& timers;
   Progress& progress;
-  bool with_edl, with_smooth_outlines;
+  Relief::Options relief;
+  bool with_smooth_outlines;
   bool wants_normal = false;
   bool may_finish = false;   ///< nobody reads the target: the technique may write the finished picture itself
   bool is_finished = false;  ///< it did
@@ -64,10 +66,16 @@ Bounds depth_bounds(const PointCloud& cloud) {
   return {glm::max(all.min, most.min - reach), glm::min(all.max, most.max + reach)};
 }
 
-/// Where nobody asked for it or against it.
-bool has_edl(std::span<const Item> items, const RenderSettings& settings) {
+Relief::Options relief_options(std::span<const Item> items, const RenderSettings& settings) {
+  Relief::Options options;
+  if (!is_shaded(settings)) return options;
   Auto<bool> edl = settings.edl;
-  return edl.resolve(edl_strength(items, settings.own_colors) > 0) && is_shaded(settings);
+  if (edl.resolve(edl_strength(items, settings.photographed) > 0))
+    options.edl_strength = settings.edl_strength.value();
+  options.edl_radius = settings.edl_radius;
+  options.occlusion = settings.ambient_occlusion.value();
+  options.coarse = settings.photographed;
+  return options;
 }
 
 /// Rows [0, height) of `part` to those of `picture` from (x, y) on, `width` px of each from `from_x` on.
@@ -105,9 +113,9 @@ int largest_canvas(std::span<const Item> items) {
 
 }  // namespace
 
-float edl_strength(std::span<const Item> items, bool own_colors) {
+float edl_strength(std::span<const Item> items, bool photographed) {
   float strength = 0;
-  for (const Item& item : items) strength = std::max(strength, item.technique->edl_strength(own_colors));
+  for (const Item& item : items) strength = std::max(strength, item.technique->edl_strength(photographed));
   return strength;
 }
 
@@ -126,7 +134,7 @@ struct Renderer::State {
   std::vector<Camera> together;  ///< while pictures are drawn that are put together; else empty
   Target target, item_target;
   gl::Texture finish_scratch, ground_factor, rgba8, linear;
-  EyeDomeLighting edl;
+  Relief relief;
   ShadowMaps shadows;
   GroundPlane ground;
   Merge merge;
@@ -147,12 +155,10 @@ struct Renderer::State {
     }
     return spacing;
   }
-  /// The largest of the clouds drawn as surfaces, scene units.
+  /// The largest of the clouds, scene units; 0 where none was measured.
   float surface_noise(std::span<const Item> items) {
     float noise = 0;
-    for (const Item& item : items)
-      if (item.technique->needs().has(Attribute::normal))
-        noise = std::max(noise, cloud_of(item).prepared.noise);
+    for (const Item& item : items) noise = std::max(noise, cloud_of(item).prepared.noise);
     return noise;
   }
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
@@ -227,7 +233,8 @@ int Renderer::State::reach_px(std::span<const Item> items, const Camera& camera,
     reach = std::max(reach, item.technique->reach_px(*cloud_of(item).gpu, camera));
   // See-through items look at what opaque ones left.
   if (items.size() > 1) reach *= 2;
-  if (has_edl(items, settings)) reach += int(std::ceil(6 * settings.edl_radius)) + 1;
+  if (const Relief::Options options = relief_options(items, settings); options.any())
+    reach += Relief::reach_px(options, camera.whole_height());
   if (settings.smooth_outlines.value() && is_shaded(settings)) reach += 16;  // smooth_outlines.glsl
   return reach;
 }
@@ -315,7 +322,7 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     shadows.clear(all);
   }
 
-  const bool is_followed = shot.with_edl || shot.with_smooth_outlines || has_ground;
+  const bool is_followed = shot.relief.any() || shot.with_smooth_outlines || has_ground;
   shot.may_finish = shot.may_finish && !is_followed && shot.items.size() == 1;
   draw_item(shot, shot.items.front(), camera, light, target, nullptr);
   for (const Item& item : std::span(shot.items).subspan(1)) {
@@ -339,11 +346,12 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
-  if (shot.with_edl) {
-    auto timing = shot.timers.scope("eye-dome lighting");
+  if (shot.relief.any()) {
+    auto timing = shot.timers.scope("relief");
     gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
-    this->edl.run(view, settings, closed_spacing(shot.items), surface_noise(shot.items), target.color,
-                  target.depth, finish_scratch);
+    shot.relief.spacing = closed_spacing(shot.items);
+    shot.relief.noise = surface_noise(shot.items);
+    relief.run(view, shot.relief, target.color, target.depth, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
   if (shot.with_smooth_outlines) {
@@ -548,7 +556,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
             settings,
             timers,
             progress,
-            has_edl(items, settings),
+            relief_options(items, settings),
             settings.smooth_outlines.value() && is_shaded(settings)};
   std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();

@@ -48,7 +48,7 @@ struct Item {
 };
 
 /// That of the item which asks for most (Technique::edl_strength).
-float edl_strength(std::span<const Item> items, bool own_colors);
+float edl_strength(std::span<const Item> items, bool photographed);
 
 /// A cloud with its colours: one per point, in the prepared order, sRGB.
 struct ColoredCloud {

@@ -44,7 +44,7 @@ class CastersTest : public GlTest {
     RenderSettings settings;
     settings.transparent = true;
     settings.light_text = "dir:0,0,1";
-    settings.phong = {.ambient = 0, .diffuse = 1, .shininess = 1, .specular = {0.0f}};
+    settings.phong = {.shininess = 1, .ambient = {0.0f}, .diffuse = {1.0f}, .specular = {0.0f}};
     settings.edl.user = false;
     const RenderOutput without = renderer_.render(technique, camera, settings, all_outputs());
     settings.shadows = Shadows::hard;

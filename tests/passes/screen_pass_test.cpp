@@ -251,62 +251,6 @@ TEST_F(Passes, NormalsSurviveTheirEncoding) {
   }
 }
 
-/// The shade of white over these depths: of each column, in the middle row.
-std::vector<float> shade_of(const std::vector<float>& depths, float noise = 0) {
-  const int width = int(depths.size()), height = 64;
-  Image<float> depth(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) depth.at(x, y) = depths[std::size_t(x)];
-  gl::Texture color("color", GL_RGBA32F, width, height), depth_image("depth", GL_R32F, width, height),
-      out("out", GL_RGBA32F, width, height);
-  color.clear(vec4(1));
-  depth_image.upload(depth);
-  const View view(front_camera(width, height), dvec3(0));
-  view.bind();
-  EyeDomeLighting().run(view, {}, 0, noise, color, depth_image, out);
-  const Image<vec4> shaded = out.download<vec4>();
-  std::vector<float> row;
-  for (int x = 0; x < width; ++x) row.push_back(shaded.at(x, height / 2).x);
-  return row;
-}
-
-TEST_F(Passes, EyeDomeLightingDrawsStepsOfAnyHeightAlikeAndNoSlopes) {
-  const auto step_to = [](float far) {
-    std::vector<float> depths(64, 2.0f);
-    std::fill(depths.begin() + 32, depths.end(), far);
-    return shade_of(depths);
-  };
-  const std::vector<float> low = step_to(2.2f), high = step_to(400);
-  for (std::size_t x = 0; x < 64; ++x) EXPECT_NEAR(low[x], high[x], 1e-5) << x;
-  EXPECT_EQ(high[20], 1) << "in front";
-  EXPECT_GT(high[32], 0.12f) << "a line, but not a black one";
-  EXPECT_LT(high[32], 0.6f);
-  EXPECT_LT(high[36], 0.95f) << "what stands before something has a soft rim";
-  EXPECT_EQ(high[50], 1);
-  std::vector<float> slope;  // a plane in perspective
-  for (int x = 0; x < 64; ++x) slope.push_back(1 / (0.5f - 0.0004f * float(x)));
-  const std::vector<float> plane = shade_of(slope);
-  for (std::size_t x = 12; x < 52; ++x) EXPECT_GT(plane[x], 0.8f) << x;
-  std::vector<float> beside_nothing(64, 2.0f);
-  std::fill(beside_nothing.begin() + 32, beside_nothing.end(), INFINITY);
-  EXPECT_EQ(shade_of(beside_nothing)[31], 1);
-}
-
-TEST_F(Passes, EyeDomeLightingLeavesOutNoise) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> within(-0.03f, 0.03f);
-  std::vector<float> depths;
-  for (int x = 0; x < 64; ++x) depths.push_back((x < 32 ? 2.0f : 2.5f) + within(random));
-  const std::vector<float> all = shade_of(depths), without = shade_of(depths, 0.02f);  // up to three times
-  int darkened = 0;
-  for (std::size_t x = 10; x < 54; ++x) {
-    darkened += all[x] < 0.9f;
-    if (x < 32 || x > 44) EXPECT_EQ(without[x], 1) << x;  // as far as the wide circle reaches
-  }
-  EXPECT_GT(darkened, 20);
-  EXPECT_LT(without[32], 0.6f) << "a step that is no noise";
-}
-
 // Unlit points take a short way to the finished picture; it must be the picture of the long way, which is
 // taken when somebody reads the float target.
 TEST_F(Passes, TheShortWayOfUnlitPointsGivesTheSamePicture) {

@@ -164,7 +164,7 @@ TEST_F(ItemsTest, ShadowsFallFromItemToItem) {
   RenderSettings settings;
   settings.shadows = Shadows::hard;
   settings.light_text = "dir:0,0,1";
-  settings.phong = {.ambient = 0.2f, .diffuse = 0.8f, .specular = {0.0f}};
+  settings.phong = {.ambient = {0.2f}, .diffuse = {0.8f}, .specular = {0.0f}};
   const Camera camera = camera_above(10, 2, 64);
   const PointCloud floor = sheet(0, 1, {255, 255, 255, 255});
   PointCloud roof;  // hides a quarter of the floor, and is itself cut away by looking from below it

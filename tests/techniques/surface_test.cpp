@@ -415,52 +415,6 @@ TEST_F(Surface, ShowsTheOperatorAtWork) {
   EXPECT_THROW(renderer.render(*points, front_camera(96, 96), settings), Error);
 }
 
-// A groove of two planes at 45 degrees, seen along its opening: bright flanks, although they are tilted, and
-// a dark bottom. Of the hemisphere above a place near by, the other flank takes half
-// (SurfaceDiscs.AnInnerCorner...).
-TEST_F(Surface, CrevicesDarkenAndTiltedPlanesDoNot) {
-  std::mt19937 random(4);
-  std::uniform_real_distribution<float> place(-1, 1);
-  PointCloud cloud;
-  for (int i = 0; i < 6000; ++i) {
-    const float x = place(random), y = place(random);
-    cloud.positions.push_back({x, y, std::abs(x)});
-  }
-  Renderer renderer(context());
-  show(renderer, std::move(cloud), {});
-  const Camera camera = camera_above(4, 1.6, 160);
-  for (const char* filling : {"discs", "pull_push"}) {
-    const auto brightness = [&](const char* occlusion) {
-      auto technique = find_technique("surface").create();
-      set_parameter(*technique, "ambient_occlusion", occlusion);
-      set_parameter(*technique, "filling", filling);
-      RenderSettings settings;
-      settings.phong.specular.user = 0.0f;
-      const RenderOutput out = renderer.render(*technique, camera, settings, all_outputs());
-      std::vector<double> columns(160, 0);
-      for (int y = 16; y < 144; ++y)
-        for (int x = 0; x < 160; ++x) columns[std::size_t(x)] += double(out.color_linear.at(x, y).g);
-      return columns;
-    };
-    const std::vector<double> with = brightness("1"), without = brightness("0");
-    const auto share = [&](int first, int last) {
-      double sum = 0;
-      for (int x = first; x < last; ++x)
-        sum += with[std::size_t(x)] / without[std::size_t(x)] / (last - first);
-      return sum;
-    };
-    // The bottom is a line, and openness means over squares of 8 px and what lies between them.
-    const double bottom = share(78, 82), left = share(20, 50), right = share(110, 140);
-    std::cout << filling << ": bottom " << bottom << ", flanks " << left << " and " << right << "\n";
-    EXPECT_GT(bottom, 0.5) << filling;
-    EXPECT_LT(bottom, 0.75) << filling;
-    // Normals of pull-push are noisier.
-    const double flank = filling == std::string("discs") ? 0.99 : 0.95;
-    EXPECT_GT(left, flank) << filling;
-    EXPECT_GT(right, flank) << filling;
-  }
-}
-
 // The pictures against the truth: one point per 3x3 pixels on what is seen, and about as many on what is not.
 struct Bound {
   const char* scene;

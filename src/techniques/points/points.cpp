@@ -46,7 +46,9 @@ class Points final : public Technique {
     // Resolve straight into the target; only what has to be shaded takes the way through another texture.
     // Points without normals and shadows are lit evenly: their colour is their albedo.
     const Shading shading = frame.settings.shading;
-    const bool has_light = frame.cloud.has_normals() || frame.cloud.has_shadow();
+    const bool has_light = (frame.cloud.has_normals() && (frame.settings.phong.diffuse.value() > 0 ||
+                                                          frame.settings.phong.specular.value() > 0)) ||
+                           frame.cloud.has_shadow();
     const bool shade =
         shading == Shading::lit ? has_light || !evenly_lit(frame.settings.phong) : shading != Shading::albedo;
     if (!shade && frame.finished && !frame.cloud.chunks().empty()) {
@@ -71,7 +73,7 @@ class Points final : public Technique {
   }
 
  private:
-  static bool evenly_lit(const Phong& phong) { return phong.ambient + phong.diffuse == 1; }
+  static bool evenly_lit(const Phong& phong) { return phong.ambient.value() + phong.diffuse.value() == 1; }
 
   Footprint footprint_{SizeMode::adaptive, 2, 2};
   PointsToPixels to_pixels_;

@@ -57,9 +57,6 @@ class Splats final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
-  float edl_strength(bool own_colors) const override {
-    return own_colors ? 0 : 0.12f;  // a little relief where colours tell no shapes apart
-  }
 
   int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // deeper_side.glsl
 

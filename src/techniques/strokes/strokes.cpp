@@ -142,7 +142,7 @@ class Strokes final : public Technique {
   void set_even_light(const Frame& frame, ScreenPass& pass) {
     const Phong& phong = frame.settings.phong;
     const bool even = frame.settings.shading == Shading::lit && !lit(frame);
-    pass.set("even_light", even ? vec2(phong.ambient, phong.diffuse) : vec2(1, 0));
+    pass.set("even_light", even ? vec2(phong.ambient.value(), phong.diffuse.value()) : vec2(1, 0));
   }
 
   void underpaint(Frame& frame, const View& view) {

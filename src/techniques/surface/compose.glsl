@@ -4,7 +4,6 @@
 //   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "push_level.glsl"
 #include "shading.glsl"
-#include "techniques/surface/openness.glsl"
 #ifdef FINISHED
 #include "finished.glsl"
 #endif
@@ -22,7 +21,6 @@ uniform float point_threshold;
 uniform float hole_threshold;
 uniform float normal_scale;
 uniform vec2 normal_levels;  // first and last that exist
-uniform float ambient_occlusion;
 
 // Eye-space normal from level l_n(z) = log2(s_n h / (2 tan(theta) z)), s_n = normal_scale spacings (Sec. 3.3).
 vec3 normal_at(vec2 uv, vec3 eye, float spacing) {
@@ -44,7 +42,6 @@ bool filter_pixel(ivec2 target) {
   vec2 center = vec2(pixel) + 0.5, uv = center / vec2(textureSize(visible, 0));
   vec3 normal = mat3(frame.cloud_from_eye) * normal_at(uv, eye_from_pixel(center, depth), filled.a.z);
   vec3 albedo = palette_size > 0 ? nearest_category(filled.b.rgb) : filled.b.rgb;
-  if (ambient_occlusion > 0.0) albedo *= mix(1.0, openness_at(center), ambient_occlusion);
   if (shading == 4) albedo = vec3(clamp(mean, 0.0, 1.0));  // the operator at work
   if (shading == 5) albedo = mean < point_threshold ? vec3(0.0, 0.6, 0.0) : vec3(0.8, 0.0, 0.0);
   vec4 color = shaded_color(vec4(albedo, 1.0), center, depth, vec4(normal, filled.b.w));

@@ -2,7 +2,6 @@
 //   SHADING    which one
 //   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "shading.glsl"
-#include "techniques/surface/openness.glsl"
 #define REMOVAL_LEVEL_INPUT 2  // of squares of squares
 #include "techniques/surface/level_between.glsl"
 #ifdef FINISHED
@@ -19,7 +18,6 @@ layout(binding = UNIT_INPUT + 6) uniform sampler2D shadow_sum;
 uniform ivec2 offset;
 uniform float point_threshold;
 uniform bool has_shadow;
-uniform float ambient_occlusion;
 uniform float crack_scale;  // reach of the search over that of hidden point removal
 
 const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0), vec2(0.7071, 0.7071),
@@ -81,7 +79,6 @@ bool filter_pixel(ivec2 pixel) {
   float share = clamp(2.0 - own.w * pixels_at(depth), 0.0, 1.0);
   if (own.w > 0.0 && share > 0.0 && abs(depth + own.z) < 2.0 * own.w) {
     vec3 color = texelFetch(colors, pixel + offset, 0).rgb;
-    if (ambient_occlusion > 0.0) color *= mix(1.0, openness_at(vec2(pixel + offset) + 0.5), ambient_occlusion);
     albedo = mix(albedo, color, share);
   }
   if (palette_size > 0) albedo = nearest_category(albedo);

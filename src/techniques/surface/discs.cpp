@@ -56,14 +56,6 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
       .set("levels", levels);
   planes_.set("gap_scale", options.gap_scale).set("widest_px", options.widest_px);
   planes_.run(squares.tiles(), {&all_clusters_, &about_[0]}, {&orientations_, &ends_}, {vec4(0), vec4(0)});
-
-  gl::ensure(openness_, "openness", GL_RG32F, width / 4, height / 4);
-  if (options.ambient_occlusion <= 0) return;
-  if (!occlusion_) occlusion_ = ScreenPass("techniques/surface/ambient_occlusion.glsl", {GL_RG32F});
-  occlusion_.set("occlusion_scale", options.occlusion_scale).set("levels", levels);
-  const Tiles tiles = squares.tiles();
-  occlusion_.run({tiles.on, tiles.size / 4}, {&all_clusters_, &about_[0], &orientations_, &ends_},
-                 {&openness_}, {vec4(0)});
 }
 
 void Discs::draw(const View& view, const Options& options) {
@@ -98,9 +90,8 @@ void Discs::draw(const View& view, const Options& options) {
     if (options.with_shadow) with.push_back("WITH_SHADOW");
     program = gl::Program::raster("techniques/surface/disc.vert", "techniques/surface/disc.frag", with);
   }
-  program.set("columns", columns).set("ambient_occlusion", options.ambient_occlusion);
+  program.set("columns", columns);
   if (options.with_shadow) program.set("shadow_depth", shadow_depth);
-  openness_.bind(binding::input + 7);
   nearest_t_.bind(binding::input + 3);
   const auto run = [&](const gl::Framebuffer& framebuffer) {
     framebuffer.bind();

@@ -18,8 +18,6 @@ class Discs {
     float normal_scale = 3;   ///< radius of the ball that a plane is fitted to, point spacings
     float disc_scale = 1.6f;  ///< radius of a disc, point spacings
     float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
-    float ambient_occlusion = 0;
-    float occlusion_scale = 4;  ///< how far occluders are looked for, point spacings
     float widest_px = 64;       ///< radius of the widest disc; tiles_in_reach.glsl looks as far as 64
     bool with_shadow = false;
   };
@@ -39,9 +37,6 @@ class Discs {
   const gl::Texture& all_clusters() const { return all_clusters_; }
   /// RG32F: mean spacing, and 1 where points are hidden.
   const gl::Texture& about(int l) const { return about_[std::size_t(l)]; }
-  /// RG32F, squares of 8 px: how much of the hemisphere above the surface is open, 1 where there is a
-  /// surface. Only with `ambient_occlusion`.
-  const gl::Texture& openness() const { return openness_; }
   const gl::Texture& orientations() const { return orientations_; }  ///< RGBA32F: eye normal, radius
   const gl::Texture& ends() const {
     return ends_;
@@ -57,9 +52,8 @@ class Discs {
  private:
   void allocate(int width, int height);
   std::vector<gl::Texture> clusters_, about_;
-  gl::Texture all_clusters_, orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_,
-      openness_;
-  ScreenPass first_, coarser_, planes_, occlusion_;
+  gl::Texture all_clusters_, orientations_, colors_, ends_, nearest_t_, color_sum_, normal_sum_, shadow_sum_;
+  ScreenPass first_, coarser_, planes_;
   gl::Program draw_nearest_, accumulate_[2];
 };
 

@@ -5,7 +5,7 @@
 // some spacings, as the hulls of alpha shapes (Edelsbrunner, Kirkpatrick, Seidel 1983) are put together of.
 #include "techniques/surface/level_corner.glsl"
 
-layout(binding = UNIT_MORE_INPUTS) uniform sampler2D clusters;  // all levels side by side, as in ball.glsl
+layout(binding = UNIT_INPUT + 7) uniform sampler2D clusters;  // all levels side by side, as in ball.glsl
 
 uniform int levels;            // of clusters
 uniform float spacing_px;      // at level 0 of Eq. 1, px of the picture

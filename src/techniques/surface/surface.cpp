@@ -101,16 +101,13 @@ class SurfaceTechnique final : public Technique {
         .unit("point spacings")
         .help("size of the patch a normal is taken from; larger is smoother")
         .paper("Bouchiba 2018, s_n / s_0");
-    p.add("ambient_occlusion", ambient_occlusion_)
-        .range(0, 1)
-        .help("darkening of crevices by the share of the hemisphere above the surface that neighbours cover");
   }
 
   bool shows(Shading shading) const override { return shading != Shading::weight; }
 
   int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
     // Hidden point removal looks at nine squares of up to 64 px, and at levels beside its own; then
-    // planes.glsl, ambient_occlusion.glsl beside it, and the discs themselves. Pull-push mixes in what is
+    // planes.glsl, and the discs themselves. Pull-push mixes in what is
     // ever farther away, and ever less of it.
     constexpr int removal = 192;
     if (filling_ == Filling::pull_push) return 512;
@@ -170,7 +167,6 @@ class SurfaceTechnique final : public Technique {
       normals = &level_normals_.run(pull_push_.filled(), first, last);
     }
     auto timing = frame.timers.scope("compose");  // Sec. 3.4
-    find_openness(frame, *normals, {first, last});
     compose(frame, wide, {tiles.on, tiles.size, ivec2(guard)}, colors, *normals, {first, last});
     return true;
   }
@@ -181,10 +177,6 @@ class SurfaceTechnique final : public Technique {
     discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
     discs_options_.gap_scale = removal_.gap_scale;
     discs_options_.widest_px = std::min(64.0f, 1.3f * spacings_.widest_disc_px(frame));  // half of gap_scale
-    // Discs average colours that occlusion has darkened, in which nobody could find a category again.
-    const bool has_occlusion = frame.settings.shading == Shading::lit && frame.settings.palette.empty();
-    discs_options_.ambient_occlusion = has_occlusion ? ambient_occlusion_ : 0;
-    discs_options_.occlusion_scale = removal_.removal_scale;
     discs_options_.with_shadow = frame.cloud.has_shadow();
     {
       auto timing = frame.timers.scope("planes");
@@ -215,15 +207,13 @@ class SurfaceTechnique final : public Technique {
     pass.set("spacing_px", 2 / removal_.removal_scale)
         .set("widest_gap", 0.78f * removal_.gap_scale)
         .set("levels", Discs::levels);
-    pass.set("has_shadow", discs_options_.with_shadow)
-        .set("ambient_occlusion", discs_options_.ambient_occlusion);
+    pass.set("has_shadow", discs_options_.with_shadow);
     const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
                {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.openness(),
-                &discs_.all_clusters(), &discs_.colors(), &discs_.about(3)},
+                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.all_clusters(), &discs_.colors(), &discs_.about(3)},
                targets, background);
     };
     view.bind();
@@ -232,20 +222,6 @@ class SurfaceTechnique final : public Technique {
     else
       run({&frame.target.color, &frame.target.depth, &frame.target.normal},
           {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
-  }
-
-  /// How open the surface of pull-push is, as Discs::openness.
-  void find_openness(const Frame& frame, const gl::Texture& normals, const vec2& normal_levels) {
-    const gl::Texture& points = pyramid_.texture();
-    gl::ensure(openness_, "openness", GL_RG32F, points.width() / 8, points.height() / 8);
-    if (frame.settings.shading != Shading::lit || ambient_occlusion_ <= 0) return;
-    if (!occlusion_)
-      occlusion_ = ScreenPass("techniques/surface/ambient_occlusion.glsl", {GL_RG32F}, {"PUSH_LEVELS"});
-    occlusion_.set("occlusion_scale", removal_.removal_scale).set("levels", NearestPyramid::levels - 1);
-    occlusion_.set("normal_scale", normal_scale_).set("normal_levels", normal_levels);
-    const Tiles tiles = hidden_points_.tiles();
-    occlusion_.run({tiles.on, tiles.size / 8}, {&points, &pull_push_.filled()[2].a, &normals}, {&openness_},
-                   {vec4(0)});
   }
 
   /// Colours, and shadow factors in which points behind gaps do not count.
@@ -279,13 +255,12 @@ class SurfaceTechnique final : public Technique {
     pass.set("offset", tiles.offset).set("hole_threshold", removal_.threshold).set("depth_edge", depth_edge_);
     pass.set("point_threshold", removal_.point_threshold()).set("normal_scale", normal_scale_);
     pass.set("normal_levels", normal_levels);
-    pass.set("ambient_occlusion", settings.shading == Shading::lit ? ambient_occlusion_ : 0.0f);
     const PullPush::Level& filled = pull_push_.filled()[1];
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
                {&hidden_points_.visible(), &colors, &filled.a, &filled.b, &pyramid_.texture(),
-                &hidden_points_.mean(), &normals, &openness_},
+                &hidden_points_.mean(), &normals},
                targets, background);
     };
     if (frame.is_finished)
@@ -328,7 +303,7 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints::Options removal_;
   static constexpr float disc_removal_scale = 4;  ///< of filling = discs
   Auto<float> removal_scale_;
-  float normal_scale_ = 3, depth_edge_ = 6, ambient_occlusion_ = 0.5f;
+  float normal_scale_ = 3, depth_edge_ = 6;
 
   Filling filling_ = Filling::discs;
   Discs::Options discs_options_;
@@ -341,8 +316,8 @@ class SurfaceTechnique final : public Technique {
   HiddenPoints hidden_points_;
   PullPush pull_push_;
   LevelNormals level_normals_;
-  gl::Texture openness_, lit_colors_;
-  ScreenPass occlusion_, front_factors_;
+  gl::Texture lit_colors_;
+  ScreenPass front_factors_;
   std::map<std::pair<Shading, bool>, ScreenPass>
       compose_;  ///< by shading, and whether it finishes the picture
 };

@@ -2,8 +2,8 @@
 // leaves of a tree, through which the ground is seen. The operator looks farther (4 spacings to each side) than gaps
 // are closed, and what lies behind is nearer the truth there than the background.
 
-layout(binding = UNIT_MORE_INPUTS + 1) uniform sampler2D square_colors;  // and shadow factors, of squares of 2x2 px
-layout(binding = UNIT_MORE_INPUTS + 2) uniform sampler2D about;          // of 16x16 px: y, whether points are hidden
+layout(binding = UNIT_MORE_INPUTS) uniform sampler2D square_colors;  // and shadow factors, of squares of 2x2 px
+layout(binding = UNIT_MORE_INPUTS + 1) uniform sampler2D about;          // of 16x16 px: y, whether points are hidden
 
 const float through_scale = 0.7;    // radius around a hidden point, point spacings
 const float enclosure_scale = 6.0;  // how far around to look for what is seen, point spacings

@@ -1,0 +1,77 @@
+#include "passes/relief.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sfumato {
+namespace {
+
+/// Pictures higher than this have their relief so much wider, that they look alike.
+constexpr float usual_height = 720;
+/// Distances of the octaves at that height: 3 px to 96 px, an eighth of it.
+constexpr float first_octave_px = 3;
+constexpr int octaves = 6, fine_octaves = 3;
+
+float widened(int picture_height) { return std::max(1.0f, float(picture_height) / usual_height); }
+
+/// The level whose squares are 2 px at the usual height, and about as wide a share of larger ones.
+int finest_level(int picture_height, int levels) {
+  return std::min(int(std::log2(widened(picture_height))), levels - 3);
+}
+
+}  // namespace
+
+int Relief::reach_px(const Options& options, int picture_height) {
+  const float farthest = std::exp2(float(octaves - 1)) * first_octave_px;
+  // Squares, and those that noise is measured in.
+  return int(std::ceil(widened(picture_height) * std::max(farthest, options.edl_radius))) + 2 * (2 << levels);
+}
+
+void Relief::find_openness(const View& view, const Options& options, const gl::Texture& depth) {
+  const int last = 1 << levels, width = (depth.width() + last - 1) / last * last,
+            height = (depth.height() + last - 1) / last * last;
+  if (!pyramid_ || pyramid_.width() != width / 2 || pyramid_.height() != height / 2) {
+    pyramid_ = gl::Texture("depth pyramid", GL_RGBA32F, width / 2, height / 2, levels);
+    views_.clear();
+    for (int l = 0; l < levels; ++l) views_.push_back(gl::Texture::view(pyramid_, l));
+  }
+  if (!coarser_) {
+    coarser_ = ScreenPass("passes/relief_pyramid.glsl", {GL_RGBA32F});
+    occlusion_ = ScreenPass("passes/relief_occlusion.glsl", {GL_RG32F});
+  }
+  for (int l = 0; l < levels; ++l) {
+    coarser_.set("is_first", l == 0).set("width_px", float(2 << l));
+    coarser_.run({l == 0 ? &depth : &views_[std::size_t(l - 1)]}, {&views_[std::size_t(l)]});
+  }
+  const int finest = finest_level(view.picture_height(), levels);
+  const gl::Texture& squares = views_[std::size_t(finest)];
+  gl::ensure(openness_, "openness", GL_RG32F, squares.width(), squares.height());
+  occlusion_.set("levels", levels)
+      .set("finest", finest)
+      .set("octaves", options.occlusion > 0 ? octaves : 0)
+      .set("first_octave", options.coarse ? fine_octaves : 0);
+  occlusion_.set("first_px", first_octave_px * widened(view.picture_height()))
+      .set("spacing", options.spacing);
+  occlusion_.set("point_noise", options.noise);
+  occlusion_.run({&pyramid_}, {&openness_});
+}
+
+void Relief::run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
+                 const gl::Texture& out) {
+  view.bind();
+  find_openness(view, options, depth);
+  if (!relief_) relief_ = ScreenPass("passes/relief.glsl", {GL_RGBA32F});
+  const int height = view.picture_height();
+  // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same
+  // extent.
+  const double distance = height / view.camera().pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
+  relief_.set("square_px", float(2 << finest_level(height, levels)))
+      .set("radius_px", options.edl_radius * widened(height))
+      .set("strength", options.edl_strength)
+      .set("occlusion", options.occlusion)
+      .set("orthographic_distance", float(distance))
+      .set("spacing", options.spacing);
+  relief_.run({&color, &depth, &openness_}, {&out});
+}
+
+}  // namespace sfumato

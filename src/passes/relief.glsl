@@ -1,0 +1,72 @@
+// Relief from depth alone: the ambient occlusion of relief_occlusion.glsl between its squares, and eye-dome lighting
+// (Boucheny 2009): each pixel is darkened by how far it lies behind its eight neighbours on a circle, more than on a
+// plane, in shares of its depth, so that the look does not depend on the scene's scale. What one neighbour adds is
+// bounded, and so is their sum: every step draws a line of one darkness, and what lies behind all that is around it
+// stays a dot of its colour.
+#include "frame.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D color_image;
+layout(binding = UNIT_INPUT + 1) uniform sampler2D depth_image;
+layout(binding = UNIT_INPUT + 2) uniform sampler2D openness_image;  // openness and noise of squares
+
+uniform float square_px;
+uniform float radius_px;
+uniform float strength;   // of eye-dome lighting
+uniform float occlusion;  // share of what ambient occlusion takes
+uniform float orthographic_distance;
+uniform float spacing;  // of the points between which a surface was closed, scene units; 0 where none was
+
+const float fine_px = 2.5,
+            coarse_px = 6.0;    // between points: their relief is seen; that between them would be
+const float most_near = 0.008;  // octaves of depth
+const float darkest = 1.2;      // exponent
+const float steepest = 4.0;  // depth over width: of a surface, as in relief_pyramid.glsl
+
+float depth_at(ivec2 pixel, vec2 away) {
+  ivec2 at = ivec2(floor(vec2(pixel) + 0.5 + away));
+  return texelFetch(depth_image, clamp(at, ivec2(0), textureSize(depth_image, 0) - 1), 0).x;
+}
+
+// Between the centres of four squares, of those that are covered.
+vec2 around(ivec2 pixel) {
+  vec2 at = (vec2(pixel) + 0.5) / square_px - 0.5, t = fract(at);
+  ivec2 low = ivec2(floor(at)), last = textureSize(openness_image, 0) - 1;
+  vec2 sum = vec2(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 corner = ivec2(k & 1, k >> 1);
+    vec2 w = mix(1.0 - t, t, vec2(corner));
+    sum += w.x * w.y * texelFetch(openness_image, clamp(low + corner, ivec2(0), last), 0).xy;
+  }
+  return sum;
+}
+
+bool filter_pixel(ivec2 pixel) {
+  out_0 = texelFetch(color_image, pixel, 0);
+  float depth = texelFetch(depth_image, pixel, 0).x;
+  if (isinf(depth) || out_0.a <= 0.0) return true;
+  vec2 open = around(pixel);
+  float shade = mix(1.0, open.x, occlusion);
+  if (strength > 0.0) {
+    // Where the points are far apart on the screen, steps lower than their spacing are how discs happen to
+    // lie.
+    float chance = spacing * smoothstep(fine_px, coarse_px, spacing * pixels_at(depth));
+    // Octaves of depth a scene unit; an orthographic camera compares with a distance of its own.
+    float scale = 1.0 / ((frame.orthographic != 0 ? orthographic_distance : depth) * log(2.0));
+    float noise = max(chance, open.y), response = 0.0;
+    float lowest = -steepest * radius_px / pixels_at(depth);
+    for (int k = 0; k < 4; ++k) {
+      float angle = float(k) * 0.785398163;
+      vec2 away = radius_px * vec2(cos(angle), sin(angle));
+      vec2 behind = depth - vec2(depth_at(pixel, away), depth_at(pixel, -away));
+      // A plane lies before it on one side as far as behind on the other.
+      vec2 slope = mix(max(behind, vec2(lowest)), vec2(0.0), isinf(behind)).yx;
+      vec2 bounded = clamp((behind + min(slope, vec2(0.0)) - noise) * scale, 0.0, most_near);
+      response += bounded.x + bounded.y;
+    }
+    // 300 is Potree's constant. The shade was meant for encoded colour; 2.2 keeps that look in linear light.
+    float exponent = response / 8.0 * 300.0 * strength * 2.2;
+    shade *= exp(-darkest * (1.0 - exp(-exponent / darkest)));
+  }
+  out_0.rgb *= shade;
+  return true;
+}

@@ -1,0 +1,45 @@
+// Eye-dome lighting and ambient occlusion, from the depth of a finished picture: one pass for all that has a
+// depth.
+#pragma once
+
+#include <vector>
+
+#include "gl/texture.h"
+#include "passes/screen_pass.h"
+#include "passes/view.h"
+
+namespace sfumato {
+
+/// Darkens pixels that lie behind their neighbours (eye-dome lighting, Boucheny 2009) and those that what is
+/// around them hides from the sky (ambient occlusion in octaves, Hoang and Low 2012), as far as both exceed
+/// the noise of the depth, which is measured in the picture itself. Background neighbours do not count.
+class Relief {
+ public:
+  struct Options {
+    float edl_strength = 0;   ///< 0: no lines
+    float edl_radius = 1.4f;  ///< px of a picture 720 px high; of higher ones so much more
+    bool coarse = false;      ///< ambient occlusion without its finest octaves
+    float occlusion = 0;      ///< share of what ambient occlusion takes, 0 to 1
+    /// Of the points between which a surface was closed, scene units: where they are far apart on the screen,
+    /// lower steps are none of theirs; 0 where nothing was closed.
+    float spacing = 0;
+    float noise = 0;  ///< standard deviation of the points off their surfaces, scene units; 0: not measured
+    bool any() const { return edl_strength > 0 || occlusion > 0; }
+  };
+  /// Reads all of `color` (premultiplied) and `depth`, writes `out`.
+  void run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
+           const gl::Texture& out);
+
+  /// How far around itself a pixel sees, px.
+  static int reach_px(const Options& options, int picture_height);
+
+ private:
+  void find_openness(const View& view, const Options& options, const gl::Texture& depth);
+
+  static constexpr int levels = 6;  ///< squares of 2 to 64 px: whole in tiles, which begin at 64 px
+  gl::Texture pyramid_, openness_;
+  std::vector<gl::Texture> views_;
+  ScreenPass coarser_, occlusion_, relief_;
+};
+
+}  // namespace sfumato

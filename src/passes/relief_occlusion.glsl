@@ -1,0 +1,76 @@
+// How open the hemisphere above each square of the finest level is, in several octaves (Hoang, Low 2012, "Efficient
+// Screen-Space Approach to High-Quality Multiscale Ambient Occlusion"): along eight directions the steepest rise towards
+// the camera of the squares around, each octave in squares as wide as half its distance. Two opposite horizons make a
+// slice, open by the angle between them (Yokoyama, Shirasawa, Pike 2002, "Visualizing Topography by Openness"), of which
+// light from everywhere reaches the bisector's share: cos^2 of half the angle that both rise together (Jimenez et al.
+// 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion", Eq. 10, horizons alike). No normals are asked,
+// and on a plane, however steep, one horizon rises as far as the other falls.
+//
+// A rise counts above the noise of its octave (relief_pyramid.glsl), softly (Donoho, Johnstone 1994, Eq. 4).
+//   x openness; y noise between neighbouring pixels, scene units
+#include "frame.glsl"
+
+layout(binding = UNIT_INPUT) uniform sampler2D pyramid;  // levels of 2, 4, 8 .. px
+
+uniform int levels, finest;  // of the pyramid; of those this pass writes
+uniform int first_octave, octaves;
+uniform float first_px;   // distance of the nearest octave, each next one twice as far
+uniform float point_noise;  // standard deviation of the points off their surfaces, scene units; 0 where not measured
+uniform float spacing;    // of the points between which a surface was closed, scene units; 0 where none was
+
+const float threshold = 2.0;              // mean details; in one of twenty of normal noise is more
+const float deviations = 3.5;             // of points: sqrt(12) are a step of depth that was rounded
+const float in_reach = 1.0, beyond = 2.0;  // of the farthest octave: what is farther in front occludes nothing
+const float nothing = -1e3;               // the rise of the background
+
+// Detail of the squares of level l around a place, between the centres of those in which it is known.
+float noise_of(vec2 pixel, int l) {
+  int up = min(l + 2, levels - 1);
+  vec2 at = pixel / float(2 << up) - 0.5, t = fract(at);
+  ivec2 low = ivec2(floor(at)), last = (ivec2(frame.image_size) - 1) >> (up + 1);
+  vec2 sum = vec2(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 corner = ivec2(k & 1, k >> 1);
+    vec2 w = mix(1.0 - t, t, vec2(corner));
+    float detail = texelFetch(pyramid, clamp(low + corner, ivec2(0), last), up).w;
+    if (detail >= 0.0) sum += w.x * w.y * vec2(detail, 1.0);
+  }
+  return sum.y > 0.0 ? sum.x / sum.y : 0.0;
+}
+
+bool filter_pixel(ivec2 square) {
+  vec4 own = texelFetch(pyramid, square, finest);
+  out_0 = vec4(1.0, 0.0, 0.0, 0.0);
+  if (own.y <= 0.0) return true;
+  float side = float(2 << finest), pixel = 1.0 / pixels_at(own.x);
+  vec2 center = (vec2(square) + 0.5) * side;
+  vec3 here = eye_from_pixel(center, own.x), towards = to_camera(here);
+  float chance = spacing * smoothstep(2.5, 6.0, spacing / pixel);
+  ivec2 last_px = ivec2(frame.image_size) - 1;
+  float reach = first_px * exp2(float(octaves - 1)) * pixel;
+  vec4 rise = vec4(nothing), fall = vec4(nothing);  // towards four directions, and those opposite
+  for (int o = first_octave; o < octaves; ++o) {
+    float away = first_px * exp2(float(o));
+    int l = clamp(int(floor(log2(away))) - 2, finest, levels - 1);
+    // Of half the distance, in which what is not noise but as large as the octave has its own detail.
+    float noise = max(max(threshold * noise_of(center, l + 1), deviations * point_noise), 0.5 * chance);
+    for (int k = 0; k < 8; ++k) {
+      float angle = float(k) * 0.785398163;
+      ivec2 at = clamp(ivec2(floor(center + away * vec2(cos(angle), sin(angle)))), ivec2(0), last_px) >> (l + 1);
+      vec4 there = texelFetch(pyramid, at, l);
+      vec3 d = eye_from_pixel((vec2(at) + 0.5) * float(2 << l), there.x) - here;
+      float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));
+      float slope = (height - noise) / max(across, 0.5 * away * pixel);
+      if (slope > 0.0) slope *= 1.0 - smoothstep(in_reach * reach, beyond * reach, sqrt(far));
+      if (there.y <= 0.0) slope = nothing;
+      if (k < 4) rise[k] = max(rise[k], slope);
+      else fall[k - 4] = max(fall[k - 4], slope);
+    }
+  }
+  vec4 cosine = (1.0 - rise * fall) * inversesqrt((1.0 + rise * rise) * (1.0 + fall * fall));
+  vec4 blocked = mix(vec4(0.0), 0.5 - 0.5 * cosine, greaterThan(rise + fall, vec4(0.0)));
+  out_0.x = 1.0 - dot(blocked, vec4(0.25));
+  for (int l = 0; l < 2; ++l) out_0.y = max(out_0.y, threshold * noise_of(center, finest + l));
+  out_0.y = max(out_0.y, deviations * point_noise);
+  return true;
+}

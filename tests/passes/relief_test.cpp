@@ -1,0 +1,150 @@
+// Eye-dome lighting and ambient occlusion, of depths whose relief is known.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "passes/relief.h"
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+constexpr int size = 128;
+constexpr double pixel = 1.0 / 32;  // scene units
+constexpr float nothing = INFINITY;
+
+class ReliefTest : public GlTest {
+ protected:
+  using DepthOf = std::function<double(int x, int y)>;
+
+  /// The shade of white over depths seen from straight above.
+  Image<float> shade_of(const DepthOf& depth_of, int scale = 1) {
+    const int side = scale * size;
+    Image<float> depth(side, side);
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) depth.at(x, y) = float(depth_of(x / scale, y / scale));
+    gl::Texture color("color", GL_RGBA32F, side, side), depth_image("depth", GL_R32F, side, side),
+        out("out", GL_RGBA32F, side, side);
+    color.clear(vec4(1));
+    depth_image.upload(depth);
+    relief.run(View(camera_above(10, size * pixel, side), dvec3(0)), options, color, depth_image, out);
+    const Image<vec4> shaded = out.download<vec4>();
+    Image<float> shade(side, side);
+    for (std::size_t i = 0; i < shade.size(); ++i) shade.data()[i] = shaded.data()[i].x;
+    return shade;
+  }
+  static double mean(const Image<float>& shade, int first, int last) {  // of columns
+    double sum = 0;
+    for (int y = 32; y < size - 32; ++y)
+      for (int x = first; x < last; ++x) sum += double(shade.at(x, y)) / (last - first) / (size - 64);
+    return sum;
+  }
+
+  Relief relief;
+  Relief::Options options;
+};
+
+}  // namespace
+
+// Eight neighbours on a circle of 1.4 px, three of which lie beyond a straight edge.
+TEST_F(ReliefTest, LinesAlongStepsOfAnyHeightAreAlike) {
+  options.edl_strength = 0.4f;
+  const auto step_to = [&](double far) {
+    return shade_of([&](int x, int) { return x < size / 2 ? 8 : far; });
+  };
+  const Image<float> low = step_to(9), high = step_to(400);
+  for (int x = 0; x < size; ++x) EXPECT_NEAR(low.at(x, size / 2), high.at(x, size / 2), 1e-5) << x;
+  const double exponent = 3.0 / 8 * 0.008 * 300 * 0.4 * 2.2;
+  EXPECT_NEAR(high.at(size / 2, size / 2), std::exp(-1.2 * (1 - std::exp(-exponent / 1.2))), 1e-4);
+  EXPECT_EQ(high.at(size / 2 - 1, size / 2), 1) << "in front";
+  EXPECT_EQ(high.at(size / 2 + 2, size / 2), 1);
+  const Image<float> beside_nothing =
+      shade_of([](int x, int) { return x < size / 2 ? 8.0 : double(nothing); });
+  EXPECT_EQ(beside_nothing.at(size / 2 - 1, size / 2), 1);
+}
+
+// What lies behind all that is around it is a dark dot, not a black one.
+TEST_F(ReliefTest, DotsBehindTheirNeighboursKeepTheirColour) {
+  options.edl_strength = 0.4f, options.occlusion = 1;
+  const Image<float> shade = shade_of([](int x, int y) { return x % 8 == 4 && y % 8 == 4 ? 9 : 8; });
+  EXPECT_GT(shade.at(68, 68), 0.3f);
+  EXPECT_LT(shade.at(68, 68), 0.7f);
+}
+
+TEST_F(ReliefTest, PlanesAndSpheresAreOpen) {
+  options.edl_strength = 0.4f, options.occlusion = 1;
+  for (const double slope : {0.0, 0.5, 1.0, 2.0, 3.0}) {
+    const Image<float> shade = shade_of(
+        [&](int x, int y) { return 20 + slope * pixel * (0.8 * (x - size / 2) + 0.6 * (y - size / 2)); });
+    for (int y = 16; y < size - 16; ++y)
+      for (int x = 16; x < size - 16; ++x) ASSERT_GT(shade.at(x, y), 0.98f) << slope;
+  }
+  const Image<float> sphere = shade_of([](int x, int y) {
+    const double u = (x + 0.5 - size / 2) * pixel, v = (y + 0.5 - size / 2) * pixel, d = 3.24 - u * u - v * v;
+    return d > 0 ? 9 - std::sqrt(d) : double(nothing);
+  });
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) ASSERT_GT(sphere.at(x, y), 0.97f) << x << ' ' << y;
+}
+
+// At the bottom of a valley between slopes of 45 degrees the four slices are open by cos^2 of half of what
+// both sides rise: 90 degrees across it, 0 along it, twice atan(sqrt(1/2)) in between.
+TEST_F(ReliefTest, AValleyIsAsDarkAsItsClosedForm) {
+  options.occlusion = 1;
+  const auto valley = [](int x, int) { return 8 - pixel * std::abs(x + 0.5 - size / 2); };
+  const double diagonal = std::pow(std::cos(std::atan(std::sqrt(0.5))), 2);
+  const double bottom = (0.5 + 1 + 2 * diagonal) / 4;
+  const Image<float> shade = shade_of(valley);
+  EXPECT_NEAR(mean(shade, size / 2 - 1, size / 2 + 1), bottom, 0.06);  // squares of 2 px end beside it
+  EXPECT_GT(mean(shade, size / 2 + 12, size / 2 + 16), bottom + 0.05);
+  EXPECT_LT(mean(shade, size / 2 + 12, size / 2 + 16), 0.98) << "coarser octaves reach farther";
+  options.occlusion = 0.5f;
+  EXPECT_NEAR(mean(shade_of(valley), size / 2 - 1, size / 2 + 1),
+              0.5 + 0.5 * mean(shade, size / 2 - 1, size / 2 + 1), 1e-4);
+}
+
+// Of a plane with the noise of a depth camera, here 1.5 px, nothing is drawn; a step of ten times that is.
+TEST_F(ReliefTest, NoiseIsNoRelief) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1.5 * pixel);
+  const auto rough = [&](int x, int) { return (x < size / 2 ? 8 : 8 + 15 * pixel) + noise(random); };
+  options.edl_strength = 0.4f, options.occlusion = 0.7f;
+  EXPECT_LT(mean(shade_of(rough), 16, 48), 0.95) << "of which the picture alone tells a part";
+  options.noise = float(1.5 * pixel);
+  const Image<float> shade = shade_of(rough);
+  EXPECT_GT(mean(shade, 16, 48), 0.98);
+  EXPECT_LT(mean(shade, size / 2, size / 2 + 1), 0.8);
+}
+
+// A print shows what the preview showed.
+TEST_F(ReliefTest, LargePicturesAreShadedAsSmallOnes) {
+  options.edl_strength = 0.4f, options.occlusion = 0.7f;
+  const auto hills = [](int x, int y) { return 9 + 0.3 * std::sin(0.2 * x) * std::sin(0.17 * y) + (x > 90); };
+  const auto at_720 = [&](int scale) {
+    // The picture is a tile of one that is so high.
+    Camera camera = camera_above(10, 720 * pixel, 720 * scale).tile(0, 0, size * scale, size * scale);
+    const int side = size * scale;
+    Image<float> depth(side, side);
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) depth.at(x, y) = float(hills(x / scale, y / scale));
+    gl::Texture color("color", GL_RGBA32F, side, side), depth_image("depth", GL_R32F, side, side),
+        out("out", GL_RGBA32F, side, side);
+    color.clear(vec4(1));
+    depth_image.upload(depth);
+    relief.run(View(camera, dvec3(0)), options, color, depth_image, out);
+    return out.download<vec4>();
+  };
+  const Image<vec4> small = at_720(1), large = at_720(4);
+  double difference = 0, relief_seen = 0;
+  for (int y = 16; y < size - 16; ++y)
+    for (int x = 16; x < size - 16; ++x) {
+      double sum = 0;
+      for (int k = 0; k < 16; ++k) sum += double(large.at(4 * x + k % 4, 4 * y + k / 4).x) / 16;
+      difference += std::abs(sum - double(small.at(x, y).x));
+      relief_seen += 1 - double(small.at(x, y).x);
+    }
+  EXPECT_GT(relief_seen, 200);
+  EXPECT_LT(difference, 0.35 * relief_seen);  // stairs of the enlarged depths have lines of their own
+}
