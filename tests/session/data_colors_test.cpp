@@ -70,6 +70,57 @@ TEST_F(DataColorsTest, CategoriesNeverBlend) {
   }
 }
 
+/// A table as a depth camera sees it: a grid, noise of 1.3 of its spacings along the view, a photograph.
+PointCloud noisy_photograph() {
+  PointCloud cloud;
+  std::mt19937 random(11);
+  std::normal_distribution<float> noise(0, 0.013f);
+  for (int row = 0; row < 240; ++row)
+    for (int column = 0; column < 240; ++column) {
+      const float x = 0.01f * float(column - 120), y = 0.01f * float(row - 120);
+      cloud.positions.push_back({x, y, 0.3f * x + noise(random)});
+      const auto code = [&](float phase) {
+        return std::uint8_t(150 + 60 * std::sin(5 * x + phase) * std::cos(7 * y));
+      };
+      cloud.colors.push_back({code(0), code(1), code(2), 255});
+    }
+  return cloud;
+}
+
+// Photographs were lit when they were taken: neither lamp nor noise shows on them. Clay has nothing but its
+// light.
+TEST_F(DataColorsTest, PhotographsKeepTheirLight) {
+  const auto shown = [&](const char* technique, const char* color_by, bool flat) {
+    Session session(context());
+    scene::Scene scene;
+    scene.cloud = noisy_photograph();
+    SessionOptions options;
+    options.color.color_by = color_by;
+    Look look(technique);
+    session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
+    look.settings.smooth_outlines.user = false;
+    if (flat) {
+      look.settings.shading = Shading::albedo, look.settings.edl.user = false;
+      look.settings.ambient_occlusion.user = 0.0f;
+    }
+    RenderWants wants;
+    wants.color_linear = true;
+    return session.render(look, camera_above(10, 1.6, 160), wants).color_linear;
+  };
+  for (const char* technique : {"points", "splats", "surface", "denoise", "layers", "soft"}) {
+    SCOPED_TRACE(technique);
+    const auto deviation = [&](const char* color_by) {
+      const Image<vec4> lit = shown(technique, color_by, false), flat = shown(technique, color_by, true);
+      double sum = 0;
+      for (std::size_t i = 0; i < lit.size(); ++i)
+        sum += std::abs(double(lit.data()[i].g / flat.data()[i].g) - 1) / double(lit.size());
+      return sum;
+    };
+    EXPECT_LE(deviation("rgb"), 0.02);
+    if (technique != std::string("points")) EXPECT_GT(deviation("clay"), 0.03);
+  }
+}
+
 TEST_F(DataColorsTest, HighlightsAreForThingsAndNotForData) {
   Look look("splats");
   render(look, "classification");
