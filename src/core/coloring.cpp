@@ -25,6 +25,29 @@ bool has_colors(const PointCloud& cloud) {
                      [](const Rgba8& c) { return c != no_color && (c.r != 0 || c.g != 0 || c.b != 0); });
 }
 
+/// Luma (Rec. 709) of an sRGB colour, 0 to 255.
+double luma(const Rgba8& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+
+/// Whether colours tell places apart: more than one point in a hundred is not of the middle colour.
+bool vary(const std::vector<Rgba8>& colors) {
+  constexpr int alike = 8;  // codes of a channel
+  const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
+  std::array<std::vector<std::uint8_t>, 3> channels;
+  for (std::size_t i = 0; i < colors.size(); i += stride)
+    channels[0].push_back(colors[i].r), channels[1].push_back(colors[i].g),
+        channels[2].push_back(colors[i].b);
+  const std::array<int, 3> middle{value_at_share(channels[0], 0.5), value_at_share(channels[1], 0.5),
+                                  value_at_share(channels[2], 0.5)};
+  std::size_t others = 0, seen = 0;
+  for (std::size_t i = 0; i < colors.size(); i += stride, ++seen)
+    others += std::abs(colors[i].r - middle[0]) > alike || std::abs(colors[i].g - middle[1]) > alike ||
+              std::abs(colors[i].b - middle[2]) > alike;
+  return 100 * others > seen;
+}
+
+/// One colour for all on which neither light nor shadow shows.
+bool swallows_light(const Rgba8& c) { return luma(c) < 24 || luma(c) > 231; }
+
 bool varies(const ScalarField* field) {
   if (!field || field->values.empty()) return false;
   const float first = field->values[0];
@@ -32,10 +55,58 @@ bool varies(const ScalarField* field) {
                      [&](float v) { return std::isfinite(v) && v != first; });
 }
 
-/// Whether there are several classes: 0 and 1 both say that a point has none.
+/// Whether classes tell points apart: 0 and 1 both say that a point has none, and more than one point in a
+/// hundred is not of the commonest.
 bool is_classified(const ScalarField* field) {
-  return varies(field) && std::any_of(field->values.begin(), field->values.end(),
-                                      [&](float v) { return double(v) + field->offset > 1.5; });
+  if (!field) return false;
+  std::map<long, std::size_t> counts;
+  std::size_t most = 0, all = 0;
+  for (std::size_t i = 0; i < field->values.size(); ++i) {
+    if (!std::isfinite(field->values[i])) continue;
+    const long id = std::lround(std::clamp(field->value(i), 1.0, 1e6));
+    most = std::max(most, ++counts[id]), ++all;
+  }
+  return 100 * (all - most) > all;
+}
+
+/// Geary's contiguity ratio (Geary 1954, "The Contiguity Ratio and Statistical Mapping") of points that
+/// follow each other and are near: what neighbours differ by over what any two do, 1 for values without
+/// regard to place, 0 where they do not change between neighbours. Prepared clouds follow a Morton curve; 0
+/// where what follows each other is not near.
+double contiguity_ratio(const PointCloud& cloud, const ScalarField& field) {
+  const std::size_t n = std::min(cloud.size(), field.values.size());
+  if (n < 100) return 0;
+  const std::size_t stride = std::max<std::size_t>(1, n / 65'536);
+  std::vector<float> values, distances;
+  for (std::size_t i = 0; i + 1 < n; i += stride) {
+    if (std::isfinite(field.values[i])) values.push_back(field.values[i]);
+    distances.push_back(glm::distance(cloud.positions[i], cloud.positions[i + 1]));
+  }
+  if (values.size() < 100) return 0;
+  const float low = value_at_share(values, 0.02), high = value_at_share(values, 0.98);
+  const float near = 2 * value_at_share(distances, 0.5);
+  constexpr double nearest_share = 0.1;  // of the diagonal
+  if (!(double(near) < nearest_share * robust_bounds(cloud).diagonal())) return 0;
+  double sum = 0, squares = 0, differences = 0;
+  for (const float value : values) {
+    const double v = double(std::clamp(value, low, high));
+    sum += v, squares += v * v;
+  }
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i + 1 < n; i += stride) {
+    const float a = field.values[i], b = field.values[i + 1];
+    if (!std::isfinite(a) || !std::isfinite(b) || distances[i / stride] > near) continue;
+    const double d = double(std::clamp(a, low, high)) - double(std::clamp(b, low, high));
+    differences += d * d, ++pairs;
+  }
+  const double count = double(values.size()), variance = squares / count - sum * sum / (count * count);
+  return variance > 0 && pairs > 0 ? differences / (2 * double(pairs) * variance) : 0;
+}
+
+/// Whether intensities show the place and not only the ray: more than half of what they vary by is shared by
+/// neighbours.
+bool is_coherent(const PointCloud& cloud, const ScalarField* field) {
+  return varies(field) && contiguity_ratio(cloud, *field) < 0.5;
 }
 
 /// World coordinate along up, as offset + float.
@@ -91,6 +162,7 @@ void color_scalar(const ScalarField& field, const ColorSettings& settings, Color
   out.kind = ColorKind::scalar;
   out.colormap = !settings.colormap.empty()  ? settings.colormap
                  : out.source == "intensity" ? "gray"
+                 : out.source == "elevation" ? "land"
                                              : "viridis";
   const Colormap map = Colormap::named(out.colormap);
   const std::array<double, 2> range =
@@ -293,10 +365,12 @@ std::string nearest_source(std::string_view wanted, const std::vector<std::strin
 
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
   if (color_by == "auto") {
-    if (has_colors(cloud)) return "rgb";
+    const bool colored = has_colors(cloud);
+    if (colored && vary(cloud.colors)) return "rgb";
     if (is_land(cloud)) return "elevation";
-    if (varies(cloud.scalar("intensity"))) return "intensity";
-    return is_classified(cloud.scalar("classification")) ? "classification" : "clay";
+    if (is_coherent(cloud, cloud.scalar("intensity"))) return "intensity";
+    if (is_classified(cloud.scalar("classification"))) return "classification";
+    return colored && !swallows_light(cloud.colors[cloud.size() / 2]) ? "rgb" : "clay";
   }
   if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by))
     return std::string(color_by);
@@ -373,12 +447,12 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 }
 
 vec3 contrasting_background(const std::vector<Rgba8>& colors) {
+  // A contrast (WCAG 2.2) of less than 1.5 with white: luminance above 0.65, of the luma of 210. What a third
+  // of the points have is an outline of the whole.
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::size_t light = 0, seen = 0;
-  for (std::size_t i = 0; i < colors.size();
-       i += stride, ++seen)  // Rec. 709 luma; from 216 on, white is too near
-    light += 0.2126 * colors[i].r + 0.7152 * colors[i].g + 0.0722 * colors[i].b > 216;
-  return 2 * light > seen ? vec3(0.11f, 0.12f, 0.13f) : vec3(1);
+  for (std::size_t i = 0; i < colors.size(); i += stride, ++seen) light += luma(colors[i]) > 210;
+  return 3 * light > seen ? vec3(0.11f, 0.12f, 0.13f) : vec3(1);
 }
 
 std::string class_name(int id) {

@@ -16,7 +16,7 @@ namespace sfumato {
 struct ColorSettings {
   std::string color_by =
       "auto";            ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar
-  std::string colormap;  ///< empty: gray for intensity, viridis for everything else
+  std::string colormap;  ///< empty: gray for intensity, land for heights, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: 2-98 %; heights more, intensity less
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
@@ -51,9 +51,9 @@ struct Coloring {
   std::vector<std::string> notes;   ///< settings that have no effect on these colours
 };
 
-/// What `color_by` means for this cloud. `auto` is rgb unless missing or all zero, then elevation where the
-/// cloud is land (less than 0.4 times as high as wide), then intensity unless missing or constant,
-/// then the classes if there are several, then clay.
+/// What `color_by` means for this cloud. `auto` is rgb where it tells points apart, then elevation where the
+/// cloud is land (less than 0.4 times as high as wide), then intensity unless it is speckle (Geary 1954),
+/// then the classes if there are several, then rgb of one colour on which light shows, then clay.
 /// Throws Error(usage) naming the nearest attribute.
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 

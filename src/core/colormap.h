@@ -11,7 +11,7 @@ namespace sfumato {
 
 class Colormap {
  public:
-  /// viridis, plasma, inferno, magma, turbo, gray, coolwarm, spectral, jet or rainbow.
+  /// viridis, land, plasma, inferno, magma, turbo, gray, coolwarm, spectral, jet or rainbow.
   /// Throws Error(usage) naming the nearest when there is none of that name.
   static Colormap named(std::string_view name);
   static const std::vector<std::string>& names();

@@ -3,20 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/context.h"
+
 namespace sfumato {
 namespace {
 
 /// Pictures higher than this have their relief so much wider, that they look alike.
 constexpr float usual_height = 720;
-/// Distances of the octaves at that height: 3 px to 96 px, an eighth of it.
-constexpr float first_octave_px = 3;
-constexpr int octaves = 6, fine_octaves = 3;
+/// Distances of the octaves at that height: 6 px to 96 px, an eighth of it.
+constexpr float first_octave_px = 6;
+constexpr int octaves = 5, fine_octaves = 2;
 
 float widened(int picture_height) { return std::max(1.0f, float(picture_height) / usual_height); }
 
 /// The level whose squares are 2 px at the usual height, and about as wide a share of larger ones.
 int finest_level(int picture_height, int levels) {
-  return std::min(int(std::log2(widened(picture_height))), levels - 3);
+  return std::min(int(std::lround(std::log2(widened(picture_height)))), levels - 3);
 }
 
 }  // namespace
@@ -53,7 +55,11 @@ void Relief::find_openness(const View& view, const Options& options, const gl::T
   occlusion_.set("first_px", first_octave_px * widened(view.picture_height()))
       .set("spacing", options.spacing);
   occlusion_.set("point_noise", options.noise);
-  occlusion_.run({&pyramid_}, {&openness_});
+  // Squares of 32 px that something covers.
+  constexpr int tile_level = 4;
+  if (gl::limits().software) glFinish();  // see Tiles
+  occlusion_.run({views_[tile_level], 1 << (tile_level - finest)}, {&pyramid_}, {&openness_},
+                 {vec4(1, 0, 0, 0)});
 }
 
 void Relief::run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,

@@ -23,6 +23,10 @@ const float deviations = 3.5;             // of points: sqrt(12) are a step of d
 const float in_reach = 1.0, beyond = 2.0;  // of the farthest octave: what is farther in front occludes nothing
 const float nothing = -1e3;               // the rise of the background
 
+const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(0.70710678, 0.70710678), vec2(0.0, 1.0),
+                                vec2(-0.70710678, 0.70710678), vec2(-1.0, 0.0), vec2(-0.70710678, -0.70710678),
+                                vec2(0.0, -1.0), vec2(0.70710678, -0.70710678));
+
 // Detail of the squares of level l around a place, between the centres of those in which it is known.
 float noise_of(vec2 pixel, int l) {
   int up = min(l + 2, levels - 1);
@@ -55,8 +59,7 @@ bool filter_pixel(ivec2 square) {
     // Of half the distance, in which what is not noise but as large as the octave has its own detail.
     float noise = max(max(threshold * noise_of(center, l + 1), deviations * point_noise), 0.5 * chance);
     for (int k = 0; k < 8; ++k) {
-      float angle = float(k) * 0.785398163;
-      ivec2 at = clamp(ivec2(floor(center + away * vec2(cos(angle), sin(angle)))), ivec2(0), last_px) >> (l + 1);
+      ivec2 at = clamp(ivec2(floor(center + away * compass[k])), ivec2(0), last_px) >> (l + 1);
       vec4 there = texelFetch(pyramid, at, l);
       vec3 d = eye_from_pixel((vec2(at) + 0.5) * float(2 << l), there.x) - here;
       float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));

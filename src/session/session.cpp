@@ -125,20 +125,33 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   }
 }
 
+/// Whether most points lie on no surface, as leaves: light shows no shape of theirs, and height does. Of
+/// prepared clouds.
+bool is_clutter(const std::vector<const PointCloud*>& clouds) {
+  const PointCloud& largest = **std::max_element(
+      clouds.begin(), clouds.end(), [](const auto* a, const auto* b) { return a->size() < b->size(); });
+  return analysis::survey(analysis::NeighborTree(largest.positions)).surface_share < 0.5f;
+}
+
 }  // namespace
 
 std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointCloud*>& clouds) {
   ColorSettings settings = options_.color;
   settings.file_names = file_names_;
   std::vector<std::vector<Rgba8>> colors;
+  PointCloud joined;
+  if (clouds.size() > 1) joined = *clouds.front();
+  for (std::size_t k = 1; k < clouds.size(); ++k) append(joined, *clouds[k]);
+  const PointCloud& whole = clouds.size() > 1 ? joined : *clouds.front();
   std::optional<Coloring> of_all;
-  if (overview_) of_all = coloring_of_overview(*overview_, settings);
-  if (clouds.size() == 1) {
-    coloring_ = color_like(of_all, *clouds.front(), settings);
-  } else {
-    PointCloud whole = *clouds.front();
-    for (std::size_t k = 1; k < clouds.size(); ++k) append(whole, *clouds[k]);
+  const auto color_all = [&] {
+    if (overview_) of_all = coloring_of_overview(*overview_, settings);
     coloring_ = color_like(of_all, whole, settings);
+  };
+  color_all();
+  if (coloring_.source == "clay" && settings.color_by == "auto" && !settings.solid && is_clutter(clouds)) {
+    settings.color_by = "elevation";
+    color_all();
   }
   contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
   background_ = options_.background.value_or(contrasting_);

@@ -200,19 +200,26 @@ class Soft final : public Technique {
 
   std::vector<std::string> notes() const override {
     std::vector<std::string> lines = field_.notes;
-    char text[200];
-    const double share = field_.values.empty() ? 0 : 100.0 * points_.count() / double(field_.values.size());
-    std::snprintf(text, sizeof text, "%.1f %% of the points are soft (%s above %.3g)", share,
-                  parameters_.field.field.c_str(), double(parameters_.field_threshold.value()));
-    lines.emplace_back(text);
-    if (points_.count() == 0 && !field_.values.empty())
-      lines.emplace_back(
-          parameters_.field.field == "class"
-              ? "nothing is soft: no point has a class of --field-classes; --color-by classification "
-                "--legend shows those that occur"
-              : "nothing is soft: no point lies above --field-threshold; a lower one makes some soft");
-    if (parameters_.model == Model::base || parameters_.model == Model::concentric)
-      lines.push_back(std::to_string(interior_.fragments()) + " fragments");
+    const std::size_t points = field_.values.size();
+    // Who asked for a threshold below all of them knows that all are soft.
+    const bool is_asked = points_.count() == points && !parameters_.field_threshold.is_auto();
+    if (points > 0 && !is_asked) {
+      char text[120];
+      std::snprintf(text, sizeof text, "%.1f %% of the points are soft",
+                    100.0 * points_.count() / double(points));
+      std::string line = text;
+      if (points_.count() > 0) {
+        std::snprintf(text, sizeof text, "%.3g", double(parameters_.field_threshold.value()));
+        line += " (" + parameters_.field.field + " above " + text + "); --field-threshold moves that";
+      } else if (parameters_.field.field == "class") {
+        line +=
+            ": none has a class of --field-classes; --color-by classification --legend shows those that "
+            "occur";
+      } else {
+        line += ": none lies above --field-threshold; a lower one makes some soft";
+      }
+      lines.push_back(line);
+    }
     if (const std::uint32_t count = interior_.overflows(); count > 0)
       lines.push_back(std::to_string(count) +
                       " times more than 64 spheres overlapped in a pixel: their order there is approximate");

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "core/colormap.h"
 #include "core/error.h"
@@ -54,7 +55,7 @@ TEST(Colormap, ViridisBetweenTheStopsIsNearTheFullMap) {
 }
 
 TEST(Colormap, EveryNameWorksAndClampsOutside) {
-  EXPECT_EQ(Colormap::names().size(), 10u);
+  EXPECT_EQ(Colormap::names().size(), 11u);
   for (const std::string& name : Colormap::names()) {
     const Colormap map = Colormap::named(name);
     EXPECT_EQ(map.at(-3), map.at(0)) << name;
@@ -82,8 +83,54 @@ TEST(Coloring, AutoFallsFromColourToIntensityToClay) {
   cloud.colors.assign(4, {0, 0, 0, 255});
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity") << "all zero means no colour";
   EXPECT_THROW(resolve_color_by(cloud, "rgb"), Error) << "asked for by name, it is not drawn black either";
-  cloud.colors[2].g = 1;
+  cloud.colors[2].g = 100;
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb");
+}
+
+// White, or black: neither light nor shadow shows on it, and a statue of it is a hole in the page.
+TEST(Coloring, OneColourOnWhichNothingShowsIsNotDrawn) {
+  PointCloud cloud;
+  for (int i = 0; i < 1000; ++i)
+    cloud.positions.push_back({float(i % 10), float(i / 10 % 10), float(i / 100)});
+  for (const Rgba8 nothing : {Rgba8{255, 255, 255, 255}, Rgba8{3, 3, 3, 255}}) {
+    cloud.colors.assign(1000, nothing);
+    EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay");
+    for (std::size_t i = 0; i < 5; ++i) cloud.colors[i] = {200, 10, 10, 255};
+    EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay") << "five dots";
+    EXPECT_EQ(resolve_color_by(cloud, "rgb"), "rgb") << "asked for by name";
+  }
+  cloud.colors.assign(1000, {180, 40, 40, 255});
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb") << "red, and lit";
+}
+
+// Intensities that change from point to point by as much as over the whole cloud are noise.
+TEST(Coloring, SpeckleIsNotDrawn) {
+  PointCloud cloud;
+  ScalarField intensity = field("intensity", {});
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(0, 1);
+  const auto fill = [&](float along, float speckle) {
+    cloud.positions.clear(), intensity.values.clear();
+    for (int i = 0; i < 8000; ++i) {
+      const vec3 p(float(i % 20), float(i / 20 % 20), float(i / 400));
+      cloud.positions.push_back(p);
+      intensity.values.push_back(along * p.z + speckle * noise(random));
+    }
+    cloud.set_scalar(intensity);
+    return resolve_color_by(cloud, "auto");
+  };
+  EXPECT_EQ(fill(1, 0), "intensity");
+  EXPECT_EQ(fill(1, 3), "intensity") << "a variance of 33 between places, of 9 between neighbours";
+  EXPECT_EQ(fill(1, 12), "clay");
+  EXPECT_EQ(fill(0, 1), "clay");
+}
+
+TEST(Coloring, TheRampOfHeightsStartsLight) {
+  const Colormap land = Colormap::named("land");
+  for (int i = 0; i <= 100; ++i) {
+    const Rgba8 c = land.at(i / 100.0);
+    EXPECT_GT(0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b, 85) << i;  // viridis: 22 at 0
+  }
 }
 
 TEST(Coloring, LandWithoutColourShowsItsHeight) {
@@ -93,6 +140,8 @@ TEST(Coloring, LandWithoutColourShowsItsHeight) {
   land.scalars[0].values[3] = 2;
   EXPECT_EQ(resolve_color_by(land, "auto"), "elevation");
   land.colors.assign(400, {10, 200, 30, 255});
+  EXPECT_EQ(resolve_color_by(land, "auto"), "elevation") << "one green for all shows less";
+  for (std::size_t i = 0; i < 200; ++i) land.colors[i].r = 150;
   EXPECT_EQ(resolve_color_by(land, "auto"), "rgb");
   land.colors.clear();
   for (vec3& p : land.positions) p.z *= 20;  // a thing
@@ -110,6 +159,9 @@ TEST(Coloring, BackgroundIsDarkBehindWhite) {
   EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {250, 250, 250, 255})).x < 0.2f, true);
   EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {201, 186, 168, 255})), vec3(1));
   EXPECT_EQ(contrasting_background({}), vec3(1));
+  std::vector<Rgba8> room(9, {120, 100, 90, 255});  // white walls around other things
+  for (std::size_t i = 0; i < 4; ++i) room[i] = {225, 225, 220, 255};
+  EXPECT_LT(contrasting_background(room).x, 0.2f);
 }
 
 TEST(Coloring, ElevationIsTheWorldCoordinateAlongUp) {
