@@ -63,9 +63,9 @@ bool filter_pixel(ivec2 square) {
       vec4 there = texelFetch(pyramid, at, l);
       vec3 d = eye_from_pixel((vec2(at) + 0.5) * float(2 << l), there.x) - here;
       float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));
-      float slope = (height - noise) / max(across, 0.5 * away * pixel);
+      float slope = (height - noise) / max(across, 1e-30);
       if (slope > 0.0) slope *= 1.0 - smoothstep(in_reach * reach, beyond * reach, sqrt(far));
-      if (there.y <= 0.0) slope = nothing;
+      if (there.y <= 0.0 || across < 0.5 * away * pixel) slope = nothing;  // or the picture ends
       if (k < 4) rise[k] = max(rise[k], slope);
       else fall[k - 4] = max(fall[k - 4], slope);
     }
