@@ -318,7 +318,7 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
   const float edl = edl_strength(items, are_photographed_);
   settings.edl.resolve(edl > 0);
   settings.edl_strength.resolve(edl > 0 ? edl : RenderSettings::usual_edl);
-  settings.ambient_occlusion.resolve(RenderSettings::usual_occlusion);
+  settings.ambient_occlusion.resolve(settings.shading == Shading::lit ? RenderSettings::usual_occlusion : 0);
   settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
   if (casts_shadows(settings.shadows) && !shadow_box_) {
     std::vector<const PointCloud*> clouds;

@@ -30,13 +30,13 @@ PointCloud classes_in_stripes() {
 
 class DataColorsTest : public GlTest {
  protected:
-  RenderOutput render(Look& look, const std::string& color_by) {
+  RenderOutput render(Look& look, const std::string& color_by,
+                      const Camera& camera = camera_above(10, 2, 160)) {
     Session session(context());
     scene::Scene scene;
     scene.cloud = classes_in_stripes();
     SessionOptions options;
     options.color.color_by = color_by;
-    Camera camera = camera_above(10, 2, 160);
     session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
     look.settings.transparent = true;
     look.settings.smooth_outlines.user = false;
@@ -129,6 +129,8 @@ TEST_F(DataColorsTest, HighlightsAreForThingsAndNotForData) {
   render(look, "elevation");
   EXPECT_EQ(look.settings.phong.specular.value(), 0);
   render(look, "clay");
+  EXPECT_EQ(look.settings.phong.specular.value(), 0) << "parallel views have none";
+  render(look, "clay", camera_at({0, -1, 4}, 160, 160));
   EXPECT_EQ(look.settings.phong.specular.value(), 0.1f);
   look.set("specular", "0.4");
   render(look, "classification");
