@@ -59,13 +59,14 @@ bool filter_pixel(ivec2 square) {
     // Of half the distance, in which what is not noise but as large as the octave has its own detail.
     float noise = max(max(threshold * noise_of(center, l + 1), deviations * point_noise), 0.5 * chance);
     for (int k = 0; k < 8; ++k) {
-      ivec2 at = clamp(ivec2(floor(center + away * compass[k])), ivec2(0), last_px) >> (l + 1);
+      ivec2 place = ivec2(floor(center + away * compass[k])), at = place >> (l + 1);
+      bool is_outside = any(lessThan(place, ivec2(0))) || any(greaterThan(place, last_px));
       vec4 there = texelFetch(pyramid, at, l);
       vec3 d = eye_from_pixel((vec2(at) + 0.5) * float(2 << l), there.x) - here;
       float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));
       float slope = (height - noise) / max(across, 1e-30);
       if (slope > 0.0) slope *= 1.0 - smoothstep(in_reach * reach, beyond * reach, sqrt(far));
-      if (there.y <= 0.0 || across < 0.5 * away * pixel) slope = nothing;  // or the picture ends
+      if (there.y <= 0.0 || is_outside) slope = nothing;
       if (k < 4) rise[k] = max(rise[k], slope);
       else fall[k - 4] = max(fall[k - 4], slope);
     }

@@ -78,9 +78,13 @@ TEST_F(ReliefTest, PlanesAndSpheresAreOpen) {
   for (const double slope : {0.0, 0.5, 1.0, 2.0, 3.0}) {
     const Image<float> shade = shade_of(
         [&](int x, int y) { return 20 + slope * pixel * (0.8 * (x - size / 2) + 0.6 * (y - size / 2)); });
+    float darkest = 1;
     for (int y = 16; y < size - 16; ++y)
-      for (int x = 16; x < size - 16; ++x) ASSERT_GT(shade.at(x, y), 0.975f) << slope;
+      for (int x = 16; x < size - 16; ++x) darkest = std::min(darkest, shade.at(x, y));
+    // Squares of the steepest mix depths as far apart as another surface may begin: 4.4 % at 72 degrees.
+    EXPECT_GT(darkest, 1 - 0.015 * slope) << slope;
   }
+  options.edl_strength = 0;  // its outline is a line
   const Image<float> sphere = shade_of([](int x, int y) {
     const double u = (x + 0.5 - size / 2) * pixel, v = (y + 0.5 - size / 2) * pixel, d = 3.24 - u * u - v * v;
     return d > 0 ? 9 - std::sqrt(d) : double(nothing);
