@@ -84,7 +84,8 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
   set_splat_uniforms(fill_, look.shape);
   set_light_uniforms(fill_, view, frame.settings, frame.light, cloud.prepared().cloud.origin);
   const Phong& phong = frame.settings.phong;
-  fill_.set("phong", vec4(phong.ambient.value(), phong.diffuse.value(), 0, 1)).set("shading", int(frame.settings.shading));
+  fill_.set("phong", vec4(phong.ambient.value(), phong.diffuse.value(), 0, 1))
+      .set("shading", int(frame.settings.shading));
   fill_.set("opacity", look.opacity).set("field_threshold", look.field_threshold);
   fill_.set("modulation_threshold", look.modulation_threshold)
       .set("modulation_opacity", look.modulation_opacity);

@@ -18,7 +18,7 @@ class Discs {
     float normal_scale = 3;   ///< radius of the ball that a plane is fitted to, point spacings
     float disc_scale = 1.6f;  ///< radius of a disc, point spacings
     float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
-    float widest_px = 64;       ///< radius of the widest disc; tiles_in_reach.glsl looks as far as 64
+    float widest_px = 64;     ///< radius of the widest disc; tiles_in_reach.glsl looks as far as 64
     bool with_shadow = false;
   };
   /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F. The

@@ -213,7 +213,8 @@ class SurfaceTechnique final : public Technique {
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
                {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.all_clusters(), &discs_.colors(), &discs_.about(3)},
+                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.all_clusters(), &discs_.colors(),
+                &discs_.about(3)},
                targets, background);
     };
     view.bind();
