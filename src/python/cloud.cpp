@@ -172,7 +172,9 @@ CloudPtr pick(const CloudPtr& self, const std::vector<std::uint32_t>& places) {
       throw Error(ErrorCode::usage, "there is no point " + std::to_string(place) + ": the cloud has " +
                                         std::to_string(self->points().size()));
   auto out = std::make_shared<Cloud>();
-  out->scene = {{}, self->scene.files, places.size(), {}, {}, self->scene.file_names};
+  out->scene.files = self->scene.files;
+  out->scene.points_read = places.size();
+  out->scene.file_names = self->scene.file_names;
   out->scene.cloud = select(self->points(), places);
   // A cloud of its own: its points are numbered anew, as those of a file that holds just them.
   out->scene.cloud.source_index = {};
