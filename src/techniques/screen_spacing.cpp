@@ -8,8 +8,9 @@
 namespace sfumato {
 
 float widest_disc_px(const ScreenSpacing& spacing, int height) {
-  constexpr float closes = 2;  // spacings: no gap of a random sample is wider
-  return std::max({4.0f, float(height) / 90, closes * spacing.median_px});
+  constexpr float closes = 2;   // spacings: no gap of a random sample is wider
+  constexpr float near_px = 8;  // at 720 lines or fewer
+  return std::max({near_px, near_px * float(height) / 720, closes * spacing.median_px});
 }
 
 float ScreenSpacings::widest_disc_px(const Frame& frame) {
