@@ -147,7 +147,7 @@ class Completion {
     tbb::concurrent_vector<NearNormal> near_normals;
     const bool shrink = radii && options_.clutter_radius < 1;
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
-    std::vector<Cell> cells(flatness.size());
+    std::vector<VoronoiCell> cells(flatness.size());
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
     const float fallback_radius = 2 * std::numbers::inv_sqrtpi_v<float> * prepared_.median_spacing;
     const auto radius_in = [&](std::span<const std::uint32_t> ids, std::span<const float> distances2) {
@@ -252,8 +252,8 @@ class Completion {
 
   /// Returns by how much: PreparedCloud::shrunk. A disc is as large as its neighbours vouch for, as far as
   /// they lie on a surface, and a dot elsewhere.
-  std::vector<float> shrink_to_vouched(const std::vector<float>& flatness, const std::vector<Cell>& cells,
-                                       std::vector<float>& radii) {
+  std::vector<float> shrink_to_vouched(const std::vector<float>& flatness,
+                                       const std::vector<VoronoiCell>& cells, std::vector<float>& radii) {
     if (!tells_clutter(radii.size(), k_)) return {};
     const bool is_flat = std::all_of(flatness.begin(), flatness.end(), [](float f) { return f >= 1; });
     const std::vector<float> whole(is_flat ? radii.size() : 0, 1.0f);

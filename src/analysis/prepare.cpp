@@ -91,7 +91,9 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
   prepared.batches = cut_batches(prepared.cloud.positions);
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
+  progress.check();
   prepared.noise = surface_noise(tree);
+  progress.check();
   complete(prepared, choose(prepared, tree), options, &tree, progress);
   return prepared;
 }

@@ -14,7 +14,7 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t places = 128;
+constexpr std::size_t noise_places = 128;
 constexpr std::array<std::size_t, 4> scales{1536, 384, 96, 24};
 /// Between the thickness of noise, once as large from twice as far, and that of edges, twice.
 constexpr float as_thick = std::numbers::sqrt2_v<float>;
@@ -46,7 +46,7 @@ float noise_at(const NeighborTree& tree, std::uint32_t at) {
 float surface_noise(const NeighborTree& tree) {
   const std::size_t n = tree.positions().size();
   if (n < scales.front()) return 0;
-  std::vector<float> noise(std::min(n, places));
+  std::vector<float> noise(std::min(n, noise_places));
   tbb::parallel_for(std::size_t(0), noise.size(),
                     [&](std::size_t k) { noise[k] = noise_at(tree, std::uint32_t(k * n / noise.size())); });
   return float(quantile(noise, 0.75));

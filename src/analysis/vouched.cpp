@@ -67,8 +67,8 @@ class Polygon {
   /// Nothing is left of its first edges.
   bool is_closed() const { return is_closed_; }
 
-  Cell cell() const {
-    Cell cell{0, 0};
+  VoronoiCell cell() const {
+    VoronoiCell cell{0, 0};
     float open = 0;
     for (std::size_t k = 0; k < count_; ++k) {
       const Corner &from = corners_[k], &to = corners_[k + 1 < count_ ? k + 1 : 0],
@@ -98,8 +98,8 @@ class Polygon {
 
 }  // namespace
 
-Cell cell_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
-             const LocalFrame& frame, const vec3& normal) {
+VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
+                    std::span<const std::uint32_t> neighbors, const LocalFrame& frame, const vec3& normal) {
   const std::size_t count = std::min(neighbors.size(), most);
   // Half the axes of an evenly filled ellipse are two deviations long.
   const float spacing_all = std::sqrt(4 * std::numbers::pi_v<float> *
@@ -132,6 +132,6 @@ Cell cell_of(std::span<const vec3> positions, std::uint32_t point, std::span<con
   return polygon.cell();
 }
 
-float vouched_radius(const Cell& cell) { return cell.radius * std::min(1.0f, cell.closed / corner); }
+float vouched_radius(const VoronoiCell& cell) { return cell.radius * std::min(1.0f, cell.closed / corner); }
 
 }  // namespace sfumato::analysis

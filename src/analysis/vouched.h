@@ -18,7 +18,7 @@ namespace sfumato::analysis {
 /// "Detecting holes in point set surfaces", WSCG 2006. It is open beyond 1.7 spacings, where a random sample
 /// of a surface is empty once in 10,000 times (exp(-pi 1.7^2)): there lies a hole, or the next line of a
 /// scanner whose lines make no surface.
-struct Cell {
+struct VoronoiCell {
   /// To the farthest corner that is bounded, 0 where there is none, no less than that where the cell is
   /// closed; infinite: nobody measured it.
   float radius = std::numeric_limits<float>::infinity();
@@ -29,11 +29,11 @@ struct Cell {
 
 /// `frame`: of the neighbourhood; `normal`: of the plane, which at an edge is another. Neighbours of another
 /// layer, as the other side of a sheet, do not count. Neighbours in any order.
-Cell cell_of(std::span<const vec3> positions, std::uint32_t point, std::span<const std::uint32_t> neighbors,
-             const LocalFrame& frame, const vec3& normal);
+VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
+                    std::span<const std::uint32_t> neighbors, const LocalFrame& frame, const vec3& normal);
 
 /// The radius of a disc that a cell vouches for, from 0. A disc needs no less of a surface around its point
 /// than the corner of a rectangle has, a quarter; of less, as on a line, it is so much smaller.
-float vouched_radius(const Cell& cell);
+float vouched_radius(const VoronoiCell& cell);
 
 }  // namespace sfumato::analysis

@@ -200,6 +200,7 @@ std::uint64_t Session::source(std::size_t part, std::size_t i) const {
 
 void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options,
                         const ChooseNeeds& needs, Progress& progress) {
+  progress.check();
   // What is refused is refused before anything of the last scene is gone.
   std::vector<std::uint32_t> matches;
   if (!options.draw.empty()) matches = first_matches(options.draw, scene.cloud);

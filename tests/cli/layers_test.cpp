@@ -45,8 +45,8 @@ class LayersCommand : public CommandTest {
 
   /// Linear premultiplied colour in the middle of the picture that these words make.
   std::vector<float> middle(Words words) {
-    for (const char* word :
-         {"-t", "layers", "-o", "c.npy", "--camera", "above.json", "--no-background", "--shading", "albedo"})
+    for (const char* word : {"-t", "layers", "-o", "c.npy", "--camera", "above.json", "--no-background",
+                             "--shading", "albedo", "--edl", "off"})
       words.push_back(word);
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0) << outcome.err;

@@ -386,7 +386,7 @@ TEST_F(ReachTest, ClassesThatDoNotOccurAreTold) {
   const Outcome outcome = ok({"classes.csv", "-t", "soft", "--field", "class", "--field-classes", "99", "-o",
                               "a.png", "--resolution", "32x32"});
   EXPECT_THAT(outcome.err,
-              HasSubstr("no point has a class of --field-classes; --color-by classification --legend shows"));
+              HasSubstr("none has a class of --field-classes; --color-by classification --legend shows"));
 }
 
 TEST_F(ReachTest, HelpFitsTheTerminal) {

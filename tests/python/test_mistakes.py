@@ -86,7 +86,7 @@ def test_damaged_files_are_refused_as_by_the_command(command, tmp_path, scan):
 def test_pictures_that_cannot_be_saved(tmp_path):
     picture = sfumato.render(XYZ, size=(64, 48), outputs="rgba")
     with pytest.raises(sfumato.Error, match="pictures are written as"):
-        picture.save(tmp_path / "x.tif")
+        picture.save(tmp_path / "x.gif")
     with pytest.raises(sfumato.Error, match="has no linear image"):
         picture.save(tmp_path / "x.exr")
     with pytest.raises(sfumato.Error) as caught:

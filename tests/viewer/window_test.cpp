@@ -290,18 +290,18 @@ TEST_F(WindowTest, ItemsAreRows) {
   const std::string both = save();
   EXPECT_THAT(png_texts(both)["Command"], HasSubstr("'--draw=class ground: splats' '--draw=z 6..: soft'"));
   // The first row's box, in the panel that is open where there are rows.
-  hand("mousemove 970 269 click 1 sleep 0.3 mousemove 475 20");
+  hand("mousemove 970 237 click 1 sleep 0.3 mousemove 475 20");
   wait_for("final picture", 2);
   const std::string one = save();
   EXPECT_THAT(png_texts(one)["Command"], HasSubstr("'--draw=class ground: none'"));
   EXPECT_FALSE(equal(read_png(both), read_png(one)));
   // The second row's selection, typed anew.
-  type_over(1092, 320, "z 4..");
+  type_over(1092, 287, "z 4..");
   wait_for("final picture", 3);
   const std::string edited = save();
   EXPECT_THAT(png_texts(edited)["Command"], HasSubstr("'--draw=z 4..: soft'"));
   // A number that the scan lacks is said, and nothing is lost.
-  type_over(1092, 320, "beauty 4..");
+  type_over(1092, 287, "beauty 4..");
   wait_for("no 'beauty'");
   EXPECT_TRUE(equal(read_png(save()), read_png(edited)));
   close();

@@ -65,7 +65,9 @@ using SceneFiles = std::vector<scene::SceneFile>;
 
 scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report,
                   Console& console) {
-  return tell_reading(scene::read_scene(files, options.input.scene, console), options, report, console);
+  scene::Scene scene = scene::read_scene(files, options.input.scene, console);
+  console.check();
+  return tell_reading(std::move(scene), options, report, console);
 }
 
 /// Which way is up, and from where to look, unless the user or the file says so.
@@ -73,6 +75,7 @@ Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& re
   const UpAxis custom = scene.cloud.up;
   Pose pose = stand_upright(scene, options.input.scene.up, !options.camera.whole,
                             options.camera.vertical_exaggeration());
+  console.check();
   if (!options.furniture.unit.empty()) pose.unit = unit_named(options.furniture.unit);
   if (options.camera.scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
     console.say("--scale: the file does not say its unit, taken for metres; --unit ft says otherwise");

@@ -216,7 +216,7 @@ TEST(Wishes, KeepParametersByTechniqueAndShareWhatIsShared) {
   EXPECT_EQ(wishes.parameters_of("surface"), (NamesAndValues{{"ambient", "0.5"}, {"disc_scale", "2"}}));
   EXPECT_THROW(wishes.set("disc_scale", "2"), Error);
   EXPECT_THROW(wishes.set("ambient", "7"), Error);
-  wishes.set("ambient", "0.3");  // the default is no wish
+  wishes.set("ambient", "auto");  // the default is no wish
   EXPECT_TRUE(wishes.parameters_of("points").empty());
 }
 
