@@ -38,12 +38,11 @@ def settle(tab, deed=lambda: None):
     return tab.run(HASH)
 
 
-def settle_anew(tab, deed):
+def settle_to(tab, deed, is_there):
     """The same where other points are read first: an exact picture of those before may come in between."""
-    before = tab.run(HASH)
     found = settle(tab, deed)
     for _ in range(50):
-        if found != before:
+        if is_there(found):
             break
         time.sleep(0.2)
         tab.wait(EXACT)
@@ -143,16 +142,16 @@ def main():
         picture(tab, "measured")
 
         tab.run("document.getElementById('panel-items').open = true")
-        item = settle_anew(tab, lambda: tab.run("""(() => { const panel = document.getElementById('panel-items');
+        item = settle_to(tab, lambda: tab.run("""(() => { const panel = document.getElementById('panel-items');
             const text = panel.querySelector('input[placeholder]'); text.value = 'z 0..: splats';
-            text.nextElementSibling.click(); })()"""))
+            text.nextElementSibling.click(); })()"""), lambda found: found != first)
         check("an item is drawn", item != first)
-        settle(tab, lambda: tab.run("document.getElementById('undo').click()"))
-        boxed = settle_anew(tab, lambda: tab.run("""(() => { const fields = document.querySelectorAll('#panel-clip-box input');
+        settle_to(tab, lambda: tab.run("document.getElementById('undo').click()"), lambda found: found == first)
+        boxed = settle_to(tab, lambda: tab.run("""(() => { const fields = document.querySelectorAll('#panel-clip-box input');
             fields[3].value = String((Number(fields[0].value) + Number(fields[3].value)) / 2);
-            fields[3].dispatchEvent(new Event('change')); })()"""))
+            fields[3].dispatchEvent(new Event('change')); })()"""), lambda found: found != first)
         check("a clip box clips", boxed != first)
-        settle(tab, lambda: tab.run("document.getElementById('undo').click()"))
+        settle_to(tab, lambda: tab.run("document.getElementById('undo').click()"), lambda found: found == first)
 
         tab.run("document.getElementById('panel-save').open = true; window.lastShot = null; document.getElementById('shot-size').value = '320x200'; document.getElementById('shoot-size').click()")
         saved = shot_bytes(tab)
