@@ -229,19 +229,22 @@ Profile PaintThread::do_profile(Wanted& one, const ProfileJob& job) {
 }
 
 /// Nothing more can be drawn: whoever asked is told by an answer of id 0.
+void PaintThread::lose(const Failure& failure) {
+  std::vector<std::shared_ptr<Wanted>> all;
+  {
+    const std::lock_guard lock(mutex);
+    lost_ = failure;
+    all = painters_;
+  }
+  for (const auto& one : all) answer(*one, failure);
+}
+
 bool PaintThread::is_lost() {
   try {
     gl::check_reset();
     return false;
   } catch (...) {
-    const Failure failure = failure_of(0);
-    std::vector<std::shared_ptr<Wanted>> all;
-    {
-      const std::lock_guard lock(mutex);
-      lost_ = failure;
-      all = painters_;
-    }
-    for (const auto& one : all) answer(*one, failure);
+    lose(failure_of(0));
     return true;
   }
 }
@@ -360,14 +363,7 @@ void PaintThread::run() {
     const std::lock_guard lock(gate_->mutex);
     context_ = gl::Context::create_headless();
   } catch (...) {
-    const Failure failure = failure_of(0);
-    std::vector<std::shared_ptr<Wanted>> all;
-    {
-      const std::lock_guard lock(mutex);
-      lost_ = failure;
-      all = painters_;
-    }
-    for (const auto& one : all) answer(*one, failure);
+    lose(failure_of(0));
   }
   {
     // The limits of the driver are read by everybody and written by each that comes.

@@ -107,6 +107,7 @@ class PaintThread {
   void do_scene(Wanted& one, SceneJob job, Watch& watch);
   PickAnswer do_pick(Wanted& one, const PickJob& job);
   bool prepare_ahead();
+  void lose(const Failure& failure);
   bool is_lost();
   Profile do_profile(Wanted& one, const ProfileJob& job);
   Picture do_picture(Wanted& one, const PictureJob& job, Watch& watch);
