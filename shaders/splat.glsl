@@ -98,12 +98,16 @@ bool splat_pixels(Splat splat, out ivec2 first, out ivec2 last) {
     lo = splat.center.xy - sqrt(a);
     hi = splat.center.xy + sqrt(a);
   } else {
-    float front = depth * depth - d;
+    if (depth <= 0.0) return true;
+    // In units of the depth: fourth powers of coordinates beyond 1e9 would overflow.
+    float unit = 1.0 / depth, unit2 = unit * unit;
+    vec2 c = splat.center.xy * unit;
+    a *= unit2, b *= unit2, d *= unit2;
+    float front = 1.0 - d;
     // A disc that reaches the plane of the eye may cover any pixel.
-    if (depth <= 0.0 || front <= 1e-6 * depth * depth) return true;
-    vec2 c = splat.center.xy;
-    vec2 root = sqrt(max((b * b - a * d) - 2.0 * b * c * depth + a * depth * depth + c * c * d, 0.0));
-    vec2 middle = c * depth - b;
+    if (front <= 1e-6) return true;
+    vec2 root = sqrt(max((b * b - a * d) - 2.0 * b * c + a + c * c * d, 0.0));
+    vec2 middle = c - b;
     lo = (middle - root) / front;
     hi = (middle + root) / front;
   }
