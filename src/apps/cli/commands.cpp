@@ -14,6 +14,7 @@ const std::vector<Command>& all_commands() {
       {"info", "what files hold: points, extent, attributes, spacing", info_command},
       {"convert", "one or several clouds to LAS, LAZ, PLY, PCD, CSV, XYZ, NPY", convert_command},
       {"build", "files of any size to one COPC file with levels of detail", build_command},
+      {"publish", "a scan as a folder that any browser shows", publish_command},
 #ifdef SFUMATO_SERVE
       {"serve", "scans in the browser, rendered where the data is", serve_command},
 #endif

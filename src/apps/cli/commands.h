@@ -12,6 +12,7 @@ int render_command(const Words& words);
 int info_command(const Words& words);
 int convert_command(const Words& words);
 int build_command(const Words& words);
+int publish_command(const Words& words);
 int serve_command(const Words& words);
 int synth_command(const Words& words);
 int techniques_command(const Words& words);

@@ -15,6 +15,7 @@
 #include "io/camera_json.h"
 #include "io/file_names.h"
 #include "passes/shadows.h"
+#include "publish.h"
 #include "render_options.h"
 #include "render_request.h"
 #include "report.h"
@@ -120,6 +121,8 @@ void check_names(const RenderOptions& options, const Choice& choice) {
 
 std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis axis,
                                const Subject& subject) {
+  if (options.publication)
+    return options.publication->cameras(first, axis, subject, !options.camera.stands_somewhere());
   if (options.path.empty()) return {first};
   if (options.path == "orbit") {
     Camera start = first;
@@ -269,6 +272,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
         options.camera.moves_camera() || options.camera.preset ? ", and no camera options show all of it"
                                                                : ""));
   }
+  if (options.publication) return console.say("wrote " + options.publication->summary());
   if (report.outputs.empty()) return;
   const std::string& first = report.outputs.front();
   if (is_video(first))
@@ -326,7 +330,6 @@ int render_command(const Words& words) {
   Choice& choice = request.choice;
   RenderOptions& options = request.options;
   CommandLine& line = request.line;
-  const Preset& preset = request.preset;
   line.usage("sfumato FILE... [-t TECHNIQUE] [-o PICTURE]");
   // Who asks about a technique wants its parameters.
   if (peek(words, 't', "technique").empty()) line.short_help(short_help);
@@ -348,12 +351,18 @@ int render_command(const Words& words) {
   if (!options.has_output()) return view_command(options, choice, line);
 #endif
 
+  Words command = words;
+  command.insert(command.begin(), "sfumato");
+  return draw_pictures(request, quote(command));
+}
+
+int draw_pictures(RenderRequest& request, const std::string& command) {
+  Choice& choice = request.choice;
+  RenderOptions& options = request.options;
   Console console(options.common);
   RenderReport report;
   Stopwatch watch(report);
-  Words command = words;
-  command.insert(command.begin(), "sfumato");
-  if (options.each) return render_each(options, choice, quote(command), report, watch, console);
+  if (options.each) return render_each(options, choice, command, report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
   auto [scene, pose, camera, cameras, by_camera] = see(
@@ -371,7 +380,9 @@ int render_command(const Words& words) {
   if (report.frames > 1)
     for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.cloud.up);
 
-  Studio studio(options, choice, report, quote(command), console);
+  const std::string crs = scene.cloud.crs;
+  const std::vector<io::ReadReport> files = scene.files;
+  Studio studio(options, choice, report, command, console);
   studio.set_scene(std::move(scene), pose);
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
@@ -391,14 +402,16 @@ int render_command(const Words& words) {
     studio.shoot(seen, n, watch);
   }
   studio.finish();
-  std::optional<Camera> kept = preset.camera;
+  if (options.publication)
+    options.publication->finish(facts_of(options, choice, report, command, {pose, box, crs, files}));
+  std::optional<Camera> kept = request.preset.camera;
   if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
   for (const std::string& name : {options.save_preset, options.save_scene}) {
     if (name.empty()) continue;
-    const SceneFiles files = name == options.save_scene ? options.placed() : SceneFiles();
+    const SceneFiles placed = name == options.save_scene ? options.placed() : SceneFiles();
     // A scene is seen from where it was seen.
-    save_preset(name, choice.looks(), choice.prepare_parameters, line.given(), files.empty() ? kept : camera,
-                files);
+    save_preset(name, choice.looks(), choice.prepare_parameters, request.line.given(),
+                placed.empty() ? kept : camera, placed);
     report.outputs.push_back(name);
   }
   tell(report, options, choice, box, console);

@@ -16,6 +16,10 @@
 #include "labels/furniture.h"
 #include "session/draw_rule.h"
 
+namespace sfumato::publish {
+class Publication;
+}
+
 namespace sfumato::cli {
 
 /// What stands in a file name for the braces of its pattern.
@@ -41,6 +45,8 @@ struct RenderOptions {
   Words transforms;  ///< "N: 16 numbers"
   Words draw;        ///< "SELECTION: TECHNIQUE [name=value ...]"
 
+  publish::Publication* publication = nullptr;  ///< takes the pictures in place of files
+
   // Parsed by `check`.
   std::vector<DrawRule> rules;
   std::vector<scene::SceneFile> scene_files;  ///< of --scene, and of --transform once files are expanded
@@ -65,8 +71,8 @@ struct RenderOptions {
   /// Without any output a window opens.
   void check_window(std::size_t technique_count) const;
   bool has_output() const {
-    return !output.empty() || !output_panels.empty() || !output_depth.empty() || !output_normal.empty() ||
-           !output_camera.empty();
+    return publication || !output.empty() || !output_panels.empty() || !output_depth.empty() ||
+           !output_normal.empty() || !output_camera.empty();
   }
 };
 

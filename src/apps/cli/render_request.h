@@ -28,6 +28,10 @@ struct RenderRequest {
   Preset defaults_;
 };
 
+/// Reads, draws and writes what a parsed and checked request asks for; `command` is kept in the pictures.
+/// Returns the exit code.
+int draw_pictures(RenderRequest& request, const std::string& command);
+
 /// What a viewer begins with. `options` and `choice` are used as long as it runs.
 view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndValues& given);
 

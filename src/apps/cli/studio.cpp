@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../publish/publication.h"
 #include "analysis/coincident.h"
 #include "core/counted.h"
 #include "core/version.h"
@@ -42,6 +43,7 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
   wants_.color = (!options_.output.empty() && !wants_.color_linear) || !options_.output_panels.empty();
   wants_.depth = extension == ".exr" || !options_.output_depth.empty();
   wants_.normal = extension == ".exr" || !options_.output_normal.empty();
+  if (options_.publication) wants_.color = wants_.depth = true;
   wants_.timings = options_.timings || options_.json;
   for (const auto& chosen : choice_.techniques) chosen->settings.transparent = options_.no_background;
 }
@@ -115,7 +117,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
   if (const auto place = place_of(camera); place && options_.world_file)
     world_ = {io::world_file_name(file_name(options_.output, options_.parts(n))), *place};
   const bool is_one = choice_.techniques.size() == 1 && options_.output_panels.empty() &&
-                      !options_.camera.panorama && !is_video(options_.output);
+                      !options_.camera.panorama && !is_video(options_.output) && !options_.publication;
   if (is_one && session_.is_tiled(camera)) return shoot_rows(camera, n, watch);
   std::vector<labels::Panel> panels;
   RenderOutput out;
@@ -314,6 +316,7 @@ void Studio::finish() {
 }
 
 void Studio::write(const RenderOutput& out, const Camera& camera, int n) {
+  if (options_.publication) return options_.publication->add(out.rgba8, out.depth, camera);
   if (is_video(options_.output)) {
     if (!video_) {
       report_.outputs.push_back(options_.output);
