@@ -27,14 +27,14 @@ ANNOTATIONS = {
     "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any", "exposure": "Optional[float]",
     "memory": "Union[int, str, None]", "preset": "Union[Path, Dict[str, Any], None]", "panorama": "bool", "legend": "Optional[bool]",
     "direction": "Optional[Sequence[float]]", "view_up": "Optional[Sequence[float]]", "shadows": "bool", "items": "Any", "camera": "CameraLike",
-    "transform": "Optional[ArrayLike]", "pictures": "Iterable[Picture]", "labels": "Optional[Sequence[str]]", "count": "int"}
+    "transform": "Optional[ArrayLike]", "pictures": "Iterable[Picture]", "port": "int", "folder": "str", "words": "Sequence[str]", "labels": "Optional[Sequence[str]]", "count": "int"}
 RETURNS = {
     "render": "Picture", "read": "Cloud", "synth": "Cloud", "write": "List[str]", "formats": "List[Dict[str, Any]]",
     "colormaps": "List[str]", "techniques": "Any", "analysis_parameters": "List[Parameter]", "orbit": "List[Camera]",
     "path": "List[Camera]", "view": "Camera", "frames": "Iterator[Picture]", "look_at": "Camera", "from_pose": "Camera",
     "from_opencv": "Camera", "from_json": "Camera", "load": "Camera", "resized": "Camera", "replace": "Camera", "pose": "Array",
     "matrix": "Array", "project": "Array", "unproject": "Array", "to_structured": "Array", "__len__": "int", "__getitem__": "Cloud",
-    "__enter__": "Renderer", "open": "Levels", "colormap": "Array", "contact_sheet": "Picture",
+    "__enter__": "Any", "serve": "Server", "open": "Levels", "colormap": "Array", "contact_sheet": "Picture",
     "rules": "List[str]", "to_json": "str", "spacing": "float", "normals": "Array", "uncertainty": "Array", "clusters": "Array"}
 PROPERTIES = {
     "Cloud": {"positions": "Array", "xyz": "Array", "origin": "Tuple[float, float, float]", "colors": "Optional[Array]",
@@ -46,7 +46,8 @@ PROPERTIES = {
                 "analysis_parameters": "Dict[str, Any]", "color_by": "str", "background": "Tuple[float, float, float]",
                 "legend": "Optional[Dict[str, Any]]", "notes": "List[str]"},
     "Levels": {"bounds": "Tuple[Tuple[float, float, float], Tuple[float, float, float]]", "levels": "List[Tuple[int, float]]", "crs": "str"},
-    "Renderer": {"technique": "str", "up": "str"}}
+    "Renderer": {"technique": "str", "up": "str"},
+    "Server": {"address": "str", "running": "bool"}}
 HEAD = '''# Written by src/python/make_stubs.py when the package was built.
 import os
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Literal, Mapping, MutableMapping, Optional, Sequence, Tuple, Union
@@ -151,7 +152,8 @@ def class_stub(name, kind, parameters):
             if name == "Scalars":
                 continue
             takes_all = name in ("Renderer", "Scene", "Item")
-            text += function_stub(member, value, parameters if takes_all else {}, "    ")
+            stub = function_stub(member, value, parameters if takes_all else {}, "    ")
+            text += stub.replace("-> Any", f"-> {name}") if member == "__enter__" else stub
     return text if text.endswith("\n") else text + "    ...\n"
 
 
@@ -173,7 +175,7 @@ def main():
     for name in [*sfumato.__all__, "open"]:
         thing = getattr(sfumato, name)
         if inspect.isfunction(thing):
-            text += function_stub(name, thing, parameters if name == "render" else {}) + "\n"
+            text += function_stub(name, thing, parameters if name in ("render", "serve") else {}) + "\n"
     compile(text, "__init__.pyi", "exec")  # stubs that do not parse help nobody
     for name, content in (("__init__.pyi", text), ("py.typed", "")):
         with open(os.path.join(package, name), "w", encoding="utf-8") as file:
