@@ -29,6 +29,7 @@ struct SceneRequest {
   ColorSettings coloring = {};
   std::optional<std::uint64_t> max_points = {};  ///< a deterministic subsample of the whole scene
   std::optional<UpAxis> up = {};                 ///< nullopt: from the files, else guessed from the shape
+  bool vertices = false;                         ///< of meshes the vertices, instead of points on the faces
 };
 
 /// The look in a preset or scene of the command.

@@ -15,7 +15,6 @@ using ReadFunction = ReadResult (*)(const std::filesystem::path&, const ReadOpti
 using ExcerptFunction = std::optional<ReadResult> (*)(const std::filesystem::path&, std::size_t,
                                                       const ReadOptions&, Progress&);
 using WriteFunction = WriteReport (*)(const std::filesystem::path&, const PointCloud&, Progress&);
-using MeshFunction = Mesh (*)(const std::filesystem::path&, Progress&);
 /// Whether a file that begins with `head` (its first 4096 bytes, or all of it) has this format.
 using SniffFunction = bool (*)(std::string_view head);
 
@@ -27,8 +26,8 @@ struct Format {
   SniffFunction sniff = nullptr;  ///< null: known by its extension only
   ReadFunction read = nullptr;
   WriteFunction write = nullptr;
-  MeshFunction read_mesh = nullptr;
   ExcerptFunction excerpt = nullptr;
+  bool has_faces = false;  ///< `read` fills `ReadOptions::faces`
 };
 
 /// Error(bad_input) with the one line every reader owes its user: file, place, what is wrong, what to do.
@@ -39,7 +38,6 @@ struct Format {
 // attributes; `read` fills in file and format, and subsamples.
 bool is_ply(std::string_view head);
 ReadResult read_ply(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
-Mesh read_ply_mesh(const std::filesystem::path& file, Progress& progress);
 WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 bool is_pcd(std::string_view head);
@@ -48,7 +46,6 @@ WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud
 
 bool is_obj(std::string_view head);
 ReadResult read_obj(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
-Mesh read_obj_mesh(const std::filesystem::path& file, Progress& progress);
 
 bool is_e57(std::string_view head);
 ReadResult read_e57(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
@@ -83,12 +80,5 @@ ReadResult read_text(const std::filesystem::path& file, const ReadOptions& optio
 WriteReport write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
 
 WriteReport write_npy_cloud(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);
-
-/// The triangles of a polygon whose corners are record numbers, as a fan. `vertex_of` maps records to kept
-/// vertices, -1 for dropped ones, whose triangles are left out. False when a corner names no record.
-bool add_fan(const std::vector<std::int64_t>& polygon, const std::vector<std::int64_t>& vertex_of,
-             Mesh& mesh);
-/// `vertex_of` for `add_fan`: from the places kept in `cloud.grid_index`.
-std::vector<std::int64_t> kept_vertices(const PointCloud& cloud, std::uint64_t records);
 
 }  // namespace sfumato::io

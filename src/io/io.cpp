@@ -6,6 +6,7 @@
 #include "core/counted.h"
 #include "io/atomic_writer.h"
 #include "io/excerpt.h"
+#include "io/faces.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/las.h"
@@ -17,48 +18,19 @@ namespace {
 /// Ordered: content decides before the extension, and of two formats that recognise it the first wins.
 const std::vector<Format>& table() {
   static const std::vector<Format> formats = {
-      {"ply",
-       {".ply"},
-       "Stanford PLY, ascii and binary",
-       is_ply,
-       read_ply,
-       write_ply,
-       read_ply_mesh,
-       excerpt_ply},
+      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, excerpt_ply, true},
       {"pcd",
        {".pcd"},
        "Point Cloud Library, ascii, binary and compressed",
        is_pcd,
        read_pcd,
        write_pcd,
-       nullptr,
        excerpt_pcd},
-      {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, read_obj_mesh, excerpt_obj},
-      {"copc",
-       {".copc.laz"},
-       "Cloud Optimized Point Cloud 1.0",
-       is_copc,
-       read_las,
-       nullptr,
-       nullptr,
-       excerpt_las},
-      {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz, nullptr, excerpt_las},
-      {"las",
-       {".las"},
-       "LAS 1.0 to 1.4, point formats 0 to 10",
-       is_las,
-       read_las,
-       write_las,
-       nullptr,
-       excerpt_las},
-      {"pts",
-       {".pts"},
-       "lines of numbers behind their count",
-       nullptr,
-       read_text,
-       nullptr,
-       nullptr,
-       excerpt_text},
+      {"obj", {".obj"}, "Wavefront OBJ, vertices", is_obj, read_obj, nullptr, excerpt_obj, true},
+      {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las, nullptr, excerpt_las},
+      {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz, excerpt_las},
+      {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las, excerpt_las},
+      {"pts", {".pts"}, "lines of numbers behind their count", nullptr, read_text, nullptr, excerpt_text},
       {"npy", {".npy"}, "NumPy array, a row or a record a point", is_npy, read_npy_points, write_npy_cloud},
       {"e57", {".e57"}, "ASTM E2807, all scans", is_e57, read_e57},
       {"ptx", {".ptx"}, "Leica PTX, all scans", is_ptx, read_ptx},
@@ -94,7 +66,6 @@ const std::vector<Format>& table() {
        is_text,
        read_text,
        write_text,
-       nullptr,
        excerpt_text},
   };
   return formats;
@@ -180,12 +151,16 @@ void bad_input(const std::filesystem::path& file, const std::string& place, cons
 
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options, Progress& progress) {
   const Format& format = find_format(file);
-  ReadResult result = format.read(file, options, progress);
+  Faces faces;
+  ReadOptions wanted = options;
+  if (options.samples_faces) wanted.faces = &faces;
+  ReadResult result = format.read(file, wanted, progress);
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of these are no returns.
   if (format.name != "e57" && format.name != "obj" && format.name != "grid" && format.name != "colmap")
     leave_out_no_returns(result, format.name == "kitti");
+  if (options.samples_faces) sample_faces(std::move(faces), result, progress);
   if (options.max_points && result.cloud.size() > *options.max_points)
     result.cloud = subsample(result.cloud, std::size_t(*options.max_points));
   return result;
@@ -204,9 +179,21 @@ std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::s
 
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
-  if (format.read_mesh) return format.read_mesh(file, progress);
-  throw Error(ErrorCode::bad_input,
-              file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
+  if (!format.has_faces)
+    throw Error(ErrorCode::bad_input,
+                file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
+  Faces faces;
+  ReadOptions options;
+  options.faces = &faces;
+  ReadResult vertices = format.read(file, options, progress);
+  if (faces.bad > 0)
+    bad_input(file, faces.first_bad,
+              "found a face with a corner outside the " + std::to_string(vertices.report.points) +
+                  " vertices; the file is damaged, export it again");
+  Mesh mesh{{}, std::move(vertices.cloud.colors), std::move(faces.triangles)};
+  for (std::size_t i = 0; i < vertices.cloud.size(); ++i)
+    mesh.positions.push_back(vec3(vertices.cloud.world(i)));
+  return mesh;
 }
 
 WriteReport write(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {

@@ -20,12 +20,15 @@ struct AttributeStats {
 };
 
 class RecordTap;
+struct Faces;
 
 struct ReadOptions {
   std::vector<std::string> columns;         ///< text, rows of .npy: names by position, win over the guess
   std::optional<std::uint64_t> max_points;  ///< deterministic subsample while or after reading
   bool strict = false;                      ///< refuse a file of which parts are damaged
   bool every_attribute = false;             ///< also LAS user_data and point_source_id of nothing but zeros
+  bool samples_faces = false;               ///< of meshes, points on their faces in place of the vertices
+  Faces* faces = nullptr;                   ///< takes the faces of the file (io/faces.h)
   RecordTap* tap = nullptr;  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
 };
 

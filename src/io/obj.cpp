@@ -1,6 +1,11 @@
-// Wavefront OBJ: vertices `v x y z [w] [r g b]`; faces for meshes. Everything else is passed over.
+// Wavefront OBJ: vertices `v x y z [w] [r g b]`; faces with normals, pictures and colours for those who want
+// them. Everything else is passed over.
+#include <algorithm>
 #include <charconv>
+#include <functional>
+#include <map>
 
+#include "io/faces.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/text_rows.h"
@@ -65,15 +70,144 @@ ReadResult read_vertices(const File& file, bool keep_places, Progress& progress)
   return result;
 }
 
-/// The vertex of a corner `17`, `17/3/5` or `-1` (counted from the latest); LineError when it is none of
-/// these.
-std::int64_t parse_corner(std::string_view word, std::uint64_t vertices_so_far) {
+/// Place of what a corner names, `17` or `-1` (counted from the latest of `so_far`); LineError when it is
+/// neither.
+std::int64_t parse_place(const char*& at, const char* end, std::uint64_t so_far) {
   std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (error != std::errc() || number == 0 || (end < word.data() + word.size() && *end != '/'))
-    throw LineError("found the corner '" + std::string(word.substr(0, 20)) + "', expected a vertex number");
-  return number > 0 ? number - 1 : std::int64_t(vertices_so_far) + number;
+  const auto [behind, error] = std::from_chars(at, end, number);
+  if (error != std::errc() || number == 0)
+    throw LineError("found the corner '" + std::string(at, std::min<std::size_t>(20, std::size_t(end - at))) +
+                    "', expected a vertex number");
+  at = behind;
+  return number > 0 ? number - 1 : std::int64_t(so_far) + number;
 }
+
+/// Faces and what belongs to them, line after line.
+class FaceLines {
+ public:
+  FaceLines(const File& file, const ReadResult& vertices)
+      : file_(file), builder_(vertices.cloud, kept_vertices(vertices.cloud, vertices.report.points)) {}
+
+  Faces read(Progress& progress) {
+    LineReader lines(file_, 0, 1);
+    std::string_view line;
+    while (lines.next(line)) {
+      if (lines.line_number() % 65536 == 0) progress.check();
+      if (line.size() < 2) continue;
+      try {
+        take(line, lines.line_number());
+      } catch (const LineError& error) {
+        bad_input(file_.path(), "line " + std::to_string(lines.line_number()),
+                  std::string(error.what()) + "; the file is damaged, export it again");
+      }
+    }
+    Faces& faces = builder_.faces;
+    // One colour tells nothing.
+    if (std::adjacent_find(faces.colors.begin(), faces.colors.end(), std::not_equal_to<>()) ==
+        faces.colors.end())
+      faces.colors.clear();
+    return std::move(faces);
+  }
+
+ private:
+  void take(std::string_view line, std::uint64_t number) {
+    const char *at = line.data(), *end = at + line.size();
+    if (line[0] == 'f' && is_blank(line[1])) return take_face(at + 1, end, number);
+    if (line[0] == 'v') {
+      vertices_ += is_blank(line[1]);
+      if (line.size() < 4 || !is_blank(line[2])) return;
+      at += 2;
+      if (line[1] == 't') {
+        const double u = next_number(at, end, "u"), v = next_number(at, end, "v");
+        builder_.faces.texture_places.emplace_back(u, v);
+      } else if (line[1] == 'n') {
+        vec3 normal;
+        for (int k = 0; k < 3; ++k) normal[k] = float(next_number(at, end, "a normal"));
+        const float length = glm::length(normal);
+        builder_.faces.normals.push_back(length > 0 && std::isfinite(length) ? normal / length : vec3(0));
+      }
+    } else if (line.starts_with("mtllib ")) {
+      take_library(line.substr(7));
+    } else if (line.starts_with("usemtl ")) {
+      take_material(line.substr(7));
+    }
+  }
+
+  void take_face(const char* at, const char* end, std::uint64_t number) {
+    Faces& faces = builder_.faces;
+    polygon_.clear();
+    while ((at = skip_blanks(at, end)) < end) {
+      polygon_.vertices.push_back(parse_place(at, end, vertices_));
+      for (const bool of_texture : {true, false}) {  // 17/3/5, 17/3, 17//5
+        if (at == end || *at != '/') break;
+        ++at;
+        if (at == end || *at == '/' || is_blank(*at)) continue;
+        std::vector<std::int64_t>& places = of_texture ? polygon_.textures : polygon_.normals;
+        places.resize(polygon_.vertices.size() - 1, -1);
+        places.push_back(
+            parse_place(at, end, of_texture ? faces.texture_places.size() : faces.normals.size()));
+      }
+      if (at < end && !is_blank(*at)) parse_place(at, at, 0);
+    }
+    builder_.add(polygon_, [&] { return "line " + std::to_string(number); });
+    const std::size_t triangles = faces.triangles.size();
+    if (texture_ != Faces::none || !faces.texture_no.empty()) {
+      faces.texture_no.resize(std::min(faces.texture_no.size(), triangles));
+      faces.texture_no.resize(triangles, texture_);
+    }
+    if (color_ || !faces.colors.empty()) faces.colors.resize(triangles, color_.value_or(no_color));
+  }
+
+  void take_library(std::string_view name) {
+    const std::optional<std::filesystem::path> found = file_beside(file_.path(), name);
+    if (!found) return miss(name);
+    try {
+      for (auto& [key, material] : read_materials(*found)) materials_[key] = material;
+    } catch (const Error&) {
+      miss(name);
+    }
+  }
+
+  void take_material(std::string_view name) {
+    while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+    texture_ = Faces::none, color_.reset();
+    const auto material = materials_.find(name);
+    if (material == materials_.end()) return;
+    color_ = material->second.color;
+    const std::string& picture = material->second.picture;
+    if (picture.empty()) return;
+    if (const auto known = pictures_.find(picture); known != pictures_.end()) {
+      texture_ = known->second;
+      return;
+    }
+    if (const std::optional<std::filesystem::path> found = file_beside(file_.path(), picture)) {
+      try {
+        builder_.faces.textures.push_back(read_texture(*found));
+        texture_ = std::uint32_t(builder_.faces.textures.size() - 1);
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::bad_input) throw;
+        builder_.faces.without_colors = error.what();
+      }
+    } else {
+      miss(picture);
+    }
+    pictures_[picture] = texture_;
+  }
+
+  void miss(std::string_view name) {
+    while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+    builder_.faces.without_colors = std::string(name) + " is not beside the file";
+  }
+
+  const File& file_;
+  FaceBuilder builder_;
+  Polygon polygon_;
+  std::uint64_t vertices_ = 0;
+  std::map<std::string, Material, std::less<>> materials_;
+  std::map<std::string, std::uint32_t, std::less<>> pictures_;
+  std::uint32_t texture_ = Faces::none;
+  std::optional<Rgba8> color_;
+};
 
 }  // namespace
 
@@ -91,45 +225,12 @@ bool is_obj(std::string_view head) {
   return false;
 }
 
-ReadResult read_obj(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+ReadResult read_obj(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
-  return read_vertices(file, false, progress);
-}
-
-Mesh read_obj_mesh(const std::filesystem::path& path, Progress& progress) {
-  const File file(path);
-  ReadResult vertices = read_vertices(file, true, progress);
-  const std::vector<std::int64_t> vertex_of = kept_vertices(vertices.cloud, vertices.report.points);
-  Mesh mesh;
-  mesh.colors = std::move(vertices.cloud.colors);
-  for (std::size_t i = 0; i < vertices.cloud.size(); ++i)
-    mesh.positions.push_back(vec3(vertices.cloud.world(i)));
-  LineReader lines(file, 0, 1);
-  std::string_view line;
-  std::uint64_t vertices_so_far = 0;
-  std::vector<std::int64_t> polygon;
-  while (lines.next(line)) {
-    if (lines.line_number() % 65536 == 0) progress.check();
-    vertices_so_far += is_vertex(line);
-    if (line.size() < 2 || line[0] != 'f' || !is_blank(line[1])) continue;
-    const std::string place = "line " + std::to_string(lines.line_number());
-    polygon.clear();
-    const char *at = line.data() + 1, *end = line.data() + line.size();
-    try {
-      while ((at = skip_blanks(at, end)) < end) {
-        const char* word = at;
-        while (at < end && !is_blank(*at)) ++at;
-        polygon.push_back(parse_corner({word, std::size_t(at - word)}, vertices_so_far));
-      }
-    } catch (const LineError& error) {
-      bad_input(file.path(), place, std::string(error.what()) + "; the file is damaged, export it again");
-    }
-    if (!add_fan(polygon, vertex_of, mesh))
-      bad_input(file.path(), place,
-                "found a corner outside the " + std::to_string(vertex_of.size()) +
-                    " vertices; the file is damaged, export it again");
-  }
-  return mesh;
+  ReadResult result = read_vertices(file, options.faces != nullptr, progress);
+  if (options.faces)
+    take_faces(file, options, result, [&] { return FaceLines(file, result).read(progress); });
+  return result;
 }
 
 }  // namespace sfumato::io

@@ -6,6 +6,7 @@
 
 #include "io/columns.h"
 #include "core/counted.h"
+#include "io/faces.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/parallel.h"
@@ -179,9 +180,14 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
 
 bool is_ply(std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r"); }
 
-ReadResult read_ply(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
-  return read_ply_vertices(file, read_ply_header(file), false, progress);
+  const PlyHeader header = read_ply_header(file);
+  const bool has_faces = options.faces && has_ply_faces(header);
+  ReadResult result = read_ply_vertices(file, header, has_faces, progress);
+  if (has_faces)
+    take_faces(file, options, result, [&] { return read_ply_faces(file, header, result, progress); });
+  return result;
 }
 
 }  // namespace sfumato::io

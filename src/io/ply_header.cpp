@@ -93,6 +93,7 @@ void parse_comment(std::istringstream& words, PlyHeader& header) {
       header.says_up = key == "up";
     }
   if (key == "crs") header.crs = value;
+  if (key == "TextureFile" && header.texture.empty()) header.texture = value;
 }
 
 }  // namespace
@@ -136,7 +137,8 @@ PlyHeader read_ply_header(const File& file) {
         lines.fail("found more than " + std::to_string(most_properties) + " properties of one element");
     } else if (word == "comment") {
       parse_comment(words, header);
-    } else if (!word.empty() && word != "obj_info") {
+    } else if (!word.empty() && word != "obj_info" && !header.elements.empty()) {
+      // What stands before the elements describes nothing of the data.
       lines.fail("found '" + word.substr(0, 20) + "', expected element, property, comment or end_header");
     }
   }

@@ -35,6 +35,7 @@ struct PlyHeader {
   UpAxis up = UpAxis::pos_y;
   bool says_up = false;
   std::string crs;
+  std::string texture;  ///< `comment TextureFile`, the first
 };
 
 /// Error(bad_input) names the line of the header that is wrong.
@@ -42,6 +43,13 @@ PlyHeader read_ply_header(const File& file);
 
 /// The points alone. `keep_places` puts each point's place in the file into `cloud.grid_index`.
 ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places, Progress& progress);
+
+/// Whether an element holds the corners of faces, or of strips of triangles.
+bool has_ply_faces(const PlyHeader& header);
+/// `vertices`: with the places of their records.
+struct Faces;
+Faces read_ply_faces(const File& file, const PlyHeader& header, const ReadResult& vertices,
+                     Progress& progress);
 
 /// Walks over the records of an element with lists, one after the other, in a binary file.
 class PlyWalker {

@@ -71,8 +71,10 @@ io::ReadResult result_of(const Cloud& cloud, const std::string& name) {
 
 CloudPtr read(const py::list& items, const std::vector<std::string>& columns,
               const std::optional<std::uint64_t>& max_points, const std::optional<std::string>& up,
-              const py::dict& wishes, bool every_attribute, bool strict, const py::object& progress) {
-  const scene::SceneOptions options = options_of(columns, max_points, up, wishes, every_attribute, strict);
+              const py::dict& wishes, bool every_attribute, bool strict, bool vertices,
+              const py::object& progress) {
+  scene::SceneOptions options = options_of(columns, max_points, up, wishes, every_attribute, strict);
+  options.read.samples_faces = !vertices;
   const Sources sources = sources_of(items);
   auto cloud = std::make_shared<Cloud>();
   cloud->up = options.up;

@@ -21,7 +21,7 @@ ANNOTATIONS = {
     "pose": "ArrayLike", "convention": "Literal['opencv', 'opengl']", "camera_matrix": "ArrayLike", "rotation": "ArrayLike",
     "translation": "ArrayLike", "depth": "ArrayLike", "intrinsics": "Optional[ArrayLike]", "height_world": "Optional[float]",
     "columns": "Sequence[str]", "max_points": "Optional[int]", "crop": "Optional[Sequence[float]]",
-    "crop_relative": "Optional[Sequence[float]]", "filters": "Union[str, Sequence[str]]", "every_attribute": "bool", "scene": "str",
+    "crop_relative": "Optional[Sequence[float]]", "filters": "Union[str, Sequence[str]]", "every_attribute": "bool", "vertices": "bool", "scene": "str",
     "mesh": "Optional[Path]", "name": "Optional[str]", "neighbors": "int", "min_size": "int", "point_threshold": "float",
     "region_threshold": "float", "gap": "Optional[float]", "angle": "float", "bend": "float", "text": "str", "width": "int",
     "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any", "exposure": "Optional[float]",

@@ -65,6 +65,7 @@ void HeadlessRenderer::open(const SceneRequest& request, Progress& progress) {
   scene::SceneOptions reading;
   reading.read.max_points = request.max_points;
   reading.up = request.up;
+  reading.read.samples_faces = !request.vertices;
   SessionOptions options{{}, request.coloring, {}};
   for (const std::string& rule : request.draw) options.draw.push_back(DrawRule::parse(rule));
   const std::vector<std::string> files = scene::expand_inputs(request.files);

@@ -40,6 +40,7 @@ std::string key_of(const LoadJob& job) {
   }
   for (const std::string& column : job.options.read.columns) key += column + ',';
   key += job.options.read.max_points ? std::to_string(*job.options.read.max_points) : "all";
+  key += job.options.read.samples_faces ? "faces" : "vertices";
   key += job.options.up ? to_string(*job.options.up) : "auto";
   return key;
 }

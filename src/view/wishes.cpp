@@ -70,7 +70,7 @@ std::string DrawRow::rule() const {
 
 bool is_kept_as_written(const std::string& option) {
   return option == "filter" || option == "columns" || option == "max-points" || option == "up" ||
-         option == "crop-relative";
+         option == "crop-relative" || option == "vertices";
 }
 
 std::string classes_text(const std::vector<int>& classes) {

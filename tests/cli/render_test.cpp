@@ -34,6 +34,25 @@ class RenderTest : public CommandTest {
 
 bool is_white(const Rgba8& c) { return c.r == 255 && c.g == 255 && c.b == 255; }
 
+TEST_F(RenderTest, MeshesAreDrawnByTheirFaces) {
+  write("square.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n");
+  const auto filled = [&](const std::vector<std::string>& more, const std::string& says) {
+    std::vector<std::string> words = {"square.obj", "-o",   "a.png", "--resolution", "64x48", "--view",
+                                      "front",      "--up", "+Y"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err + outcome.out, HasSubstr(says));
+    const Image<Rgba8> image = read_png("a.png");
+    int count = 0;
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x) count += !is_white(image.at(x, y));
+    return count;
+  };
+  EXPECT_GT(filled({}, "1 face sampled to 259200 points (--vertices: the vertices alone)"), 1000);
+  EXPECT_LT(filled({"--vertices"}, "4 points"), 300);
+}
+
 TEST_F(RenderTest, FirstViewFramesTheCloudInItsColours) {
   const Json json =
       run_json({"cube.ply", "-o", "a.png", "--resolution", "128x96", "--shading", "albedo", "--json"});

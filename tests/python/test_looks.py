@@ -24,6 +24,14 @@ def test_what_the_command_knows(command, tmp_path, scan, words, given):
     equal(sfumato.render(scan, technique="points", size=SIZE, **given), pixels(command, tmp_path, scan, "-t", "points", *words))
 
 
+def test_meshes_are_points_on_their_faces(command, tmp_path):
+    file = tmp_path / "square.obj"
+    file.write_text("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n")
+    equal(sfumato.render(file, size=SIZE), pixels(command, tmp_path, file))
+    equal(sfumato.render(file, vertices=True, size=SIZE), pixels(command, tmp_path, file, "--vertices"))
+    assert len(sfumato.read(file)) == 4 and len(sfumato.read(file, vertices=False)) == 259200
+
+
 def test_selections_of_clouds_are_those_of_files(scan):
     wanted = {"show_classes": [2, 6], "filters": ["z 0.5.."], "crop_relative": (0, 0, 0, 0.7, 1, 1)}
     assert (sfumato.render(sfumato.read(scan), size=SIZE, **wanted).rgba == sfumato.render(scan, size=SIZE, **wanted).rgba).all()

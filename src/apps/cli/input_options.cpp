@@ -39,6 +39,9 @@ void InputOptions::declare(CommandLine& line) {
             "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
   line.text("--columns", columns_, "x,y,z,...",
             "names of the columns of text files, .npy rows and .bin floats, instead of a guess");
+  if (draws_)
+    line.flag("--vertices", vertices_,
+              "of meshes (PLY, OBJ) the vertices alone, instead of points on the faces");
   line.flag("--strict", scene.read.strict,
             "refuse partly damaged files instead of skipping the damaged parts");
   line.text("--up", up_, "auto|+Z|-Z|+Y|...",
@@ -46,6 +49,7 @@ void InputOptions::declare(CommandLine& line) {
 }
 
 void InputOptions::check() {
+  scene.read.samples_faces = draws_ && !vertices_;
   Selection& wanted = scene.selection;
   if (crop_ && crop_relative_)
     throw Error(ErrorCode::usage, "--crop and --crop-relative contradict each other: give one of them");

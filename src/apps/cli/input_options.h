@@ -13,8 +13,10 @@ namespace sfumato::cli {
 
 class InputOptions {
  public:
-  /// `hide_classes`: those left out unless asked for, "7,18" or "none".
-  explicit InputOptions(const std::string& hide_classes) : hide_classes_(hide_classes) {}
+  /// `hide_classes`: those left out unless asked for, "7,18" or "none". `draws`: what is read is drawn, so
+  /// that meshes are points on their faces.
+  explicit InputOptions(const std::string& hide_classes, bool draws = false)
+      : hide_classes_(hide_classes), draws_(draws) {}
   void declare(CommandLine& line);
   /// Throws Error(usage) for what can be wrong before a file is opened.
   void check();
@@ -24,6 +26,7 @@ class InputOptions {
 
  private:
   std::string hide_classes_;
+  bool draws_ = false, vertices_ = false;
   std::optional<std::string> crop_, crop_relative_, show_classes_, columns_, max_points_, up_;
   Words filters_;
 };

@@ -32,7 +32,7 @@ struct RenderOptions {
   Words files;
   std::string technique, output, output_panels, output_depth, output_normal, output_camera;
   CameraOptions camera;
-  InputOptions input{"7,18"};
+  InputOptions input{"7,18", true};
   CommonOptions common;
   std::string background_color, color_range, exposure_text, point_color, quality_text;
   ColorSettings color;

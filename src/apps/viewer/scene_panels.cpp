@@ -40,7 +40,7 @@ void Interface::take_preset(const std::string& file) {
       const std::size_t dot = name.find('.');
       next.set(dot == std::string::npos ? name : name.substr(dot + 1), value);
     }
-    cli::InputOptions input{"7,18"};
+    cli::InputOptions input{"7,18", true};
     cli::CommandLine line("preset", "");
     input.declare(line);
     cli::Words words;

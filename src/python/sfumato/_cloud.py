@@ -242,7 +242,7 @@ def as_cloud(points, progress=None):
 
 
 def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=None, show_classes=None, hide_classes=None,
-         filters=(), up=None, every_attribute=False, strict=False, progress=None):
+         filters=(), up=None, every_attribute=False, strict=False, vertices=True, progress=None):
     """Reads point clouds: LAS, LAZ, COPC, E57, PLY, PCD, PTX, XYZ and more (`formats`).
 
     Several files become one scene, with the scalar `file` that tells them apart.
@@ -268,13 +268,15 @@ def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=Non
     strict : bool
         Refuses LAZ and COPC files of which parts are damaged. Otherwise those parts are left out with a `PartialWarning`, and
         ``notes`` of the cloud names each.
+    vertices : bool
+        Of meshes the vertices; otherwise points on the faces, as they are rendered.
     progress : function of (share, text) or a tqdm bar, optional
 
     Raises `Error`: "io" when a file cannot be opened, "bad_input" when it is damaged or holds no points, "usage".
     """
     wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
     engine = _engine.read(items_of(_words_of(files, more)), list(columns), count_of("max_points", max_points), up, wishes,
-                          every_attribute, bool(strict), _progress.callback(progress))
+                          every_attribute, bool(strict), bool(vertices), _progress.callback(progress))
     warn_of_damage(engine)
     return Cloud._of(engine)
 

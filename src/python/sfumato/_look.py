@@ -70,7 +70,7 @@ _OPTIONS = {
     "color-by": ("color_by", _text), "color": ("color", _text), "colormap": ("colormap", _text), "color-range": ("range", _numbers),
     "exposure": ("exposure", _number), "background-color": ("background", _text), "up": ("up", _text), "whole": ("whole", _bool),
     "crop": ("crop", _numbers), "crop-relative": ("crop_relative", _numbers), "show-classes": ("show_classes", _integers),
-    "hide-classes": ("hide_classes", _integers), "max-points": ("max_points", count_of), "columns": ("columns", _words),
+    "hide-classes": ("hide_classes", _integers), "max-points": ("max_points", count_of), "vertices": ("vertices", _bool), "columns": ("columns", _words),
     "vertical-exaggeration": ("vertical_exaggeration", _number)}
 _REPEATED = {"draw": "draw", "filter": "filters"}
 #: And of `Renderer.view`.
@@ -154,7 +154,7 @@ class Look:
 #: Keywords of `Renderer` with what they are when nobody says otherwise.
 KEYWORDS = {"technique": "auto", "background": "auto", "up": None, "color": None, "color_by": None, "colormap": None, "range": None,
             "exposure": None, "hide_classes": (7, 18), "show_classes": None, "filters": (), "crop": None, "crop_relative": None,
-            "max_points": None, "columns": (), "whole": False, "draw": (), "vertical_exaggeration": None,
+            "max_points": None, "columns": (), "whole": False, "vertices": False, "draw": (), "vertical_exaggeration": None,
             **dict.fromkeys(FURNITURE)}
 
 

@@ -175,7 +175,7 @@ class Renderer:
     def __init__(self, points, colors=None, technique="auto", normals=None, scalars=None, radii=None, background="auto",
                  up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
                  show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
-                 preset=None, progress=None, strict=False, **parameters):
+                 preset=None, progress=None, strict=False, vertices=False, **parameters):
         drawn_on = {name: parameters.pop(name) for name in ("vertical_exaggeration", *FURNITURE) if name in parameters}
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
@@ -183,7 +183,7 @@ class Renderer:
         given = {"technique": technique, "background": background, "up": up, "color": color, "color_by": color_by,
                  "colormap": colormap, "range": range, "exposure": exposure, "hide_classes": tuple(hide_classes or ()),
                  "show_classes": show_classes, "filters": [filters] if isinstance(filters, str) else list(filters), "crop": crop,
-                 "crop_relative": crop_relative, "max_points": max_points, "whole": whole,
+                 "crop_relative": crop_relative, "max_points": max_points, "whole": whole, "vertices": bool(vertices),
                  "draw": [draw] if isinstance(draw, str) else [str(rule) for rule in draw]}
         given.update(drawn_on)
         # Each wins over what comes before it: what is always so, the scene, the preset, what is given.
@@ -237,7 +237,7 @@ class Renderer:
         if self._sources:
             _engine.has_shadows(wanted["technique"], settings, wishes, [])
             cloud = _engine.read(self._sources, list(wanted["columns"]), max_points, wanted["up"], selection, False, bool(strict),
-                                 self._progress)
+                                 bool(wanted["vertices"]), self._progress)
             warn_of_damage(cloud)
             wishes["is_selected"] = True
         else:
@@ -499,7 +499,7 @@ class Renderer:
 def render(points, colors=None, technique="auto", camera=None, size=None, normals=None, scalars=None, radii=None,
            background="auto", up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
            show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
-           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, strict=False, **parameters):
+           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, strict=False, vertices=False, **parameters):
     """A picture of points: the same bytes as the command gives for the same view and parameters.
 
     >>> sfumato.render(xyz, rgb, technique="surface", shadows="soft").save("scan.png")
@@ -562,6 +562,8 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     progress : function of (share, text) or a tqdm bar, optional
     strict : bool
         As in `read`.
+    vertices : bool
+        Of meshes the vertices alone, instead of points on their faces.
     **parameters
         Any parameter of the technique (`techniques`) or the analysis: ``point_size=2``, ``shadows="soft"``, ``samples=8``.
 
@@ -577,7 +579,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     """
     renderer = Renderer(points, colors, technique, normals, scalars, radii, background, up, color, color_by, colormap, range,
                         exposure, hide_classes, show_classes, filters, crop, crop_relative, max_points, memory, whole, draw, preset,
-                        progress, strict, **parameters)
+                        progress, strict, vertices, **parameters)
     with renderer:
         return renderer.render(camera, size, None, outputs, progress, panorama, legend)
 
