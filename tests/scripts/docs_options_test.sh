@@ -15,7 +15,7 @@ parameters() { grep -oE '`[a-z][a-z0-9_]*`' | tr -d '`' | sed 's/^/--/; s/_/-/g'
 {
   "$sfumato" --help all
   for command in info convert build publish synth techniques formats doctor completion; do "$sfumato" $command --help; done
-  if "$sfumato" help | grep -q "^ *serve "; then "$sfumato" serve --help; else printf -- '--port\n--bind\n--host\n--open\n--clients\n--selections\n'; fi
+  if "$sfumato" help | grep -q "^ *serve "; then "$sfumato" serve --help; else printf -- '--port\n--bind\n--host\n--open\n--share\n--clients\n--selections\n'; fi
 } | options >"$work/main"
 {
   cat "$work/main"

@@ -68,6 +68,49 @@ def shot_bytes(tab):
     return bytes(json.loads(tab.run("""(async () => JSON.stringify([...new Uint8Array(await window.lastShot.arrayBuffer())]))()""")))
 
 
+def comes_to(tab, wanted):
+    """Whether the tab shows that exact picture before long."""
+    for _ in range(150):
+        if tab.run(f"{EXACT} && {HASH}") == wanted:
+            return True
+        time.sleep(0.2)
+    return False
+
+
+def look_together(folder, browser):
+    """--share: one view for all, and pointers."""
+    with Server(os.path.join(folder, "scan.ply"), "-t", "points", "--share", "--quiet") as server:
+        one, two = browser.open(server.address, 900, 560), browser.open(server.address, 900, 560)
+        for each in (one, two):
+            each.wait(EXACT)
+        check("pages that look together begin with one view", two.run(HASH) == one.run(HASH))
+        one.call("Page.bringToFront")
+        turned = settle(one, lambda: one.drag(300, 300, 90, 30))
+        two.call("Page.bringToFront")
+        check("what one turns, the other sees", comes_to(two, turned))
+        settle(two, lambda: two.run("[...document.querySelectorAll('.techniques button')].find(b => b.textContent === 'splats').click()"))
+        one.call("Page.bringToFront")
+        one.wait(f"{CANVAS}.dataset.technique === 'splats'")
+        check("what the other draws with, one sees", comes_to(one, two.run(HASH)))
+        one.mouse("mouseMoved", 310, 320, 0)
+        box = two.run("(() => { const b = document.getElementById('picture').getBoundingClientRect(); return [b.left, b.top]; })()")
+        where = "document.querySelector('#marks .pointer')?.getAttribute('d')"
+        for _ in range(50):
+            at = [float(v) for v in (two.run(where) or "M0,0l")[1:].split("l")[0].split(",")]
+            near = abs(at[0] + box[0] - 310) < 30 and abs(at[1] + box[1] - 320) < 30
+            if near:
+                break
+            time.sleep(0.1)
+        check("a pointer is where the other points", near, (at, box))
+        third = browser.open(server.address, 900, 560)
+        third.wait(EXACT)
+        check("who comes later sees the same", comes_to(third, two.run(HASH)))
+        one.close()
+        check("who leaves takes the pointer along", two.wait("!document.querySelector('#marks .pointer')"))
+        two.close()
+        third.close()
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder, Server(make_scan(folder), "-t", "points", "--quiet") as server, \
             chromium.Browser() as browser:
@@ -196,6 +239,9 @@ def main():
         for each in (tab, other, tablet, narrow):
             each.run("1")
             check("no complaint of the browser", not each.complaints, each.complaints)
+        for each in (tab, other, tablet, narrow):
+            each.close()
+        look_together(folder, browser)
     if failures:
         sys.exit(f"{len(failures)} failed: {failures}")
 

@@ -120,6 +120,10 @@ class Tab:
     def touch(self, kind, points):
         self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
 
+    def close(self):
+        self.line.send(json.dumps({"id": 0, "method": "Page.close"}))
+        self.line.close()
+
     def screenshot(self, file):
         data = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         with open(file, "wb") as out:

@@ -121,6 +121,7 @@ int serve_command(const Words& words) {
   line.texts("--host", settings.hosts, "NAME",
              "a name that browsers may call this machine by, as behind a proxy");
   line.flag("--open", is_open, "open the address in a browser of this machine");
+  line.flag("--share", settings.share, "all pages look together, with a pointer for each");
   line.text("--clients", clients, "N", "pages at the same time (16)");
   line.text("--selections", selections, "N",
             "different selections of points (classes, boxes, items) in memory at the same time (4)");

@@ -93,6 +93,8 @@ class Server {
   std::set<Page*> pages;
   std::size_t connections = 0, renders = 0;
   std::shared_ptr<view::SharedScenes> shared;
+  std::optional<view::Wishes> look;  ///< of all pages, where they look together
+  std::uint64_t next_page = 1;
 
   const view::Workbench& keeper() const { return *keeper_; }
   bool is_ready() const { return is_ready_; }
@@ -117,8 +119,11 @@ class Server {
 /// A WebSocket and the viewer behind it.
 class Page : public std::enable_shared_from_this<Page> {
  public:
-  Page(Server& server, beast::tcp_stream&& stream) : server_(server), socket_(std::move(stream)) {}
+  Page(Server& server, beast::tcp_stream&& stream)
+      : id(server.next_page++), server_(server), socket_(std::move(stream)) {}
   ~Page() { close(); }
+
+  const std::uint64_t id;
 
   template <class Asked>
   void open(Asked asked) {
@@ -133,7 +138,7 @@ class Page : public std::enable_shared_from_this<Page> {
   }
   void close() {
     if (ticker_) ticker_->stop();
-    server_.pages.erase(this);
+    if (server_.pages.erase(this) && server_.settings.share) point({});
     viewer_.reset();
   }
   /// Points can be shown from now on.
@@ -167,6 +172,8 @@ class Page : public std::enable_shared_from_this<Page> {
         });
     view::Start start = server_.sources.start();
     start.wake = ticker_->waker();
+    if (server_.look) start.wishes = *server_.look;
+    known_ = start.wishes;
     Outside outside = server_.outside();
     outside.send_text = [weak](std::string text) {
       if (const auto self = weak.lock()) self->say_text(std::move(text));
@@ -176,12 +183,34 @@ class Page : public std::enable_shared_from_this<Page> {
     };
     viewer_ = std::make_shared<Viewer>(std::move(start), std::move(outside));
     if (server_.is_ready()) begin_viewer();
+    if (server_.settings.share) say_text(Json{{"share", {{"me", id}}}}.dump());
     read();
+  }
+
+  /// What this page changed is what all look at.
+  void look_together() {
+    if (!server_.settings.share || !bench() || bench()->wishes().frame_on_load || bench()->wishes() == known_)
+      return;
+    server_.look = known_ = bench()->wishes();
+    for (Page* other : server_.pages)
+      if (other != this && other->viewer_) {
+        other->known_ = known_;
+        other->viewer_->follow(known_);
+        if (other->ticker_) other->ticker_->wake();
+      }
+  }
+  /// The others see where the hand of this page points.
+  void point(const std::optional<dvec3>& at) {
+    Json place = at ? Json::array({at->x, at->y, at->z}) : Json();
+    const std::string text = Json{{"pointer", {{"id", id}, {"at", place}}}}.dump();
+    for (Page* other : server_.pages)
+      if (other != this) other->say_text(text);
   }
 
   void tick() {
     if (!viewer_) return;
     viewer_->tick(now_ms());
+    look_together();
     if (const auto& fatal = viewer_->fatal()) server_.lost(*fatal);
   }
 
@@ -202,6 +231,8 @@ class Page : public std::enable_shared_from_this<Page> {
     if (!socket_.got_text()) return shut(websocket::close_code::unknown_data, "messages are text");
     try {
       if (viewer_) viewer_->hear(text, now);
+      look_together();
+      if (viewer_ && viewer_->hand().pointed && server_.settings.share) point(viewer_->hand().pointer);
     } catch (const Error& error) {
       return shut(websocket::close_code::policy_error, error.what());
     }
@@ -244,6 +275,7 @@ class Page : public std::enable_shared_from_this<Page> {
   double allowance_ = messages_a_second, heard_ms_ = 0;
   std::shared_ptr<Viewer> viewer_;
   std::shared_ptr<Ticker> ticker_;
+  view::Wishes known_;  ///< what this page showed when pages last agreed
 };
 
 }  // namespace

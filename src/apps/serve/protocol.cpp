@@ -197,6 +197,12 @@ const std::map<std::string, Deed>& deeds() {
        }},
       {"got", [](auto&, auto& hand, auto& said,
                  auto&) { hand.confirmed = std::uint64_t(std::max(0.0, said.number("id"))); }},
+      {"pointer",
+       [](auto& bench, auto& hand, auto& said, auto&) {
+         hand.pointed = true;
+         hand.pointer.reset();
+         if (!said.flag("away")) hand.pointer = bench.place_at(said.number("x"), said.number("y"));
+       }},
       {"command", [](auto&, auto& hand, auto&, auto&) { hand.wants_command = true; }},
       {"grab",
        [](auto& bench, auto& hand, auto& said, auto&) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,8 @@ struct Hand {
   dvec3 pivot{0};
   std::uint64_t confirmed = 0;  ///< the picture that the page has shown
   bool wants_command = false;
+  bool pointed = false;          ///< the last message moved the pointer
+  std::optional<dvec3> pointer;  ///< the place under it; nothing: it left
 };
 
 /// Limits of what a page may ask for.

@@ -20,6 +20,7 @@ struct Settings {
   std::size_t clients = 16;    ///< pages at the same time
   std::size_t selections = 4;  ///< different selections of points in memory at the same time
   bool opens_browser = false, verbose = false;
+  bool share = false;  ///< all pages show one view, and each other's pointers
   Limits limits;
 };
 

@@ -68,7 +68,7 @@ void Viewer::hear(std::string_view text, double now_ms) {
   if (text.starts_with(R"({"do":"size")")) size_message_ = text;
   if (!bench_) return;  // what is pressed before there is a picture has nothing to act on
   const view::Wishes before = bench_->wishes();
-  hand_.confirmed = 0, hand_.wants_command = false;
+  hand_.confirmed = 0, hand_.wants_command = hand_.pointed = false;
   obey(*bench_, hand_, text, outside_.limits);
   if (hand_.confirmed) pace_.confirmed(hand_.confirmed, now_ms);
   if (hand_.wants_command) {
@@ -83,6 +83,12 @@ void Viewer::hear(std::string_view text, double now_ms) {
     bench_->say("this server holds as many selections of points as its memory is given; undo one, or wait",
                 true);
   }
+}
+
+void Viewer::follow(const view::Wishes& wishes) {
+  if (!bench_) return void(start_.wishes = wishes);
+  bench_->change("together", [&](view::Wishes& next) { next = wishes; });
+  bench_->repaint();
 }
 
 const std::optional<view::Failure>& Viewer::fatal() const {

@@ -35,6 +35,9 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   std::optional<double> wait_ms(double now_ms) const;
   const std::optional<view::Failure>& fatal() const;
   const view::Workbench* bench() const { return bench_.get(); }
+  const Hand& hand() const { return hand_; }
+  /// Looks as somebody else does, from there.
+  void follow(const view::Wishes& wishes);
 
  private:
   void send_state(double now_ms);

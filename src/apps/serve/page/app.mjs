@@ -4,7 +4,7 @@ import { drawMarks, showPicked } from './marks.mjs';
 
 const $ = id => document.getElementById(id);
 const canvas = $('picture'), paper = canvas.getContext('2d');
-export const state = {};
+export const state = {}, pointers = new Map();  // of others: the place that each points at
 let socket, retry = 500, shown = null, camera = null, newest = 0;
 
 export function send(message) {
@@ -37,6 +37,11 @@ function connect() {
 function hear(message) {
   if (message.say) say(message.say, message.error);
   if (message.command) copy(message.command);
+  if (message.share) { state.share = message.share; pointers.clear(); }
+  if (message.pointer) {
+    if (message.pointer.at) pointers.set(message.pointer.id, message.pointer.at); else pointers.delete(message.pointer.id);
+    drawMarks(camera, canvas);
+  }
   if (!message.state) return;
   Object.assign(state, message.state);
   update(message.state);
@@ -184,6 +189,17 @@ function release(event) {
   grabbed = null;
   if (fingers.size < 2) pinch = null;
 }
+let pointing = 0;
+canvas.addEventListener('pointermove', event => {
+  if (!state.share || pointing) return;
+  pointing = setTimeout(() => { pointing = 0; send({ do: 'pointer', ...place(event) }); }, 60);
+});
+canvas.addEventListener('pointerleave', () => {
+  if (!state.share) return;
+  clearTimeout(pointing);
+  pointing = 0;
+  send({ do: 'pointer', away: true });
+});
 canvas.addEventListener('pointerup', release);
 canvas.addEventListener('pointercancel', release);
 canvas.addEventListener('contextmenu', event => event.preventDefault());

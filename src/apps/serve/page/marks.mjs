@@ -1,5 +1,5 @@
-// What is drawn over the picture: picked points, the lines between them, the clip box.
-import { state } from './app.mjs';
+// What is drawn over the picture: picked points, the lines between them, the clip box, what others point at.
+import { pointers, state } from './app.mjs';
 
 const sub = (a, b) => a.map((x, i) => x - b[i]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -46,6 +46,13 @@ export function drawMarks(camera, canvas) {
   for (const each of picked) {
     const at = to(each.world);
     if (at) marks.append(shape('circle', { cx: at[0], cy: at[1], r: 5 }));
+  }
+  for (const [id, world] of pointers) {
+    const at = to(world), color = `hsl(${id * 137 % 360} 90% 45%)`;
+    if (!at) continue;
+    const arrow = shape('path', { class: 'pointer', 'data-page': id, d: `M${at[0]},${at[1]}l4,15l3.5,-6l7,-1.5z` });
+    arrow.style.fill = color;
+    marks.append(arrow, shape('text', { x: at[0] + 14, y: at[1] + 20 }, id));
   }
 }
 
