@@ -15,6 +15,11 @@
 #include "session/preset.h"
 
 namespace sfumato::test {
+#ifdef SFUMATO_SERVE
+void read_request(std::string_view bytes);
+void read_messages(std::string_view bytes);
+#endif
+
 namespace {
 
 [[noreturn]] void fault(const char* what) {
@@ -148,6 +153,10 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
                                                         {"exr", read_exr},
                                                         {"camera", read_camera},
                                                         {"preset", read_preset},
+#ifdef SFUMATO_SERVE
+                                                        {"http", read_request},
+                                                        {"websocket", read_messages},
+#endif
                                                         {"command_line", read_command_line}};
   return all;
 }

@@ -27,6 +27,8 @@ int main(int argc, char** argv) {
       "camera",
       R"({"cameras": [{"position": [1,2,3], "target": [0,0,0], "projection": "orthographic", "height_world": 3,
  "width": 64, "height": 48, "fx": 50, "fy": 50, "cx": 32, "cy": 24}]})");
+  write("http", "GET /0123456789abcdef0123456789abcdef/info HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  write("websocket", R"({"do":"size","width":64,"height":48})");
   write("preset", R"({"technique": "points", "parameters": {"shadows": "hard", "points": {"point_size": 2}},
  "options": {"color-by": "elevation"}, "camera": {"position": [1,2,3], "target": [0,0,0], "width": 8, "height": 8}})");
   write(

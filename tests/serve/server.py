@@ -40,6 +40,12 @@ def points_of(file):
     return [dict(zip(names, values)) for values in row.iter_unpack(body[:row.size * count])]
 
 
+def free_port():
+    with socket.socket() as line:
+        line.bind(("127.0.0.1", 0))
+        return line.getsockname()[1]
+
+
 class Server:
     def __init__(self, *words):
         self.errors = tempfile.TemporaryFile()
