@@ -68,7 +68,7 @@ def google_benchmark(name):
 def command(words, cloud):
     """A whole process: (wall milliseconds, peak megabytes, what it printed)."""
     places = {'cloud': cloud, 'sfumato': os.path.join(BUILD, 'bin/sfumato'), 'scratch': measure.scratch(),
-              'python': peers.PYTHON, 'peers': peers.SCRIPTS, 'bin': os.path.join(BUILD, 'bin')}
+              'python': peers.PYTHON, 'peers': peers.SCRIPTS, 'bench': HERE, 'bin': os.path.join(BUILD, 'bin')}
     os.environ['PYTHONPATH'] = os.path.join(BUILD, 'python')
     done = measure.process([word.format(**places) for word in words], TIMEOUT_S)
     if done.returncode:

@@ -185,7 +185,8 @@ class Socket:
                     self.commands.append(said["command"])
             elif kind == 2:
                 size = struct.unpack("<I", data[:4])[0]
-                header, body = json.loads(data[4:4 + size]), data[4 + size:]
+                header = json.loads(data[4:4 + size])
+                body = data[4 + size + header.get("depth", {}).get("bytes", 0):]
                 if header["kind"] == "shot":
                     self.shots.append((header, body))
                 else:
