@@ -1,12 +1,14 @@
 #include "io/georeference.h"
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <string>
 #include <vector>
 
 #include "core/error.h"
@@ -144,9 +146,18 @@ std::filesystem::path world_file_name(const std::filesystem::path& picture) {
 }
 
 void write_world_file(const std::filesystem::path& file, const Georeference& g) {
+  std::string text;
+  const auto line = [&](double value, int digits) {
+    char buffer[32];
+    text.append(buffer,
+                std::to_chars(buffer, std::end(buffer), value, std::chars_format::general, digits).ptr) +=
+        '\n';
+  };
+  for (const double step : {g.a, g.d, g.b, g.e}) line(step, 12);
+  line(g.c + 0.5 * (g.a + g.b), 15);
+  line(g.f + 0.5 * (g.d + g.e), 15);
   AtomicWriter writer(file);
-  writer.write(fmt::format("{:.12g}\n{:.12g}\n{:.12g}\n{:.12g}\n{:.15g}\n{:.15g}\n", g.a, g.d, g.b, g.e,
-                           g.c + 0.5 * (g.a + g.b), g.f + 0.5 * (g.d + g.e)));
+  writer.write(text);
   writer.commit();
 }
 
