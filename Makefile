@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb container uninstall clean help
+.PHONY: all release site paper-figures command python demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb container tarball uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -110,6 +110,9 @@ deb:  ## Debian packages in build/deb: sfumato, libsfumato-dev, python3-sfumato
 
 container:  ## as root, after make deb: the container's file system, tested, in build/container
 	@scripts/container
+
+tarball:  ## build/tarball: the command with its libraries and software OpenGL, for Linux without installing
+	@scripts/tarball $(CCACHE)
 
 uninstall:  ## removes what the last install put into place
 	@test -f build/release/install_manifest.txt || { echo "nothing was installed from this checkout" >&2; exit 1; }
