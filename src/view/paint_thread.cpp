@@ -1,6 +1,7 @@
 #include "view/paint_thread.h"
 
 #include <chrono>
+#include <cmath>
 #include <new>
 
 #include "core/error.h"
@@ -135,6 +136,22 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
   answer(one, std::move(ready));
 }
 
+namespace {
+
+/// The corners of a grid over the picture, the first and last of them on its border.
+Image<float> sampled(const Image<float>& depth, int step) {
+  Image<float> out(std::max(2, depth.width() / step), std::max(2, depth.height() / step));
+  const auto place = [](int i, int count, int pixels) {
+    return int(std::lround(double(i) / (count - 1) * (pixels - 1)));
+  };
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x)
+      out.at(x, y) = depth.at(place(x, out.width(), depth.width()), place(y, out.height(), depth.height()));
+  return out;
+}
+
+}  // namespace
+
 Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch) {
   Stand& stand = *one.stand;
   const auto asked = Clock::now();
@@ -157,10 +174,12 @@ Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch
   const auto start = Clock::now();
   RenderWants wants;
   wants.timings = job.timings;
+  wants.depth = job.depth_step > 0;
   RenderOutput out = session.render(look, job.camera, wants, watch);
   Picture picture;
   picture.id = job.id;
   picture.image = std::move(out.rgba8);
+  if (wants.depth) picture.depth = sampled(out.depth, job.depth_step);
   picture.camera = job.camera;
   picture.technique = job.technique;
   for (const Param& param : look.parameters.all())

@@ -46,6 +46,7 @@ struct PictureJob {
   std::string color_key;  ///< colours are made anew when it differs from the last one's
   std::optional<vec3> background;
   bool timings = false;
+  int depth_step = 0;  ///< depth of every so many pixels is wanted as well; 0: none
 };
 
 struct PickJob {
@@ -64,6 +65,7 @@ struct ProfileJob {
 struct Picture {
   std::uint64_t id = 0;
   Image<Rgba8> image;
+  Image<float> depth;  ///< eye depth of each `depth_step` pixels, from border to border; inf where nothing is
   Camera camera;
   std::string technique;
   NamesAndValues resolved;  ///< what automatic parameters became

@@ -575,6 +575,7 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
   job.color = wishes_.color();
   job.color_key = wishes_.color_key();
   job.background = wishes_.background();
+  job.depth_step = start_.depth_step;
   job.timings = timings_ && quality == Refinement::ladder[0];
   return job;
 }

@@ -30,6 +30,7 @@ struct Start {
   std::function<Camera(const Pose&, int width, int height)> first_camera;
   std::uint64_t memory = scene::default_memory;
   bool watch = false;  ///< read files again when they change
+  int depth_step = 0;  ///< pictures come with the depth of every so many pixels; 0: without
   std::string
       shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
   std::vector<scene::SceneFile>

@@ -127,6 +127,17 @@ def main():
         turned = settle(tab, lambda: tab.drag(x, y, 120, 10))
         check("a drag turns", turned != first)
         check("it went through pictures of motion", int(tab.run(f"{CANVAS}.dataset.pictures")) >= 3)
+        if tab.run("!!document.createElement('canvas').getContext('webgl2')"):
+            check("between pictures the last one is bent", int(tab.run(f"{CANVAS}.dataset.warped ?? 0")) > 0)
+        else:
+            print("not tested: this browser has no WebGL 2, so that pictures are not bent")
+        bent = tab.run("""(async () => { const { bend } = await import(location.href + 'warp.mjs');
+            const from = { position: [500000, 0, 0], target: [500000, 10, 0], up: [0, 0, 1], fov_deg: 90, orthographic: false };
+            const to = { ...from, position: [500001, 0, 0], target: [500001, 10, 0] };
+            const depth = { width: 2, height: 2, values: new Float32Array([10, 10, 5, 0]) };
+            return [from, to].map(camera => { const c = bend(depth, from, camera, 1); return [0, 1, 2, 3].map(i => [c[4 * i] / c[4 * i + 3], c[4 * i + 1] / c[4 * i + 3]]); }); })()""")
+        wanted = [[[-1, 1], [1, 1], [-1, -1], [1, -1]], [[-1.1, 1], [0.9, 1], [-1.2, -1], [0.9, -1]]]
+        check("a sheet is bent by its depth", all(abs(a - b) < 1e-5 for one, two in zip(bent, wanted) for p, q in zip(one, two) for a, b in zip(p, q)), bent)
         check("a wheel zooms", settle(tab, lambda: tab.wheel(x, y, 2)) != turned)
         check("undo goes back", settle(tab, lambda: tab.run("document.getElementById('undo').click()")) == turned)
         check("Home is the first view", settle(tab, lambda: tab.run("document.querySelector('[data-view=reset]').click()")) == first)

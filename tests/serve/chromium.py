@@ -26,7 +26,7 @@ class Browser:
         self.folder = tempfile.mkdtemp()
         words = ["chromium", "--headless=new", "--disable-gpu", "--remote-debugging-port=0", "--no-first-run",
                  "--remote-allow-origins=*", f"--user-data-dir={self.folder}", "--disable-background-networking",
-                 "--disable-dev-shm-usage", "--hide-scrollbars"]
+                 "--disable-dev-shm-usage", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
         if os.getuid() == 0:
             words.append("--no-sandbox")  # which it refuses to have as root
         self.process = subprocess.Popen([*words, "about:blank"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

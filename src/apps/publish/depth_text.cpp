@@ -25,11 +25,12 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string depth_text(std::size_t view, const Image<float>& depth) {
+PackedDepth packed(const Image<float>& depth) {
   float near = std::numeric_limits<float>::infinity(), far = 0;
   for (const float z : depth)
     if (std::isfinite(z)) near = std::min(near, z), far = std::max(far, z);
   if (!std::isfinite(near)) near = 0;
+  PackedDepth out{near, far, {}};
   const double scale = far > near ? 65534 / (double(far) - double(near)) : 0;
   std::vector<unsigned char> planes(2 * depth.size());
   unsigned before = 0;
@@ -43,14 +44,19 @@ std::string depth_text(std::size_t view, const Image<float>& depth) {
     planes[depth.size() + i] = static_cast<unsigned char>(less >> 8);
   }
   uLongf size = compressBound(uLong(planes.size()));
-  std::string packed(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, planes.data(), uLong(planes.size()), 6) !=
+  out.bytes = std::string(size, '\0');
+  if (compress2(reinterpret_cast<Bytef*>(out.bytes.data()), &size, planes.data(), uLong(planes.size()), 6) !=
       Z_OK)
     throw Error(ErrorCode::out_of_memory, "there is no memory to pack the depth of a picture");
-  packed.resize(size);
+  out.bytes.resize(size);
+  return out;
+}
+
+std::string depth_text(std::size_t view, const Image<float>& depth) {
+  const PackedDepth all = packed(depth);
   return fmt::format(
       "takeDepth({},{{\"width\":{},\"height\":{},\"near\":{:.9g},\"far\":{:.9g},\"data\":\"{}\"}});\n", view,
-      depth.width(), depth.height(), near, far, base64(packed));
+      depth.width(), depth.height(), all.near, all.far, base64(all.bytes));
 }
 
 }  // namespace sfumato::publish

@@ -1,7 +1,11 @@
 #include "viewer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "../publish/depth_text.h"
+#include "core/color.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "io/camera_json.h"
@@ -15,6 +19,8 @@ using Json = nlohmann::ordered_json;
 
 /// Panels need no more; every picture comes with what it is.
 constexpr double state_ms = 60;
+/// Between the corners of the sheet that a page bends until the next picture comes.
+constexpr int depth_step_px = 8;
 
 /// Means of so many pixels by so many.
 Image<Rgba8> smaller(const Image<Rgba8>& image, int by) {
@@ -31,6 +37,11 @@ Image<Rgba8> smaller(const Image<Rgba8>& image, int by) {
       out.at(x, y) = {std::uint8_t(r / n), std::uint8_t(g / n), std::uint8_t(b / n), 255};
     }
   return out;
+}
+
+std::string hex_of(const vec3& color) {
+  const Rgba8 c = to_rgba8(color);
+  return fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b);
 }
 
 /// What of it has a meaning in this view.
@@ -60,6 +71,7 @@ void Viewer::begin(std::shared_ptr<view::SharedScenes> shared) {
   bench_.reset();
   sent_.reset();
   start_.shared = std::move(shared);
+  start_.depth_step = depth_step_px;
   bench_ = std::make_unique<view::Workbench>(start_);
   if (!size_message_.empty()) obey(*bench_, hand_, size_message_, outside_.limits);
 }
@@ -109,6 +121,7 @@ void Viewer::tick(double now_ms) {
   for (const view::Message& each : bench_->take_messages())
     outside_.send_text(Json{{"say", each.text}, {"error", each.is_error}}.dump(
         -1, ' ', false, Json::error_handler_t::replace));
+  send_camera();
   send_picture(now_ms);
   send_shots();
   send_state(now_ms);
@@ -130,12 +143,21 @@ void Viewer::send_state(double now_ms) {
     outside_.send_text(Json{{"state", news}}.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-void Viewer::send(Json header, std::string image) {
+/// At once, so that the page can show its last picture from there.
+void Viewer::send_camera() {
+  if (bench_->wishes().frame_on_load || bench_->width() == 0) return;
+  std::string text = Json{{"camera", camera_json(bench_->camera())}}.dump();
+  if (text == sent_camera_) return;
+  outside_.send_text(sent_camera_ = std::move(text));
+}
+
+void Viewer::send(Json header, const std::string& image, const std::string& depth) {
   const std::string text = header.dump();
   std::string bytes;
-  bytes.reserve(4 + text.size() + image.size());
+  bytes.reserve(4 + text.size() + depth.size() + image.size());
   for (int shift = 0; shift < 32; shift += 8) bytes += char(text.size() >> shift & 255);
   bytes += text;
+  bytes += depth;
   bytes += image;
   outside_.send_bytes(std::move(bytes));
 }
@@ -153,6 +175,7 @@ void Viewer::send_picture(double now_ms) {
   is_encoding_ = true;
   struct Encoded {
     std::string bytes;
+    publish::PackedDepth depth;
   };
   auto encoded = std::make_shared<Encoded>();
   const view::Loaded* scene = bench_->scene();
@@ -166,19 +189,28 @@ void Viewer::send_picture(double now_ms) {
               {"type", exact ? "image/png" : "image/jpeg"},
               {"camera", camera_json(picture->camera)},
               {"technique", picture->technique},
-              {"exact", exact}};
+              {"exact", exact},
+              {"background", hex_of(picture->background)}};
   outside_.in_background(
       [encoded, picture, draws_furniture, furniture, up, crs, exact, quality, shrink] {
         Image<Rgba8> image = smaller(picture->image, shrink);
         if (draws_furniture && shrink == 1) draw_furniture(image, *picture, furniture, up, crs);
+        if (!picture->depth.empty()) encoded->depth = publish::packed(picture->depth);
         encoded->bytes = exact ? io::png_bytes(image, false) : io::jpeg_bytes(image, quality);
       },
-      [self = shared_from_this(), encoded, header, exact, now_ms]() mutable {
+      [self = shared_from_this(), encoded, picture, header, exact, now_ms]() mutable {
         self->is_encoding_ = false;
+        const publish::PackedDepth& depth = encoded->depth;
+        if (!depth.bytes.empty())
+          header["depth"] = {{"width", picture->depth.width()},
+                             {"height", picture->depth.height()},
+                             {"near", depth.near},
+                             {"far", depth.far},
+                             {"bytes", depth.bytes.size()}};
         const std::uint64_t id = self->next_id_++;
         header["id"] = id;
-        self->pace_.sent(id, encoded->bytes.size(), !exact, now_ms);
-        self->send(std::move(header), std::move(encoded->bytes));
+        self->pace_.sent(id, encoded->bytes.size() + depth.bytes.size(), !exact, now_ms);
+        self->send(std::move(header), encoded->bytes, depth.bytes);
       });
 }
 
@@ -196,7 +228,7 @@ void Viewer::send_shots() {
                       {"name", "picture.png"},
                       {"width", width},
                       {"height", height}},
-                     std::move(*encoded));
+                     *encoded);
         });
   }
 }

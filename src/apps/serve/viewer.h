@@ -41,9 +41,10 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
  private:
   void send_state(double now_ms);
+  void send_camera();
   void send_picture(double now_ms);
   void send_shots();
-  void send(nlohmann::ordered_json header, std::string image);
+  void send(nlohmann::ordered_json header, const std::string& image, const std::string& depth = {});
 
   Outside outside_;
   view::Start start_;
@@ -52,6 +53,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   Pace pace_;
   std::string size_message_;  ///< the last, for a workbench that begins later
   std::shared_ptr<const view::Picture> sent_;
+  std::string sent_camera_;
   bool sent_legend_ = false, sent_exactly_ = false, is_encoding_ = false;
   std::uint64_t next_id_ = 1;
   std::map<std::string, std::string> told_;  ///< parts of the state as they were sent

@@ -1,11 +1,14 @@
 // The line to the server, the picture and the hand that moves it.
 import { build, update } from './panels.mjs';
 import { drawMarks, showPicked } from './marks.mjs';
+import { makeWarper, unpack } from './warp.mjs';
 
 const $ = id => document.getElementById(id);
 const canvas = $('picture'), paper = canvas.getContext('2d');
 export const state = {}, pointers = new Map();  // of others: the place that each points at
 let socket, retry = 500, shown = null, camera = null, newest = 0;
+let depth = null, wanted = null, background = '#ffffff';  // of the picture; the camera as it now is
+const warp = makeWarper();
 
 export function send(message) {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
@@ -37,6 +40,7 @@ function connect() {
 function hear(message) {
   if (message.say) say(message.say, message.error);
   if (message.command) copy(message.command);
+  if (message.camera) { wanted = message.camera; paint(); }
   if (message.share) { state.share = message.share; pointers.clear(); }
   if (message.pointer) {
     if (message.pointer.at) pointers.set(message.pointer.id, message.pointer.at); else pointers.delete(message.pointer.id);
@@ -63,15 +67,17 @@ function wait(text, fraction) {
 async function take(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  const blob = new Blob([new Uint8Array(buffer, 4 + length)], { type: header.type });
+  const packed = header.depth?.bytes ?? 0, blob = new Blob([new Uint8Array(buffer, 4 + length + packed)], { type: header.type });
   if (header.kind === 'shot') return save(blob, header.name);
-  const picture = await createImageBitmap(blob).catch(() => null);
+  const [picture, depths] = await Promise.all([createImageBitmap(blob), unpack(header.depth, new Uint8Array(buffer, 4 + length, packed))].map(each => each.catch(() => null)));
   send({ do: 'got', id: header.id });
   if (!picture || header.id < newest) return picture?.close();
   newest = header.id;
   shown?.close();
   shown = picture;
   camera = header.camera;
+  depth = depths;
+  background = header.background;
   canvas.dataset.exact = header.exact;
   canvas.dataset.technique = header.technique;
   canvas.dataset.pictures = 1 + Number(canvas.dataset.pictures ?? 0);
@@ -81,9 +87,12 @@ async function take(buffer) {
 
 function paint() {
   if (!shown) return;
-  paper.imageSmoothingEnabled = shown.width !== canvas.width;
-  paper.drawImage(shown, 0, 0, canvas.width, canvas.height);
-  drawMarks(camera, canvas);
+  const isOld = wanted && depth && JSON.stringify(wanted) !== JSON.stringify(camera);
+  const bent = isOld && warp?.(shown, depth, camera, wanted, background, canvas.width, canvas.height);
+  if (bent) canvas.dataset.warped = 1 + Number(canvas.dataset.warped ?? 0);
+  paper.imageSmoothingEnabled = !bent && shown.width !== canvas.width;
+  paper.drawImage(bent || shown, 0, 0, canvas.width, canvas.height);
+  drawMarks(bent ? wanted : camera, canvas);
 }
 
 function save(blob, name) {
