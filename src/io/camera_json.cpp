@@ -5,6 +5,8 @@
 #include "core/error.h"
 #include "io/atomic_writer.h"
 #include "io/bounded_json.h"
+#include "io/file.h"
+#include "io/poses.h"
 
 namespace sfumato::io {
 namespace {
@@ -124,15 +126,34 @@ void write_camera(const std::filesystem::path& file, const Camera& camera) {
   writer.commit();
 }
 
-std::vector<Camera> read_camera_path(const std::filesystem::path& file) {
+std::vector<Camera> CameraPath::seen_as(const Camera& view) const {
+  std::vector<Camera> seen = cameras;
+  if (has_size) return seen;
+  for (Camera& camera : seen) {
+    camera.width = view.width, camera.height = view.height, camera.fov_y = view.fov_y;
+    if (fov_x) camera.fov_y = 2 * std::atan(std::tan(*fov_x / 2) * view.height / view.width);
+  }
+  return seen;
+}
+
+CameraPath read_camera_path(const std::filesystem::path& file) {
+  const std::string head = File(file).read_text(0, 64), name = file.filename().string();
+  if (name.starts_with("images") && !head.starts_with("{")) return read_colmap_images(file);
+  const std::size_t first = head.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (!name.ends_with(".json") && (first == head.npos || (head[first] != '{' && head[first] != '[')))
+    return read_trajectory(file);
   const Json json = load_json(file);
+  if (is_transforms(json)) return read_transforms(json, file);
+  if (is_open3d(json)) return read_open3d(json, file);
   const Json* list = json.is_object() && json.contains("cameras") ? &json["cameras"] : &json;
   if (!list->is_array() || list->empty())
-    refuse(file.string(), "a camera path is {\"cameras\": [camera, ...]}");
-  std::vector<Camera> cameras;
+    refuse(file.string(),
+           "a camera path is {\"cameras\": [camera, ...]}, a transforms.json, or cameras of Open3D");
+  CameraPath path;
   for (const Json& camera : *list)
-    cameras.push_back(read(camera, file.string() + ": camera " + std::to_string(cameras.size())));
-  return cameras;
+    path.cameras.push_back(
+        read(camera, file.string() + ": camera " + std::to_string(path.cameras.size())));
+  return path;
 }
 
 }  // namespace sfumato::io

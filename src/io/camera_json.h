@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,19 @@ Camera camera_from_json(std::string_view text, const std::string& where);
 Camera read_camera(const std::filesystem::path& file);
 void write_camera(const std::filesystem::path& file, const Camera& camera);
 
-/// {"cameras": [camera, ...]}, or the bare array: the keys of a camera path, at least one.
-std::vector<Camera> read_camera_path(const std::filesystem::path& file);
+/// What a file of cameras holds, at least one.
+struct CameraPath {
+  std::vector<Camera> cameras;
+  bool are_pictures = false;    ///< poses of pictures, each drawn as it is; else keys to interpolate
+  bool has_size = true;         ///< else size and angle are those of whoever looks
+  std::optional<double> fov_x;  ///< of cameras without a size, radians
+  std::vector<std::string> notes;
+
+  /// The cameras; those without a size have that of `view`, and its angle unless they have one.
+  std::vector<Camera> seen_as(const Camera& view) const;
+};
+
+/// {"cameras": [camera, ...]} or the bare array; or poses of other programs (io/poses.h), by content.
+CameraPath read_camera_path(const std::filesystem::path& file);
 
 }  // namespace sfumato::io

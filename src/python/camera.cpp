@@ -79,7 +79,10 @@ void bind_camera(py::module_& module) {
     return orbit(start, vec(up), frames, degrees);
   });
   module.def("interpolate", &interpolate);
-  module.def("read_camera_path", [](const std::string& file) { return io::read_camera_path(file); });
+  module.def("read_camera_path", [](const std::string& file) {
+    const io::CameraPath path = io::read_camera_path(file);
+    return std::pair(path.cameras, path.are_pictures);
+  });
   module.def("find_view", [](const std::string& name) {
     const NamedView view = find_view(name, "view");
     return std::pair(view.azimuth_deg, view.elevation_deg);

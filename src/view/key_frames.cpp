@@ -61,7 +61,7 @@ void KeyFrames::save(const std::filesystem::path& file, int width, int height) c
 
 void KeyFrames::load(const std::filesystem::path& file) {
   std::vector<ViewCamera> keys;
-  for (const Camera& camera : io::read_camera_path(file)) keys.push_back(ViewCamera::from(camera));
+  for (const Camera& camera : io::read_camera_path(file).cameras) keys.push_back(ViewCamera::from(camera));
   keys_ = std::move(keys);
 }
 

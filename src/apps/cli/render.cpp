@@ -23,6 +23,7 @@
 #include "session/preset.h"
 #include "session/standpoint.h"
 #include "studio.h"
+#include "video.h"
 #ifdef SFUMATO_VIEWER
 #include "../viewer/viewer.h"
 #endif
@@ -130,9 +131,16 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
     if (!options.camera.stands_somewhere()) step_back(start, up, subject);
     return orbit(start, up, options.frame_count, options.orbit_degrees);
   }
-  std::vector<Camera> keys = io::read_camera_path(options.path);
-  for (Camera& key : keys) key = key.resized(first.width, first.height);
-  return interpolate(keys, options.frame_count);
+  std::vector<Camera> keys = options.poses.seen_as(first);
+  if (!options.shows_poses() || options.camera.resolution)
+    for (Camera& key : keys) key = key.resized(first.width, first.height);
+  if (!options.shows_poses()) return interpolate(keys, options.frame_count);
+  if (is_video(options.output))
+    for (const Camera& key : keys)
+      if (key.width != keys[0].width || key.height != keys[0].height)
+        throw Error(ErrorCode::usage, options.path + ": its pictures are not of one size; a video needs "
+                                                     "--resolution");
+  return keys;
 }
 
 /// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
@@ -362,6 +370,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   Console console(options.common);
   RenderReport report;
   Stopwatch watch(report);
+  for (const std::string& note : options.poses.notes) console.say("sfumato: " + options.path + ": " + note);
   if (options.each) return render_each(options, choice, command, report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.

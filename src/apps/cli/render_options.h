@@ -11,6 +11,7 @@
 #include "common_options.h"
 #include "core/coloring.h"
 #include "input_options.h"
+#include "io/camera_json.h"
 #include "parameters.h"
 #include "scene/leveled_scene.h"
 #include "labels/furniture.h"
@@ -48,6 +49,7 @@ struct RenderOptions {
   publish::Publication* publication = nullptr;  ///< takes the pictures in place of files
 
   // Parsed by `check`.
+  io::CameraPath poses;  ///< of --path
   std::vector<DrawRule> rules;
   std::vector<scene::SceneFile> scene_files;  ///< of --scene, and of --transform once files are expanded
   vec3 background{1};
@@ -63,6 +65,8 @@ struct RenderOptions {
   /// The n-th file, or all of them, and where a scene puts their points.
   scene::SceneFile placed(std::size_t n) const;
   std::vector<scene::SceneFile> placed() const;
+  /// Whether the pictures of --path are those of its poses, each in its size.
+  bool shows_poses() const { return poses.are_pictures && frames.empty(); }
   /// What stands in the names of picture `n`.
   NameParts parts(int n, const std::string& technique = {}) const;
   /// Pictures to be made of each technique.

@@ -244,13 +244,20 @@ class Camera(_engine.Camera):
         return f"Camera(position={list_of(self.position)}, target={list_of(self.target)}, up={list_of(self.up)}, {lens}, size={self.size})"
 
 
-def path(keys, frames):
+def path(keys, frames=None):
     """A smooth path through key cameras, from the first to the last: a list of `frames` cameras.
 
-    `keys` are cameras, or a JSON file ``{"cameras": [...]}`` as the command's ``--path`` takes it.
+    `keys` are cameras, or a file as the command's ``--path`` takes it: JSON ``{"cameras": [...]}``, or poses of
+    nerfstudio, COLMAP, TUM, KITTI or Open3D, which without `frames` are returned as they are.
     """
-    keys = _engine.read_camera_path(os.fspath(keys)) if isinstance(keys, (str, os.PathLike)) else list(keys)
-    if not keys or frames < 1:
+    are_pictures = False
+    if isinstance(keys, (str, os.PathLike)):
+        keys, are_pictures = _engine.read_camera_path(os.fspath(keys))
+    else:
+        keys = list(keys)
+    if frames is None and are_pictures:
+        return [Camera._of(camera) for camera in keys]
+    if not keys or frames is None or frames < 1:
         raise Error("path: give at least one camera and one frame")
     return [Camera._of(camera) for camera in _engine.interpolate([k.resized(*keys[0].size) for k in keys], frames)]
 
