@@ -151,8 +151,7 @@ CameraPath read_camera_path(const std::filesystem::path& file) {
            "a camera path is {\"cameras\": [camera, ...]}, a transforms.json, or cameras of Open3D");
   CameraPath path;
   for (const Json& camera : *list)
-    path.cameras.push_back(
-        read(camera, file.string() + ": camera " + std::to_string(path.cameras.size())));
+    path.cameras.push_back(read(camera, file.string() + ": camera " + std::to_string(path.cameras.size())));
   return path;
 }
 

@@ -1,5 +1,5 @@
-// images.txt and images.bin of COLMAP with the cameras beside them: world to camera as a quaternion w x y z and
-// a translation; x right, y down, z forward; pixel centres at half integers.
+// images.txt and images.bin of COLMAP with the cameras beside them: world to camera as a quaternion w x y z
+// and a translation; x right, y down, z forward; pixel centres at half integers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,18 +23,18 @@ struct CameraModel {
 };
 
 /// By COLMAP's numbers (src/colmap/sensor/models.h).
-constexpr std::array<CameraModel, 12> models = {{{"SIMPLE_PINHOLE", 3, true},
-                                                 {"PINHOLE", 4, false},
-                                                 {"SIMPLE_RADIAL", 4, true},
-                                                 {"RADIAL", 5, true},
-                                                 {"OPENCV", 8, false},
-                                                 {"OPENCV_FISHEYE", 8, false},
-                                                 {"FULL_OPENCV", 12, false},
-                                                 {"FOV", 5, false},
-                                                 {"SIMPLE_RADIAL_FISHEYE", 4, true},
-                                                 {"RADIAL_FISHEYE", 5, true},
-                                                 {"THIN_PRISM_FISHEYE", 12, false},
-                                                 {"RAD_TAN_THIN_PRISM_FISHEYE", 16, false}}};
+constexpr std::array<CameraModel, 12> colmap_models = {{{"SIMPLE_PINHOLE", 3, true},
+                                                        {"PINHOLE", 4, false},
+                                                        {"SIMPLE_RADIAL", 4, true},
+                                                        {"RADIAL", 5, true},
+                                                        {"OPENCV", 8, false},
+                                                        {"OPENCV_FISHEYE", 8, false},
+                                                        {"FULL_OPENCV", 12, false},
+                                                        {"FOV", 5, false},
+                                                        {"SIMPLE_RADIAL_FISHEYE", 4, true},
+                                                        {"RADIAL_FISHEYE", 5, true},
+                                                        {"THIN_PRISM_FISHEYE", 12, false},
+                                                        {"RAD_TAN_THIN_PRISM_FISHEYE", 16, false}}};
 
 Lens lens_of_model(const CameraModel& model, double width, double height, const std::vector<double>& p,
                    const std::filesystem::path& file, const std::string& place) {
@@ -47,8 +47,10 @@ Lens lens_of_model(const CameraModel& model, double width, double height, const 
   if (!(lens.k.fx > 0 && lens.k.fy > 0 && std::isfinite(lens.k.cx) && std::isfinite(lens.k.cy)))
     bad_input(file, place, "the intrinsics are no numbers of a lens");
   const std::string_view name = model.name;
-  const bool is_bent = std::any_of(p.begin() + std::ptrdiff_t(n + 2), p.end(), [](double v) { return v != 0; });
-  if (name.find("FISHEYE") != name.npos || is_bent) lens.distortion = "distortion (" + std::string(name) + ")";
+  const bool is_bent =
+      std::any_of(p.begin() + std::ptrdiff_t(n + 2), p.end(), [](double v) { return v != 0; });
+  if (name.find("FISHEYE") != name.npos || is_bent)
+    lens.distortion = "distortion (" + std::string(name) + ")";
   return lens;
 }
 
@@ -61,11 +63,12 @@ struct Picture {
 };
 
 /// The numbers of a binary file in their order, each checked against its end.
-class Numbers {
+class ColmapBytes {
  public:
-  explicit Numbers(const std::filesystem::path& file) : file_(file) {
+  explicit ColmapBytes(const std::filesystem::path& file) : file_(file) {
     const File input(file);
-    if (input.size() > largest_images) bad_input(file, "byte 0", "larger than 4 GB; this is no file of COLMAP");
+    if (input.size() > largest_images)
+      bad_input(file, "byte 0", "larger than 4 GB; this is no file of COLMAP");
     bytes_ = input.read_text(0, std::size_t(input.size()));
   }
   template <class T>
@@ -101,18 +104,19 @@ class Numbers {
 };
 
 Lenses read_lenses_bin(const std::filesystem::path& file) {
-  Numbers in(file);
+  ColmapBytes in(file);
   Lenses lenses;
   for (auto left = in.take<std::uint64_t>(); left > 0; --left) {
     const std::string place = in.place();
     const auto id = in.take<std::uint32_t>();
     const auto model = in.take<std::int32_t>();
-    if (model < 0 || model >= int(models.size()))
+    if (model < 0 || model >= int(colmap_models.size()))
       bad_input(file, place, "there is no camera model " + std::to_string(model) + " of COLMAP");
     const auto width = in.take<std::uint64_t>(), height = in.take<std::uint64_t>();
-    std::vector<double> p(std::size_t(models[std::size_t(model)].parameters));
+    std::vector<double> p(std::size_t(colmap_models[std::size_t(model)].parameters));
     for (double& value : p) value = in.take<double>();
-    lenses[id] = lens_of_model(models[std::size_t(model)], double(width), double(height), p, file, place);
+    lenses[id] =
+        lens_of_model(colmap_models[std::size_t(model)], double(width), double(height), p, file, place);
   }
   return lenses;
 }
@@ -131,8 +135,9 @@ Lenses read_lenses_text(const std::filesystem::path& file) {
     double width = 0, height = 0;
     if (!(words >> id >> name >> width >> height))
       bad_input(file, place, "expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS");
-    const auto model = std::find_if(models.begin(), models.end(), [&](const auto& m) { return name == m.name; });
-    if (model == models.end())
+    const auto model = std::find_if(colmap_models.begin(), colmap_models.end(),
+                                    [&](const auto& m) { return name == m.name; });
+    if (model == colmap_models.end())
       bad_input(file, place, "there is no camera model '" + name.substr(0, 40) + "' of COLMAP");
     std::vector<double> p(std::size_t(model->parameters));
     for (double& value : p)
@@ -154,15 +159,16 @@ Picture picture_of(const std::string& name, const double* q, const dvec3& t, std
       forward(2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y));
   const auto lens = lenses.find(camera);
   if (lens == lenses.end())
-    bad_input(file, place, "there is no camera " + std::to_string(camera) + " in the file of cameras beside it");
+    bad_input(file, place,
+              "there is no camera " + std::to_string(camera) + " in the file of cameras beside it");
   return {name,
-          camera_of_pose(right, down, forward, -(right * t.x + down * t.y + forward * t.z), &lens->second, file,
-                         place),
+          camera_of_pose(right, down, forward, -(right * t.x + down * t.y + forward * t.z), &lens->second,
+                         file, place),
           lens->second.distortion};
 }
 
 std::vector<Picture> read_images_bin(const std::filesystem::path& file, const Lenses& lenses) {
-  Numbers in(file);
+  ColmapBytes in(file);
   std::vector<Picture> pictures;
   for (auto left = in.take<std::uint64_t>(); left > 0; --left) {
     const std::string place = in.place();

@@ -28,9 +28,7 @@ double json_number(const PoseJson& value, const std::string& key, const std::fil
 std::vector<double> json_numbers(const PoseJson& parent, const std::string& key, std::size_t count,
                                  const std::filesystem::path& file, const std::string& place) {
   std::vector<double> numbers;
-  const auto take = [&](const PoseJson& value) {
-    numbers.push_back(json_number(value, key, file, place));
-  };
+  const auto take = [&](const PoseJson& value) { numbers.push_back(json_number(value, key, file, place)); };
   if (parent.contains(key) && parent[key].is_array())
     for (const PoseJson& row : parent[key]) {
       if (row.is_array())
@@ -106,13 +104,14 @@ bool numbers_of_line(std::string_view line, std::vector<double>& numbers) {
 
 Camera camera_of_quaternion(const double* xyzw, const dvec3& position, const std::filesystem::path& file,
                             const std::string& place) {
-  const double length = std::sqrt(xyzw[0] * xyzw[0] + xyzw[1] * xyzw[1] + xyzw[2] * xyzw[2] + xyzw[3] * xyzw[3]);
+  const double length =
+      std::sqrt(xyzw[0] * xyzw[0] + xyzw[1] * xyzw[1] + xyzw[2] * xyzw[2] + xyzw[3] * xyzw[3]);
   if (!(std::abs(length - 1) < 0.01)) bad_input(file, place, "the quaternion qx qy qz qw is not of length 1");
   const double x = xyzw[0] / length, y = xyzw[1] / length, z = xyzw[2] / length, w = xyzw[3] / length;
   return camera_of_pose({1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
                         {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-                        {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}, position, nullptr,
-                        file, place);
+                        {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}, position,
+                        nullptr, file, place);
 }
 
 }  // namespace
@@ -186,9 +185,10 @@ CameraPath read_open3d(const PoseJson& json, const std::filesystem::path& file) 
               "a ViewTrajectory depends on the window that it was made in; save camera parameters instead "
               "(PinholeCameraTrajectory)");
   const bool is_one = kind == "PinholeCameraParameters";
-  if (!is_one && (kind != "PinholeCameraTrajectory" || !json.contains("parameters") ||
-                  !json["parameters"].is_array()))
-    bad_input(file, "JSON", "found a " + kind.substr(0, 40) + " of Open3D, expected a PinholeCameraTrajectory");
+  if (!is_one &&
+      (kind != "PinholeCameraTrajectory" || !json.contains("parameters") || !json["parameters"].is_array()))
+    bad_input(file, "JSON",
+              "found a " + kind.substr(0, 40) + " of Open3D, expected a PinholeCameraTrajectory");
   const PoseJson list = is_one ? PoseJson::array({json}) : json["parameters"];
   CameraPath path;
   path.are_pictures = true;

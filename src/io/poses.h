@@ -1,8 +1,9 @@
 // Cameras as programs of photogrammetry, SLAM and radiance fields write them: the poses of pictures.
 //
-// nerfstudio and Instant-NGP `transforms.json` (x right, y up, looking down -z), COLMAP `images.txt/.bin` with
-// `cameras.txt/.bin` beside them, TUM and KITTI trajectories, Open3D's `.log` and JSON (all x right, y down,
-// looking along z). Pixel centres lie at half integers in the first two and in COLMAP, at integers in Open3D.
+// nerfstudio and Instant-NGP `transforms.json` (x right, y up, looking down -z), COLMAP `images.txt/.bin`
+// with `cameras.txt/.bin` beside them, TUM and KITTI trajectories, Open3D's `.log` and JSON (all x right, y
+// down, looking along z). Pixel centres lie at half integers in the first two and in COLMAP, at integers in
+// Open3D.
 #pragma once
 
 #include <filesystem>

@@ -123,3 +123,11 @@ def test_orbits_and_paths():
 def test_cameras_that_cannot_be(make, says):
     with pytest.raises(sfumato.Error, match=says):
         make()
+
+
+def test_poses_of_other_programs_are_a_path(tmp_path):
+    (tmp_path / "00.txt").write_text("1 0 0 2 0 1 0 3 0 0 1 4\n1 0 0 3 0 1 0 3 0 0 1 4\n")  # KITTI
+    cameras = sfumato.path(tmp_path / "00.txt")
+    assert [camera.position for camera in cameras] == [(2, 3, 4), (3, 3, 4)]
+    assert cameras[0].direction == (0, 0, 1)
+    assert len(sfumato.path(tmp_path / "00.txt", 5)) == 5

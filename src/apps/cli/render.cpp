@@ -138,8 +138,9 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
   if (is_video(options.output))
     for (const Camera& key : keys)
       if (key.width != keys[0].width || key.height != keys[0].height)
-        throw Error(ErrorCode::usage, options.path + ": its pictures are not of one size; a video needs "
-                                                     "--resolution");
+        throw Error(ErrorCode::usage, options.path +
+                                          ": its pictures are not of one size; a video needs "
+                                          "--resolution");
   return keys;
 }
 

@@ -46,9 +46,10 @@ void RenderOptions::declare(CommandLine& line) {
             "float32 HxWx3, world, facing the camera, 0 where none");
   line.text("--output-camera", output_camera, "FILE.json", "the camera of the picture");
   line.text("--quality", quality_text, "1..100", "of .jpg and .webp; a .webp of 100 is exact (90)");
-  line.text("--path", path, "FILE|orbit",
-            "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg); poses "
-            "of transforms.json, COLMAP (images.txt or .bin), TUM, KITTI and Open3D are pictures of their own");
+  line.text(
+      "--path", path, "FILE|orbit",
+      "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg); poses "
+      "of transforms.json, COLMAP (images.txt or .bin), TUM, KITTI and Open3D are pictures of their own");
   line.text("--frames", frames, "N", "pictures of the path (120, or one each pose)");
   line.text("--degrees", degrees, "D", "arc of the orbit (360)");
   line.flag(
