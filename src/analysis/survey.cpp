@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "analysis/attributes.h"
 #include "analysis/quantiles.h"
 #include "analysis/support.h"
 #include "core/order.h"
@@ -152,6 +154,16 @@ Survey survey(const NeighborTree& tree) {
   survey.closed_lines = float(closed / double(gaps.size()));
   survey.gap_spread = value_at_share(gaps, 0.9) / value_at_share(gaps, 0.1);
   return survey;
+}
+
+const Survey& survey_of(const PreparedCloud& prepared, const NeighborTree* tree) {
+  if (prepared.survey) return *prepared.survey;
+  const Attributes all = Attribute::normal | Attribute::radius;
+  const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
+  if (all.without(of_file).empty()) return prepared.survey.emplace();
+  std::optional<NeighborTree> own;
+  if (!tree) tree = &own.emplace(prepared.cloud.positions);
+  return prepared.survey.emplace(survey(*tree));
 }
 
 float plane_residual(std::span<const vec3> positions) {

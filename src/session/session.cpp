@@ -127,22 +127,23 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
 
 /// Whether most points lie on no surface, as leaves: light shows no shape of theirs, and height does. Of
 /// prepared clouds.
-bool is_clutter(const std::vector<const PointCloud*>& clouds) {
-  const PointCloud& largest = **std::max_element(
-      clouds.begin(), clouds.end(), [](const auto* a, const auto* b) { return a->size() < b->size(); });
-  return analysis::survey(analysis::NeighborTree(largest.positions)).surface_share < 0.5f;
+bool is_clutter(const std::vector<const PreparedCloud*>& clouds) {
+  const PreparedCloud& largest =
+      **std::max_element(clouds.begin(), clouds.end(),
+                         [](const auto* a, const auto* b) { return a->cloud.size() < b->cloud.size(); });
+  return analysis::survey_of(largest).surface_share < 0.5f;
 }
 
 }  // namespace
 
-std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointCloud*>& clouds) {
+std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedCloud*>& clouds) {
   ColorSettings settings = options_.color;
   settings.file_names = file_names_;
   std::vector<std::vector<Rgba8>> colors;
   PointCloud joined;
-  if (clouds.size() > 1) joined = *clouds.front();
-  for (std::size_t k = 1; k < clouds.size(); ++k) append(joined, *clouds[k]);
-  const PointCloud& whole = clouds.size() > 1 ? joined : *clouds.front();
+  if (clouds.size() > 1) joined = clouds.front()->cloud;
+  for (std::size_t k = 1; k < clouds.size(); ++k) append(joined, clouds[k]->cloud);
+  const PointCloud& whole = clouds.size() > 1 ? joined : clouds.front()->cloud;
   std::optional<Coloring> of_all;
   const auto color_all = [&] {
     if (overview_) of_all = coloring_of_overview(*overview_, settings);
@@ -165,9 +166,10 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PointClou
     colors.push_back(std::move(coloring_.colors));
   } else {
     auto from = coloring_.colors.begin();
-    for (const PointCloud* cloud : clouds) {
-      colors.emplace_back(from, from + std::ptrdiff_t(cloud->size()));
-      from += std::ptrdiff_t(cloud->size());
+    for (const PreparedCloud* each : clouds) {
+      const auto count = std::ptrdiff_t(each->cloud.size());
+      colors.emplace_back(from, from + count);
+      from += count;
     }
   }
   coloring_.colors.clear();
@@ -219,14 +221,14 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
   std::vector<PointCloud> clouds = cut(std::move(scene.cloud), matches);
   std::vector<ColoredCloud> prepared;
-  std::vector<const PointCloud*> in_order;
+  std::vector<const PreparedCloud*> in_order;
   left_out_ = 0, spacing_ = std::numeric_limits<float>::infinity();
   if (parts_.front().rule)  // nobody draws by the caller's look, who wants to hear of it all the same
     needs([] { return TechniqueChoice{"points", "every point is drawn by a rule"}; });
   for (std::size_t k = 0; k < clouds.size(); ++k) {
     const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
       if (parts_[k].look) return parts_[k].look->technique->needs() | shown;
-      return needs([&] { return suggest(sorted, tree); }) | shown;
+      return needs([&] { return suggest(sorted, &tree); }) | shown;
     };
     const std::size_t given = clouds[k].size();
     prepared.push_back(
@@ -234,7 +236,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
     left_out_ += given - prepared.back().cloud.cloud.size();
     spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
   }
-  for (const ColoredCloud& each : prepared) in_order.push_back(&each.cloud.cloud);
+  for (const ColoredCloud& each : prepared) in_order.push_back(&each.cloud);
   std::vector<std::vector<Rgba8>> colors = color(in_order);
   for (std::size_t k = 0; k < prepared.size(); ++k) prepared[k].colors = std::move(colors[k]);
   renderer_.set_clouds(std::move(prepared));
@@ -242,28 +244,26 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   is_empty_ = false;
 }
 
-TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree& tree) const {
+TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const {
   if (!overview_ || !options_.draw.empty()) return choose_technique(sorted, tree, overview_ != nullptr);
   TechniqueChoice choice;
   const auto choose = [&](const PreparedCloud& whole, const analysis::NeighborTree& its_tree) {
-    choice = choose_technique(whole, its_tree, true);
+    choice = choose_technique(whole, &its_tree, true);
     return Attributes();
   };
   analysis::prepare_by_shape(*overview_, choose, options_.prepare);
   return choice;
 }
 
-TechniqueChoice Session::suggest() const {
-  return suggest(prepared(), analysis::NeighborTree(cloud().positions));
-}
+TechniqueChoice Session::suggest() const { return suggest(prepared(), nullptr); }
 
 void Session::set_color(const ColorSettings& wanted) {
   options_.color = wanted;
-  std::vector<const PointCloud*> clouds;
+  std::vector<const PreparedCloud*> clouds;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     if (wanted.color_by == "normal")
       analysis::complete(renderer_.prepared(k), Attribute::normal, options_.prepare, no_progress());
-    clouds.push_back(&cloud(k));
+    clouds.push_back(&prepared(k));
   }
   std::vector<std::vector<Rgba8>> colors = color(clouds);
   for (std::size_t k = 0; k < parts_.size(); ++k) renderer_.set_colors(std::move(colors[k]), k);

@@ -124,11 +124,11 @@ class Session {
  private:
   /// As `suggest`, of sorted points. Where every view reads points of its own, all have the choice of the
   /// whole.
-  TechniqueChoice suggest(const PreparedCloud& sorted, const analysis::NeighborTree& tree) const;
+  TechniqueChoice suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const;
   /// Makes `parts_`, and a cloud for each, by the rule of each point.
   std::vector<PointCloud> cut(PointCloud cloud, const std::vector<std::uint32_t>& matches);
   /// Colours of all parts together, so that a value has one colour in the whole scene.
-  std::vector<std::vector<Rgba8>> color(const std::vector<const PointCloud*>& clouds);
+  std::vector<std::vector<Rgba8>> color(const std::vector<const PreparedCloud*>& clouds);
   /// Notes say which technique is meant where there are several.
   void name_notes(RenderOutput& out, const Look& look) const;
   /// What follows from scene and technique together; returns what is drawn.

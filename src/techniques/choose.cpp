@@ -52,11 +52,11 @@ std::string percent(float share) { return std::to_string(int(std::lround(100 * s
 
 }  // namespace
 
-TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree,
+TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree* tree,
                                  bool by_levels) {
   const std::size_t points = places_of(prepared.cloud.positions);
   if (points < few) return {"points", "only " + counted(points, "point")};
-  const analysis::Survey survey = analysis::survey(tree);
+  const Survey survey = analysis::survey_of(prepared, tree);
   const auto choice = [&](const char* technique, std::string reason) {
     return TechniqueChoice{technique, std::move(reason), survey.surface_share, survey.line_share};
   };
@@ -69,8 +69,7 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
                   "lines of a scanner or mesh: " + percent(survey.line_share) + " of the points lie on one");
   if (survey.surface_share < cluttered)
     return choice(survey.surface_share < only_clutter || points < sparse ? "points" : discs,
-                  "vegetation or other clutter: " + percent(1 - survey.surface_share) +
-                      " of the points lie on no surface");
+                  "scattered points: " + percent(1 - survey.surface_share) + " of them lie on no surface");
   const float spread = spacing_spread(prepared);
   if (points < few_of_thinning && spread > thinning)
     return choice("points", "only " + std::to_string(points) + " points, " + std::to_string(int(spread)) +

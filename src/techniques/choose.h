@@ -11,12 +11,13 @@ namespace sfumato {
 struct TechniqueChoice {
   std::string technique;
   std::string reason;                       ///< one line: kind of scan, and the number that says so
-  float surface_share = 1, line_share = 0;  ///< analysis::Survey, from 0 to 1
+  float surface_share = 1, line_share = 0;  ///< of Survey, from 0 to 1
 };
 
-/// `prepared` needs no attributes yet; `tree` is over its positions. `by_levels`: they stand for more points
-/// than are read at once, and every view reads others, whose neighbours nobody should have to wait for.
-TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree& tree,
+/// `prepared` needs no attributes yet; `tree` is over its positions, or nothing where it is still to be
+/// built. `by_levels`: they stand for more points than are read at once, and every view reads others, whose
+/// neighbours nobody should have to wait for.
+TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree* tree,
                                  bool by_levels = false);
 
 }  // namespace sfumato

@@ -18,7 +18,7 @@ TechniqueChoice choice_for(PointCloud cloud, bool by_levels = false) {
   TechniqueChoice choice;
   prepare_by_shape(std::move(cloud),
                    [&](const PreparedCloud& prepared, const NeighborTree& tree) {
-                     choice = choose_technique(prepared, tree, by_levels);
+                     choice = choose_technique(prepared, &tree, by_levels);
                      return Attributes();
                    },
                    {});
@@ -79,7 +79,7 @@ TEST(Choose, EveryKindOfScanHasItsTechnique) {
       {"object", scan("spheres", synth::Sampling::area, 60'000), "splats", "surfaces"},
       {"place", scan("courtyard", synth::Sampling::scanners, 200'000), "splats", "surfaces"},
       {"room", scan("room", synth::Sampling::area, 100'000), "splats", "surfaces"},
-      {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "points", "vegetation"},
+      {"forest from the air", scan("forest", synth::Sampling::airborne, 100'000), "points", "scattered"},
       {"depth pictures", scan("room", synth::Sampling::cameras, 100'000), "splats", "depth picture"},
       {"street sweep", street_sweep(), "points", "lines"},
       {"street sweep of 16 rings", street_sweep(16), "points", "lines"},
@@ -125,6 +125,28 @@ TEST(Choose, AForestIsNoSurfaceHoweverFewItsPointsAre) {
     if (points > 12'800)
       EXPECT_EQ(choice_for(wood(points, std::sqrt(12) * 1.5 * 300 / std::sqrt(points))).technique, "splats");
   }
+}
+
+TEST(Choose, PointsOnFacesAreOnSurfacesAndNobodyMeasures) {
+  PointCloud leaves = wood(16'000, 25);
+  leaves.normals.assign(leaves.size(), vec3(0, 0, 1));
+  leaves.radii.assign(leaves.size(), 0.1f);
+  const TechniqueChoice choice = choice_for(leaves);
+  EXPECT_EQ(choice.technique, "splats");
+  EXPECT_EQ(choice.surface_share, 1);
+}
+
+TEST(Choose, IsMeasuredOnce) {
+  prepare_by_shape(scan("courtyard", synth::Sampling::scanners, 20'000),
+                   [&](const PreparedCloud& prepared, const NeighborTree& tree) {
+                     EXPECT_FALSE(prepared.survey.has_value());
+                     const float share = choose_technique(prepared, &tree).surface_share;
+                     EXPECT_EQ(prepared.survey.value().surface_share, share);
+                     prepared.survey->surface_share = 0.75f;  // the next one reads what is kept
+                     EXPECT_EQ(choose_technique(prepared, nullptr).surface_share, 0.75f);
+                     return Attributes();
+                   },
+                   {});
 }
 
 // Nobody should wait for the neighbours of tens of millions of points at every view.
