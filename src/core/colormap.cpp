@@ -42,6 +42,10 @@ const std::vector<Table>& tables() {
                  0x25cdd0, 0x29dcbc, 0x32e9a7, 0x3ff393, 0x50fa80, 0x65fd6e, 0x7dfd5e, 0x94fa50, 0xadf545,
                  0xc4ec3c, 0xdae034, 0xedd12e, 0xfabf29, 0xffac25, 0xff9821, 0xff821d, 0xfd6c1a, 0xf05616,
                  0xdf4212, 0xcb2f0d, 0xb61f07, 0xa31302, 0x950c00, 0x900c00}},
+      // Nuñez, Anderton and Renslow (2018), every 28th colour: nearly alike to eyes with and without red and
+      // green.
+      {"cividis",
+       {0x00224e, 0x123570, 0x3b496c, 0x575d6d, 0x707173, 0x8a8678, 0xa59c74, 0xc3b369, 0xe1cc55, 0xfee838}},
       // Short of black and white, so that no point drowns in a shadow or in the background.
       {"gray", {0x202020, 0xf0f0f0}},
       {"coolwarm",
@@ -79,6 +83,11 @@ const std::vector<std::string>& Colormap::names() {
 }
 
 Colormap Colormap::named(std::string_view name) {
+  if (name.ends_with("_r")) {  // as Matplotlib names what runs backwards
+    Colormap map = named(name.substr(0, name.size() - 2));
+    std::reverse(map.stops_.begin(), map.stops_.end());
+    return map;
+  }
   Colormap map;
   if (name == "rainbow") map.stops_ = rainbow();
   for (const Table& table : tables())

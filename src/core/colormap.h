@@ -11,7 +11,8 @@ namespace sfumato {
 
 class Colormap {
  public:
-  /// viridis, land, plasma, inferno, magma, turbo, gray, coolwarm, spectral, jet or rainbow.
+  /// viridis, land, plasma, inferno, magma, turbo, gray, coolwarm, spectral, cividis, jet or
+  /// rainbow; with `_r` behind it, backwards.
   /// Throws Error(usage) naming the nearest when there is none of that name.
   static Colormap named(std::string_view name);
   static const std::vector<std::string>& names();

@@ -81,7 +81,8 @@ void RenderOptions::declare(CommandLine& line) {
             "auto, rgb, intensity, classification, elevation, normal, file, any scalar");
   line.text("--color", point_color, "COLOUR", "one colour for all points: a name, #hex or R,G,B");
   line.text("--colormap", color.colormap, "NAME",
-            join(Colormap::names()) + " (gray for intensity, land for heights, else viridis)");
+            join(Colormap::names()) +
+                " (gray for intensity, land for heights, else viridis); NAME_r runs backwards");
   line.text("--color-range", color_range, "A,B",
             "values at the ends of the colour map (2-98 % of the points, nearly all of heights)");
   line.text("--exposure", exposure_text, "F",

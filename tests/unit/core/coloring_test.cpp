@@ -55,13 +55,31 @@ TEST(Colormap, ViridisBetweenTheStopsIsNearTheFullMap) {
 }
 
 TEST(Colormap, EveryNameWorksAndClampsOutside) {
-  EXPECT_EQ(Colormap::names().size(), 11u);
+  EXPECT_EQ(Colormap::names().size(), 12u);
   for (const std::string& name : Colormap::names()) {
     const Colormap map = Colormap::named(name);
     EXPECT_EQ(map.at(-3), map.at(0)) << name;
     EXPECT_EQ(map.at(7), map.at(1)) << name;
     EXPECT_FALSE(map.at(0) == map.at(1)) << name;
   }
+}
+
+TEST(Colormap, RunsBackwardsWithAnR) {
+  for (const std::string& name : Colormap::names()) {
+    const Colormap map = Colormap::named(name), back = Colormap::named(name + "_r");
+    for (const double t : {0.0, 0.25, 0.5, 1.0}) EXPECT_EQ(back.at(t), map.at(1 - t)) << name << " " << t;
+  }
+  EXPECT_THAT(refusal([] { Colormap::named("virids_r"); }), ::testing::HasSubstr("viridis"));
+}
+
+TEST(Colormap, CividisIsThatOfItsAuthors) {
+  // The ends and the grey in the middle of the published table.
+  const Colormap map = Colormap::named("cividis");
+  EXPECT_EQ(map.at(0), (Rgba8{0, 34, 78, 255}));
+  EXPECT_EQ(map.at(1), (Rgba8{254, 232, 56, 255}));
+  const Rgba8 middle = map.at(0.5);
+  EXPECT_NEAR(middle.r, middle.g, 4);
+  EXPECT_NEAR(middle.b, 118, 4);
 }
 
 TEST(Colormap, WrongNameNamesTheNearest) {
