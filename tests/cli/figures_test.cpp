@@ -263,7 +263,7 @@ TEST_F(FiguresTest, PlansLieAtTheirPlaceToATenthOfAPixel) {
 
 TEST_F(FiguresTest, GdalReadsPlansAtTheirPlace) {
   if (output_of("gdalinfo --version").find("GDAL") == std::string::npos)
-    GTEST_SKIP() << "gdalinfo is not installed (gdal-bin)";
+    GTEST_SKIP() << "gdalinfo is not installed (scripts/install-deps --all)";
   std::string rows;
   for (const auto& [x, y] : dots) rows += std::to_string(x) + " " + std::to_string(y) + " 0\n";
   write("dots.xyz", "1000 2000 0\n1100 2060 0\n" + rows);
@@ -299,7 +299,7 @@ TEST_F(FiguresTest, GdalReadsPlansAtTheirPlace) {
 
 TEST_F(FiguresTest, GdalKnowsTheReferenceSystemOfPlans) {
   if (output_of("gdalinfo --version").find("GDAL") == std::string::npos)
-    GTEST_SKIP() << "gdalinfo is not installed (gdal-bin)";
+    GTEST_SKIP() << "gdalinfo is not installed (scripts/install-deps --all)";
   const std::string scan = SFUMATO_SOURCE_DIR "/../shared/data/autzen_trim.las";
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << scan << " is not there";
   expect_ok({scan, "-t", "points", "--up", "+Z", "--view", "top", "--pixel-size", "2", "-o", "plan.tif"});

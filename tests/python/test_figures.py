@@ -44,7 +44,7 @@ def test_plans_are_saved_at_their_place(tmp_path, scan):
     with sfumato.Renderer(scan, technique="points", up="+Z") as renderer:
         renderer.render(renderer.view("top", pixel_size=0.25)).save(tmp_path / "plan.tif", dpi=300)
     if shutil.which("gdalinfo") is None:
-        pytest.skip("gdalinfo is not installed (gdal-bin)")
+        pytest.skip("gdalinfo is not installed (scripts/install-deps --all)")
     found = json.loads(subprocess.run(["gdalinfo", "-json", tmp_path / "plan.tif"], capture_output=True, text=True, check=True).stdout)
     west, across, _, north, _, down = found["geoTransform"]
     assert (across, down) == (0.25, -0.25)
