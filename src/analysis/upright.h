@@ -21,17 +21,17 @@ struct Upright {
 
 /// What may speak for an axis.
 enum class UpEvidence {
-  y_for_z,  ///< it is Y where the convention of the format is Z
-  z_for_y,  ///< it is Z where the convention of the format is Y
-  down,     ///< it is -Y, and that is not the convention
-  survey,   ///< it is another axis than the convention of a survey
-  camera,   ///< a camera at the origin, in whose axes all lies, has it for up
-  normals,  ///< the normals of the file point there in the mean
-  base,     ///< stands on a base that closes below the centre of mass
-  lies,     ///< all is thin along it
-  ground,   ///< the columns along it end below on one plane
-  stands,   ///< and all else is above that, not below
-  room,     ///< level floor and ceiling across it
+  y_for_z,   ///< it is Y where the convention of the format is Z
+  z_for_y,   ///< it is Z where the convention of the format is Y
+  down,      ///< it is -Y, and that is not the convention
+  rare,      ///< it is X, -X or -Z
+  camera,    ///< a camera at the origin, in whose axes all lies, has it for up
+  normals,   ///< the normals of the file point there in the mean
+  base,      ///< stands on a base that closes below the centre of mass
+  lies,      ///< all is thin along it
+  stands,    ///< the columns along it end below on one plane, and all else is above that
+  room,      ///< level floor and ceiling across it
+  mirrored,  ///< alike above and below, as things are left and right
   count
 };
 
@@ -42,10 +42,11 @@ struct UpCandidate {
   double probability = 0;  ///< of all candidates 1
 };
 
-/// +Z, +Y and -Y: nobody has another one. From a sample of at most 65,536 points.
+/// All six axes, the likeliest first; of clouds that are no survey. From a sample of at most 65,536 points.
 std::vector<UpCandidate> up_candidates(const PointCloud& cloud);
 
-/// The likeliest of the candidates; `cloud.up` is the convention of the file's format.
+/// The likeliest of the candidates, of which `cloud.up` is the convention of the file's format; LAS keeps
+/// that, and what is georeferenced otherwise has heights along z.
 Upright guess_upright(const PointCloud& cloud);
 
 }  // namespace sfumato::analysis

@@ -311,6 +311,46 @@ TEST(Upright, EveryKindKeepsAConventionThatIsRight) {
       }
 }
 
+TEST(Upright, HeightsOfSurveysAreAlongZ) {
+  PointCloud georeferenced = statue();
+  turn(georeferenced, y_up);
+  georeferenced.up = UpAxis::pos_y;
+  ASSERT_EQ(guess_upright(georeferenced).up, UpAxis::pos_y);
+  georeferenced.crs = "EPSG:25832";
+  EXPECT_EQ(guess_upright(georeferenced).up, UpAxis::pos_z);
+  georeferenced.crs.clear(), georeferenced.up = UpAxis::pos_z;
+  ASSERT_EQ(guess_upright(georeferenced).up, UpAxis::pos_y);
+  georeferenced.las.emplace();
+  EXPECT_EQ(guess_upright(georeferenced).up, UpAxis::pos_z);
+  EXPECT_FALSE(guess_upright(georeferenced).other);
+}
+
+// Handles and spouts are alike left and right of a pot, in the middle of its sides: nothing is below as
+// above.
+TEST(Upright, ThingsAreAlikeLeftAndRightNotAboveAndBelow) {
+  std::mt19937 random(51);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PointCloud pot;  // y up, a body that is round about y, spout and handle along x: alike across z
+  for (int i = 0; i < 2000; ++i) {
+    const double height = unit(random), angle = 2 * M_PI * unit(random);
+    const double radius = i % 5 == 0 ? 0.25 : 1 - 0.5 * height;
+    pot.positions.push_back(i % 5 == 0
+                                ? vec3((1 + height) * (i % 2 == 0 ? 1 : -1),
+                                       0.3 + 0.4 * height + 0.1 * std::sin(angle), 0.1 * std::cos(angle))
+                                : vec3(radius * std::cos(angle), 1.2 * height, radius * std::sin(angle)));
+  }
+  const std::vector<UpCandidate> candidates = up_candidates(pot);
+  const auto alike = [&](UpAxis up) {
+    for (const UpCandidate& candidate : candidates)
+      if (candidate.up == up) return candidate.evidence[std::size_t(UpEvidence::mirrored)];
+    ADD_FAILURE() << to_string(up) << " is no candidate";
+    return 0.0;
+  };
+  EXPECT_GT(alike(UpAxis::pos_z), alike(UpAxis::pos_y) + 0.2);
+  EXPECT_EQ(alike(UpAxis::neg_x), alike(UpAxis::pos_x));
+  EXPECT_EQ(guess_upright(pot).up, UpAxis::pos_y);
+}
+
 // Ground, however few stand on it, tells above from below: reconstructions of photographs have y down.
 TEST(Upright, WhatStandsOnGroundTellsWhichEndIsUp) {
   for (const double turned_deg : {0.0, 30.0, 200.0})
