@@ -4,6 +4,7 @@
 #include "core/color.h"
 #include "core/colormap.h"
 #include "core/error.h"
+#include "core/option_text.h"
 #include "core/version.h"
 #include "io/camera_json.h"
 #include "io/georeference.h"
@@ -31,15 +32,6 @@ struct StageHandle {
   }
 };
 
-vec3 color_of(const char* what, const std::string& text) {
-  if (const auto color = parse_color(text)) return *color;
-  const std::string near = nearest_color(text);
-  throw Error(ErrorCode::usage,
-              std::string(what) + ": '" + text + "' is no colour" +
-                  (near.empty() ? "" : "; did you mean " + near + "?") +
-                  " Write a name (steelblue), #hex (#4682b4) or R,G,B in 0..1 (0.27,0.51,0.71)");
-}
-
 std::optional<std::string> text_in(const py::dict& wishes, const char* key) {
   if (!wishes.contains(key) || wishes[key].is_none()) return std::nullopt;
   return wishes[key].cast<std::string>();
@@ -65,7 +57,7 @@ ColorSettings colors_of(const py::dict& wishes) {
       throw Error(ErrorCode::usage, "color and color_by contradict each other: give one of them");
     if (!color.colormap.empty() || color.range)
       throw Error(ErrorCode::usage, "colormap and range do not go with one colour for all points");
-    color.solid = to_rgba8(color_of("color", *name));
+    color.solid = to_rgba8(parse_color_of("color", *name));
   }
   return color;
 }
@@ -87,7 +79,7 @@ StageOptions options_of(const std::string& technique, const Settings& parameters
   if (const auto text = text_in(wishes, "background"); text == "transparent")
     options.transparent = true;
   else if (text && text != "auto")
-    options.background = color_of("background", *text);
+    options.background = parse_color_of("background", *text);
   options.up = up_axis(text_in(wishes, "up"));
   if (wishes.contains("whole")) options.whole = wishes["whole"].cast<bool>();
   if (wishes.contains("vertical_exaggeration"))
@@ -136,7 +128,7 @@ ViewWishes view_wishes(const py::dict& wishes) {
       number("scale", out.print_scale);
   if (wishes.contains("dpi")) out.dpi = wishes["dpi"].cast<double>();
   for (const auto& [key, value] :
-       {std::pair("pixel_size", out.pixel_size), {"scale", out.print_scale}, {"dpi", std::optional(out.dpi)}})
+       {std::pair("pixel_size", out.pixel_size), {"scale", out.print_scale}, {"dpi", out.dpi}})
     if (value && !(*value > 0)) throw Error(ErrorCode::usage, std::string(key) + ": it is not more than 0");
   if (out.pixel_size && out.print_scale)
     throw Error(ErrorCode::usage, "pixel_size and scale contradict each other: give one of them");
@@ -169,10 +161,10 @@ ViewWishes view_wishes(const py::dict& wishes) {
     throw Error(ErrorCode::usage, "position and distance contradict each other: give one of them");
   if (wishes.contains("start")) out.start = wishes["start"].cast<Camera>();
   if (wishes.contains("zoom")) out.zoom = wishes["zoom"].cast<double>();
-  if (!(out.zoom > 0)) throw Error(ErrorCode::usage, "zoom: it is not more than 0");
+  if (out.zoom && !(*out.zoom > 0)) throw Error(ErrorCode::usage, "zoom: it is not more than 0");
   if (wishes.contains("roll")) out.roll = wishes["roll"].cast<double>();
   if (wishes.contains("orthographic")) out.orthographic = wishes["orthographic"].cast<bool>();
-  if (wishes.contains("upright")) out.upright = wishes["upright"].cast<bool>();
+  if (wishes.contains("side")) out.side = wishes["side"].cast<std::string>();
   if (wishes.contains("size")) out.size = wishes["size"].cast<std::pair<int, int>>();
   if (out.size && (out.size->first < 1 || out.size->second < 1))
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
@@ -444,11 +436,6 @@ void bind_stage(py::module_& module) {
     return rows;
   });
   module.def("colormap_names", &Colormap::names);
-  module.def("furniture_options", [] {
-    std::vector<std::string> names;
-    for (const FurnitureOption& option : furniture_options()) names.emplace_back(option.name);
-    return names;
-  });
   module.def("colormap", [](const std::string& name, int count) {
     const Colormap map = Colormap::named(name);
     py::array_t<std::uint8_t> out({py::ssize_t(count), py::ssize_t(3)});

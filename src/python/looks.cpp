@@ -4,6 +4,7 @@
 #include "core/param.h"
 #include "session/choice.h"
 #include "session/preset.h"
+#include "session/request.h"
 
 namespace sfumato::python {
 namespace {
@@ -58,9 +59,25 @@ void save(const std::string& file, const std::string& technique, const Settings&
   save_preset(file, choice.looks(), choice.prepare_parameters, given, camera, placed, choice.automatic());
 }
 
+/// Name, keyword, kind of value, and of what the options are that presets keep.
+py::list options() {
+  using Scope = Option::Scope;
+  py::list rows;
+  for (const Option& option : request_options()) {
+    const bool is_view = option.scope == Scope::view || option.scope == Scope::camera;
+    if (option.scope != Scope::command)
+      rows.append(py::make_tuple(option.name(), option.keyword, option.value,
+                                 is_view                       ? "view"
+                                 : option.scope == Scope::file ? "file"
+                                                               : "look"));
+  }
+  return rows;
+}
+
 }  // namespace
 
 void bind_looks(py::module_& module) {
+  module.def("options", &options);
   module.def("load_preset", &load);
   module.def("save_preset", &save);
   module.def("parse_count", &parse_count);

@@ -10,6 +10,7 @@
 #include "io/atomic_writer.h"
 #include "io/bounded_json.h"
 #include "io/camera_json.h"
+#include "session/request.h"
 
 namespace sfumato {
 namespace {
@@ -25,17 +26,15 @@ std::string spell(const Json& value) {
   return text;
 }
 
-/// Whether a preset may set the option: what names files, or decides what is reported, is the command line's
-/// alone.
-bool is_look(const std::string& option) {
-  static const std::set<std::string> others = {
-      "technique", "preset",  "camera",  "path",    "frames",   "degrees", "sequence",  "timings",
-      "json",      "quiet",   "version", "help",    "strict",   "memory",  "config",    "each",
-      "verbose",   "threads", "crop",    "look-at", "panorama", "scene",   "transform", "shader-dir"};
+/// Whether a preset may set the option or parameter: what names files, or decides what is reported, is the
+/// command line's alone.
+bool is_kept(const std::string& option, bool has_files) {
   const std::string name = with_dashes(option);
-  const bool is_word =
-      !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos;
-  return is_word && !others.contains(name) && !name.starts_with("output") && !name.starts_with("save");
+  if (const Option* known = find_option(name))
+    return known->scope == Option::Scope::place ? has_files : known->scope != Option::Scope::command;
+  static const std::set<std::string> others = {"quiet", "version", "help", "config", "verbose", "threads"};
+  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == name.npos &&
+         !others.contains(name);
 }
 
 /// "a.las", or {"file": "a.las", "transform": [16 numbers, row by row]}.
@@ -63,12 +62,6 @@ scene::SceneFile scene_file(const Json& json, const std::filesystem::path& prese
   return file;
 }
 
-/// Options that the camera of a scene has in it already.
-bool is_view(const std::string& option) {
-  static const std::set<std::string> views = {"view", "zoom", "roll", "look-at", "distance", "resolution"};
-  return views.contains(option) || option.starts_with("camera");
-}
-
 }  // namespace
 
 std::optional<dmat4> transform_of_rows(std::span<const double> rows) {
@@ -93,7 +86,7 @@ Preset load_preset(const std::filesystem::path& file) {
       preset.technique = value.get<std::string>();
     } else if (key == "parameters" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_look(name) && !(name == "crop" && json.contains("files")))
+        if (!is_kept(name, json.contains("files")))
           refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
                  with_dashes(name) + " to the command");
         if (!setting.is_object()) {
@@ -105,10 +98,11 @@ Preset load_preset(const std::filesystem::path& file) {
       }
     } else if (key == "options" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_look(name) && !(name == "crop" && json.contains("files")))
+        if (!is_kept(name, json.contains("files")))
           refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
                  with_dashes(name) + " to the command");
-        const bool repeated = (name == "filter" || name == "draw") && setting.is_array();
+        const Option* known = find_option(name);
+        const bool repeated = known && known->kind == Option::Kind::texts && setting.is_array();
         for (const Json& one : repeated ? setting : Json::array({setting}))
           preset.options.emplace_back(with_dashes(name), spell(one));
       }
@@ -206,8 +200,9 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
     bool is_parameter = name.find('.') != std::string::npos;  // saved above
     for (const Look* chosen : looks) is_parameter |= chosen->parameters.find(name) != nullptr;
     for (const Param& param : analysis.all()) is_parameter |= with_dashes(param.name) == name;
-    const bool is_kept = is_look(name) || (name == "crop" && !files.empty());
-    if (!is_kept || is_parameter || (!files.empty() && is_view(name))) continue;
+    const Option* known = find_option(name);
+    const bool in_camera = !files.empty() && known && known->scope == Option::Scope::camera;
+    if (!is_kept(name, !files.empty()) || is_parameter || in_camera) continue;
     Json& kept = json["options"];
     if (!kept.contains(name))
       kept[name] = value;

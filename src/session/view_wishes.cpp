@@ -46,7 +46,7 @@ void aim(Camera& camera, UpAxis up, const ViewWishes& wishes) {
       camera.position = camera.target - along * glm::length(camera.target - camera.position);
   }
   if (wishes.azimuth || wishes.elevation)
-    look_from(camera, up, radians(wishes.azimuth), radians(wishes.elevation), wishes.upright);
+    look_from(camera, up, radians(wishes.azimuth), radians(wishes.elevation), !wishes.side.empty());
   if (wishes.distance) {
     const double before = glm::length(camera.target - camera.position);
     camera.position = camera.target - camera.direction() * *wishes.distance;
@@ -65,7 +65,7 @@ double pixel_size_of(const Pose& pose, const ViewWishes& wishes) {
     throw Error(ErrorCode::usage,
                 "--scale: the file's coordinates are degrees, which have no length on paper");
   const double metres = pose.unit.metres > 0 ? pose.unit.metres : 1;
-  return *wishes.print_scale * 0.0254 / wishes.dpi / metres;
+  return *wishes.print_scale * 0.0254 / wishes.dpi.value_or(300) / metres;
 }
 
 /// A parallel view whose pixels have this size; `placed`: what it looks at stays in the middle.
@@ -104,8 +104,8 @@ Camera view_of(const Pose& pose, const ViewWishes& wishes) {
   if (wishes.fov) camera.fov_y = glm::radians(*wishes.fov);
   aim(camera, pose.upright.up, wishes);
   if (wishes.orthographic) make_orthographic(camera);
-  if (wishes.zoom != 1) magnify(camera, wishes.zoom);
-  if (wishes.roll != 0) roll(camera, glm::radians(wishes.roll));
+  if (wishes.zoom.value_or(1) != 1) magnify(camera, *wishes.zoom);
+  if (wishes.roll.value_or(0) != 0) roll(camera, glm::radians(*wishes.roll));
   if (const double pixel = pixel_size_of(pose, wishes); pixel > 0)
     set_pixel_size(camera, pose.subject.box, pixel, wishes);
   return camera;

@@ -20,13 +20,13 @@ struct ViewWishes {
   std::optional<dvec3> position, direction, view_up;
   std::optional<dvec3> focal_point;  ///< looked at from where the camera stands
   std::optional<dvec3> look_at;  ///< looked at from the same side and distance; with `position`, from there
-  double zoom = 1, roll = 0;
+  std::optional<double> zoom, roll;
   bool orthographic = false;
   std::optional<double> pixel_size;  ///< scene units a pixel shows, in parallel projection
   std::optional<double>
-      print_scale;  ///< the N of 1:N on paper, at `dpi`; the pose's unit says how long a unit is
-  double dpi = 300;
-  bool upright = false;  ///< azimuth and elevation are a named view, whose picture stands upright
+      print_scale;            ///< the N of 1:N on paper, at `dpi`; the pose's unit says how long a unit is
+  std::optional<double> dpi;  ///< 300 where paper is meant
+  std::string side;  ///< a named view, whose picture stands upright; azimuth and elevation are its own
   std::optional<std::pair<int, int>> size;    ///< px
   std::pair<int, int> first_size{1280, 720};  ///< of the view that shows the scan, where no size is given
 };

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 
-#include "core/color.h"
-#include "core/error.h"
 #include "core/furniture.h"
-#include "core/numbers.h"
+#include "core/option_text.h"
+#include "session/request.h"
 #include "view/controls.h"
 
 namespace sfumato::view {
@@ -24,21 +23,6 @@ std::string text_of(const std::vector<std::string>& words) {
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(' ');
   return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
-std::vector<double> two_numbers(const std::string& text) {
-  const std::size_t comma = text.find(',');
-  if (comma != std::string::npos) {
-    const auto a = parse_real(trimmed(std::string_view(text).substr(0, comma))),
-               b = parse_real(trimmed(std::string_view(text).substr(comma + 1)));
-    if (a && b && *a != *b) return {*a, *b};
-  }
-  throw Error(ErrorCode::usage, "--color-range: '" + text + "' is not two different numbers A,B");
-}
-
-vec3 color_of(const std::string& text) {
-  if (const auto color = parse_color(text)) return *color;
-  throw Error(ErrorCode::usage, "'" + text + "' is no colour");
 }
 
 std::string rows_text(const dmat4& matrix) {
@@ -71,12 +55,6 @@ std::string DrawRow::rule() const {
 bool is_kept_as_written(const std::string& option) {
   return option == "filter" || option == "columns" || option == "max-points" || option == "up" ||
          option == "crop-relative" || option == "vertices";
-}
-
-std::string classes_text(const std::vector<int>& classes) {
-  std::string text;
-  for (int id : classes) text += (text.empty() ? "" : ",") + std::to_string(id);
-  return text.empty() ? "none" : text;
 }
 
 void Wishes::set(const std::string& parameter, const std::string& value) {
@@ -131,24 +109,32 @@ NamesAndValues Wishes::parameters_of(const std::string& technique_name) const {
 }
 
 ColorSettings Wishes::color() const {
-  ColorSettings settings;
-  settings.color_by = color_by;
-  settings.colormap = colormap;
-  if (!color_range.empty()) {
-    const std::vector<double> range = two_numbers(color_range);
-    settings.range = {range[0], range[1]};
-  }
-  if (!exposure.empty()) {
-    settings.exposure = parse_real(trimmed(exposure));
-    if (!settings.exposure || !(*settings.exposure >= 0.1 && *settings.exposure <= 100))
-      throw Error(ErrorCode::usage, "--exposure: '" + exposure + "' is no number in [0.1, 100]");
-  }
-  if (!point_color.empty()) settings.solid = to_rgba8(color_of(point_color));
-  return settings;
+  Request request;
+  for (const auto& [name, value] : {std::pair("color-by", &color_by),
+                                    {"colormap", &colormap},
+                                    {"color-range", &color_range},
+                                    {"exposure", &exposure},
+                                    {"color", &point_color}})
+    sfumato::set(request, name, *value);
+  return request.color;
 }
 
 std::optional<vec3> Wishes::background() const {
-  return background_color.empty() ? std::nullopt : std::optional(color_of(background_color));
+  Request request;
+  sfumato::set(request, "background-color", background_color);
+  return request.background;
+}
+
+void Wishes::take_input(const NamesAndValues& given) {
+  Request request;
+  input.clear();
+  for (const auto& [name, value] : given) {
+    sfumato::set(request, name, value);
+    if (is_kept_as_written(name)) input.emplace_back(name, value);
+  }
+  settle_points(request);
+  request.points.read.samples_faces = !request.vertices;
+  scene = request.points;
 }
 
 SessionOptions Wishes::session_options() const {

@@ -69,6 +69,8 @@ struct Wishes {
   /// Takes over colours, items and what else `options` says of the picture; what is not given is as by
   /// default.
   void take_options(const NamesAndValues& given);
+  /// Takes over which points there are, likewise.
+  void take_input(const NamesAndValues& given);
 
   /// What a Look of that technique must be given.
   NamesAndValues parameters_of(const std::string& technique_name) const;
@@ -92,8 +94,5 @@ struct Wishes {
 
 /// Whether an option that says which points there are is kept in `Wishes::input`.
 bool is_kept_as_written(const std::string& option);
-
-/// Which class codes are hidden: "--hide-classes" in the spelling of the command.
-std::string classes_text(const std::vector<int>& classes);
 
 }  // namespace sfumato::view

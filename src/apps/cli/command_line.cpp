@@ -1,8 +1,6 @@
 #include "command_line.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <set>
 
 #include "console.h"
@@ -168,9 +166,12 @@ CommandLine::~CommandLine() = default;
 void CommandLine::group(const std::string& title) { state_->group = title; }
 
 void CommandLine::flag(const std::string& names, bool& value, const std::string& help) {
-  state_->add(names, OptionInfo::Kind::flag, "", help).apply = [&value](const std::string& text) {
-    value = text == "true";
-  };
+  flag(names, help, [&value](const std::string& text) { value = text == "true"; });
+}
+
+void CommandLine::flag(const std::string& names, const std::string& help,
+                       std::function<void(const std::string&)> apply) {
+  state_->add(names, OptionInfo::Kind::flag, "", help).apply = std::move(apply);
 }
 
 void CommandLine::text(const std::string& names, std::string& value, const std::string& metavar,
@@ -185,9 +186,16 @@ void CommandLine::text(const std::string& names, std::optional<std::string>& val
 
 void CommandLine::texts(const std::string& names, Words& values, const std::string& metavar,
                         const std::string& help) {
+  texts(
+      names, metavar, help, [&values] { values.clear(); },
+      [&values](const std::string& text) { values.push_back(text); });
+}
+
+void CommandLine::texts(const std::string& names, const std::string& metavar, const std::string& help,
+                        std::function<void()> clear, std::function<void(const std::string&)> apply) {
   State::Entry& entry = state_->add(names, OptionInfo::Kind::value, metavar, help);
-  entry.apply = [&values](const std::string& text) { values.push_back(text); };
-  entry.clear = [&values] { values.clear(); };
+  entry.apply = std::move(apply);
+  entry.clear = std::move(clear);
 }
 
 void CommandLine::positional(const std::string& metavar, std::string& value, const std::string& help) {
@@ -292,96 +300,10 @@ const CommandHelp& CommandLine::described() const {
   return state_->help;
 }
 
-double parse_number(const std::string& option, std::string_view text) {
-  double value = 0;
-  const std::string shown(text);
-  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    const bool comma = shown.find(',') != std::string::npos;
-    throw Error(ErrorCode::usage, option + ": '" + shown + "' is not a number" +
-                                      (comma ? "; write decimals with a point: 1.5" : ""));
-  }
-  return value;
-}
-
-long parse_whole(const std::string& option, std::string_view text, long least) {
-  const std::optional<double> value = parse_count(text);
-  if (!value || *value < double(least) || *value > 9e15)
-    throw Error(ErrorCode::usage, option + ": '" + std::string(text) +
-                                      "' is not a whole number of at least " + std::to_string(least) +
-                                      " (1000, 250k, 2M, 1e6)");
-  return long(*value);
-}
-
-std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count,
-                                  const std::string& form) {
-  std::vector<double> values;
-  for (const std::string& word : split(text, ',')) values.push_back(parse_number(option, word));
-  if (values.size() != count)
-    throw Error(ErrorCode::usage, option + ": '" + std::string(text) + "' is not " + std::to_string(count) +
-                                      " numbers separated by commas" +
-                                      (values.size() == 2 * count ? "; write decimals with a point: 1.5"
-                                       : form.empty()             ? ""
-                                                                  : "; write " + form));
-  return values;
-}
-
-Bounds parse_box(const std::string& option, const std::string& text) {
-  const std::vector<double> v = parse_numbers(
-      option, text, 6, "X0,Y0,Z0,X1,Y1,Z1: the corner of the smallest numbers, then that of the largest");
-  const Bounds box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-  for (int k = 0; k < 3; ++k)
-    if (box.min[k] > box.max[k])
-      throw Error(ErrorCode::usage, option + ": '" + text + "' is empty along " + std::string(1, "xyz"[k]) +
-                                        "; write X0,Y0,Z0,X1,Y1,Z1 with the smaller numbers first");
-  return box;
-}
-
-std::pair<int, int> parse_resolution(const std::string& option, std::string_view text) {
-  const std::size_t cut = text.find_first_of("xX,");
-  const std::string shape = option + ": '" + std::string(text) + "' is not WIDTHxHEIGHT, such as 1920x1080";
-  if (cut == std::string_view::npos) throw Error(ErrorCode::usage, shape);
-  const auto side = [&](std::string_view part) {
-    const std::optional<double> value = parse_count(part);
-    if (!value || *value < 1 || *value > 65536)
-      throw Error(ErrorCode::usage, shape + ", of 1 to 65536 pixels a side");
-    return int(*value);
-  };
-  return {side(text.substr(0, cut)), side(text.substr(cut + 1))};
-}
-
-Words split(std::string_view text, char separator) {
-  Words words;
-  while (true) {
-    const std::size_t cut = text.find(separator);
-    words.emplace_back(text.substr(0, cut));
-    if (cut == std::string_view::npos) return words;
-    text.remove_prefix(cut + 1);
-  }
-}
-
 std::string join(const Words& words, const std::string& between) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
   return text;
-}
-
-std::string quote(const Words& words) {
-  static const std::string plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
-  std::string line;
-  for (const std::string& word : words) {
-    if (!line.empty()) line += ' ';
-    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) {
-      line += word;
-      continue;
-    }
-    line += '\'';
-    for (char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += '\'';
-  }
-  return line;
 }
 
 }  // namespace sfumato::cli

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/point_cloud.h"
+#include "core/option_text.h"
 
 namespace sfumato::cli {
 
@@ -41,6 +41,8 @@ class CommandLine {
   void group(const std::string& title);
   /// `names`: "-o,--output" or "--output". `metavar` also shows range and default.
   void flag(const std::string& names, bool& value, const std::string& help);
+  void flag(const std::string& names, const std::string& help,
+            std::function<void(const std::string&)> apply);  ///< gets "true" or "false"
   void text(const std::string& names, std::string& value, const std::string& metavar,
             const std::string& help);
   void text(const std::string& names, std::optional<std::string>& value, const std::string& metavar,
@@ -49,6 +51,9 @@ class CommandLine {
   void positionals(const std::string& metavar, Words& values, const std::string& help);
   /// Every value given, in the order of the line.
   void texts(const std::string& names, Words& values, const std::string& metavar, const std::string& help);
+  /// The same, `clear` before the first of a line.
+  void texts(const std::string& names, const std::string& metavar, const std::string& help,
+             std::function<void()> clear, std::function<void(const std::string&)> apply);
   /// `apply` gets the value once the whole line has parsed, in the order of declaration. `hidden`: not in
   /// --help.
   void handler(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
@@ -82,19 +87,6 @@ class CommandLine {
   std::unique_ptr<State> state_;
 };
 
-// Values, all throwing Error(usage) that names the option.
-double parse_number(const std::string& option, std::string_view text);
-/// Also as 1e6, 250k or 2M.
-long parse_whole(const std::string& option, std::string_view text, long least);
-std::vector<double> parse_numbers(const std::string& option, std::string_view text, std::size_t count,
-                                  const std::string& form = "");
-/// "X0,Y0,Z0,X1,Y1,Z1", the smaller numbers first.
-Bounds parse_box(const std::string& option, const std::string& text);
-/// "1280x720" or "1280,720".
-std::pair<int, int> parse_resolution(const std::string& option, std::string_view text);
-Words split(std::string_view text, char separator);
 std::string join(const Words& words, const std::string& between = " ");
-/// The words as a line that a POSIX shell reads back.
-std::string quote(const Words& words);
 
 }  // namespace sfumato::cli

@@ -92,8 +92,9 @@ void tell_what_stays(const scene::Scene& scene, const std::vector<scene::SceneFi
 
 int convert_command(const Words& words) {
   std::string output;
-  Words inputs, transforms;
-  InputOptions input("none");
+  Words inputs;
+  Request request;
+  request.hide_classes.clear();
   CommonOptions common;
   CommandLine line(
       "sfumato convert",
@@ -103,8 +104,15 @@ int convert_command(const Words& words) {
   line.text("-o,--output", output, "OUT", "the file to write: " + written_extensions());
   ShadowOptions shadows;
   common.declare(line);
-  input.declare(line);
-  declare_transforms(line, transforms);
+  line.group("Points");
+  for (const char* name : {"crop", "crop-relative", "show-classes", "hide-classes", "filter", "max-points",
+                           "columns", "strict", "up", "transform"}) {
+    const Option& option = *find_option(name);
+    const std::string help = option.name() == "hide-classes"
+                                 ? "classification codes left out, and withheld points (none)"
+                                 : option.help;
+    declare_option(line, request, option, help);
+  }
   shadows.declare(line);
   line.usage("sfumato convert IN... -o OUT");
   if (!line.parse(words)) return 0;
@@ -113,7 +121,7 @@ int convert_command(const Words& words) {
     throw Error(ErrorCode::usage,
                 std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
                     "; usage: sfumato convert IN... -o OUT");
-  input.check();
+  settle_points(request);
   shadows.check();
   if (output.ends_with(".copc.laz"))
     throw Error(ErrorCode::usage, "-o " + output + ": levels are built by sfumato build IN... -o " + output +
@@ -122,7 +130,7 @@ int convert_command(const Words& words) {
     throw Error(ErrorCode::usage, "-o " + output + ": clouds are written as " + written_extensions());
 
   inputs = scene::expand_inputs(inputs);
-  const std::vector<scene::SceneFile> placed = placed_files(inputs, transforms);
+  const std::vector<scene::SceneFile> placed = placed_files(inputs, request.transforms);
   io::FileNames names;
   for (const std::string& file : inputs)
     if (file != "-") names.input("the input", file);
@@ -131,16 +139,16 @@ int convert_command(const Words& words) {
   std::unique_ptr<gl::Context> context;
   if (shadows.is_asked()) context = gl::Context::create_headless();
   Console console(common);
-  input.scene.read.every_attribute = input.scene.keep_degrees = true;
-  scene::Scene scene = scene::read_scene(placed, input.scene, console);
+  scene::SceneOptions& wanted = request.points;
+  wanted.read.every_attribute = wanted.keep_degrees = true;
+  scene::Scene scene = scene::read_scene(placed, wanted, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
-  if (const std::string note = unused_columns(scene, input.scene); !note.empty())
-    console.say("sfumato: " + note);
+  if (const std::string note = unused_columns(scene, wanted); !note.empty()) console.say("sfumato: " + note);
   tell_what_stays(scene, placed, console);
-  if (context) shadows.add(scene, input.scene.up, *context, console);
+  if (context) shadows.add(scene, wanted.up, *context, console);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
     console.say("sfumato: " + output + ": " + note);
   // What rendering will find: the custom of the old format says less than the shape.

@@ -1,6 +1,5 @@
 #include "input_options.h"
 
-#include <algorithm>
 #include <cctype>
 
 #include "core/counted.h"
@@ -8,71 +7,23 @@
 #include "session/preset.h"
 
 namespace sfumato::cli {
-namespace {
-
-std::vector<int> parse_classes(const std::string& option, const std::string& text) {
-  std::vector<int> codes;
-  for (const std::string& code : split(text, ',')) {
-    const long id = parse_whole(option, code, 0);
-    if (id > 255)
-      throw Error(ErrorCode::usage, option + ": class " + code + " is beyond 255, the last there is");
-    codes.push_back(int(id));
+void declare_option(CommandLine& line, Request& request, const Option& option, const std::string& help) {
+  const auto apply = [&request, &option, name = "--" + option.name()](const std::string& text) {
+    option.set(request, name, text);
+  };
+  switch (option.kind) {
+    case Option::Kind::flag: return line.flag(option.names, help, apply);
+    case Option::Kind::text: return line.handler(option.names, option.metavar, help, false, apply);
+    case Option::Kind::texts:
+      return line.texts(
+          option.names, option.metavar, help, [&request, &option] { option.clear(request); }, apply);
   }
-  return codes;
 }
 
-}  // namespace
-
-void InputOptions::declare(CommandLine& line) {
-  line.group("Points");
-  line.text("--crop", crop_, "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates");
-  line.text("--crop-relative", crop_relative_, "X0,Y0,Z0,X1,Y1,Z1",
-            "the same in shares of the whole box: 0,0,0,1,1,0.5 is the lower half");
-  line.text("--show-classes", show_classes_, "N,N...", "only these classification codes");
-  line.text("--hide-classes", hide_classes_, "N,N...|none",
-            "classification codes left out, and withheld points (" + hide_classes_ +
-                (hide_classes_ == "none" ? ")" : ": noise)"));
-  line.texts("--filter", filters_, "\"SCALAR A..B\"",
-             "only points in a range of a scalar, such as \"intensity 10..200\" or \"z 3..\"; may be given "
-             "several times");
-  line.text("--max-points", max_points_, "N",
-            "a subsample of what is left, the same one every time (1e6, 250k, 2M)");
-  line.text("--columns", columns_, "x,y,z,...",
-            "names of the columns of text files, .npy rows and .bin floats, instead of a guess");
-  if (draws_)
-    line.flag("--vertices", vertices_,
-              "of meshes (PLY, OBJ) the vertices alone, instead of points on the faces");
-  line.flag("--strict", scene.read.strict,
-            "refuse partly damaged files instead of skipping the damaged parts");
-  line.text("--up", up_, "auto|+Z|-Z|+Y|...",
-            "axis that points up (auto: from the file, else guessed from the shape)");
-}
-
-void InputOptions::check() {
-  scene.read.samples_faces = draws_ && !vertices_;
-  Selection& wanted = scene.selection;
-  if (crop_ && crop_relative_)
-    throw Error(ErrorCode::usage, "--crop and --crop-relative contradict each other: give one of them");
-  if (crop_) wanted.crop = parse_box("--crop", *crop_);
-  if (crop_relative_) wanted.crop_share = parse_box("--crop-relative", *crop_relative_);
-  if (show_classes_) wanted.show_classes = parse_classes("--show-classes", *show_classes_);
-  if (hide_classes_ != "none" && !hide_classes_.empty()) {
-    wanted.hide_withheld = true;
-    // Noise is left out unless somebody wants to see just that.
-    for (int id : parse_classes("--hide-classes", hide_classes_))
-      if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), id) == wanted.show_classes.end())
-        wanted.hide_classes.push_back(id);
-  }
-  for (const std::string& text : filters_) wanted.filters.push_back(parse_filter(text));
-  if (columns_) scene.read.columns = split(*columns_, ',');
-  if (max_points_) scene.read.max_points = std::uint64_t(parse_whole("--max-points", *max_points_, 1));
-  if (up_ && *up_ != "auto" && !(scene.up = parse_up_axis(*up_)))
-    throw Error(ErrorCode::usage, "--up: '" + *up_ + "' is not one of auto +X -X +Y -Y +Z -Z");
-}
-
-void declare_transforms(CommandLine& line, Words& transforms) {
-  line.texts("--transform", transforms, "\"N: 16 NUMBERS\"",
-             "4x4 matrix that maps the N-th file to world coordinates, row by row, with commas");
+void declare_group(CommandLine& line, Request& request, std::string_view group) {
+  line.group(std::string(group));
+  for (const Option& option : request_options())
+    if (option.group == group) declare_option(line, request, option, option.help);
 }
 
 std::vector<scene::SceneFile> placed_files(const Words& files, const Words& transforms) {

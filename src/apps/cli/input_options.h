@@ -1,38 +1,21 @@
-// Which files are read, how, and which of their points are wanted: the same options for rendering and
-// `convert`.
+// The table of options on the command line, and what is said of files that were read.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "command_line.h"
 #include "scene/scene.h"
+#include "session/request.h"
 
 namespace sfumato::cli {
 
-class InputOptions {
- public:
-  /// `hide_classes`: those left out unless asked for, "7,18" or "none". `draws`: what is read is drawn, so
-  /// that meshes are points on their faces.
-  explicit InputOptions(const std::string& hide_classes, bool draws = false)
-      : hide_classes_(hide_classes), draws_(draws) {}
-  void declare(CommandLine& line);
-  /// Throws Error(usage) for what can be wrong before a file is opened.
-  void check();
+/// Declares a group of the table of options (session/request.h).
+void declare_group(CommandLine& line, Request& request, std::string_view group);
+/// Declares one of its rows, with words of its own for --help where they differ.
+void declare_option(CommandLine& line, Request& request, const Option& option, const std::string& help);
 
-  scene::SceneOptions scene;  ///< filled by `check`
-  const std::string& hide_classes() const { return hide_classes_; }
-
- private:
-  std::string hide_classes_;
-  bool draws_ = false, vertices_ = false;
-  std::optional<std::string> crop_, crop_relative_, show_classes_, columns_, max_points_, up_;
-  Words filters_;
-};
-
-/// Declares --transform, and whose points it moves.
-void declare_transforms(CommandLine& line, Words& transforms);
 /// The files with their transforms: "N: 16 numbers", N counts from 1 and may be left out for a single file.
 std::vector<scene::SceneFile> placed_files(const Words& files, const Words& transforms);
 

@@ -33,8 +33,8 @@ void refuse_others(const RenderOptions& options) {
                                       {"--sequence", options.sequence},
                                       {"--each", options.each},
                                       {"--watch", options.watch},
-                                      {"--panorama", options.camera.panorama},
-                                      {"--quality", !options.quality_text.empty()}})
+                                      {"--panorama", options.panorama},
+                                      {"--quality", options.quality.has_value()}})
     if (given)
       throw Error(ErrorCode::usage, std::string(option) +
                                         " does not go with publish, which shows one scene "
@@ -54,7 +54,7 @@ publish::Facts facts_of(const RenderOptions& options, const Choice& choice, cons
   facts.background = report.background;
   facts.unit = drawn.pose.unit;
   facts.up = drawn.pose.upright.up;
-  facts.vertical_exaggeration = options.camera.vertical_exaggeration();
+  facts.vertical_exaggeration = options.vertical_exaggeration();
   facts.has_furniture = !options.furniture.empty();
   auto& rows = facts.rows;
   for (const io::ReadReport& file : drawn.files)
@@ -106,14 +106,14 @@ int publish_command(const Words& words) {
     if (!(std::abs(heights.back()) <= 90))
       throw Error(ErrorCode::usage, "--elevations: " + each + " degrees is outside [-90, 90]");
   }
-  CameraOptions& camera = options.camera;
-  if (!camera.resolution && !camera.file && !camera.preset) camera.resolution = "1600x1200";
+  if (!options.view.size && options.camera_file.empty() && !options.view.start)
+    options.view.size = {1600, 1200};
   publish::Publication publication(folder, int(around), heights);
   options.publication = &publication;
   request.choice.given = request.line.given();
   options.check(request.choice.count);
   for (const auto& chosen : request.choice.techniques) chosen->check();
-  camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
+  read_camera_file(options);
   options.expand_files();
   Words command = words;
   command.insert(command.begin(), {"sfumato", "publish"});

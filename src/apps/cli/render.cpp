@@ -35,7 +35,7 @@ namespace {
 scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report,
                           Console& console) {
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
-  if (const std::string note = unused_columns(scene, options.input.scene); !note.empty())
+  if (const std::string note = unused_columns(scene, options.points); !note.empty())
     console.say("sfumato: " + note);
   for (const io::ReadReport& file : scene.files)
     console.tell(
@@ -67,7 +67,7 @@ using SceneFiles = std::vector<scene::SceneFile>;
 
 scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report,
                   Console& console) {
-  scene::Scene scene = scene::read_scene(files, options.input.scene, console);
+  scene::Scene scene = scene::read_scene(files, options.points, console);
   console.check();
   return tell_reading(std::move(scene), options, report, console);
 }
@@ -75,11 +75,10 @@ scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderR
 /// Which way is up, and from where to look, unless the user or the file says so.
 Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& report, Console& console) {
   const UpAxis custom = scene.cloud.up;
-  Pose pose = stand_upright(scene, options.input.scene.up, !options.camera.whole,
-                            options.camera.vertical_exaggeration());
+  Pose pose = stand_upright(scene, options.points.up, !options.whole, options.vertical_exaggeration());
   console.check();
   if (!options.furniture.unit.empty()) pose.unit = unit_named(options.furniture.unit);
-  if (options.camera.scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
+  if (options.view.print_scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
     console.say("--scale: the file does not say its unit, taken for metres; --unit ft says otherwise");
   const analysis::Upright& upright = pose.upright;
   if (upright.up != custom)
@@ -99,7 +98,7 @@ void check_names(const RenderOptions& options, const Choice& choice) {
   io::FileNames names;
   for (const std::string& file : options.files)
     if (file != "-") names.input("the input", file);
-  if (options.camera.file) names.input("--camera", *options.camera.file);
+  if (!options.camera_file.empty()) names.input("--camera", options.camera_file);
   if (!options.preset.empty()) names.input("--preset", options.preset);
   if (!options.scene.empty()) names.input("--scene", options.scene);
   if (!options.path.empty() && options.path != "orbit") names.input("--path", options.path);
@@ -123,18 +122,18 @@ void check_names(const RenderOptions& options, const Choice& choice) {
 std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis axis,
                                const Subject& subject) {
   if (options.publication)
-    return options.publication->cameras(first, axis, subject, !options.camera.stands_somewhere());
+    return options.publication->cameras(first, axis, subject, !options.stands_somewhere());
   if (options.path.empty()) return {first};
   if (options.path == "orbit") {
     Camera start = first;
     const dvec3 up = up_vector(axis);
-    if (!options.camera.stands_somewhere()) step_back(start, up, subject);
-    return orbit(start, up, options.frame_count, options.orbit_degrees);
+    if (!options.stands_somewhere()) step_back(start, up, subject);
+    return orbit(start, up, options.frame_count(), options.degrees.value_or(360));
   }
   std::vector<Camera> keys = options.poses.seen_as(first);
-  if (!options.shows_poses() || options.camera.resolution)
+  if (!options.shows_poses() || options.view.size)
     for (Camera& key : keys) key = key.resized(first.width, first.height);
-  if (!options.shows_poses()) return interpolate(keys, options.frame_count);
+  if (!options.shows_poses()) return interpolate(keys, options.frame_count());
   if (is_video(options.output))
     for (const Camera& key : keys)
       if (key.width != keys[0].width || key.height != keys[0].height)
@@ -146,9 +145,8 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
 
 /// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
 Camera first_camera(const RenderOptions& options, const Pose& pose, const PointCloud& cloud) {
-  Camera camera = options.camera.resolve(pose);
-  if (!options.camera.panorama || options.camera.position || options.camera.file || options.camera.preset)
-    return camera;
+  Camera camera = view_of(pose, options.view);
+  if (!options.panorama || options.view.position || options.view.start) return camera;
   const dvec3 direction = camera.direction();
   camera.position = place_inside(cloud);
   camera.target = camera.position + direction;
@@ -174,9 +172,8 @@ bool has_shadows(const Choice& choice) {
 scene::Scene read_seen(const scene::LeveledScene& leveled, const std::vector<Camera>& cameras,
                        const RenderOptions& options, const Choice& choice, RenderReport& report,
                        Console& console) {
-  return tell_reading(
-      leveled.read(copc::views_of(cameras, options.camera.panorama), has_shadows(choice), console), options,
-      report, console);
+  return tell_reading(leveled.read(copc::views_of(cameras, options.panorama), has_shadows(choice), console),
+                      options, report, console);
 }
 
 /// Points from everywhere in the files of a sequence: what follows from the whole is the same for all of its
@@ -187,8 +184,8 @@ PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Co
   PointCloud all;
   for (std::size_t i = 0; i < files.size(); ++i) {
     console.set_step("looking at file", i, files.size());
-    std::optional<scene::Scene> part = scene::read_sample({files[i]}, options.input.scene, points, console);
-    if (!part) part = scene::read_scene(std::vector{files[i]}, options.input.scene, console);
+    std::optional<scene::Scene> part = scene::read_sample({files[i]}, options.points, points, console);
+    if (!part) part = scene::read_scene(std::vector{files[i]}, options.points, console);
     append(all, subsample(part->cloud, points));
   }
   all.grid_index.clear(), all.grids.clear();
@@ -198,7 +195,7 @@ PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Co
 /// Files for a view that is known.
 scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderOptions& options,
                       const Choice& choice, RenderReport& report, Console& console) {
-  const auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
+  const auto leveled = scene::LeveledScene::open(files, options.points, options.memory);
   return leveled ? read_seen(*leveled, {seen}, options, choice, report, console)
                  : read(files, options, report, console);
 }
@@ -207,8 +204,8 @@ scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderO
 /// from the view.
 Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
           Console& console) {
-  auto leveled = scene::LeveledScene::open(files, options.input.scene, options.memory);
-  if (leveled && options.camera.vertical_exaggeration() != 1)
+  auto leveled = scene::LeveledScene::open(files, options.points, options.memory);
+  if (leveled && options.vertical_exaggeration() != 1)
     throw Error(
         ErrorCode::usage,
         "--vertical-exaggeration needs all points in memory, and files are larger: raise --memory or crop");
@@ -222,7 +219,7 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
   sight.scene = {};
   std::vector<Camera> first = sight.cameras;
   if (first.size() > 1 &&
-      !leveled->select(copc::views_of(first, options.camera.panorama), has_shadows(choice)).is_complete()) {
+      !leveled->select(copc::views_of(first, options.panorama), has_shadows(choice)).is_complete()) {
     first.resize(1);
     sight.by_camera = std::move(leveled);
     sight.by_camera->keep_nodes(
@@ -267,7 +264,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
       console.say(report.draw.empty() ? choice.techniques[i]->name + ": " + note : note);
   if (report.points_hidden > 0)
     console.say(fmt::format("{} withheld or of a hidden class (--hide-classes {})",
-                            are(report.points_hidden, "point"), options.input.hide_classes()));
+                            are(report.points_hidden, "point"), classes_text(options.hide_classes)));
   console.tell(resolved_text(choice));
   if (options.timings) console.say(timings_text(report, choice));
   if (report.blank_pictures > 0) {
@@ -278,8 +275,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
         report.frames == 1 ? "the picture is"
                            : fmt::format("{} of {} pictures are", report.blank_pictures, report.frames),
         c.x, c.y, c.z,
-        options.camera.moves_camera() || options.camera.preset ? ", and no camera options show all of it"
-                                                               : ""));
+        options.moves_camera() || options.view.start ? ", and no camera options show all of it" : ""));
   }
   if (options.publication) return console.say("wrote " + options.publication->summary());
   if (report.outputs.empty()) return;
@@ -326,8 +322,9 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
 int view_command(RenderOptions& options, Choice& choice, const CommandLine& line) {
   viewer::Settings settings;
   settings.verbose = options.common.verbose;
-  if (options.camera.resolution)
-    std::tie(settings.width, settings.height) = parse_resolution("--resolution", *options.camera.resolution);
+  if (options.view.size) std::tie(settings.width, settings.height) = *options.view.size;
+  const Console interrupts(true);
+  settings.cancelled = [&] { return interrupts.cancelled(); };
   return viewer::run(view_start(options, choice, line.given()), settings);
 }
 #endif
@@ -347,7 +344,7 @@ int render_command(const Words& words) {
   options.check(choice.count);
   for (const auto& chosen : choice.techniques) chosen->check();
   // A wrong camera file should not cost the time of reading a large scan.
-  options.camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
+  read_camera_file(options);
   options.expand_files();
   check_names(options, choice);
   if (!options.shader_folder.empty()) {
@@ -379,7 +376,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
       options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   watch.lap("read");
   std::shared_ptr<const PointCloud> overview;
-  options.input.scene.metres = scene.metres;
+  options.points.metres = scene.metres;
   if (options.sequence && options.files.size() > 1) {
     PointCloud all = overview_of(options.placed(), options, console);
     all.up = scene.cloud.up;
@@ -404,8 +401,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
                     : read_for(seen, {options.placed(std::size_t(n))}, options, choice, report, console);
       next.cloud.up = pose.upright.up;
       if (overview) next.overview = overview;
-      if (options.camera.vertical_exaggeration() != 1)
-        exaggerate(next.cloud, options.camera.vertical_exaggeration());
+      if (options.vertical_exaggeration() != 1) exaggerate(next.cloud, options.vertical_exaggeration());
       studio.set_scene(std::move(next), pose);
       watch.lap("prepare");
     }
@@ -415,7 +411,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   if (options.publication)
     options.publication->finish(facts_of(options, choice, report, command, {pose, box, crs, files}));
   std::optional<Camera> kept = request.preset.camera;
-  if (!options.camera.file.value_or("").empty()) kept = io::read_camera(*options.camera.file);
+  if (!options.camera_file.empty()) kept = options.view.start;
   for (const std::string& name : {options.save_preset, options.save_scene}) {
     if (name.empty()) continue;
     const SceneFiles placed = name == options.save_scene ? options.placed() : SceneFiles();

@@ -6,12 +6,8 @@
 #include <cctype>
 #include <filesystem>
 
-#include "core/color.h"
-#include "core/colormap.h"
-#include "core/counted.h"
 #include "core/error.h"
 #include "io/atomic_writer.h"
-#include "session/preset.h"
 #include "video.h"
 
 namespace sfumato::cli {
@@ -23,96 +19,17 @@ namespace {
 
 void RenderOptions::declare(CommandLine& line) {
   line.positionals("FILE", files, "point clouds; several are one scene");
-  line.group("Output");
-  line.text(
-      "-t,--technique", technique, "NAME[,NAME...]|all",
-      "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet");
-  line.texts("--draw", draw, "\"SELECTION: TECHNIQUE [name=value ...]\"",
-             "draw selected points by another technique, such as \"classification 3-5: soft opacity=0.2\"; "
-             "the first that "
-             "selects a point "
-             "wins (sfumato help draw)");
-  line.text(
-      "-o,--output", output, "FILE",
-      "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, clear where nothing is), .exr "
-      "(linear, Z, normals), .npy (linear RGBA); - is standard output");
-  line.flag("--world-file", world_file, "the place of a plan beside its picture, as NAME.pgw");
-  line.flag("--each", each, "one picture each file, -o '{stem}.png'; a bad file does not stop the others");
-  line.text("--output-panels", output_panels, "NAME_{technique}.png",
-            "the panels of a contact sheet as single pictures too");
-  line.text("--output-depth", output_depth, "FILE",
-            "depth along the view axis: .npy or .exr (float32, inf where nothing), .png (16 bit)");
-  line.text("--output-normal", output_normal, "FILE.npy",
-            "float32 HxWx3, world, facing the camera, 0 where none");
-  line.text("--output-camera", output_camera, "FILE.json", "the camera of the picture");
-  line.text("--quality", quality_text, "1..100", "of .jpg and .webp; a .webp of 100 is exact (90)");
-  line.text(
-      "--path", path, "FILE|orbit",
-      "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg); poses "
-      "of transforms.json, COLMAP (images.txt or .bin), TUM, KITTI and Open3D are pictures of their own");
-  line.text("--frames", frames, "N", "pictures of the path (120, or one each pose)");
-  line.text("--degrees", degrees, "D", "arc of the orbit (360)");
-  line.flag(
-      "--sequence", sequence,
-      "files are frames: one picture each, from the camera of the first, with one colour range for all, "
-      "-o frame_{n:04}.png");
-  line.text("--preset", preset, "FILE.json", "options and parameters saved before; those given here win");
-  line.text("--save-preset", save_preset, "FILE.json", "save what reproduces this picture");
-  line.text("--scene", scene, "FILE.json",
-            "files, --draw, look and camera saved before; those given here win");
-  line.text("--save-scene", save_scene, "FILE.json", "save the files as well");
-  declare_transforms(line, transforms);
-  line.flag("--watch", watch, "the window reads files again when they change");
-  line.text("--shader-dir", shader_folder, "FOLDER",
-            "a checkout whose shaders are used in place of those built in; the window compiles them again "
-            "when they change");
-  line.flag("--timings", timings, "time of every pass");
-  line.flag("--json", json, "report on standard output");
+  declare_group(line, *this, "Output");
   common.declare(line);
-  camera.declare(line);
-  input.declare(line);
-  line.text("--memory", memory_text, "BYTES",
-            "what the points of COPC files may take; beyond it, or --max-points, only what the view shows is "
-            "read (4G)");
-  line.text("--gpu-memory", gpu_memory_text, "BYTES",
-            "the same on the graphics card (as much as --memory allows)");
-  line.group("Colour");
-  line.text("--color-by", color.color_by, "NAME",
-            "auto, rgb, intensity, classification, elevation, normal, file, any scalar");
-  line.text("--color", point_color, "COLOUR", "one colour for all points: a name, #hex or R,G,B");
-  line.text("--colormap", color.colormap, "NAME",
-            join(Colormap::names()) +
-                " (gray for intensity, land for heights, else viridis); NAME_r runs backwards");
-  line.text("--color-range", color_range, "A,B",
-            "values at the ends of the colour map (2-98 % of the points, nearly all of heights)");
-  line.text("--exposure", exposure_text, "F",
-            "brightness of the file's own colours, 1: as they are (what suits them)");
-  line.text("--background-color", background_color, "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)");
-  line.flag("--no-background", no_background, "transparent where nothing is");
-  line.group("In the picture");
-  for (const FurnitureOption& option : furniture_options()) {
-    const std::string name = option.name;
-    if (bool* flag = flag_of(furniture, name))
-      line.flag("--" + name, *flag, option.help);
-    else
-      line.handler("--" + name, option.metavar, option.help, false, [this, name](const std::string& value) {
-        try {
-          sfumato::set(furniture, name, value);
-        } catch (const Error& error) {
-          refuse("--" + std::string(error.what()));
-        }
-      });
+  std::string group = "Output";
+  for (const Option& option : request_options()) {
+    if (option.group == "Output") continue;
+    if (option.group != group) line.group(group = option.group);
+    declare_option(line, *this, option, option.help);
   }
 }
 
 namespace {
-
-vec3 color_of(const std::string& option, const std::string& text) {
-  if (const auto color = parse_color(text)) return *color;
-  const std::string near = nearest_color(text);
-  refuse(option + ": '" + text + "' is no colour" + (near.empty() ? "" : "; did you mean " + near + "?") +
-         " Write a name (steelblue), #hex (#4682b4) or R,G,B in 0..1 (0.27,0.51,0.71)");
-}
 
 bool is_picture(const std::string& extension) {
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".webp" ||
@@ -142,11 +59,8 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   const bool has_jpeg = extension == ".jpg" || extension == ".jpeg";
   if (no_background && has_jpeg)
     refuse("--no-background: a JPEG cannot be transparent; write a .png or .webp");
-  if (!quality_text.empty()) {
-    quality = int(std::min(parse_whole("--quality", quality_text, 1), 1000L));
-    if (quality > 100) refuse("--quality: '" + quality_text + "' is not in 1..100");
-    if (!has_jpeg && extension != ".webp") refuse("--quality goes with .jpg and .webp; a .png loses nothing");
-  }
+  if (quality && !has_jpeg && extension != ".webp")
+    refuse("--quality goes with .jpg and .webp; a .png loses nothing");
   if (!output_panels.empty()) {
     if (extension_of(output_panels) != ".png")
       refuse("--output-panels " + output_panels + ": panels are written as .png");
@@ -176,9 +90,9 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   }
   if (world_file && (output.empty() || is_video(output) || io::is_standard_output(output)))
     refuse("--world-file stands beside a picture: add -o PLAN.png");
-  furniture.print_scale = camera.print_scale(), furniture.dpi = camera.dpi();
+  furniture.print_scale = view.print_scale.value_or(0), furniture.dpi = dpi();
   // A map lies over others: it covers what it shows.
-  if ((extension == ".tif" || extension == ".tiff") && background_color.empty()) no_background = true;
+  if ((extension == ".tif" || extension == ".tiff") && !background) no_background = true;
   if (json && io::is_standard_output(output))
     refuse("--json and -o " + output + " both write to standard output");
 }
@@ -198,11 +112,11 @@ void RenderOptions::check_window(std::size_t technique_count) const {
     refuse("a window shows one technique at a time: name one, or add -o OUT.png for a sheet of all");
   for (const auto& [option, given] : {std::pair("--each", each),
                                       {"--path", !path.empty()},
-                                      {"--panorama", camera.panorama},
+                                      {"--panorama", panorama},
                                       {"--save-scene", !save_scene.empty()},
                                       {"--no-background", no_background},
                                       {"--world-file", world_file},
-                                      {"--vertical-exaggeration", camera.exaggeration_text.has_value()},
+                                      {"--vertical-exaggeration", exaggeration.has_value()},
                                       {"--save-preset", !save_preset.empty()},
                                       {"--json", json},
                                       {"--timings", timings}})
@@ -210,7 +124,6 @@ void RenderOptions::check_window(std::size_t technique_count) const {
 }
 
 void RenderOptions::check(std::size_t technique_count) {
-  for (const std::string& text : draw) rules.push_back(DrawRule::parse(text));
   if (!scene.empty() && !preset.empty())
     refuse("--scene and --preset contradict each other: a scene is a preset with files");
   if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
@@ -221,15 +134,12 @@ void RenderOptions::check(std::size_t technique_count) {
   check_window(technique_count);
   common.apply();
   check_outputs(technique_count);
-  camera.check();
-  input.check();
-  memory = std::uint64_t(parse_whole("--memory", memory_text, 1));
-  if (!gpu_memory_text.empty()) {
-    // One budget: that of the points that both have room for.
-    const auto points =
-        std::uint64_t(parse_whole("--gpu-memory", gpu_memory_text, 1)) / scene::gpu_memory_of_point;
-    memory = std::min(memory, std::max<std::uint64_t>(1, points) * scene::memory_of_point);
-  }
+  settle_view(*this);
+  settle_points(*this);
+  points.read.samples_faces = !vertices;
+  if (gpu_memory)  // One budget: that of the points that both have room for.
+    memory = std::min(memory, std::max<std::uint64_t>(1, *gpu_memory / scene::gpu_memory_of_point) *
+                                  scene::memory_of_point);
   if (each && !(save_preset.empty() && save_scene.empty()))
     refuse("--save-preset and --save-scene keep what one picture shows: leave out --each");
   if (sequence && each) refuse("--sequence and --each contradict each other: give one of them");
@@ -238,13 +148,10 @@ void RenderOptions::check(std::size_t technique_count) {
                                 : "--each makes one picture a file") +
            ": leave out --path");
   if (path.empty()) {
-    if (!frames.empty() || !degrees.empty()) refuse("--frames and --degrees need --path");
+    if (frames || degrees) refuse("--frames and --degrees need --path");
   } else {
-    frame_count = frames.empty() ? 120 : int(std::min(parse_whole("--frames", frames, 1), 1'000'000L));
-    if (!degrees.empty() && path != "orbit") refuse("--degrees goes with --path orbit");
-    if (!degrees.empty()) orbit_degrees = parse_number("--degrees", degrees);
+    if (degrees && path != "orbit") refuse("--degrees goes with --path orbit");
     if (path != "orbit") poses = io::read_camera_path(path);
-    if (shows_poses()) frame_count = int(poses.cameras.size());
   }
   for (const std::string& file : {output, output_panels, output_depth, output_normal, output_camera}) {
     if (file.empty() || is_video(file)) continue;
@@ -265,26 +172,7 @@ void RenderOptions::check(std::size_t technique_count) {
     if ((sequence || !path.empty()) && file_name(file, {0, "t", "a"}) == file_name(file, {1, "t", "a"}))
       refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
   }
-  if (!background_color.empty()) background = color_of("--background-color", background_color);
-  if (!point_color.empty()) {
-    if (color.color_by != "auto") refuse("--color and --color-by contradict each other: give one of them");
-    color.solid = to_rgba8(color_of("--color", point_color));
-    for (const auto& [option, given] : {std::pair("--colormap", !color.colormap.empty()),
-                                        {"--color-range", !color_range.empty()},
-                                        {"--legend", furniture.legend}})
-      if (given) refuse(std::string(option) + " does not go with --color, which paints every point alike");
-  }
-  if (!color_range.empty()) {
-    const std::vector<double> v = parse_numbers("--color-range", color_range, 2, "A,B");
-    if (v[0] == v[1]) refuse("--color-range: '" + color_range + "' is empty");
-    color.range = {v[0], v[1]};
-  }
-  if (!exposure_text.empty()) {
-    color.exposure = parse_number("--exposure", exposure_text);
-    if (!(*color.exposure >= 0.1 && *color.exposure <= 100))
-      refuse("--exposure: '" + exposure_text + "' is outside [0.1, 100]");
-  }
-  if (!color.colormap.empty()) Colormap::named(color.colormap);
+  settle_color(*this);
 }
 
 void RenderOptions::expand_files() {

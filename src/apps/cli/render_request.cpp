@@ -1,7 +1,5 @@
 #include "render_request.h"
 
-#include <fmt/format.h>
-
 #include "core/error.h"
 #include "core/param.h"
 
@@ -59,7 +57,7 @@ bool RenderRequest::parse(const Words& words) {
   const std::string names = options.technique;
   if (!line.parse(words)) return false;
   options.technique = names;
-  options.camera.preset = preset.camera;
+  options.view.start = preset.camera;
   options.scene_files = preset.files;
   if (!preset.files.empty() && options.scene.empty())
     throw Error(ErrorCode::usage, preset.file + " names files, so it is a scene: --scene " + preset.file);
@@ -77,25 +75,15 @@ view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndVal
     wishes.files.resize(1);
   }
   for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);
-  for (const std::string& rule : options.draw) wishes.draw.push_back(view::DrawRow::from(rule));
-  wishes.scene = options.input.scene;
+  wishes.scene = options.points;
   for (const auto& [name, value] : given)
     if (view::is_kept_as_written(name)) wishes.input.emplace_back(name, value);
   for (const Param& param : choice.prepare_parameters.all())
     if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
   for (const auto& chosen : choice.techniques) wishes.take(*chosen);
   if (!choice.automatic()) wishes.technique = choice.techniques.front()->name;
-  wishes.color_by = options.color.color_by;
-  wishes.colormap = options.color.colormap;
-  wishes.color_range = options.color_range;
-  wishes.point_color = options.point_color;
-  wishes.exposure = options.exposure_text;
-  wishes.whole = options.camera.whole;
   start.memory = options.memory;
-  wishes.background_color = options.background_color;
-  wishes.legend = options.furniture.legend;
-  for (const auto& [name, value] : given)
-    if (name != "legend" && is_furniture(name)) wishes.furniture.emplace_back(name, value);
+  wishes.take_options(given);
   start.watch = options.watch;
   start.shader_folder = options.shader_folder;
   // Called by one thread, which alone uses the choice from then on.
@@ -106,9 +94,9 @@ view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndVal
     return settled;
   };
   start.first_camera = [&options](const Pose& pose, int width, int height) {
-    CameraOptions camera = options.camera;
-    if (!camera.file && !camera.preset) camera.resolution = fmt::format("{}x{}", width, height);
-    return camera.resolve(pose);
+    ViewWishes view = options.view;
+    if (!view.start) view.size = {width, height};
+    return view_of(pose, view);
   };
   return start;
 }

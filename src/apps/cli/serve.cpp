@@ -87,7 +87,7 @@ std::shared_ptr<RenderRequest> request_of(Words words, const Words& files, const
   request->choice.given = request->line.given();
   request->options.check(request->choice.count);
   for (const auto& chosen : request->choice.techniques) chosen->check();
-  request->options.camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
+  read_camera_file(request->options);
   return request;
 }
 
@@ -151,7 +151,7 @@ int serve_command(const Words& words) {
   request->choice.given = line.given();
   options.check(request->choice.count);
   for (const auto& chosen : request->choice.techniques) chosen->check();
-  options.camera.resolve({{}, {{dvec3(0), dvec3(1)}, {}}});
+  read_camera_file(options);
   options.expand_files();
 
   Console console(options.common);
@@ -165,9 +165,7 @@ int serve_command(const Words& words) {
     serve::Request wanted;
     wanted.start = start_of(asked);
     wanted.start.wishes.transforms = start_of(request).wishes.transforms;
-    if (asked->options.camera.resolution)
-      std::tie(wanted.width, wanted.height) =
-          parse_resolution("resolution", *asked->options.camera.resolution);
+    if (const auto& size = asked->options.view.size) std::tie(wanted.width, wanted.height) = *size;
     const int most = settings.limits.shot_side_px;
     if (wanted.width > most || wanted.height > most)
       throw Error(ErrorCode::usage, fmt::format("resolution: at most {0}x{0}", most));

@@ -64,8 +64,8 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
     return needs;
   };
   crs_ = scene.cloud.crs;
-  SessionOptions wanted{choice_.prepare, options_.color, {}, options_.rules};
-  if (!options_.background_color.empty()) wanted.background = options_.background;
+  SessionOptions wanted{choice_.prepare, options_.color, {}, options_.draw};
+  wanted.background = options_.background;
   session_.set_scene(std::move(scene), std::move(pose), wanted, needs_of, console_);
   report_.draw.clear();
   for (const Session::Part& part : session_.parts())
@@ -90,7 +90,7 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
 void Studio::draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row) const {
   labels::draw_furniture(rows, first_row, options_.furniture,
                          {camera, session_.pose().upright.up, crs_, session_.coloring(),
-                          session_.background(), options_.camera.panorama});
+                          session_.background(), options_.panorama});
 }
 
 /// Where the picture lies on the map, when somebody asks for that. A TIFF of any other view is a picture.
@@ -99,12 +99,12 @@ std::optional<io::Georeference> Studio::place_of(const Camera& camera) const {
   if (options_.world_file) return io::georeference(camera, up, crs_, "--world-file");
   const std::string extension = extension_of(options_.output);
   if (extension != ".tif" && extension != ".tiff") return std::nullopt;
-  if (options_.camera.panorama || up != UpAxis::pos_z || !labels::is_plan(camera, up)) return std::nullopt;
+  if (options_.panorama || up != UpAxis::pos_z || !labels::is_plan(camera, up)) return std::nullopt;
   return io::georeference(camera, up, crs_, "-o");
 }
 
 RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
-  if (options_.camera.panorama) return session_.render_panorama(chosen, camera, wants_, console_);
+  if (options_.panorama) return session_.render_panorama(chosen, camera, wants_, console_);
   return session_.render(chosen, camera, wants_, console_);
 }
 
@@ -113,11 +113,11 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
     throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture ({} px a side): "
                                               "lower --resolution",
                                               camera.width, camera.height, Renderer::largest_side));
-  labels::check(options_.furniture, camera, session_.pose().upright.up, options_.camera.panorama);
+  labels::check(options_.furniture, camera, session_.pose().upright.up, options_.panorama);
   if (const auto place = place_of(camera); place && options_.world_file)
     world_ = {io::world_file_name(file_name(options_.output, options_.parts(n))), *place};
   const bool is_one = choice_.techniques.size() == 1 && options_.output_panels.empty() &&
-                      !options_.camera.panorama && !is_video(options_.output) && !options_.publication;
+                      !options_.panorama && !is_video(options_.output) && !options_.publication;
   if (is_one && session_.is_tiled(camera)) return shoot_rows(camera, n, watch);
   std::vector<labels::Panel> panels;
   RenderOutput out;
@@ -174,10 +174,10 @@ void Studio::open(Rows& rows, const Camera& camera, int n) {
     else if (extension == ".jpg" || extension == ".jpeg" || extension == ".webp")
       rows.whole_name = name, rows.whole = Image<Rgba8>(width, height);
     else if (extension == ".tif" || extension == ".tiff")
-      rows.tiff.emplace(name, width, height, options_.no_background, options_.camera.dpi(), place_of(camera),
+      rows.tiff.emplace(name, width, height, options_.no_background, options_.dpi(), place_of(camera),
                         command_);
     else
-      rows.png.emplace(name, width, height, options_.no_background, texts_of(camera), options_.camera.dpi());
+      rows.png.emplace(name, width, height, options_.no_background, texts_of(camera), options_.dpi());
   }
   if (!options_.output_depth.empty()) {
     const std::string name = name_of(options_.output_depth, n), extension = extension_of(name);
@@ -267,16 +267,17 @@ std::string Studio::name_of(const std::string& pattern, int n, const std::string
 void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
   const std::string extension = extension_of(name);
   if (extension == ".jpg" || extension == ".jpeg") {
-    return io::write_jpeg(name, image, options_.quality, options_.camera.dpi());
+    return io::write_jpeg(name, image, options_.quality.value_or(90), options_.dpi());
   }
-  if (extension == ".webp") return io::write_webp(name, image, options_.no_background, options_.quality);
+  if (extension == ".webp")
+    return io::write_webp(name, image, options_.no_background, options_.quality.value_or(90));
   if (extension == ".tif" || extension == ".tiff") {
-    io::TiffRows tiff(name, image.width(), image.height(), options_.no_background, options_.camera.dpi(),
+    io::TiffRows tiff(name, image.width(), image.height(), options_.no_background, options_.dpi(),
                       place_of(camera), command_);
     tiff.write(image);
     return tiff.finish();
   }
-  io::write_png(name, image, options_.no_background, texts_of(camera), options_.camera.dpi());
+  io::write_png(name, image, options_.no_background, texts_of(camera), options_.dpi());
 }
 
 io::PngTexts Studio::texts_of(const Camera& camera) const {

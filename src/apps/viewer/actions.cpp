@@ -5,8 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "../cli/command_line.h"
 #include "core/error.h"
+#include "core/option_text.h"
 #include "core/version.h"
 #include "interface.h"
 #include "io/camera_json.h"
@@ -39,14 +39,14 @@ void Interface::take_shots() {
     writers_.push_back(
         std::async(std::launch::async, [shot = std::move(shot), name]() mutable -> view::Message {
           try {
-            cli::Words command = shot.words;
+            std::vector<std::string> command = shot.words;
             command.insert(command.begin(), "sfumato");
             command.insert(command.end(), {"-o", name});
             draw_furniture(shot.picture.image, shot.picture, furniture_of(shot.legend, shot.furniture),
                            shot.up, shot.crs);
             io::write_png(name, shot.picture.image, false,
                           {{"Software", std::string("sfumato ") + version()},
-                           {"Command", cli::quote(command)},
+                           {"Command", quote(command)},
                            {"Camera", io::camera_to_json(shot.picture.camera)}});
             return {"saved " + name, false};
           } catch (const std::exception& error) {
@@ -133,10 +133,10 @@ void Interface::act(Action action) {
       break;
     }
     case Action::copy_command: {
-      cli::Words words = bench_.wishes().words(bench_.width(), bench_.height());
+      std::vector<std::string> words = bench_.wishes().words(bench_.width(), bench_.height());
       words.insert(words.begin(), "sfumato");
       words.insert(words.end(), {"-o", "picture.png"});
-      window_.copy(cli::quote(words));
+      window_.copy(quote(words));
       bench_.say("the command is copied");
       break;
     }

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../cli/command_line.h"
 #include "core/error.h"
+#include "core/option_text.h"
 #include "interface.h"
 #include "panel_tools.h"
 
@@ -136,13 +136,13 @@ void Interface::path_panel() {
     try {
       path.save(name, bench_.width(), bench_.height());
       // The whole of what follows draws it, with the look of now.
-      cli::Words words = bench_.wishes().words(bench_.width(), bench_.height());
+      std::vector<std::string> words = bench_.wishes().words(bench_.width(), bench_.height());
       std::erase_if(words, [](const std::string& word) { return word.starts_with("--camera-"); });
       words.insert(words.begin(), "sfumato");
       words.insert(words.end(),
                    {"--path", name, "--frames", std::to_string(int(std::lround(25 * path.duration_s())) + 1),
                     "-o", "path.mp4"});
-      window_.copy(cli::quote(words));
+      window_.copy(quote(words));
       bench_.say("saved " + name + "; the command that makes a video of it is copied");
     } catch (const Error& error) {
       bench_.say(error.what(), true);

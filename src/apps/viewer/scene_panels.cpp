@@ -6,20 +6,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../cli/command_line.h"
-#include "../cli/input_options.h"
 #include "core/error.h"
 #include "interface.h"
 #include "panel_tools.h"
 #include "session/preset.h"
+#include "session/request.h"
 
 namespace sfumato::viewer {
 namespace {
 
 /// Options that say which points there are.
-bool is_input(const std::string& option) {
-  return option == "crop" || option == "show-classes" || option == "hide-classes" ||
-         view::is_kept_as_written(option);
+bool is_input(const std::string& name) {
+  const Option* option = find_option(name);
+  return option && option->group == "Points" && name != "gpu-memory";
 }
 
 }  // namespace
@@ -40,22 +39,12 @@ void Interface::take_preset(const std::string& file) {
       const std::size_t dot = name.find('.');
       next.set(dot == std::string::npos ? name : name.substr(dot + 1), value);
     }
-    cli::InputOptions input{"7,18", true};
-    cli::CommandLine line("preset", "");
-    input.declare(line);
-    cli::Words words;
     next.take_options(preset.options);
-    for (const auto& [name, value] : preset.options)
-      if (is_input(name)) words.push_back("--" + name + "=" + value);
+    NamesAndValues input;
+    std::copy_if(preset.options.begin(), preset.options.end(), std::back_inserter(input),
+                 [](const auto& each) { return is_input(each.first); });
     is_scene = !preset.files.empty();
-    if (!words.empty() || is_scene) {
-      line.parse(words);
-      input.check();
-      next.scene = input.scene;
-      std::erase_if(next.input, [](const auto& each) { return is_input(each.first); });
-      for (const auto& [name, value] : line.given())
-        if (view::is_kept_as_written(name)) next.input.emplace_back(name, value);
-    }
+    if (!input.empty() || is_scene) next.take_input(input);
     if (!is_scene) return;
     next.files.clear(), next.transforms.clear();
     for (const scene::SceneFile& each : preset.files)

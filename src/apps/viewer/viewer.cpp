@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "../cli/console.h"
 #include "core/error.h"
 #include "interface.h"
 #include "window.h"
@@ -63,7 +62,6 @@ class Teller {
 
 int show(view::Start start, const Settings& settings) {
   now_ms();
-  cli::Console interrupts(true);
   Window window(settings.width, settings.height, title_of(start.wishes.files));
   start.wake = [] { Window::wake(); };
   view::Workbench bench(std::move(start));
@@ -78,7 +76,7 @@ int show(view::Start start, const Settings& settings) {
   std::vector<std::string> shown_files = bench.wishes().files;
   // An interface settles in a few frames: what was hovered, what scrolls, what was typed.
   int lively = 3;
-  while (!window.closing() && !interrupts.cancelled()) {
+  while (!window.closing() && !settings.cancelled()) {
     double wait_s = 0.5;
     for (const auto& due : {bench.wait_ms(now_ms()), interface.wait_ms(now_ms()), window.owed_ms(now_ms())})
       if (due) wait_s = std::min(wait_s, 1e-3 * *due);
@@ -94,7 +92,7 @@ int show(view::Start start, const Settings& settings) {
     if (const auto& fatal = bench.fatal()) throw Error(fatal->code, fatal->message);
     if (bench.wishes().files != shown_files) window.set_title(title_of(shown_files = bench.wishes().files));
   }
-  return interrupts.cancelled() ? int(ErrorCode::interrupted) : 0;
+  return settings.cancelled() ? int(ErrorCode::interrupted) : 0;
 }
 
 }  // namespace

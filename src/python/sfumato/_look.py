@@ -55,8 +55,11 @@ def count_of(name, value):
     return int(found)
 
 
+_KINDS = {"flag": _bool, "number": _number, "numbers": _numbers, "integers": _integers, "count": count_of, "size": _size,
+          "words": _words, "text": _text, "texts": _text, "furniture": _text}
+_ALL = _engine.options()
 #: What is drawn into pictures, as keywords.
-FURNITURE = tuple(name.replace("-", "_") for name in _engine.furniture_options())
+FURNITURE = tuple(keyword for _, keyword, kind, _ in _ALL if kind == "furniture")
 
 
 def furniture_of(keywords):
@@ -65,23 +68,11 @@ def furniture_of(keywords):
             if keywords.get(name) is not None]
 
 
-#: Options of the command as keywords of `Renderer`.
-_OPTIONS = {
-    "color-by": ("color_by", _text), "color": ("color", _text), "colormap": ("colormap", _text), "color-range": ("range", _numbers),
-    "exposure": ("exposure", _number), "background-color": ("background", _text), "up": ("up", _text), "whole": ("whole", _bool),
-    "crop": ("crop", _numbers), "crop-relative": ("crop_relative", _numbers), "show-classes": ("show_classes", _integers),
-    "hide-classes": ("hide_classes", _integers), "max-points": ("max_points", count_of), "vertices": ("vertices", _bool), "columns": ("columns", _words),
-    "vertical-exaggeration": ("vertical_exaggeration", _number)}
-_REPEATED = {"draw": "draw", "filter": "filters"}
-#: And of `Renderer.view`.
-_VIEWS = {
-    "view": ("side", _text), "zoom": ("zoom", _number), "roll": ("roll", _number), "distance": ("distance", _number),
-    "camera-azimuth-angle": ("azimuth", _number), "camera-elevation-angle": ("elevation", _number),
-    "camera-view-angle": ("fov", _number), "camera-orthographic": ("orthographic", _bool), "camera-position": ("position", _numbers),
-    "camera-focal-point": ("look_at", _numbers), "camera-direction": ("direction", _numbers), "camera-view-up": ("view_up", _numbers),
-    "resolution": ("size", _size), "pixel-size": ("pixel_size", _number), "scale": ("scale", _text), "dpi": ("dpi", _number)}
+#: Options of the command: keyword, kind and reader, of `Renderer` and of `Renderer.view`.
+_OPTIONS = {name: (keyword, kind, _KINDS[kind]) for name, keyword, kind, of in _ALL if of == "look" and kind}
+_VIEWS = {name: (keyword, kind, _KINDS[kind]) for name, keyword, kind, of in _ALL if of == "view" and kind}
 #: What says how a file is written, not how a picture looks.
-_OF_FILES = ("quality", "world-file")
+_OF_FILES = tuple(name for name, _, _, of in _ALL if of == "file")
 
 
 class Look:
@@ -104,23 +95,18 @@ class Look:
             look.camera = Camera._of(found["camera"])
         own = []
         for name, text in found["options"]:
-            if name in _REPEATED:
-                look.keywords.setdefault(_REPEATED[name], []).append(text)
-            elif name.replace("-", "_") in FURNITURE:
-                look.keywords[name.replace("-", "_")] = text
-            elif name in _OPTIONS:
-                keyword, parse = _OPTIONS[name]
-                look.keywords[keyword] = parse(f"{look.file}: options: {name}", text)
-            elif name in _VIEWS:
-                keyword, parse = _VIEWS[name]
-                look.view[keyword] = parse(f"{look.file}: options: {name}", text)
+            if name in _OPTIONS and _OPTIONS[name][1] == "texts":
+                look.keywords.setdefault(_OPTIONS[name][0], []).append(text)
+            elif name in _OPTIONS or name in _VIEWS:
+                keyword, _, parse = _OPTIONS.get(name) or _VIEWS[name]
+                (look.keywords if name in _OPTIONS else look.view)[keyword] = parse(f"{look.file}: options: {name}", text)
             elif name == "no-background":
                 if _bool(name, text):
                     look.keywords["background"] = "transparent"
             elif is_parameter(name):  # of a technique: as good among the options
                 own.append((name.replace("-", "_"), text))
             elif name not in _OF_FILES:
-                near = _engine.nearest_word(name, [*_OPTIONS, *_VIEWS, *_REPEATED, *_engine.furniture_options(), "no-background"])
+                near = _engine.nearest_word(name, [*_OPTIONS, *_VIEWS, "no-background"])
                 raise Error(f"{look.file}: options: there is no '{name}'" + (f"; did you mean '{near}'?" if near else ""), "bad_input")
         look.parameters = own + look.parameters
         return look
@@ -152,10 +138,8 @@ class Look:
 
 
 #: Keywords of `Renderer` with what they are when nobody says otherwise.
-KEYWORDS = {"technique": "auto", "background": "auto", "up": None, "color": None, "color_by": None, "colormap": None, "range": None,
-            "exposure": None, "hide_classes": (7, 18), "show_classes": None, "filters": (), "crop": None, "crop_relative": None,
-            "max_points": None, "columns": (), "whole": False, "vertices": False, "draw": (), "vertical_exaggeration": None,
-            **dict.fromkeys(FURNITURE)}
+KEYWORDS = {"technique": "auto", **{keyword: {"flag": False, "texts": (), "words": ()}.get(kind) for keyword, kind, _ in _OPTIONS.values()},
+            "background": "auto", "hide_classes": (7, 18)}
 
 
 def is_default(name, value):
@@ -167,7 +151,7 @@ def is_default(name, value):
 
 def options_of(keywords, is_scene=False):
     """Keywords as options of the command, for a preset or a scene; what is as always is left out."""
-    names = {keyword: option for option, (keyword, _) in _OPTIONS.items()}
+    names = {keyword: option for option, (keyword, _, _) in _OPTIONS.items()}
     options = []
     for name, value in keywords.items():
         if name == "technique" or is_default(name, value):
@@ -183,8 +167,6 @@ def options_of(keywords, is_scene=False):
         elif name in ("crop", "crop_relative"):
             numbers = [number for each in value for number in (each if hasattr(each, "__iter__") else (each,))]  # maybe two corners
             options.append((names[name], text_of(name, numbers)))
-        elif name in FURNITURE:
-            options.append((name.replace("_", "-"), text_of(name, value)))
         elif name in names:
             options.append((names[name], text_of(name, value)))
     return options

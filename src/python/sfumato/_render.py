@@ -374,7 +374,7 @@ class Renderer:
             if azimuth is not None or elevation is not None:
                 raise Error("a side and azimuth or elevation contradict each other: give one of them")
             azimuth, elevation = _engine.find_view(side)
-            wishes["upright"] = True
+            wishes["side"] = side
         for name, value in (("azimuth", azimuth), ("elevation", elevation), ("distance", distance), ("fov", fov), ("pixel_size", pixel_size),
                             ("scale", _scale(scale)), ("dpi", dpi if scale is not None else None)):
             if value is not None:
