@@ -10,6 +10,7 @@
 #include "core/color.h"
 #include "core/colormap.h"
 #include "core/error.h"
+#include "core/numbers.h"
 #include "core/order.h"
 #include "core/param.h"
 
@@ -184,26 +185,32 @@ void color_scalar(const ScalarField& field, const ColorSettings& settings, Color
   }
 }
 
-void color_classes(const ScalarField& field, Coloring& out) {
+/// Any scalar may be asked for as classes.
+int class_at(const ScalarField& field, std::size_t i) {
+  constexpr double most = std::numeric_limits<int>::max();
+  return int(std::lround(std::clamp(field.value(i), -most, most)));
+}
+
+void color_classes(const ScalarField& field, const std::map<int, Rgba8>& own, Coloring& out) {
   out.kind = ColorKind::classes;
-  std::map<int, std::size_t> counts;
+  out.classes = count_classes(field);
+  std::map<int, Rgba8> colors;
+  for (const auto& [id, points] : out.classes) {
+    const auto found = own.find(id);
+    colors[id] = found != own.end() ? found->second : class_color(id);
+    out.swatches.push_back({class_name(id), colors[id], points});
+  }
   out.colors.reserve(field.values.size());
-  int last_id = -1;
-  Rgba8 last_color = unknown_gray;
+  int last_id = 0;
+  const Rgba8* last = nullptr;  // runs of a class are long
   for (std::size_t i = 0; i < field.values.size(); ++i) {
     if (!std::isfinite(field.values[i])) {
       out.colors.push_back(unknown_gray);
       continue;
     }
-    constexpr double most = std::numeric_limits<int>::max();  // any scalar may be asked for as classes
-    const int id = int(std::lround(std::clamp(double(field.value(i)), -most, most)));
-    if (id != last_id) last_id = id, last_color = class_color(id);
-    ++counts[id];
-    out.colors.push_back(last_color);
-  }
-  for (const auto& [id, points] : counts) {
-    out.classes.push_back({id, points});
-    out.swatches.push_back({class_name(id), class_color(id), points});
+    const int id = class_at(field, i);
+    if (!last || id != last_id) last_id = id, last = &colors[id];
+    out.colors.push_back(*last);
   }
 }
 
@@ -377,7 +384,7 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
   if (color_by == "rgb" && has_colors(cloud)) return "rgb";
   if (color_by == "rgb" && !cloud.colors.empty())
     throw Error(ErrorCode::usage, "the cloud's rgb is all zero and would be black; use --color-by auto");
-  std::vector<std::string> names = {"auto", "elevation", "normal", "clay"};
+  std::vector<std::string> names = {"auto", "elevation", "normal", "clay", "density"};
   if (has_colors(cloud)) names.push_back("rgb");
   for (const ScalarField& field : cloud.scalars) names.push_back(field.name);
   const std::string near = nearest_source(color_by, names);
@@ -414,7 +421,7 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   } else if (out.source == "normal") {
     color_normals(cloud, out);
   } else if (out.source == "classification" && settings.colormap.empty() && !settings.range) {
-    color_classes(*cloud.scalar("classification"), out);
+    color_classes(*cloud.scalar("classification"), settings.class_colors, out);
   } else if (out.source == "file" && !settings.file_names.empty() && settings.colormap.empty() &&
              !settings.range) {
     color_files(*cloud.scalar("file"), settings, out);
@@ -480,6 +487,54 @@ std::string class_name(int id) {
                                 "snow",
                                 "temporal exclusion"};
   return id >= 0 && id < int(std::size(names)) ? names[id] : "class " + std::to_string(id);
+}
+
+std::optional<int> class_named(std::string_view name) {
+  for (int id = 0; id < 256; ++id)
+    if (class_name(id) == name) return id;
+  return std::nullopt;
+}
+
+std::vector<ClassShare> count_classes(const ScalarField& field) {
+  std::map<int, std::size_t> counts;
+  int last_id = 0;
+  std::size_t* last = nullptr;
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    if (!std::isfinite(field.values[i])) continue;
+    const int id = class_at(field, i);
+    if (!last || id != last_id) last_id = id, last = &counts[id];
+    ++*last;
+  }
+  std::vector<ClassShare> shares;
+  for (const auto& [id, points] : counts) shares.push_back({id, points});
+  return shares;
+}
+
+std::map<int, Rgba8> parse_class_colors(std::string_view text) {
+  std::map<int, Rgba8> colors;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find_first_of(",\n", from), text.size());
+    std::string_view pair = text.substr(from, to - from);
+    from = to + 1;
+    while (!pair.empty() && std::isspace(static_cast<unsigned char>(pair.back()))) pair.remove_suffix(1);
+    while (!pair.empty() && std::isspace(static_cast<unsigned char>(pair.front()))) pair.remove_prefix(1);
+    if (pair.empty()) continue;
+    const std::size_t sign = pair.find('=');
+    const std::string_view name = pair.substr(0, sign);
+    std::optional<int> id = class_named(name);
+    if (!id)
+      if (const std::optional<double> code = parse_real(name);
+          code && *code >= 0 && *code < 65536 && *code == std::floor(*code))
+        id = int(*code);
+    const std::optional<vec3> color = sign == pair.npos ? std::nullopt : parse_color(pair.substr(sign + 1));
+    if (!id || !color)
+      throw Error(ErrorCode::usage, "'" + std::string(pair) + "' is not CLASS=COLOUR: " +
+                                        (id ? "write a name (tan) or #hex (#aa7744)"
+                                            : "the class is a code (2) or its name (ground)"));
+    colors[*id] = to_rgba8(*color);
+  }
+  if (colors.empty()) throw Error(ErrorCode::usage, "no class has a colour in it; write 2=#aa7744,6=orange");
+  return colors;
 }
 
 Rgba8 class_color(int id) {

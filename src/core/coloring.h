@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@ struct ColorSettings {
   std::optional<std::array<double, 2>> range;  ///< empty: 2-98 %; heights more, intensity less
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
+  std::map<int, Rgba8> class_colors;    ///< of classification codes, in place of `class_color`
   std::vector<std::string> file_names;  ///< what the numbers of the scalar `file` stand for, from 1
 };
 
@@ -72,8 +74,15 @@ vec3 contrasting_background(const std::vector<Rgba8>& colors);
 
 /// ASPRS name of a classification code ("ground", "building", "class 70"), LAS 1.4 R15 table 17.
 std::string class_name(int id);
+/// "ground": 2. Nothing for other words.
+std::optional<int> class_named(std::string_view name);
 /// The colours Potree users know: 2 brown, 3-5 greens, 6 orange, 7 magenta, 9 blue, 12 yellow.
 Rgba8 class_color(int id);
+
+/// How many points have each code, ascending; points without one are not counted.
+std::vector<ClassShare> count_classes(const ScalarField& field);
+/// "2=#aa7744,6=orange,ground=tan": codes or their names, and colours. Throws Error(usage).
+std::map<int, Rgba8> parse_class_colors(std::string_view text);
 
 /// Removes points of the named classes and points flagged withheld. Returns how many were removed.
 std::size_t hide_classes(PointCloud& cloud, const std::vector<int>& classes);

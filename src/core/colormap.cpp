@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/param.h"
 
@@ -70,6 +72,22 @@ std::vector<Rgba8> rainbow() {
   return stops;
 }
 
+/// "white,#ff8800,black": equally spaced.
+std::vector<Rgba8> stops_of_list(std::string_view text) {
+  std::vector<Rgba8> stops;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find(',', from), text.size());
+    const std::string word(text.substr(from, to - from));
+    from = to + 1;
+    const std::optional<vec3> color = parse_color(word);
+    if (!color)
+      throw Error(ErrorCode::usage, "the colour map '" + std::string(text) + "': '" + word +
+                                        "' is no colour; write names (steelblue) or #hex (#4682b4)");
+    stops.push_back(to_rgba8(*color));
+  }
+  return stops;
+}
+
 }  // namespace
 
 const std::vector<std::string>& Colormap::names() {
@@ -89,6 +107,10 @@ Colormap Colormap::named(std::string_view name) {
     return map;
   }
   Colormap map;
+  if (name.find(',') != std::string_view::npos) {
+    map.stops_ = stops_of_list(name);
+    return map;
+  }
   if (name == "rainbow") map.stops_ = rainbow();
   for (const Table& table : tables())
     if (name == table.name)
@@ -99,8 +121,8 @@ Colormap Colormap::named(std::string_view name) {
   std::string all;
   for (const std::string& n : names()) all += " " + n;
   throw Error(ErrorCode::usage, "no colour map '" + std::string(name) + "'" +
-                                    (near.empty() ? "" : "; did you mean '" + near + "'?") +
-                                    " There are:" + all);
+                                    (near.empty() ? "" : "; did you mean '" + near + "'?") + " There are:" +
+                                    all + "; NAME_r reverses one, and white,#ff8800,black makes one");
 }
 
 Rgba8 Colormap::at(double t) const {

@@ -11,9 +11,8 @@ namespace sfumato {
 
 class Colormap {
  public:
-  /// viridis, land, plasma, inferno, magma, turbo, gray, coolwarm, spectral, cividis, jet or
-  /// rainbow; with `_r` behind it, backwards.
-  /// Throws Error(usage) naming the nearest when there is none of that name.
+  /// One of `names()`, with "_r" behind it from its other end; or two colours or more, equally spaced, as in
+  /// "white,#ff8800,black". Throws Error(usage) naming the nearest when there is none of that name.
   static Colormap named(std::string_view name);
   static const std::vector<std::string>& names();
 

@@ -36,13 +36,6 @@ std::vector<std::string_view> cut(std::string_view text, std::string_view by) {
                   "x0,y0,z0,x1,y1,z1\", joined by and / not");
 }
 
-/// "ground": 2. Nothing for other words.
-std::optional<double> class_of_name(std::string_view name) {
-  for (int id = 0; id < 256; ++id)
-    if (class_name(id) == name) return id;
-  return std::nullopt;
-}
-
 std::string nearest_class(std::string_view name) {
   std::vector<std::string> names;
   for (int id = 0; id < 19; ++id) names.push_back(class_name(id));
@@ -88,8 +81,8 @@ Selector::Term Selector::parse_term(std::string_view text, const std::string& wh
   const std::size_t end = is_class ? blank : text.rfind(' ');
   term.scalar = is_class ? "classification" : std::string(trim(text.substr(0, end)));
   for (std::string_view part : cut(text.substr(end + 1), ",")) {
-    if (const auto id = is_class ? class_of_name(part) : std::nullopt) {
-      term.ranges.push_back({*id, *id});
+    if (const auto id = is_class ? class_named(part) : std::nullopt) {
+      term.ranges.push_back({double(*id), double(*id)});
       continue;
     }
     if (const auto number = parse_real(part)) {

@@ -1,5 +1,7 @@
 // The one table of what a picture can be asked for.
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <map>
 
 #include "core/color.h"
@@ -72,6 +74,13 @@ std::string same(Text text) { return text; }
 
 std::optional<vec3> color_or_none(Text option, Text text) {
   return text.empty() ? std::nullopt : std::optional(parse_color_of(option, text));
+}
+
+/// The text, or what is in the file of that name.
+std::string text_or_file(Text text) {
+  std::ifstream file(text);
+  if (!file) return text;
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 void add_output(Table& t) {
@@ -309,7 +318,8 @@ void add_points(Table& t) {
 
 void add_colours(Table& t) {
   t.group("Colour", Scope::look);
-  t.text("--color-by", "NAME", "auto, rgb, intensity, classification, elevation, normal, file, any scalar",
+  t.text("--color-by", "NAME",
+         "auto, rgb, intensity, classification, elevation, density, normal, file, any scalar",
          [](Request& r, Text, Text text) { r.color.color_by = text; })
       .python("text");
   t.text("--color", "COLOUR", "one colour for all points: a name, #hex or R,G,B",
@@ -320,7 +330,10 @@ void add_colours(Table& t) {
       .python("text");
   std::string maps;
   for (const std::string& name : Colormap::names()) maps += (maps.empty() ? "" : " ") + name;
-  t.text("--colormap", "NAME", maps + " (gray for intensity, land for heights, else viridis); NAME_r runs backwards",
+  t.text("--colormap", "NAME",
+         maps +
+             " (gray for intensity, land for heights, else viridis); NAME_r runs backwards; "
+             "white,#ff8800,black: your own",
          [](Request& r, Text, Text text) {
            if (!text.empty()) Colormap::named(text);
            r.color.colormap = text;
@@ -336,6 +349,17 @@ void add_colours(Table& t) {
            r.color.range = {v[0], v[1]};
          })
       .python("numbers", "range");
+  t.text("--class-colors", "2=#aa7744,6=orange",
+         "colours of classes, by code or name; or a file with one CLASS=COLOUR a line",
+         [](Request& r, Text option, Text text) {
+           try {
+             r.color.class_colors =
+                 text.empty() ? std::map<int, Rgba8>() : parse_class_colors(text_or_file(text));
+           } catch (const Error& error) {
+             throw Error(ErrorCode::usage, option + ": " + error.what());
+           }
+         })
+      .python("text");
   t.text("--exposure", "F", "brightness of the file's own colours, 1: as they are (what suits them)",
          [](Request& r, Text option, Text text) {
            r.color.exposure.reset();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/density.h"
 #include "analysis/find_room.h"
 #include "analysis/survey.h"
 #include "core/color.h"
@@ -134,6 +135,13 @@ bool is_clutter(const std::vector<const PreparedCloud*>& clouds) {
   return analysis::survey_of(largest).surface_share < 0.5f;
 }
 
+/// Of the points that there are: fewer where they were thinned or a level of detail was read.
+void add_density(PointCloud& cloud) {
+  if (cloud.scalar(analysis::density_name)) return;
+  cloud.set_scalar(
+      {analysis::density_name, 0, analysis::surface_density(analysis::NeighborTree(cloud.positions))});
+}
+
 }  // namespace
 
 std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedCloud*>& clouds) {
@@ -234,6 +242,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
     prepared.push_back(
         {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress), {}});
     left_out_ += given - prepared.back().cloud.cloud.size();
+    if (options.color.color_by == analysis::density_name) add_density(prepared.back().cloud.cloud);
     spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
   }
   for (const ColoredCloud& each : prepared) in_order.push_back(&each.cloud);
@@ -263,6 +272,7 @@ void Session::set_color(const ColorSettings& wanted) {
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     if (wanted.color_by == "normal")
       analysis::complete(renderer_.prepared(k), Attribute::normal, options_.prepare, no_progress());
+    if (wanted.color_by == analysis::density_name) add_density(renderer_.prepared(k).cloud);
     clouds.push_back(&prepared(k));
   }
   std::vector<std::vector<Rgba8>> colors = color(clouds);

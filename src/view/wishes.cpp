@@ -113,6 +113,7 @@ ColorSettings Wishes::color() const {
   for (const auto& [name, value] : {std::pair("color-by", &color_by),
                                     {"colormap", &colormap},
                                     {"color-range", &color_range},
+                                    {"class-colors", &class_colors},
                                     {"exposure", &exposure},
                                     {"color", &point_color}})
     sfumato::set(request, name, *value);
@@ -170,6 +171,7 @@ NamesAndValues Wishes::options() const {
   if (color_by != "auto" && point_color.empty()) say("color-by", color_by);
   if (!colormap.empty() && point_color.empty()) say("colormap", colormap);
   if (!color_range.empty() && point_color.empty()) say("color-range", color_range);
+  if (!class_colors.empty()) say("class-colors", class_colors);
   if (!exposure.empty()) say("exposure", exposure);
   if (!point_color.empty()) say("color", point_color);
   if (!background_color.empty()) say("background-color", background_color);
@@ -182,13 +184,15 @@ NamesAndValues Wishes::options() const {
 void Wishes::take_options(const NamesAndValues& given) {
   const Wishes plain;
   color_by = plain.color_by, colormap = plain.colormap, color_range = plain.color_range;
-  exposure = plain.exposure, point_color = plain.point_color, background_color = plain.background_color;
+  class_colors = plain.class_colors, exposure = plain.exposure, point_color = plain.point_color,
+  background_color = plain.background_color;
   furniture.clear();
   legend = plain.legend, whole = plain.whole, draw = plain.draw;
   for (const auto& [name, value] : given) {
     if (name == "color-by") color_by = value;
     if (name == "colormap") colormap = value;
     if (name == "color-range") color_range = value;
+    if (name == "class-colors") class_colors = value;
     if (name == "exposure") exposure = value;
     if (name == "color") point_color = value;
     if (name == "background-color") background_color = value;
@@ -234,7 +238,8 @@ std::string Wishes::scene_key() const {
 }
 
 std::string Wishes::color_key() const {
-  return color_by + '\n' + colormap + '\n' + color_range + '\n' + exposure + '\n' + point_color;
+  return color_by + '\n' + colormap + '\n' + color_range + '\n' + class_colors + '\n' + exposure + '\n' +
+         point_color;
 }
 
 std::string Wishes::look_key() const {

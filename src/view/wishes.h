@@ -40,7 +40,7 @@ struct Wishes {
   std::string technique;              ///< empty: what suits the scan
   std::map<std::string, Values> own;  ///< by technique
   Values shared;                      ///< those that every technique has
-  std::string color_by = "auto", colormap, color_range, exposure, point_color,
+  std::string color_by = "auto", colormap, color_range, class_colors, exposure, point_color,
               background_color;  ///< as options
   bool legend = false;
   NamesAndValues furniture;  ///< other options of labels/furniture.h

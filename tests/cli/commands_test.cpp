@@ -128,7 +128,7 @@ TEST_F(CommandTest, InfoSaysWhatTheFileHolds) {
   write_cube("cube.ply", 20);
   const Json info = run_json({"info", "cube.ply", "--json"});
   for (const char* key : {"file", "format", "points", "points_finite", "points_dropped", "bounds_min",
-                          "bounds_max", "attributes", "crs", "median_spacing"})
+                          "bounds_max", "attributes", "crs", "median_spacing", "density", "classes"})
     EXPECT_TRUE(info.contains(key)) << key;
   EXPECT_EQ(info["format"], "ply");
   EXPECT_EQ(info["points"], 2400);
@@ -139,6 +139,7 @@ TEST_F(CommandTest, InfoSaysWhatTheFileHolds) {
   // R_8 sqrt(pi/8), and the eighth neighbour on a square grid of 1/20 lies on the diagonal. Float positions:
   // 1e-5.
   EXPECT_NEAR(info["median_spacing"].get<double>(), 0.05 * std::sqrt(2.0 * std::numbers::pi / 8), 1e-5);
+  EXPECT_NEAR(info["density"].get<double>(), 400 * 8 / (2 * std::numbers::pi), 0.2);
 
   const Outcome text = run({"info", "cube.ply"});
   EXPECT_EQ(text.code, 0);

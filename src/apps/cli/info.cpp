@@ -11,6 +11,8 @@
 #include "common_options.h"
 #include "console.h"
 #include "copc/tree.h"
+#include "core/coloring.h"
+#include "core/units.h"
 #include "help_text.h"
 #include "report.h"
 #include "scene/scene.h"
@@ -31,7 +33,7 @@ std::string statistic(double value) {
 
 std::string count(std::uint64_t value) {
   std::string text = std::to_string(value);
-  for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), " ");
+  for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ' ');
   return text;
 }
 
@@ -54,7 +56,8 @@ std::string break_wkt(const std::string& crs, int indent) {
   return text;
 }
 
-std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
+std::string info_text(const io::ReadReport& r, std::optional<double> spacing,
+                      const std::vector<ClassShare>& classes = {}) {
   std::string text;
   auto row = [&](const char* key, const std::string& value) {
     text += fmt::format("{:<16}{}\n", key, value);
@@ -74,6 +77,12 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing) {
   row("extent", r.points_finite ? fmt::format("{:.6g} x {:.6g} x {:.6g}", size.x, size.y, size.z) : "-");
   row("crs", r.crs.empty() ? "-" : break_wkt(r.crs, 16));
   row("median_spacing", r.points_finite && spacing ? fmt::format("{:.6g}", *spacing) : "-");
+  row("density",
+      r.points_finite && spacing && *spacing > 0
+          ? fmt::format("{:.4g} points/{}2", 1 / (*spacing * *spacing), horizontal_unit(r.crs).symbol)
+          : "-");
+  for (const ClassShare& each : classes)
+    text += fmt::format("  class {:<6}{:>12}  {}\n", each.id, count(each.points), class_name(each.id));
   text += fmt::format("{:<24}{:>16}{:>16}{:>16}\n", "attributes", "min", "max", "mean");
   for (const io::AttributeStats& a : r.attributes)
     text += fmt::format("  {:<22} {:>15} {:>15} {:>15}\n", a.name, statistic(a.min), statistic(a.max),
@@ -163,12 +172,14 @@ int info_command(const Words& words) {
         console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +
                     " files name their own columns");
       double spacing = 0;
+      std::vector<ClassShare> classes;
+      if (const ScalarField* field = result.cloud.scalar("classification")) classes = count_classes(*field);
       if (!result.cloud.empty())
         spacing = analysis::prepare(std::move(result.cloud), {}, {}, console).median_spacing;
       if (json)
-        list.push_back(nlohmann::ordered_json::parse(info_json(result.report, spacing)));
+        list.push_back(nlohmann::ordered_json::parse(info_json(result.report, spacing, classes)));
       else
-        text += several ? table_row(result.report, spacing) : info_text(result.report, spacing);
+        text += several ? table_row(result.report, spacing) : info_text(result.report, spacing, classes);
     });
   if (json)
     print((several ? list : list.at(0)).dump(2) + "\n");

@@ -75,7 +75,8 @@ Json timings(const TechniqueReport& report) {
 
 }  // namespace
 
-std::string info_json(const io::ReadReport& report, double median_spacing) {
+std::string info_json(const io::ReadReport& report, double median_spacing,
+                      const std::vector<ClassShare>& classes) {
   Json json;
   json["file"] = report.file.string();
   json["format"] = report.format;
@@ -90,6 +91,11 @@ std::string info_json(const io::ReadReport& report, double median_spacing) {
     json["attributes"][a.name] = {{"min", a.min}, {"max", a.max}, {"mean", a.mean}};
   json["crs"] = report.crs;
   json["median_spacing"] = report.points_finite ? Json(median_spacing) : Json();
+  json["density"] =
+      report.points_finite && median_spacing > 0 ? Json(1 / (median_spacing * median_spacing)) : Json();
+  json["classes"] = Json::array();
+  for (const ClassShare& each : classes)
+    json["classes"].push_back({{"id", each.id}, {"name", class_name(each.id)}, {"points", each.points}});
   return json.dump(2) + "\n";
 }
 
@@ -107,6 +113,7 @@ std::string tree_json(const copc::Tree& tree) {
   for (const std::string& name : tree.attributes) json["attributes"][name] = nullptr;
   json["crs"] = tree.crs;
   json["median_spacing"] = nullptr;
+  json["density"] = nullptr;
   json["levels"] = Json::array();
   for (const copc::LevelFacts& level : levels_of(tree))
     json["levels"].push_back({{"level", level.level},

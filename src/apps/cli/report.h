@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "copc/tree.h"
+#include "core/coloring.h"
 #include "io/io.h"
 #include "parameters.h"
 #include "scene/scene.h"
@@ -13,7 +14,8 @@
 
 namespace sfumato::cli {
 
-std::string info_json(const io::ReadReport& report, double median_spacing);
+std::string info_json(const io::ReadReport& report, double median_spacing,
+                      const std::vector<ClassShare>& classes);
 
 /// Of a COPC file, without reading its points: no values of attributes, no median spacing, but levels.
 std::string tree_json(const copc::Tree& tree);

@@ -43,6 +43,33 @@ TEST(Colormap, EndsAndMiddleAreTheKnownColours) {
   EXPECT_EQ(Colormap::named("spectral").at(0.5), (Rgba8{255, 255, 191, 255}));
 }
 
+TEST(Colormap, RunsThroughColoursThatAreGiven) {
+  const Colormap own = Colormap::named("white,#ff8800,black");
+  EXPECT_EQ(own.at(0), (Rgba8{255, 255, 255, 255}));
+  EXPECT_EQ(own.at(0.5), (Rgba8{255, 136, 0, 255}));
+  EXPECT_EQ(own.at(1), (Rgba8{0, 0, 0, 255}));
+  EXPECT_NE(refusal([] { Colormap::named("white,nocolour"); }).find("'nocolour'"), std::string::npos);
+  EXPECT_NE(refusal([] { Colormap::named("white,"); }).find("no colour"), std::string::npos);
+  EXPECT_NE(refusal([] { Colormap::named("virids_r"); }).find("did you mean 'viridis'"), std::string::npos);
+}
+
+TEST(Coloring, ClassesHaveTheColoursThatAreGiven) {
+  PointCloud cloud = ramp(4);
+  cloud.set_scalar(field("classification", {2, 6, 2, 5}));
+  ColorSettings settings;
+  settings.color_by = "classification";
+  settings.class_colors = parse_class_colors("2=#aa7744, building=orange");
+  const Coloring out = color_points(cloud, settings);
+  EXPECT_EQ(out.colors[0], (Rgba8{0xaa, 0x77, 0x44, 255}));
+  EXPECT_EQ(out.colors[1], (Rgba8{255, 165, 0, 255}));
+  EXPECT_EQ(out.colors[3], class_color(5)) << "others keep theirs";
+  EXPECT_EQ(out.swatches[0].color, out.colors[0]) << "the legend shows the same";
+  EXPECT_EQ(parse_class_colors("2=tan\n6=orange\n").size(), 2u) << "a file: a line each";
+  EXPECT_NE(refusal([] { parse_class_colors("2=tan,lawn=green"); }).find("'lawn=green'"), std::string::npos);
+  EXPECT_NE(refusal([] { parse_class_colors("2"); }).find("CLASS=COLOUR"), std::string::npos);
+  EXPECT_NE(refusal([] { parse_class_colors(""); }).find("no class"), std::string::npos);
+}
+
 TEST(Colormap, ViridisBetweenTheStopsIsNearTheFullMap) {
   // Entries 40, 100 and 200 of the 256; seventeen stops stay within 6/255 of them.
   const Colormap map = Colormap::named("viridis");
