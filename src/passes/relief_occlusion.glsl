@@ -42,6 +42,22 @@ float noise_of(vec2 pixel, int l) {
   return sum.y > 0.0 ? sum.x / sum.y : 0.0;
 }
 
+// Depth around a place, between the centres of the squares that are covered: of a plane its own, so that opposite
+// horizons of it cancel, and no step where a square ends. Moves the place to the middle of what is covered.
+//   x depth; y how much of the weights is covered
+vec2 depth_around(inout vec2 pixel, int l) {
+  float side = float(2 << l);
+  vec2 at = pixel / side - 0.5, t = fract(at);
+  ivec2 low = max(ivec2(floor(at)), ivec2(0)), high = min(low + 1, (ivec2(frame.image_size) - 1) >> (l + 1));
+  vec2 a = texelFetch(pyramid, low, l).xy, b = texelFetch(pyramid, ivec2(high.x, low.y), l).xy,
+       c = texelFetch(pyramid, ivec2(low.x, high.y), l).xy, d = texelFetch(pyramid, high, l).xy;
+  vec4 depth = vec4(a.x, b.x, c.x, d.x);
+  vec4 weight = vec4(1.0 - t.x, t.x, 1.0 - t.x, t.x) * vec4(1.0 - t.yy, t.yy) * vec4(greaterThan(depth, vec4(0.0)));
+  float covered = dot(weight, vec4(1.0)), inverse = 1.0 / max(covered, 1e-6);
+  pixel = (floor(at) + 0.5 + inverse * vec2(weight.y + weight.w, weight.z + weight.w)) * side;
+  return vec2(inverse * dot(weight, depth), covered);
+}
+
 bool filter_pixel(ivec2 square) {
   vec4 own = texelFetch(pyramid, square, finest);
   out_0 = vec4(1.0, 0.0, 0.0, 0.0);
@@ -50,7 +66,6 @@ bool filter_pixel(ivec2 square) {
   vec2 center = (vec2(square) + 0.5) * side;
   vec3 here = eye_from_pixel(center, own.x), towards = to_camera(here);
   float chance = spacing * smoothstep(2.5, 6.0, spacing / pixel);
-  ivec2 last_px = ivec2(frame.image_size) - 1;
   float reach = first_px * exp2(float(octaves - 1)) * pixel;
   vec4 rise = vec4(nothing), fall = vec4(nothing);  // towards four directions, and those opposite
   for (int o = first_octave; o < octaves; ++o) {
@@ -59,13 +74,14 @@ bool filter_pixel(ivec2 square) {
     // Of half the distance, in which what is not noise but as large as the octave has its own detail.
     float noise = max(max(threshold * noise_of(center, l + 1), deviations * point_noise), 0.5 * chance);
     for (int k = 0; k < 8; ++k) {
-      ivec2 place = ivec2(floor(center + away * compass[k])), at = place >> (l + 1);
-      bool is_outside = any(lessThan(place, ivec2(0))) || any(greaterThan(place, last_px));
-      vec4 there = texelFetch(pyramid, at, l);
-      vec3 d = eye_from_pixel((vec2(at) + 0.5) * float(2 << l), there.x) - here;
+      vec2 place = center + away * compass[k];
+      bool is_outside = any(lessThan(place, vec2(0.0))) || any(greaterThan(place, vec2(frame.image_size)));
+      vec2 there = depth_around(place, l);
+      vec3 d = eye_from_pixel(place, there.x) - here;
       float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));
       float slope = (height - noise) / max(across, 1e-30);
       if (slope > 0.0) slope *= 1.0 - smoothstep(in_reach * reach, beyond * reach, sqrt(far));
+      if (slope > 0.0) slope *= clamp(2.0 * there.y - 1.0, 0.0, 1.0);  // a rim is no wall
       if (there.y <= 0.0 || is_outside) slope = nothing;
       if (k < 4) rise[k] = max(rise[k], slope);
       else fall[k - 4] = max(fall[k - 4], slope);

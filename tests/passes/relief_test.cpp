@@ -89,8 +89,32 @@ TEST_F(ReliefTest, PlanesAndSpheresAreOpen) {
     const double u = (x + 0.5 - size / 2) * pixel, v = (y + 0.5 - size / 2) * pixel, d = 3.24 - u * u - v * v;
     return d > 0 ? 9 - std::sqrt(d) : double(nothing);
   });
+  // Within 3 px of the rim squares are cut by it, and the steepest depths of the sphere are what they mix.
+  const auto depth_of_rim = [](int x, int y) {
+    return 57.6 - std::hypot(x + 0.5 - size / 2, y + 0.5 - size / 2);
+  };
   for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) ASSERT_GT(sphere.at(x, y), 0.97f) << x << ' ' << y;
+    for (int x = 0; x < size; ++x) {
+      const double inside = depth_of_rim(x, y);
+      if (inside > 0)
+        ASSERT_GT(sphere.at(x, y), inside < 3 ? 0.94f : 0.98f) << x << ' ' << y << ' ' << inside;
+    }
+}
+
+// Squares of the coarsest octave are 32 px wide: in a hollow none of them may be seen.
+TEST_F(ReliefTest, OcclusionHasNoSteps) {
+  options.edl_strength = 0, options.occlusion = 1;
+  const Image<float> shade = shade_of([](int x, int y) {
+    const double u = (x - 64) * pixel, v = (y - 20) * pixel;
+    return 9 + 0.3 * u * u - 0.2 * v * v + 0.4 * v;  // a saddle: hollow along x
+  });
+  float most = 0;
+  for (int y = 20; y < size - 20; ++y)
+    for (int x = 20; x < size - 20; ++x)
+      most = std::max({most, std::abs(shade.at(x + 1, y) - shade.at(x, y)),
+                       std::abs(shade.at(x, y + 1) - shade.at(x, y))});
+  EXPECT_LT(shade.at(64, size / 2), 0.99f) << "there is something to see";
+  EXPECT_LT(most, 0.008f) << "two of 255 levels between neighbours";
 }
 
 // At the bottom of a valley between slopes of 45 degrees the four slices are open by cos^2 of half of what
