@@ -21,12 +21,12 @@ class CallOff final : public Progress {
   std::atomic<bool> is_up{false};
 };
 
-struct Request {
+struct PictureToDraw {
   std::string technique;
   HostView view;
   Parameters parameters;
   Camera camera;  ///< of the view
-  bool asks_for_same(const Request& other) const {
+  bool asks_for_same(const PictureToDraw& other) const {
     return technique == other.technique && view == other.view && parameters == other.parameters;
   }
 };
@@ -48,8 +48,8 @@ struct Answer {
 struct EmbeddedRenderer::State {
   std::mutex mutex;
   std::condition_variable work, answered;
-  std::optional<CloudToShow> cloud;       ///< to be set next
-  std::optional<Request> waiting, asked;  ///< to be drawn next; the last one
+  std::optional<CloudToShow> cloud;             ///< to be set next
+  std::optional<PictureToDraw> waiting, asked;  ///< to be drawn next; the last one
   std::uint64_t serial = 0,
                 answered_serial = 0;  ///< of the last request, and of the last that was answered or failed
   std::shared_ptr<const Answer> answer;
@@ -60,11 +60,11 @@ struct EmbeddedRenderer::State {
   std::thread thread;
 
   void run();
-  void paint(HeadlessRenderer& renderer, const Request& request, std::uint64_t number);
+  void paint(HeadlessRenderer& renderer, const PictureToDraw& request, std::uint64_t number);
   void rethrow();
 };
 
-void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const Request& request,
+void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const PictureToDraw& request,
                                     std::uint64_t number) {
   Pictures pictures =
       renderer.render(request.technique, request.camera, request.parameters, std::nullopt, call_off_picture);
@@ -81,7 +81,7 @@ void EmbeddedRenderer::State::run() {
     work.wait(lock, [&] { return ends || cloud || waiting; });
     if (ends) return;
     std::optional<CloudToShow> next_cloud = std::exchange(cloud, std::nullopt);
-    std::optional<Request> request;
+    std::optional<PictureToDraw> request;
     if (!next_cloud) request = std::exchange(waiting, std::nullopt);
     const std::uint64_t number = serial;
     (next_cloud ? call_off_cloud : call_off_picture).is_up = false;
@@ -137,8 +137,8 @@ void EmbeddedRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
 
 void EmbeddedRenderer::request(const std::string& technique, const HostView& view,
                                const Parameters& parameters) {
-  Request next{technique, view, parameters,
-               camera_of_matrices(view.view, view.projection, view.width, view.height)};
+  PictureToDraw next{technique, view, parameters,
+                     camera_of_matrices(view.view, view.projection, view.width, view.height)};
   {
     const std::lock_guard lock(state_->mutex);
     if (state_->asked && state_->asked->asks_for_same(next)) return;
