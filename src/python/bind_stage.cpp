@@ -46,6 +46,7 @@ ColorSettings colors_of(const py::dict& wishes) {
     if (range[0] == range[1]) throw Error(ErrorCode::usage, "range: it is empty");
     color.range = range;
   }
+  if (const auto text = text_in(wishes, "class_colors")) color.class_colors = parse_class_colors(*text);
   if (wishes.contains("exposure")) {
     const double exposure = wishes["exposure"].cast<double>();
     if (!(exposure >= 0.1 && exposure <= 100))

@@ -24,7 +24,7 @@ ANNOTATIONS = {
     "crop_relative": "Optional[Sequence[float]]", "filters": "Union[str, Sequence[str]]", "every_attribute": "bool", "vertices": "bool", "scene": "str",
     "mesh": "Optional[Path]", "name": "Optional[str]", "neighbors": "int", "min_size": "int", "point_threshold": "float",
     "region_threshold": "float", "gap": "Optional[float]", "angle": "float", "bend": "float", "text": "str", "width": "int",
-    "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any", "exposure": "Optional[float]",
+    "height": "int", "whole": "bool", "draw": "Union[str, Sequence[str]]", "more": "Path", "which": "Any", "exposure": "Optional[float]", "class_colors": "Optional[str]",
     "memory": "Union[int, str, None]", "preset": "Union[Path, Dict[str, Any], None]", "panorama": "bool", "legend": "Optional[bool]",
     "direction": "Optional[Sequence[float]]", "view_up": "Optional[Sequence[float]]", "shadows": "bool", "items": "Any", "camera": "CameraLike",
     "transform": "Optional[ArrayLike]", "pictures": "Iterable[Picture]", "port": "int", "folder": "str", "words": "Sequence[str]", "labels": "Optional[Sequence[str]]", "count": "int"}

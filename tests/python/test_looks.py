@@ -13,6 +13,7 @@ MOVED = [[0, -1, 0, 30], [1, 0, 0, 4], [0, 0, 1, 2], [0, 0, 0, 1]]
 @pytest.mark.parametrize("words, given", [
     (("--legend", "--color-by", "elevation"), {"legend": True, "color_by": "elevation"}),
     (("--legend", "--color-by", "classification"), {"legend": True, "color_by": "classification"}),
+    (("--color-by", "classification", "--class-colors", "2=tan,building=#aa3300"), {"color_by": "classification", "class_colors": "2=tan,building=#aa3300"}),
     (("--exposure", "2.5"), {"exposure": 2.5}),
     (("--crop-relative", "0,0,0,1,1,0.5", "--max-points", "5000"), {"crop_relative": (0, 0, 0, 1, 1, 0.5), "max_points": 5000}),
     (("--show-classes", "2", "--filter", "z ..1"), {"show_classes": [2], "filters": "z ..1"}),

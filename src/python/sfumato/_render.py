@@ -154,10 +154,10 @@ def _color_text(name, value):
     return ",".join(repr(v) for v in values)
 
 
-def _color_wishes(color, color_by, colormap, range, exposure):
+def _color_wishes(color, color_by, colormap, range, exposure, class_colors):
     wishes = {"color": _color_text("color", color), "color_by": color_by, "colormap": colormap,
               "range": None if range is None else tuple(float(v) for v in range),
-              "exposure": None if exposure is None else float(exposure)}
+              "exposure": None if exposure is None else float(exposure), "class_colors": class_colors}
     return {name: value for name, value in wishes.items() if value is not None}
 
 
@@ -175,7 +175,7 @@ class Renderer:
     def __init__(self, points, colors=None, technique="auto", normals=None, scalars=None, radii=None, background="auto",
                  up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
                  show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
-                 preset=None, progress=None, strict=False, vertices=False, **parameters):
+                 preset=None, progress=None, strict=False, vertices=False, class_colors=None, **parameters):
         drawn_on = {name: parameters.pop(name) for name in ("vertical_exaggeration", *FURNITURE) if name in parameters}
         settings = settings_of(parameters, _KEYWORDS)
         if isinstance(colors, str):
@@ -183,7 +183,7 @@ class Renderer:
         given = {"technique": technique, "background": background, "up": up, "color": color, "color_by": color_by,
                  "colormap": colormap, "range": range, "exposure": exposure, "hide_classes": tuple(hide_classes or ()),
                  "show_classes": show_classes, "filters": [filters] if isinstance(filters, str) else list(filters), "crop": crop,
-                 "crop_relative": crop_relative, "max_points": max_points, "whole": whole, "vertices": bool(vertices),
+                 "crop_relative": crop_relative, "max_points": max_points, "whole": whole, "vertices": bool(vertices), "class_colors": class_colors,
                  "draw": [draw] if isinstance(draw, str) else [str(rule) for rule in draw]}
         given.update(drawn_on)
         # Each wins over what comes before it: what is always so, the scene, the preset, what is given.
@@ -199,7 +199,7 @@ class Renderer:
         self._furniture = {name: wanted[name] for name in FURNITURE}
         self.legend = wanted["legend"] in (True, "true")
 
-        wishes = _color_wishes(*(wanted[name] for name in ("color", "color_by", "colormap", "range", "exposure")))
+        wishes = _color_wishes(*(wanted[name] for name in ("color", "color_by", "colormap", "range", "exposure", "class_colors")))
         selection = selection_of(wanted["crop"], wanted["crop_relative"], wanted["show_classes"], wanted["hide_classes"], wanted["filters"])
         wishes["background"] = _color_text("background", wanted["background"]) or "auto"
         wishes["up"] = wanted["up"]
@@ -461,13 +461,14 @@ class Renderer:
             if process and os.path.exists(part):
                 os.remove(part)
 
-    def color(self, color=None, color_by=None, colormap=None, range=None, exposure=None):
+    def color(self, color=None, color_by=None, colormap=None, range=None, exposure=None, class_colors=None):
         """Other colours for the same points, as in `render`."""
-        wishes = _color_wishes(color, color_by, colormap, range, exposure)
+        wishes = _color_wishes(color, color_by, colormap, range, exposure, class_colors)
         self._stage.set_color(wishes)
-        self._wanted.update(color=color, color_by=color_by, colormap=colormap, range=range, exposure=exposure)
+        self._wanted.update(color=color, color_by=color_by, colormap=colormap, range=range, exposure=exposure,
+                            class_colors=class_colors)
         if self._levels is not None:  # also for what is read next
-            for name in ("color", "color_by", "colormap", "range", "exposure"):
+            for name in ("color", "color_by", "colormap", "range", "exposure", "class_colors"):
                 self._wishes.pop(name, None)
             self._wishes.update(wishes)
 
@@ -499,7 +500,7 @@ class Renderer:
 def render(points, colors=None, technique="auto", camera=None, size=None, normals=None, scalars=None, radii=None,
            background="auto", up=None, color=None, color_by=None, colormap=None, range=None, exposure=None, hide_classes=(7, 18),
            show_classes=None, filters=(), crop=None, crop_relative=None, max_points=None, memory=None, whole=False, draw=(),
-           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, strict=False, vertices=False, **parameters):
+           preset=None, outputs=ALL_OUTPUTS, panorama=False, legend=None, progress=None, strict=False, vertices=False, class_colors=None, **parameters):
     """A picture of points: the same bytes as the command gives for the same view and parameters.
 
     >>> sfumato.render(xyz, rgb, technique="surface", shadows="soft").save("scan.png")
@@ -534,6 +535,8 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
         Values at the ends of the colour map; the 2-98 % percentiles.
     exposure : float, optional
         Brightness of the file's own colours, 1: as they are; what suits them.
+    class_colors : str, optional
+        Colours of classes by code or name: "2=#aa7744,building=orange".
     hide_classes : list of int
         Classification codes that are left out, with withheld points: noise. () shows all.
     show_classes, filters, crop, crop_relative, max_points
@@ -579,7 +582,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     """
     renderer = Renderer(points, colors, technique, normals, scalars, radii, background, up, color, color_by, colormap, range,
                         exposure, hide_classes, show_classes, filters, crop, crop_relative, max_points, memory, whole, draw, preset,
-                        progress, strict, vertices, **parameters)
+                        progress, strict, vertices, class_colors, **parameters)
     with renderer:
         return renderer.render(camera, size, None, outputs, progress, panorama, legend)
 
