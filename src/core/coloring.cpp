@@ -489,6 +489,12 @@ std::string class_name(int id) {
   return id >= 0 && id < int(std::size(names)) ? names[id] : "class " + std::to_string(id);
 }
 
+Rgba8 Coloring::color_of_class(int id) const {
+  for (std::size_t k = 0; k < classes.size(); ++k)
+    if (classes[k].id == id) return swatches[k].color;
+  return class_color(id);
+}
+
 std::optional<int> class_named(std::string_view name) {
   for (int id = 0; id < 256; ++id)
     if (class_name(id) == name) return id;

@@ -51,6 +51,9 @@ struct Coloring {
   std::vector<Swatch> swatches;     ///< classes and files: what the legend lists, in its order
   double exposure = 1;              ///< rgb only: how many times as bright the darkest of them became
   std::vector<std::string> notes;   ///< settings that have no effect on these colours
+
+  /// As it is drawn; of a class that is not drawn, what it has by default.
+  Rgba8 color_of_class(int id) const;
 };
 
 /// What `color_by` means for this cloud. `auto` is rgb where it tells points apart, then elevation where the

@@ -10,6 +10,7 @@
 #include "io/georeference.h"
 #include "io/image_png.h"
 #include "labels/contact_sheet.h"
+#include "session/request.h"
 #include "stage.h"
 
 namespace sfumato::python {
@@ -46,7 +47,11 @@ ColorSettings colors_of(const py::dict& wishes) {
     if (range[0] == range[1]) throw Error(ErrorCode::usage, "range: it is empty");
     color.range = range;
   }
-  if (const auto text = text_in(wishes, "class_colors")) color.class_colors = parse_class_colors(*text);
+  if (const auto text = text_in(wishes, "class_colors")) {
+    Request request;
+    find_option("class-colors")->set(request, "class_colors", *text);
+    color.class_colors = request.color.class_colors;
+  }
   if (wishes.contains("exposure")) {
     const double exposure = wishes["exposure"].cast<double>();
     if (!(exposure >= 0.1 && exposure <= 100))

@@ -25,6 +25,17 @@ def test_what_the_command_knows(command, tmp_path, scan, words, given):
     equal(sfumato.render(scan, technique="points", size=SIZE, **given), pixels(command, tmp_path, scan, "-t", "points", *words))
 
 
+def test_colours_of_classes_come_from_a_file_too(tmp_path, scan):
+    file = tmp_path / "colours.txt"
+    file.write_text("2=tan\nbuilding=#aa3300\n")
+    given = {"technique": "points", "size": SIZE, "color_by": "classification"}
+    wanted = sfumato.render(scan, class_colors="2=tan,building=#aa3300", **given)
+    assert (sfumato.render(scan, class_colors=str(file), **given).rgba == wanted.rgba).all()
+    assert (sfumato.render(scan, **given).rgba != wanted.rgba).any()
+    with pytest.raises(sfumato.Error, match="class_colors: 'lawn=green'"):
+        sfumato.render(scan, class_colors="lawn=green", **given)
+
+
 def test_meshes_are_points_on_their_faces(command, tmp_path):
     file = tmp_path / "square.obj"
     file.write_text("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n")

@@ -110,7 +110,8 @@ Json scene_json(const Workbench& bench) {
     const bool is_named = std::find(list.begin(), list.end(), each.id) != list.end();
     classes.push_back({{"id", each.id},
                        {"name", class_name(each.id)},
-                       {"color", hex(class_color(each.id))},
+                       {"color", hex(bench.picture() ? bench.picture()->coloring.color_of_class(each.id)
+                                                     : class_color(each.id))},
                        {"points", each.points},
                        {"shown", selection.show_classes.empty() ? !is_named : is_named}});
   }

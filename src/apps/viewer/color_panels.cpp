@@ -199,7 +199,7 @@ void Interface::class_panel() {
   for (const ClassShare& each : scene->classes) {
     ImGui::PushID(each.id);
     bool shown = !hidden(each.id);
-    const Rgba8 c = class_color(each.id);
+    const Rgba8 c = picture() ? picture()->coloring.color_of_class(each.id) : class_color(each.id);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float side = ImGui::GetFrameHeight();
     ImGui::GetWindowDrawList()->AddRectFilled(

@@ -536,7 +536,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     exposure : float, optional
         Brightness of the file's own colours, 1: as they are; what suits them.
     class_colors : str, optional
-        Colours of classes by code or name: "2=#aa7744,building=orange".
+        Colours of classes by code or name, "2=#aa7744,building=orange", or a file with one CLASS=COLOUR a line.
     hide_classes : list of int
         Classification codes that are left out, with withheld points: noise. () shows all.
     show_classes, filters, crop, crop_relative, max_points

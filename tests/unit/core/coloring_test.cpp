@@ -64,6 +64,8 @@ TEST(Coloring, ClassesHaveTheColoursThatAreGiven) {
   EXPECT_EQ(out.colors[1], (Rgba8{255, 165, 0, 255}));
   EXPECT_EQ(out.colors[3], class_color(5)) << "others keep theirs";
   EXPECT_EQ(out.swatches[0].color, out.colors[0]) << "the legend shows the same";
+  EXPECT_EQ(out.color_of_class(6), out.colors[1]) << "and so do lists of classes";
+  EXPECT_EQ(out.color_of_class(9), class_color(9)) << "of what is not there";
   EXPECT_EQ(parse_class_colors("2=tan\n6=orange\n").size(), 2u) << "a file: a line each";
   EXPECT_NE(refusal([] { parse_class_colors("2=tan,lawn=green"); }).find("'lawn=green'"), std::string::npos);
   EXPECT_NE(refusal([] { parse_class_colors("2"); }).find("CLASS=COLOUR"), std::string::npos);
