@@ -91,9 +91,7 @@ void add_output(Table& t) {
       &Request::technique);
   t.texts("--draw", "\"SELECTION: TECHNIQUE [name=value ...]\"",
           "draw selected points by another technique, such as \"classification 3-5: soft opacity=0.2\"; "
-          "the first that "
-          "selects a point "
-          "wins (sfumato help draw)",
+          "the first that selects a point wins (sfumato help draw)",
           &Request::draw, [](Text text) { return DrawRule::parse(text); })
       .is(Scope::look);
   t.text(

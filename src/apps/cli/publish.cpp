@@ -101,11 +101,8 @@ int publish_command(const Words& words) {
   const long around = parse_whole("--views", views, 3);
   if (around > most_views) throw Error(ErrorCode::usage, fmt::format("--views: at most {}", most_views));
   std::vector<double> heights;
-  for (const std::string& each : elevations.empty() ? Words() : split(elevations, ',')) {
-    heights.push_back(parse_number("--elevations", each));
-    if (!(std::abs(heights.back()) <= 90))
-      throw Error(ErrorCode::usage, "--elevations: " + each + " degrees is outside [-90, 90]");
-  }
+  for (const std::string& each : elevations.empty() ? Words() : split(elevations, ','))
+    heights.push_back(parse_degrees("--elevations", each, -90, 90));
   if (!options.view.size && options.camera_file.empty() && !options.view.start)
     options.view.size = {1600, 1200};
   publish::Publication publication(folder, int(around), heights);

@@ -69,11 +69,7 @@ Words words_of(const serve::Query& query) {
     if (!options_of_requests().contains(name) && !is_parameter(name))
       throw Error(ErrorCode::usage,
                   "'" + name + "' is no option of a picture that is asked for here; see openapi.json");
-    if (value.empty() || (value == "true" && (name == "legend" || name == "whole" || name == "vertices" ||
-                                              name == "camera-orthographic")))
-      words.push_back("--" + name);
-    else
-      words.push_back("--" + name + "=" + value);
+    words.push_back("--" + name + (value.empty() ? "" : "=" + value));
   }
   return words;
 }
