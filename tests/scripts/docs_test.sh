@@ -52,4 +52,7 @@ for folder in src/techniques/*/; do
   grep -q "^| \`$name\`" README.md || { echo "technique $name: no row in the table of README.md" >&2; broken=1; }
   [ -f "bench/$name.json" ] || { echo "technique $name: no rows bench/$name.json" >&2; broken=1; }
 done
+# Few enough words to be read: decisions and measurements stand apart.
+words=$(cat README.md CHANGELOG.md docs/*.md docs/techniques/*.md | wc -w)
+[ "$words" -le 25000 ] || { echo "the pages have $words words; 25000 at most: say it once, and move figures to docs/measurements" >&2; broken=1; }
 [ "$broken" = 0 ]
