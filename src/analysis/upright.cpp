@@ -399,12 +399,26 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud) {
   return candidates;
 }
 
+/// Of coordinates of a map that names no system: two are eastings and northings, which have six digits in the
+/// metres of any national grid (its zones begin 100 km from their origin, so that none is negative), and the
+/// third lies between the deepest and the highest land. No thing is measured from 100 km away.
+std::optional<UpAxis> height_of_map_coordinates(const PointCloud& cloud) {
+  constexpr double smallest_easting = 1e5, deepest = -500, highest = 9000;
+  const Bounds box = robust_bounds(cloud);
+  const auto plan = [&](int axis) { return box.min[axis] >= smallest_easting || box.max[axis] <= -smallest_easting; };
+  const auto height = [&](int axis) { return box.min[axis] >= deepest && box.max[axis] <= highest; };
+  if (plan(0) && plan(1) && height(2)) return UpAxis::pos_z;
+  if (plan(0) && plan(2) && height(1)) return UpAxis::pos_y;
+  return {};
+}
+
 Upright guess_upright(const PointCloud& cloud) {
   constexpr std::size_t fewest = 100;
   Upright upright{cloud.up, "the convention of its format"};
   if (cloud.size() < fewest) return upright;
   if (cloud.las) return upright;
   if (!cloud.crs.empty()) return {UpAxis::pos_z, "heights of its coordinate system"};
+  if (const auto up = height_of_map_coordinates(cloud)) return {*up, "heights of map coordinates"};
   const std::vector<UpCandidate> candidates = up_candidates(cloud);
   const UpCandidate &best = candidates[0], &next = candidates[1];
   const auto gain = [&](std::size_t i) { return weights[i] * (best.evidence[i] - next.evidence[i]); };

@@ -325,6 +325,20 @@ TEST(Upright, HeightsOfSurveysAreAlongZ) {
   EXPECT_FALSE(guess_upright(georeferenced).other);
 }
 
+TEST(Upright, HeightsOfMapsWithoutASystemAreTheSmallCoordinate) {
+  PointCloud tree = statue();
+  turn(tree, y_up);
+  tree.up = UpAxis::pos_y;
+  ASSERT_EQ(guess_upright(tree).up, UpAxis::pos_y);
+  tree.origin = {551'152, 5'249'119, 1829};  // of UTM, as text and PLY exports have them
+  EXPECT_EQ(guess_upright(tree).up, UpAxis::pos_z);
+  EXPECT_FALSE(guess_upright(tree).other);
+  tree.origin = {551'152, 1829, -5'249'119};  // the same where y is up
+  EXPECT_EQ(guess_upright(tree).up, UpAxis::pos_y);
+  tree.origin = {551, 249, 1829};  // a scanner's own
+  EXPECT_EQ(guess_upright(tree).up, UpAxis::pos_y);
+}
+
 // Handles and spouts are alike left and right of a pot, in the middle of its sides: nothing is below as
 // above.
 TEST(Upright, ThingsAreAlikeLeftAndRightNotAboveAndBelow) {
