@@ -96,19 +96,47 @@ std::optional<std::array<const ScalarField*, 2>> texture_fields(const PointCloud
   return std::nullopt;
 }
 
+/// Of a corner of a triangle, the normal that the file has; 0 for none.
+vec3 own_normal(const Faces& faces, const PointCloud& cloud, std::size_t t, std::size_t corner) {
+  const std::uint32_t own = faces.normal_of.empty() ? Faces::none : faces.normal_of[t][corner];
+  if (own < faces.normals.size()) return faces.normals[own];
+  return cloud.normals.empty() ? vec3(0) : cloud.normals[faces.triangles[t][corner]];
+}
+
+/// Whether the file's normals say no more of its faces than directions at random: as many lie before a face
+/// as behind it (shares nearer to that than to one side alone), and their cosine to the face's normal is 1/2
+/// at most in the mean, by area. Some exporters number them wrongly.
+bool has_random_normals(const Faces& faces, const PointCloud& cloud) {
+  double all = 0, before = 0, cosines = 0;
+  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
+    const double area = area_of(cloud, faces.triangles[t]);
+    const vec3 of_face = FaceNormals::face(cloud.positions, faces.triangles[t]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const vec3 own = own_normal(faces, cloud, t, k);
+      if (own == vec3(0)) continue;
+      const double cosine = glm::dot(glm::normalize(own), of_face);
+      all += area, before += cosine > 0 ? area : 0, cosines += area * std::abs(cosine);
+    }
+  }
+  return before > 0.25 * all && before < 0.75 * all && cosines <= 0.5 * all;
+}
+
 /// Samples of all faces: where they are and what they have.
 class Samples {
  public:
   Samples(Faces faces, const PointCloud& cloud, std::vector<double> passed, std::uint64_t count)
       : faces_(std::move(faces)),
         cloud_(cloud),
+        has_random_normals_(has_random_normals(faces_, cloud)),
         passed_(std::move(passed)),
         count_(count),
         step_(passed_.back() / double(count)) {
-    if (cloud_.normals.empty()) normals_.emplace(cloud_.positions, faces_.triangles);
+    if (cloud_.normals.empty() || has_random_normals_) normals_.emplace(cloud_.positions, faces_.triangles);
     if (faces_.texture_of.empty()) fields_ = texture_fields(cloud_);
     fit_textures();
   }
+
+  bool computes_normals() const { return has_random_normals_; }
 
   PointCloud take(Progress& progress) {
     PointCloud out;
@@ -173,11 +201,7 @@ class Samples {
     std::array<vec3, 3> normals{};
     bool are_all = true;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t own = faces_.normal_of.empty() ? Faces::none : faces_.normal_of[t][k];
-      if (own < faces_.normals.size())
-        normals[k] = faces_.normals[own];
-      else if (!cloud_.normals.empty())
-        normals[k] = cloud_.normals[faces_.triangles[t][k]];
+      if (!has_random_normals_) normals[k] = own_normal(faces_, cloud_, t, k);
       are_all = are_all && normals[k] != vec3(0);
     }
     if (are_all) return normals;
@@ -272,6 +296,7 @@ class Samples {
 
   Faces faces_;
   const PointCloud& cloud_;
+  bool has_random_normals_;
   std::vector<double> passed_;  ///< area of the triangles before each
   std::uint64_t count_ = 0;
   double step_ = 0;  ///< area of a sample
@@ -390,12 +415,14 @@ void sample_faces(Faces faces, ReadResult& result, Progress& progress) {
   const std::uint64_t faces_of_file = faces.count;
   const std::string without_colors = faces.without_colors;
   const std::vector<std::uint32_t> loose = loose_vertices(faces, result.cloud.size());
-  PointCloud sampled = Samples(std::move(faces), result.cloud, std::move(passed), count).take(progress);
+  Samples samples(std::move(faces), result.cloud, std::move(passed), count);
+  PointCloud sampled = samples.take(progress);
   // Points of a scan beside a few faces stay; of a mesh what no face uses is left over from editing.
   const bool stay = 2 * loose.size() > result.cloud.size();
   report.notes.push_back(
       counted(faces_of_file, "face") + " sampled to " + counted(sampled.size(), "point") +
       (loose.empty() || stay ? "" : ", " + counted(loose.size(), "point") + " of no face left out") +
+      (samples.computes_normals() ? ", with new normals (the file's do not fit them)" : "") +
       " (--vertices: the vertices alone)" +
       (without_colors.empty() ? "" : "; without colours: " + without_colors));
   if (stay) {

@@ -129,6 +129,36 @@ TEST(FacesTest, NormalsAreSmoothButForEdges) {
   EXPECT_GT(of_lid, 10'000u);
 }
 
+TEST(FacesTest, NormalsThatBelongElsewhereAreComputed) {
+  // A ball of squares whose corners name normals of the ball in another order.
+  constexpr int rings = 20, around = 40;
+  const auto ball = [](int shift) {
+    std::string v, n, f;
+    for (int i = 0; i < rings; ++i)
+      for (int k = 0; k < around; ++k) {
+        const double a = M_PI * (i + 0.5) / rings, b = 2 * M_PI * k / around;
+        const std::string at = std::to_string(std::sin(a) * std::cos(b)) + " " +
+                               std::to_string(std::sin(a) * std::sin(b)) + " " + std::to_string(std::cos(a)) +
+                               "\n";
+        v += "v " + at, n += "vn " + at;
+        if (i + 1 == rings) continue;
+        f += "f";
+        for (const int at_corner : {i * around + k, (i + 1) * around + k, (i + 1) * around + (k + 1) % around,
+                                    i * around + (k + 1) % around})
+          f += " " + std::to_string(at_corner + 1) + "//" +
+               std::to_string((at_corner * shift) % (rings * around) + 1);
+        f += "\n";
+      }
+    return drawn_obj(v + n + f);
+  };
+  for (const int shift : {1, 331}) {
+    const io::ReadResult result = ball(shift);
+    EXPECT_EQ(result.report.notes.back().find("do not fit") != std::string::npos, shift != 1);
+    for (std::size_t i = 0; i < result.cloud.size(); ++i)
+      ASSERT_GT(glm::dot(result.cloud.normals[i], glm::normalize(result.cloud.positions[i])), 0.97) << shift;
+  }
+}
+
 TEST(FacesTest, WhatVerticesAndCornersSayIsInterpolated) {
   const PointCloud cloud =
       drawn_obj("v 0 0 0 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\nvn 0 0 -1\nvn 1 0 0\nf 1//1 2//-2 3//1\n")
