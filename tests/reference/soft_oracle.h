@@ -23,10 +23,10 @@ inline double closed_form(double delta) {
   return delta < 1e-12 ? 1 : half - delta * delta * std::log((1 + half) / delta);
 }
 
-/// Nested spheres about one centre in units of the outermost: radii and densities on a chord at delta. With
-/// `normalization` 1 (Eq. 13) and 2 (Eq. 15) r_i = 1 - i/N, halved, as they sum up to 2 through the centre.
-/// With 0 a density of 1/M each has depth 1 + 1/M through the centre; between powers of two the two of them
-/// are mixed so that it is 1 + 1/N, and that is divided out.
+/// Nested spheres about one centre in units of the point's radius: radii and densities on a chord at delta.
+/// With `normalization` 1 (Eq. 13) and 2 (Eq. 15) r_i = 1 - i/N, halved, as they sum up to 2 through the
+/// centre. With 0 equal densities at the middles of N steps, as far as these are positive, with a scale and a
+/// density that give two integrals of 1 - R: 1 along a ray through the centre, pi/3 over the ball.
 struct Shells {
   std::vector<double> radii, densities;
   Shells(double count, double delta, int normalization) {
@@ -37,12 +37,15 @@ struct Shells {
       }
       return;
     }
-    const int below = 1 << int(std::floor(std::log2(count) + 1e-12));
-    const double share =
-        2 * (1 - below / count);  // of the finer one: 1/count = (1 - share)/below + share/(2 below)
-    for (int i = 0; i < below; ++i) add(1 - double(i) / below, (1 - share) / below / (1 + 1 / count));
-    for (int i = 0; i < 2 * below && share > 0; ++i)
-      add(1 - i / (2.0 * below), share / (2 * below) / (1 + 1 / count));
+    double diameters = 0, volumes = 0;
+    for (int i = 0; 1 - (i + 0.5) / count > 0; ++i) {
+      add(1 - (i + 0.5) / count, 0);
+      diameters += 2 * radii.back();
+      volumes += 4 * std::acos(-1) / 3 * std::pow(radii.back(), 3);
+    }
+    const double scale = std::sqrt(diameters * std::acos(-1) / 3 / volumes);
+    for (double& radius : radii) radius *= scale;
+    for (double& density : densities) density = 1 / (scale * diameters);
   }
   double depth(double delta) const {
     double sum = 0;
@@ -91,8 +94,7 @@ struct SoftOracle {
       const double middle = glm::dot(s.center - ray.origin, ray.direction),
                    delta = ray_delta(ray, s.center, s.radius);
       cuts.push_back(middle);  // the density has a kink there
-      const Shells nested(std::max(shells, 1), delta, normalization);
-      for (double radius : nested.radii) {
+      for (double radius : radii(delta)) {
         if (delta >= radius) continue;
         const double half = s.radius * std::sqrt(radius * radius - delta * delta);
         cuts.insert(cuts.end(), {middle - half, middle + half});
@@ -106,6 +108,10 @@ struct SoftOracle {
   }
 
  private:
+  /// Where the density of a sphere changes, in units of its radius.
+  std::vector<double> radii(double delta) const {
+    return shells == 0 ? std::vector<double>{1} : Shells(shells, delta, normalization).radii;
+  }
   void add_segment(const OracleRay& ray, const std::vector<OracleSphere>& spheres, double from, double to,
                    glm::dvec4& out) const {
     if (!(to > from)) return;
@@ -113,7 +119,8 @@ struct SoftOracle {
     double weights = 0, depth = 0;
     for (const OracleSphere& s : spheres) {
       const double delta = ray_delta(ray, s.center, s.radius);
-      if (glm::length(ray.origin + 0.5 * (from + to) * ray.direction - s.center) >= s.radius) continue;
+      const double reach = s.radius * radii(delta).front();
+      if (glm::length(ray.origin + 0.5 * (from + to) * ray.direction - s.center) >= reach) continue;
       weighted += (1 - delta) * s.color;  // Eq. 11
       weights += 1 - delta;
       // Simpson's rule on 32 intervals.

@@ -81,10 +81,12 @@ TEST_F(SoftParts, FragmentsAreCountedAndStoredAlike) {
                        middle = glm::dot(dvec3(ball.center) - ray.origin, ray.direction);
           const double depth = glm::dot(dvec3(ball.center) - ray.origin, camera.direction());
           const double size_px = ball.radius * camera.pixels_per_unit() / std::max(depth, splat_near(camera));
-          int shells = 1;  // the next power of two: what is not whole fades in
-          while (concentric && shells < std::min(size_px / 4, 32.0)) shells *= 2;
-          for (int i = 0; i < shells && 1 - double(i) / shells > delta; ++i) {
-            const double half = ball.radius * std::sqrt(std::pow(1 - double(i) / shells, 2) - delta * delta);
+          const std::vector<double> shells = concentric
+                                                 ? Shells(std::clamp(size_px / 4, 1.0, 32.0), delta, 0).radii
+                                                 : std::vector<double>{1};
+          for (const double radius : shells) {
+            if (radius <= delta) break;
+            const double half = ball.radius * std::sqrt(radius * radius - delta * delta);
             if (std::max(middle - half, splat_near(camera) / ray.cosine) < std::min(middle + half, 1.5))
               expected += 2;
           }

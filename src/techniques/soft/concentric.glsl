@@ -1,7 +1,7 @@
 // Concentric model: nested spheres of constant density; the densities of all open ones add up (Seemann 2018, Sec. 3.2;
 // the sum is what the text says, Eq. 17 shows the inner one only).
 #define SOFT_READ
-#include "techniques/soft/sphere.glsl"
+#include "techniques/soft/shells.glsl"
 #include "techniques/soft/interior_sort.glsl"
 
 layout(binding = UNIT_INPUT + 2) uniform sampler2D solid_color;
@@ -28,11 +28,14 @@ bool filter_pixel(ivec2 pixel) {
     SoftPoint point = soft_point(int(record.y >> shell_bits));
     float delta = soft_ray(point.center, point.radius, vec2(pixel) + 0.5).delta;
     float lambda = lambda_of(point.opacity);
+    Shells shells = shells_of(point.shells);
     if (point.share < 1.0) {
-      float depth = lambda * shells_depth(point.shells, delta);
-      lambda *= depth > 1e-9 ? modulated_depth(point.cone, point.share, delta, depth) / depth : 0.0;
+      float depth = shells_depth(shells, delta);
+      float outer = half_chord(delta) - chord_through(shells.first, delta);  // by which the outermost grew
+      float drawn = depth + 2.0 * outer * shell_density(shells, 0, delta);
+      lambda = drawn > 1e-9 ? modulated_depth(point.cone, point.share, delta, lambda * depth) / drawn : 0.0;
     }
-    density += side * lambda * shell_density(shell, point.shells, delta) / point.radius;
+    density += side * lambda * shell_density(shells, shell, delta) / point.radius;
     if (shell == 0) {
       vec4 seen = side * vec4(point.color, 1.0);
       weighted += max(1.0 - delta, 0.0) * seen;

@@ -2,6 +2,7 @@
 // plane or a solid surface cuts are clamped, so that each entry has its exit.
 //   STORE   stores; else counts
 #include "techniques/soft/sphere_fragment.glsl"
+#include "techniques/soft/shells.glsl"
 #ifdef STORE
 #include "fragment_list.glsl"
 uniform int shell_bits;  // of the second word
@@ -21,18 +22,23 @@ void main() {
   if (!(ray.delta < 1.0)) discard;
   float from = near_t(gl_FragCoord.xy), to = solid_t(), first, last;
 #ifdef MODEL_CONCENTRIC
-  int shells = shell_steps(soft_shells);
+  Shells shells = shells_of(soft_shells);
 #else
-  int shells = 1;
+  Shells shells = Shells(1, 1.0, 0.0, 0.0);
 #endif
   int inside = 0;  // shells that the ray meets: an outer one whenever an inner one
-  for (; inside < shells && shell_radius(inside, shells) > ray.delta; ++inside)
-    if (!soft_chord(ray, soft_shape.w, shell_half_chord(inside, shells, ray.delta), from, to, first, last)) break;
+  for (; inside < shells.number; ++inside) {
+    float radius = drawn_radius(shells, inside, soft_share.x);
+    if (radius <= ray.delta ||
+        !soft_chord(ray, soft_shape.w, chord_through(radius, ray.delta), from, to, first, last))
+      break;
+  }
   if (inside == 0) discard;
 #ifdef STORE
   int place = reserve_fragments(ivec2(gl_FragCoord.xy), uint(2 * inside));
   for (int i = 0; i < inside; ++i) {
-    soft_chord(ray, soft_shape.w, shell_half_chord(i, shells, ray.delta), from, to, first, last);
+    float half_length = chord_through(drawn_radius(shells, i, soft_share.x), ray.delta);
+    soft_chord(ray, soft_shape.w, half_length, from, to, first, last);
     store_fragment(place + 2 * i, record(first, false, i));
     store_fragment(place + 2 * i + 1, record(last, true, i));
   }

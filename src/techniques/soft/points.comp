@@ -18,7 +18,7 @@ uniform float field_threshold;
 uniform float modulation_threshold;
 uniform float modulation_opacity;  // through the centre, at the field threshold
 uniform float smallest_px;      // radius below which a sphere grows and thins out
-uniform int concentric_count;   // 0: one for each concentric_spacing_px of the radius, fading in
+uniform int concentric_count;   // 0: one for each concentric_spacing_px of the radius
 uniform float concentric_spacing_px;
 
 const float most_shells = 32.0;

@@ -6,8 +6,9 @@
 // make a continuous haze in the right order.
 //
 // Where we differ: depth within a sphere is measured along the ray; one unit-free opacity means the same in
-// all models; nested spheres add up to the Base model unless the printed normalisations are asked for; the
-// drawing order is exact by default; spheres that are cut by a surface or the near plane are clamped.
+// all models; nested spheres have the mass of the Base model, however few, unless the printed normalisations
+// are asked for; the drawing order is exact by default; spheres that are cut by a surface or the near plane
+// are clamped.
 
 #include <algorithm>
 #include <bit>
@@ -104,7 +105,7 @@ struct Parameters {
         .unit("px")
         .help("concentric_count = auto: a sphere for each of these, 32 at most");
     p.add("normalization", normalization, {"exact", "eq13", "eq15"})
-        .help("density of nested spheres: one that tends to the Base model, or those of the paper");
+        .help("density of nested spheres: one with the mass of the Base model, or those of the paper");
     p.add("density", density, {"radial", "uniform"})
         .help("model = base: densest in the middle, or constant (Eq. 3)");
     p.add("epsilon", epsilon)

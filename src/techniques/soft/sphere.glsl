@@ -10,7 +10,7 @@ struct SoftPoint {
   float opacity;  // of a lone sphere through its centre
   float share;    // W of Eq. 22: 0 at the field threshold, 1 at the modulation threshold and beyond
   float cone;     // opacity through the centre at the field threshold, where share is 0
-  float shells;   // nested spheres of the Concentric model; a fraction is one that fades in
+  float shells;   // N of the Concentric model, a real number
 };
 
 #ifdef SOFT_READ
@@ -85,36 +85,4 @@ float modulated(float cone, float share, float delta, float model_opacity) {
 float modulated_depth(float cone, float share, float delta, float depth) {
   if (share >= 1.0) return depth;
   return -log(1.0 - min(modulated(cone, share, delta, 1.0 - exp(-depth)), 0.9999));
-}
-
-// Nested spheres r_i = r - i r/M (Concentric model), i = 0 is the outermost. Eqs. 13 and 15 have M = N, a whole number.
-// `exact` has the next power of two: from N = M/2 to M every other sphere fades in, so that zooming shows no switch and
-// the depth falls as N grows.
-uniform int normalization;
-int shell_steps(float count) {
-  if (normalization != 0) return int(count);
-  int whole = int(ceil(count));
-  return whole > 1 ? 2 << findMSB(whole - 1) : 1;
-}
-float shell_radius(int i, int steps) { return 1.0 - float(i) / float(steps); }
-
-// Optical depth of a chord through shell i, of length 2 L_i in radii, is 2 L_i times this.
-//   exact: mu = 1/(N + 1), which tends to the Base model and is 1 through the centre for every N, less while fading in;
-//   Eq. 13: mu = r/(N r_i), Eq. 15: times (1 - d/r_i): these sum up to 2 through the centre, so that they are halved.
-float shell_density(int i, float count, float delta) {
-  int steps = shell_steps(count);
-  if (normalization == 0) return (i % 2 == 0 ? 1.0 : 2.0 * count / float(steps) - 1.0) / (count + 1.0);
-  float radius = shell_radius(i, steps), density = 0.5 / (float(steps) * radius);
-  return normalization == 2 ? density * (1.0 - delta / radius) : density;
-}
-float shell_half_chord(int i, int steps, float delta) {
-  float radius = shell_radius(i, steps);
-  return sqrt(max(radius * radius - delta * delta, 0.0));
-}
-float shells_depth(float count, float delta) {
-  float depth = 0.0;
-  int steps = shell_steps(count);
-  for (int i = 0; i < steps && shell_radius(i, steps) > delta; ++i)
-    depth += 2.0 * shell_half_chord(i, steps, delta) * shell_density(i, count, delta);
-  return depth;
 }
