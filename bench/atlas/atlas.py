@@ -80,8 +80,7 @@ def render(sfumato, folder, out, number, scan):
     row = {'number': number, 'name': scan['name'], 'kind': scan['kind'], 'status': status, 'stderr': errors,
            'cpu_s': seconds, 'labelled_up': labels['up'], 'up_sure': labels['up_sure'],
            'expected_colour': labels['expected_colour'], 'good_sides': labels['good_sides']}
-    # Lines that name what was written are the result, not a note about it.
-    row['lines'] = sum(not line.startswith('wrote ') for line in errors.splitlines())
+    row['lines'] = len(errors.splitlines())
     if status != 0:
         return row
     camera = report['camera']
@@ -208,8 +207,8 @@ def figures(rows):
             ('wrong cutaways', str(sum(row['wrong_cutaway'] for row in drawn))),
             ('interiors cut open', share(drawn, 'interior_right')),
             ('seen from a side labelled good', share(drawn, 'side_right')),
-            ('most lines of notes', str(max((row['lines'] for row in drawn), default=0))),
-            ('pictures with more than two lines of notes', str(sum(row['lines'] > 2 for row in drawn))),
+            ('most lines on standard error', str(max((row['lines'] for row in drawn), default=0))),
+            ('pictures with more than two', str(sum(row['lines'] > 2 for row in drawn))),
             ('invented area, most and mean', f'{max(invented):.3f}, {sum(invented) / len(invented):.4f}'
              if invented else 'not measured (eval_evidence is not built)'),
             ('processor time, all', f'{sum(row["cpu_s"] for row in rows):.1f} s')]

@@ -417,17 +417,28 @@ Upright guess_upright(const PointCloud& cloud) {
   Upright upright{cloud.up, "the convention of its format"};
   if (cloud.size() < fewest) return upright;
   if (cloud.las) return upright;
-  if (!cloud.crs.empty()) return {UpAxis::pos_z, "heights of its coordinate system"};
-  if (const auto up = height_of_map_coordinates(cloud)) return {*up, "heights of map coordinates"};
+  const auto says = [&](UpAxis up, const char* reason) {
+    upright.up = up, upright.reason = reason;
+    if (cloud.up != up) upright.other = cloud.up;
+    return upright;
+  };
+  if (!cloud.crs.empty()) return says(UpAxis::pos_z, "heights of its coordinate system");
+  if (const auto up = height_of_map_coordinates(cloud)) return says(*up, "heights of map coordinates");
   const std::vector<UpCandidate> candidates = up_candidates(cloud);
   const UpCandidate &best = candidates[0], &next = candidates[1];
-  const auto gain = [&](std::size_t i) { return weights[i] * (best.evidence[i] - next.evidence[i]); };
+  upright.up = best.up;
+  // Why it is not the convention, or not the next.
+  const UpCandidate& over =
+      best.up == cloud.up ? next : *std::find_if(candidates.begin(), candidates.end(), [&](const auto& each) {
+        return each.up == cloud.up;
+      });
+  const auto gain = [&](std::size_t i) { return weights[i] * (best.evidence[i] - over.evidence[i]); };
   std::size_t why = std::size_t(UpEvidence::camera);
   for (std::size_t i = why; i < std::size(weights); ++i)
     if (gain(i) > gain(why)) why = i;
-  upright.up = best.up;
   if (best.up != cloud.up || gain(why) > 1) upright.reason = words[why];
   if (best.probability < sure) upright.reason = "guessed: " + upright.reason, upright.other = next.up;
+  if (best.up != cloud.up) upright.other = cloud.up;
   if (best.evidence[std::size_t(UpEvidence::camera)] > 0.5) {
     // From about where it was taken: farther round, all that it hid would gape. Azimuth 0 looks from +z where
     // up is -Y, i.e. from behind, and from -y where it is Z.

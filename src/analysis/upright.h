@@ -16,7 +16,9 @@ struct Upright {
   double azimuth_deg = -45;  ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
   bool is_camera_view = false;  ///< the scan is a picture, best seen from about where it was taken
-  std::optional<UpAxis> other;  ///< what it may be as well, where nothing tells clearly
+  /// The convention of the format where it is not that, else what it may be as well where nothing tells
+  /// clearly.
+  std::optional<UpAxis> other;
 };
 
 /// What may speak for an axis.

@@ -5,6 +5,7 @@
 #include "core/counted.h"
 #include "core/error.h"
 #include "passes/shadows.h"
+#include "session/notes.h"
 #include "session/standpoint.h"
 
 namespace sfumato::python {
@@ -81,7 +82,6 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
   if (scene.selected.hidden > 0)
     notes_.push_back(std::to_string(scene.selected.hidden) +
                      " points are withheld or of a hidden class (hide_classes=() shows them)");
-  const UpAxis custom = scene.cloud.up;
   crs_ = scene.cloud.crs;
   if (stand) {
     stand_ = *stand;
@@ -91,14 +91,8 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
     stand_.place = place_inside(scene.cloud);
   }
   const Pose& pose = stand_.pose;
-  if (pose.upright.up != custom && !options_.up)
-    notes_.push_back("up: " + to_string(pose.upright.up) + " (" + pose.upright.reason + "); up=\"" +
-                     to_string(custom) + "\" turns it back");
-  else if (pose.upright.other && !options_.up)
-    notes_.push_back("up: " + to_string(pose.upright.up) + " (" + pose.upright.reason + "); up=\"" +
-                     to_string(*pose.upright.other) + "\" turns it");
-  if (pose.subject.room)
-    notes_.push_back("a room: ceiling and walls before it are left out; whole=True draws them");
+  const Camera first = sfumato::first_view(pose, 1280, 720);
+  for (const Note& note : notes_on(pose, {&first, 1})) notes_.push_back(for_python(note));
   session_ = std::make_unique<Session>(context);
   const auto needs_of = [&](const Session::Suggest& suggest) {
     if (choice_.automatic()) choice_.settle(suggest());
@@ -109,9 +103,7 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
                       progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
-  if (!chosen.reason.empty())
-    notes_.push_back("technique: " + chosen.name + " (" + chosen.reason +
-                     "); technique=\"NAME\" chooses another");
+  if (!chosen.reason.empty()) notes_.push_back(for_python(note_on_technique(chosen.name, chosen.reason)));
   if (session_->left_out() > 0)
     notes_.push_back(are(session_->left_out(), "point") + " left out: others share their place");
   points_ = 0;

@@ -127,5 +127,16 @@ TEST_F(StrangersCommand, TheRealOnes) {
   EXPECT_GT(black, 1000);
 }
 
+TEST_F(StrangersCommand, OfEachTwoLinesAreSaid) {
+  const auto any = stranger("12_chart.ply");
+  if (!any) GTEST_SKIP() << "no strangers' files";
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(*any).parent_path())) {
+    if (entry.path().extension() == ".md") continue;
+    const Outcome outcome = run({entry.path().string(), "-o", "a.png", "--resolution", "32x24"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_LE(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2) << outcome.err;
+  }
+}
+
 }  // namespace
 }  // namespace sfumato::testing

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <utility>
+
+#include "session/notes.h"
 
 namespace sfumato::cli {
 namespace {
@@ -36,6 +39,12 @@ void catch_interrupt() {
 
 Console::Console(bool quiet, bool verbose)
     : quiet_(quiet), verbose_(verbose), live_(!quiet && isatty(STDERR_FILENO)) {}
+
+/// What was to be said before the work failed may tell why.
+Console::~Console() {
+  clear();
+  if (!cancelled()) say_notes({});
+}
 
 void Console::update(double fraction, std::string_view text) {
   if (!live_) return;
@@ -73,6 +82,16 @@ void Console::tell(const std::string& line) {
 
 void Console::say(const std::string& line) {
   if (!quiet_) complain(line);
+}
+
+void Console::note(const std::string& clause) {
+  if (!clause.empty()) notes_.push_back(clause);
+}
+
+void Console::say_notes(const std::vector<std::string>& files) {
+  const std::string line = joined_notes(std::exchange(notes_, {}), files);
+  if (!line.empty() && line != last_notes_) say((files.empty() ? "" : "sfumato: ") + line);
+  last_notes_ = line;
 }
 
 void Console::complain(const std::string& line) {

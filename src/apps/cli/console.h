@@ -4,6 +4,7 @@
 #include <chrono>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "common_options.h"
 #include "core/progress.h"
@@ -18,7 +19,7 @@ class Console final : public Progress {
   /// Shows progress only when stderr is a terminal and the user did not ask for quiet.
   explicit Console(bool quiet = false, bool verbose = false);
   explicit Console(const CommonOptions& common) : Console(common.quiet, common.verbose) {}
-  ~Console() override { clear(); }
+  ~Console() override;
 
   void update(double fraction, std::string_view text) override;
   bool cancelled() const override;
@@ -27,6 +28,10 @@ class Console final : public Progress {
   void set_step(const std::string& what, std::size_t step, std::size_t steps);
   /// A line on stderr unless quiet.
   void say(const std::string& line);
+  /// A clause of the next line of notes, unless quiet.
+  void note(const std::string& clause);
+  /// Says the clauses since the last time in one line (session/notes.h), unless that is the same line again.
+  void say_notes(const std::vector<std::string>& files);
   /// The same for errors, which --quiet does not silence.
   void complain(const std::string& line);
   /// A line on stderr with --verbose.
@@ -39,7 +44,8 @@ class Console final : public Progress {
 
   const bool quiet_, verbose_, live_;
   std::mutex mutex_;
-  std::string stage_, text_;
+  std::string stage_, text_, last_notes_;
+  std::vector<std::string> notes_;
   std::size_t step_ = 0, steps_ = 1;
   bool shown_ = false;
   Clock::time_point last_{}, text_began_ = Clock::now(), steps_began_ = text_began_;

@@ -20,6 +20,7 @@
 #include "render_request.h"
 #include "report.h"
 #include "scene/leveled_scene.h"
+#include "session/notes.h"
 #include "session/preset.h"
 #include "session/standpoint.h"
 #include "studio.h"
@@ -34,14 +35,16 @@ namespace {
 /// Says what came of reading, and counts it.
 scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report,
                           Console& console) {
-  for (const std::string& note : scene.notes) console.say("sfumato: " + note);
-  if (const std::string note = unused_columns(scene, options.points); !note.empty())
-    console.say("sfumato: " + note);
+  for (const std::string& note : scene.notes) console.note(note);
+  if (const std::string note = unused_columns(scene, options.points); !note.empty()) console.note(note);
   for (const io::ReadReport& file : scene.files)
     console.tell(
         fmt::format("read {}: {}, {}", file.file.string(), file.format, counted(file.points, "point")));
   report.points_read += scene.points_read;
   report.points_hidden += scene.selected.hidden;
+  if (scene.selected.hidden > 0)
+    console.note(fmt::format("{} withheld or of a hidden class ({}); --hide-classes none shows them",
+                             are(scene.selected.hidden, "point"), classes_text(options.hide_classes)));
   report.points_left_out +=
       scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
   report.points_rendered = scene.cloud.size();
@@ -55,7 +58,7 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
     console.tell(fmt::format("levels: read {} of {} points, {} of {} nodes", levels.points,
                              levels.points_in_files, levels.nodes, levels.nodes_in_files));
     if (!levels.is_complete())
-      console.say(
+      console.note(
           fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
                       "--memory, --gpu-memory or --max-points are used up",
                       levels.points_needed - levels.points, levels.points_needed, levels.widest_px));
@@ -74,22 +77,13 @@ scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderR
 
 /// Which way is up, and from where to look, unless the user or the file says so.
 Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& report, Console& console) {
-  const UpAxis custom = scene.cloud.up;
   Pose pose = stand_upright(scene, options.points.up, !options.whole, options.vertical_exaggeration());
   console.check();
   if (!options.furniture.unit.empty()) pose.unit = unit_named(options.furniture.unit);
   if (options.view.print_scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
-    console.say("--scale: the file does not say its unit, taken for metres; --unit ft says otherwise");
-  const analysis::Upright& upright = pose.upright;
-  if (upright.up != custom)
-    console.say(fmt::format("up: {} ({}); --up {} turns it back", to_string(upright.up), upright.reason,
-                            to_string(custom)));
-  else if (upright.other)
-    console.say(fmt::format("up: {} ({}); --up {} turns it", to_string(upright.up), upright.reason,
-                            to_string(*upright.other)));
-  if (pose.subject.room) console.say("a room: ceiling and walls before it are left out; --whole draws them");
+    console.note("the file does not say its unit, --scale takes it for metres; --unit ft says otherwise");
   report.cutaway = pose.subject.room.has_value();
-  report.up = to_string(upright.up), report.up_reason = upright.reason;
+  report.up = to_string(pose.upright.up), report.up_reason = pose.upright.reason;
   return pose;
 }
 
@@ -215,6 +209,10 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
   sight.cameras = options.sequence || options.each
                       ? std::vector{sight.camera}
                       : cameras_of(options, sight.camera, sight.scene.cloud.up, sight.pose.subject);
+  if (options.panorama)  // sees what is behind it as well
+    for (const Note& note : notes_on(sight.pose, {})) console.note(for_command(note));
+  else
+    for (const Note& note : notes_on(sight.pose, sight.cameras)) console.note(for_command(note));
   if (!leveled) return sight;
   sight.scene = {};
   std::vector<Camera> first = sight.cameras;
@@ -257,19 +255,29 @@ std::string resolved_text(const Choice& choice) {
   return text;
 }
 
-void tell(const RenderReport& report, const RenderOptions& options, const Choice& choice, const Bounds& box,
-          Console& console) {
+/// What was written, by which choice, and what else the techniques say: the last line.
+void tell(const RenderReport& report, const RenderOptions& options, const Choice& choice,
+          const std::string& technique, const Bounds& box, Console& console) {
+  if (!report.outputs.empty()) {
+    const std::string& first = report.outputs.front();
+    if (options.publication)
+      console.note("wrote " + options.publication->summary());
+    else if (is_video(first))
+      console.note(
+          fmt::format("wrote {} ({} of 1/25 s)", first, counted(std::uint64_t(report.frames), "frame")));
+    else if (report.frames > 1)
+      console.note(fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames));
+    else
+      console.note(fmt::format("wrote {} ({}, coloured by {})", first,
+                               counted(report.points_rendered, "point"), report.color_by));
+  }
+  if (!technique.empty()) console.note(technique);
   for (std::size_t i = 0; i < report.techniques.size(); ++i)
     for (const std::string& note : report.techniques[i].notes)
-      console.say(report.draw.empty() ? choice.techniques[i]->name + ": " + note : note);
-  if (report.points_hidden > 0)
-    console.say(fmt::format("{} withheld or of a hidden class (--hide-classes {})",
-                            are(report.points_hidden, "point"), classes_text(options.hide_classes)));
-  console.tell(resolved_text(choice));
-  if (options.timings) console.say(timings_text(report, choice));
+      console.note(report.draw.empty() ? choice.techniques[i]->name + ": " + note : note);
   if (report.blank_pictures > 0) {
     const dvec3 c = box.center();
-    console.say(fmt::format(
+    console.note(fmt::format(
         "{} empty: nothing is in view. The points lie around {:.7g},{:.7g},{:.7g}; --look-at shows that "
         "place{}",
         report.frames == 1 ? "the picture is"
@@ -277,16 +285,9 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
         c.x, c.y, c.z,
         options.moves_camera() || options.view.start ? ", and no camera options show all of it" : ""));
   }
-  if (options.publication) return console.say("wrote " + options.publication->summary());
-  if (report.outputs.empty()) return;
-  const std::string& first = report.outputs.front();
-  if (is_video(first))
-    return console.say(
-        fmt::format("wrote {} ({} of 1/25 s)", first, counted(std::uint64_t(report.frames), "frame")));
-  console.say(report.frames > 1
-                  ? fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames)
-                  : fmt::format("wrote {} ({}, coloured by {})", first,
-                                counted(report.points_rendered, "point"), report.color_by));
+  console.tell(resolved_text(choice));
+  if (options.timings) console.say(timings_text(report, choice));
+  console.say_notes({});
 }
 
 /// Several files, one picture each: what is wrong with one file is told, and the others are made.
@@ -306,13 +307,14 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
       camera = sight.camera;
       if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
       choice.reopen();  // what suits one scan need not suit the next
-      studio->set_scene(std::move(sight.scene), std::move(sight.pose));
+      console.note(studio->set_scene(std::move(sight.scene), std::move(sight.pose)));
+      console.say_notes({options.files[n]});
       watch.lap("prepare");
       studio->shoot(camera, int(n), watch);
       ++report.frames;
     });
   const int code = batch.exit_code();
-  tell(report, options, choice, box, console);
+  tell(report, options, choice, {}, box, console);
   if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
   return code == 0 && report.is_partial ? int(ErrorCode::partial) : code;
 }
@@ -368,7 +370,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   Console console(options.common);
   RenderReport report;
   Stopwatch watch(report);
-  for (const std::string& note : options.poses.notes) console.say("sfumato: " + options.path + ": " + note);
+  for (const std::string& note : options.poses.notes) console.note(options.path + ": " + note);
   if (options.each) return render_each(options, choice, command, report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
@@ -390,7 +392,8 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   const std::string crs = scene.cloud.crs;
   const std::vector<io::ReadReport> files = scene.files;
   Studio studio(options, choice, report, command, console);
-  studio.set_scene(std::move(scene), pose);
+  const std::string technique = studio.set_scene(std::move(scene), pose);
+  console.say_notes(options.files);
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
@@ -403,6 +406,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
       if (overview) next.overview = overview;
       if (options.vertical_exaggeration() != 1) exaggerate(next.cloud, options.vertical_exaggeration());
       studio.set_scene(std::move(next), pose);
+      console.say_notes(options.files);
       watch.lap("prepare");
     }
     studio.shoot(seen, n, watch);
@@ -420,7 +424,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
                 placed.empty() ? kept : camera, placed);
     report.outputs.push_back(name);
   }
-  tell(report, options, choice, box, console);
+  tell(report, options, choice, technique, box, console);
   if (options.json) print(render_json(report, choice, io::camera_to_json(camera)));
   return report.is_partial ? int(ErrorCode::partial) : 0;
 }

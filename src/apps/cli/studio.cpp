@@ -13,6 +13,7 @@
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "labels/furniture.h"
+#include "session/notes.h"
 
 namespace sfumato::cli {
 
@@ -54,7 +55,7 @@ Studio::~Studio() {
     for (const auto& chosen : *each) chosen->technique.reset();
 }
 
-void Studio::set_scene(scene::Scene scene, Pose pose) {
+std::string Studio::set_scene(scene::Scene scene, Pose pose) {
   bool settled = false;
   const auto needs_of = [&](const Session::Suggest& suggest) {
     settled = choice_.automatic();
@@ -70,21 +71,22 @@ void Studio::set_scene(scene::Scene scene, Pose pose) {
   report_.draw.clear();
   for (const Session::Part& part : session_.parts())
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
-  for (const std::string& note : session_.notes()) console_.say("sfumato: " + note);
+  for (const std::string& note : session_.notes()) console_.note(note);
   if (session_.left_out() > 0)
-    console_.say(fmt::format("{} left out: {} others share their place", are(session_.left_out(), "point"),
-                             analysis::most_in_one_place));
+    console_.note(fmt::format("{} left out: {} others share their place", are(session_.left_out(), "point"),
+                              analysis::most_in_one_place));
   const Coloring& coloring = session_.coloring();
   report_.color_by = coloring.source;
   report_.exposure = coloring.exposure;
   report_.background = session_.background();
-  for (const auto& chosen : choice_.techniques)
-    if (settled && !chosen->reason.empty() && session_.parts().front().rules.empty())
-      console_.say(fmt::format("technique: {} ({}); -t NAME chooses another", chosen->name, chosen->reason));
-  for (const std::string& note : coloring.notes) console_.say("sfumato: " + note);
+  for (const std::string& note : coloring.notes) console_.note(note);
   if (options_.furniture.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())
-    console_.say("sfumato: --legend has no effect: the points are coloured by " + coloring.source +
-                 ", which explains itself");
+    console_.note("--legend has no effect: the points are coloured by " + coloring.source +
+                  ", which explains itself");
+  if (settled && session_.parts().front().rules.empty())
+    for (const auto& chosen : choice_.techniques)
+      if (!chosen->reason.empty()) return for_command(note_on_technique(chosen->name, chosen->reason));
+  return {};
 }
 
 void Studio::draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row) const {

@@ -37,7 +37,8 @@ class Studio {
          Console& console);
   ~Studio();
 
-  void set_scene(scene::Scene scene, Pose pose);
+  /// Notes what there is to say about the points, and returns why `auto` chose the technique, if it did.
+  std::string set_scene(scene::Scene scene, Pose pose);
   /// Renders one view with every technique and writes its files. `n` fills the names of pictures.
   void shoot(const Camera& camera, int n, Stopwatch& watch);
   /// After the last picture.
