@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb container tarball uninstall clean help
+.PHONY: all release site paper-figures command python demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb container tarball wheel uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -113,6 +113,9 @@ container:  ## as root, after make deb: the container's file system, tested, in 
 
 tarball:  ## build/tarball: the command with its libraries and software OpenGL, for Linux without installing
 	@scripts/tarball $(CCACHE)
+
+wheel:  ## build/wheel: the Python package with its libraries and software OpenGL, for pip; proved by scripts/check-wheel
+	@scripts/wheel $(CCACHE)
 
 uninstall:  ## removes what the last install put into place
 	@test -f build/release/install_manifest.txt || { echo "nothing was installed from this checkout" >&2; exit 1; }

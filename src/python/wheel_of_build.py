@@ -49,11 +49,11 @@ def _metadata(project):
     return "\n".join(lines) + "\n"
 
 
-def _write(wheel_directory, files):
-    """`files`: names in the wheel and their bytes. Returns the wheel's name."""
+def write_wheel(wheel_directory, files, system=None):
+    """`files`: names in the wheel and their bytes; `system`: of the tag, else this one. Returns the wheel's name."""
     project = _project()
     python = f"cp{sys.version_info[0]}{sys.version_info[1]}"
-    tag = f"{python}-{python}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
+    tag = f"{python}-{python}-{system or re.sub('[-.]', '_', sysconfig.get_platform())}"
     name = f"{project['name']}-{project['version']}"
     info = f"{name}.dist-info"
     with open(os.path.join(ROOT, "LICENSE"), "rb") as file:
@@ -73,16 +73,20 @@ def _write(wheel_directory, files):
     return f"{name}-{tag}.whl"
 
 
-def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    package = os.path.join(_build(config_settings), "sfumato")
+def package_files(package):
+    """Names in a wheel and bytes of the package in that folder."""
     files = {}
     for name in sorted(os.listdir(package)):
         if name.endswith((".py", ".pyi", ".so")) or name in ("py.typed", "sfumato-decoder"):
             with open(os.path.join(package, name), "rb") as file:
                 files[f"sfumato/{name}"] = file.read()
-    return _write(wheel_directory, files)
+    return files
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    return write_wheel(wheel_directory, package_files(os.path.join(_build(config_settings), "sfumato")))
 
 
 def build_editable(wheel_directory, config_settings=None, metadata_directory=None):
     """The built package where it lies: `cmake --build` renews it."""
-    return _write(wheel_directory, {"_sfumato.pth": (_build(config_settings) + "\n").encode()})
+    return write_wheel(wheel_directory, {"_sfumato.pth": (_build(config_settings) + "\n").encode()})

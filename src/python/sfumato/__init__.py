@@ -8,6 +8,9 @@ No display and no GPU needed: what draws is OpenGL 4.5, also in software. docs/p
 """
 import atexit as _atexit
 
+from . import _driver
+
+_driver.prepare()
 from . import _engine, analysis
 from ._camera import Camera, orbit, path
 from ._cloud import Cloud, Levels, Scalars, formats, open, read, synth, write
