@@ -19,6 +19,7 @@
 // Images 0..3 are the outputs of screen passes.
 #define IMAGE_FRAGMENT_CURSOR 4   // R32UI, fragments stored in each pixel, or the first of its list
 #define IMAGE_FRAGMENTS 5         // RG32UI; RGBA32UI where they are linked
+#define IMAGE_PROGRESS 6          // R32UI, how far a pixel is that several passes work on
 
 #define BLOCK_FRAME 0
 #define BLOCK_CUT 1

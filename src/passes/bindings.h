@@ -21,7 +21,8 @@ enum Unit {
   tiles = 21,        ///< one texel a tile of the image
   more_inputs = 22,  ///< 22..24: the ninth texture of the pass and those after it
 };
-enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5 };  ///< 0..3: outputs of screen passes
+/// 0..3: outputs of screen passes.
+enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5, progress_image = 6 };
 enum Block { frame = 0, cut = 1 };
 
 }  // namespace sfumato::binding

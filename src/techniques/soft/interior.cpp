@@ -54,27 +54,57 @@ void Interior::draw(SoftPoints& points, const View& view, const gl::Texture& sol
     list_.finish_store();
   }
   auto timing = timers.scope("resolve");
-  if (!overflow_) overflow_ = gl::Buffer("overflows", 4);
-  overflow_.clear(0);
-  overflow_.bind_storage(3);
-  const bool uniform = settings.density == Density::uniform;
-  ScreenPass& resolve = settings.concentric ? concentric_ : base_[uniform];
-  if (!resolve)
-    resolve = ScreenPass(
-        settings.concentric ? "techniques/soft/concentric.glsl" : "techniques/soft/base.glsl", {GL_RGBA32F},
-        uniform && !settings.concentric ? gl::Defines{"DENSITY_UNIFORM"} : gl::Defines{});
-  resolve.set("normalization", int(settings.normalization)).set("shell_bits", shell_bits);
+  resolve(points, solid_t, color, result, settings, shell_bits);
+}
+
+ScreenPass& Interior::resolve_pass(const InteriorSettings& settings, bool long_lists) {
+  const bool uniform = settings.density == Density::uniform && !settings.concentric;
+  ScreenPass& pass = passes_[(settings.concentric ? 2 : uniform ? 1 : 0) + (long_lists ? 3 : 0)];
+  if (!pass) {
+    gl::Defines defines;
+    if (uniform) defines.push_back("DENSITY_UNIFORM");
+    if (long_lists) defines.push_back("LONG_LISTS");
+    pass = ScreenPass(settings.concentric ? "techniques/soft/concentric.glsl" : "techniques/soft/base.glsl",
+                      {GL_RGBA32F}, defines);
+  }
+  return pass;
+}
+
+void Interior::resolve(SoftPoints& points, const gl::Texture& solid_t, const gl::Texture& color,
+                       const gl::Texture& result, const InteriorSettings& settings, int shell_bits) {
+  if (!counts_) counts_ = gl::Buffer("counts of long lists", 8);
+  counts_.clear(0);
+  counts_.bind_storage(3);
   list_.bind_read();
   points.shapes().bind(binding::input);
   points.looks().bind(binding::input + 1);
   color.bind(binding::input + 2);
   solid_t.bind(binding::input + 3);
-  resolve.run({}, {&result});
+  std::uint32_t unfinished = 0;
+  auto run = [&](bool long_lists) {
+    ScreenPass& pass = resolve_pass(settings, long_lists);
+    // Base goes through the open spheres, Concentric through a point's nested ones; the end of a loop is a
+    // round.
+    pass.set("normalization", int(settings.normalization))
+        .set("shell_bits", shell_bits)
+        .set("visit_rounds", settings.concentric ? settings.most_shells + 1 : 65);
+    pass.run({}, {&result});
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    const std::uint32_t before = unfinished;
+    counts_.download(&unfinished, sizeof unfinished);
+    return unfinished > before;
+  };
+  if (!run(false)) return;
+  gl::ensure(progress_, "progress in long lists", GL_R32UI, result.width(), result.height());
+  progress_.clear_uint(0);
+  glBindImageTexture(binding::progress_image, progress_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  while (run(true)) {
+  }
 }
 
 std::uint32_t Interior::overflows() const {
   std::uint32_t count = 0;
-  if (overflow_) overflow_.download(&count, sizeof count);
+  if (counts_) counts_.download(&count, sizeof count, 4);
   return count;
 }
 

@@ -33,8 +33,12 @@ class Interior {
   gl::Program& program(bool store, bool concentric, bool as_quads);
   FragmentList list_;
   gl::Program programs_[8];
-  ScreenPass base_[2], concentric_;
-  gl::Buffer overflow_;
+  void resolve(SoftPoints& points, const gl::Texture& solid_t, const gl::Texture& color,
+               const gl::Texture& result, const InteriorSettings& settings, int shell_bits);
+  ScreenPass& resolve_pass(const InteriorSettings& settings, bool long_lists);
+  ScreenPass passes_[6];
+  gl::Buffer counts_;     ///< pixels that a pass left unfinished, summed up; entries that found no room
+  gl::Texture progress_;  ///< of long lists
   std::uint64_t fragments_ = 0;
 };
 
