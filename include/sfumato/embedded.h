@@ -34,7 +34,7 @@ class EmbeddedRenderer {
   EmbeddedRenderer(const EmbeddedRenderer&) = delete;
   EmbeddedRenderer& operator=(const EmbeddedRenderer&) = delete;
 
-  /// Returns at once; pictures of the cloud before it are cancelled.
+  /// Returns at once; pictures of the cloud before it are cancelled. Rooms keep all of their walls.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {});
   /// Asks for a picture and returns at once. The newest request wins; a repeated request does
   /// nothing. Throws Error(usage) for matrices that no camera has (camera_of_matrices).
@@ -44,9 +44,10 @@ class EmbeddedRenderer {
   bool wait(double seconds);
   /// The newest picture over `viewport` (as of glViewport) of the framebuffer (0: the window's) in the
   /// current context, depth-tested against its content. It may be of an earlier view
-  /// while a newer one is being drawn: `drawn` says which. False: there is none yet. Throws Error(no_gl)
-  /// where no context of OpenGL 4.5 is current, and the error of the last request.
-  bool draw(std::uint32_t framebuffer, const std::array<int, 4>& viewport);
+  /// while a newer one is being drawn: `drawn` says which. `opacity` is that of the whole picture. False:
+  /// there is none yet. Throws Error(no_gl) where no context of OpenGL 4.5 is current, and the error of the
+  /// last request.
+  bool draw(std::uint32_t framebuffer, const std::array<int, 4>& viewport, float opacity = 1);
   /// The view of the picture that `draw` would show.
   HostView drawn() const;
   /// Frees the objects of `draw` in the host's context, which must be current. Otherwise they are freed with

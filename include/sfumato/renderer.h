@@ -68,6 +68,8 @@ class HeadlessRenderer {
   HeadlessRenderer(const HeadlessRenderer&) = delete;
   HeadlessRenderer& operator=(const HeadlessRenderer&) = delete;
 
+  /// Keeps the walls of rooms between them and the camera (--whole), from the next scene on.
+  void set_whole(bool whole);
   /// Reads files as the scene. Throws Error(io) or Error(bad_input) that names the file, Error(usage) for
   /// rules and colours that the points cannot have.
   void open(const SceneRequest& request, Progress& progress = no_progress());

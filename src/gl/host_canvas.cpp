@@ -66,8 +66,8 @@ void HostCanvas::upload(const Image<Rgba8>& color, const Image<float>& depth) {
 }
 
 void HostCanvas::draw(const Image<Rgba8>& color, const Image<float>& depth, std::uint64_t serial,
-                      const dmat4& projection, std::uint32_t framebuffer,
-                      const std::array<int, 4>& viewport) {
+                      const dmat4& projection, std::uint32_t framebuffer, const std::array<int, 4>& viewport,
+                      float opacity) {
   require_context();
   if (serial != serial_ || !textures_[0]) upload(color, depth);
   serial_ = serial;
@@ -88,6 +88,7 @@ void HostCanvas::draw(const Image<Rgba8>& color, const Image<float>& depth, std:
       .set("half_depth", clip_depth == GL_NEGATIVE_ONE_TO_ONE)
       .set("farthest", is_reversed ? 0.0f : 1.0f)
       .set("depth_range", vec2(range[0], range[1]))
+      .set("opacity", opacity)
       .set("corner", ivec2(viewport[0], viewport[1]))
       .set("is_bottom_up", clip_origin == GL_LOWER_LEFT);
   program_.use();

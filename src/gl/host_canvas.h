@@ -24,9 +24,10 @@ class HostCanvas {
   /// where what is there is not nearer; `depth` is along the view axis, infinite where nothing. `projection`
   /// is the host's, column by column, as OpenGL takes it; it says what the host's depth buffer means,
   /// reversed ones as well. The host's state is the same after it. `serial` names the picture: one that is
-  /// there already is not uploaded again.
+  /// there already is not uploaded again. `opacity` is that of the whole picture.
   void draw(const Image<Rgba8>& color, const Image<float>& depth, std::uint64_t serial,
-            const dmat4& projection, std::uint32_t framebuffer, const std::array<int, 4>& viewport);
+            const dmat4& projection, std::uint32_t framebuffer, const std::array<int, 4>& viewport,
+            float opacity = 1);
   void release();
 
  private:

@@ -5,6 +5,7 @@ uniform vec4 depth_row;     // clip z = x + y d, clip w = z + w d
 uniform bool half_depth;    // clip depth is -1..1
 uniform float farthest;     // 1, or 0 where the host's depths are reversed
 uniform vec2 depth_range;   // glDepthRange
+uniform float opacity;      // of the whole picture
 uniform ivec2 corner;       // of the viewport, px
 uniform bool is_bottom_up;  // the framebuffer's first row is the lowest
 
@@ -15,6 +16,7 @@ void main() {
   if (is_bottom_up) pixel.y = size.y - 1 - pixel.y;
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) discard;
   vec4 c = texelFetch(picture, pixel, 0);
+  c.a *= opacity;
   if (c.a == 0.0) discard;
   // Edges and haze may have no depth: they lie behind everything.
   float d = texelFetch(eye_depth, pixel, 0).r, share = farthest;

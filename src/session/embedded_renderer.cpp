@@ -88,7 +88,10 @@ void EmbeddedRenderer::State::run() {
     lock.unlock();
     std::exception_ptr wrong;
     try {
-      if (!renderer) renderer.emplace().set_outputs({.linear = false, .normal = false});
+      if (!renderer) {
+        renderer.emplace().set_outputs({.linear = false, .normal = false});
+        renderer->set_whole(true);  // what of the scene is hidden is the host's to say
+      }
       if (next_cloud) renderer->set_cloud(std::move(next_cloud->cloud), next_cloud->coloring, call_off_cloud);
       if (request) paint(*renderer, *request, number);
     } catch (const Cancelled&) {  // for what is newer
@@ -158,7 +161,7 @@ bool EmbeddedRenderer::wait(double seconds) {
   return is_answered;
 }
 
-bool EmbeddedRenderer::draw(std::uint32_t framebuffer, const std::array<int, 4>& viewport) {
+bool EmbeddedRenderer::draw(std::uint32_t framebuffer, const std::array<int, 4>& viewport, float opacity) {
   std::shared_ptr<const Answer> answer;
   {
     const std::lock_guard lock(state_->mutex);
@@ -168,7 +171,7 @@ bool EmbeddedRenderer::draw(std::uint32_t framebuffer, const std::array<int, 4>&
   gl::HostCanvas::require_context();
   if (!answer) return false;
   state_->canvas.draw(answer->color, answer->depth, answer->serial, answer->view.projection, framebuffer,
-                      viewport);
+                      viewport, opacity);
   return true;
 }
 

@@ -27,6 +27,7 @@ struct HeadlessRenderer::State {
       look;  ///< of the last picture: another one of the same technique needs nothing made anew
   std::optional<TechniqueChoice> choice;  ///< what suits the points, once somebody asked
   std::vector<std::string> notes;         ///< of reading
+  bool whole = false;
   RenderWants wants{.color_linear = true, .depth = true, .normal = true};
 
   ~State() { forget_look(); }
@@ -61,6 +62,8 @@ std::string HeadlessRenderer::State::settle(const std::string& name) {
 HeadlessRenderer::HeadlessRenderer() : state_(std::make_unique<State>()) {}
 HeadlessRenderer::~HeadlessRenderer() = default;
 
+void HeadlessRenderer::set_whole(bool whole) { state_->whole = whole; }
+
 void HeadlessRenderer::open(const SceneRequest& request, Progress& progress) {
   scene::SceneOptions reading;
   reading.read.max_points = request.max_points;
@@ -71,7 +74,7 @@ void HeadlessRenderer::open(const SceneRequest& request, Progress& progress) {
   const std::vector<std::string> files = scene::expand_inputs(request.files);
   if (files.empty()) throw Error(ErrorCode::usage, "a scene needs a file: name one in SceneRequest::files");
   scene::Scene scene = scene::read_scene(files, reading, progress);
-  Pose pose = stand_upright(scene, request.up);
+  Pose pose = stand_upright(scene, request.up, !state_->whole);
   state_->show(std::move(scene), std::move(pose), options, progress);
 }
 
@@ -80,7 +83,7 @@ void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
   scene::Scene scene;
   scene.cloud = std::move(cloud);
   // What the caller says is up is up.
-  Pose pose = stand_upright(scene, scene.cloud.up);
+  Pose pose = stand_upright(scene, scene.cloud.up, !state_->whole);
   state_->show(std::move(scene), std::move(pose), {{}, coloring, {}}, progress);
 }
 

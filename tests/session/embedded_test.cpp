@@ -155,6 +155,19 @@ TEST_F(EmbeddedTest, HidesAndIsHiddenByWhatTheHostDrew) {
       }
 }
 
+TEST_F(EmbeddedTest, LetsTheHostShineThrough) {
+  host.clear({0, 0, 1, 1}, 1);
+  points.set_cloud(sheet());
+  points.request("points", front(), plain);
+  ASSERT_TRUE(points.wait(100));
+  ASSERT_TRUE(points.draw(host.framebuffer, {0, 0, width, height}, 0.25f));
+  const Rgba8 middle = host.color().at(width / 2, height / 2), corner = host.color().at(0, 0);
+  EXPECT_NEAR(middle.g, 50, 1);
+  EXPECT_NEAR(middle.b, 191, 1);
+  EXPECT_EQ(corner, (Rgba8{0, 0, 255, 255}));
+  EXPECT_NEAR(host.depth().at(width / 2, height / 2), depth_at(3), 1e-6);
+}
+
 // Depth 1 is near and 0 infinitely far, as engines of games have it.
 TEST_F(EmbeddedTest, KnowsReversedDepths) {
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
