@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb container tarball wheel uninstall clean help
+.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan soak fuzz format install deb container tarball wheel uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -27,6 +27,13 @@ command:  ## build/release/bin/sfumato
 python:  ## the package in build/release/python
 	@$(call configure,release) -DSFUMATO_PYTHON=ON && cmake --build build/release --target python
 	@echo "export PYTHONPATH=$(CURDIR)/build/release/python"
+
+paraview:  ## the plugin for ParaView in build/release/paraview, where ParaView is installed (scripts/install-deps --paraview)
+	@$(call configure,release) -DSFUMATO_PARAVIEW=ON && cmake --build build/release --target sfumato_paraview
+
+paraview-test:  ## its tests, with a display of their own
+	@$(call configure,test) -DSFUMATO_PARAVIEW=ON && cmake --build build/test --target sfumato sfumato_paraview
+	@ctest --test-dir build/test --output-on-failure --label-regex paraview
 
 demo: command  ## every technique on a synthetic scan, or on FILE
 	@scripts/demo "$$FILE"

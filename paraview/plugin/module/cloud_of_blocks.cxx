@@ -1,0 +1,116 @@
+#include "cloud_of_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+#include "vtkDataArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkUnsignedCharArray.h"
+
+using sfumato::dmat4;
+using sfumato::dvec3;
+using sfumato::PointCloud;
+using sfumato::vec3;
+
+void CloudOfBlocks::Add(vtkPolyData* block, vtkUnsignedCharArray* colors) {
+  vtkPoints* places = block->GetPoints();
+  if (!places || places->GetNumberOfPoints() == 0) return;
+  const vtkIdType count = places->GetNumberOfPoints();
+  if (colors && colors->GetNumberOfTuples() < count) colors = nullptr;
+  vtkDataArray* normals = block->GetPointData()->GetNormals();
+  if (normals && (normals->GetNumberOfComponents() != 3 || normals->GetNumberOfTuples() < count))
+    normals = nullptr;
+  has_normals_ = has_normals_ || normals;
+  const bool is_moved = placement_ != dmat4(1.0);
+  has_doubles_ = has_doubles_ || is_moved || places->GetDataType() != VTK_FLOAT;
+  const glm::dmat3 turned = glm::transpose(glm::inverse(glm::dmat3(placement_)));
+  points_.reserve(points_.size() + std::size_t(count));
+  const int components = colors ? colors->GetNumberOfComponents() : 0;
+  for (vtkIdType i = 0; i < count; ++i) {
+    Point point{};
+    point.color = solid_;
+    places->GetPoint(i, point.place);
+    if (!std::isfinite(point.place[0] + point.place[1] + point.place[2])) continue;
+    double normal[3] = {0, 0, 0};
+    if (normals) normals->GetTuple(i, normal);
+    dvec3 n(normal[0], normal[1], normal[2]);
+    if (is_moved) {
+      const glm::dvec4 moved = placement_ * glm::dvec4(point.place[0], point.place[1], point.place[2], 1);
+      for (int k = 0; k < 3; ++k) point.place[k] = moved[k];
+      n = turned * n;
+    }
+    const double length = glm::length(n);
+    for (int k = 0; k < 3; ++k) point.normal[k] = length > 0 ? float(n[k] / length) : 0.0f;
+    if (components >= 3) {
+      const unsigned char* c = colors->GetPointer(i * components);
+      point.color = {c[0], c[1], c[2], 255};
+    } else if (components > 0) {
+      const unsigned char grey = *colors->GetPointer(i * components);
+      point.color = {grey, grey, grey, 255};
+    }
+    points_.push_back(point);
+  }
+}
+
+PointCloud CloudOfBlocks::Take(const std::vector<Point>& points) const {
+  PointCloud cloud;
+  if (points.empty()) return cloud;
+  if (has_doubles_) {
+    dvec3 least(points.front().place[0], points.front().place[1], points.front().place[2]);
+    for (const Point& point : points)
+      for (int k = 0; k < 3; ++k) least[k] = std::min(least[k], point.place[k]);
+    cloud.origin = glm::floor(least);
+  }
+  cloud.positions.reserve(points.size()), cloud.colors.reserve(points.size());
+  if (has_normals_) cloud.normals.reserve(points.size());
+  for (const Point& point : points) {
+    cloud.positions.emplace_back(dvec3(point.place[0], point.place[1], point.place[2]) - cloud.origin);
+    cloud.colors.push_back(point.color);
+    if (has_normals_) cloud.normals.emplace_back(point.normal[0], point.normal[1], point.normal[2]);
+  }
+  return cloud;
+}
+
+PointCloud CloudOfBlocks::Take() { return Take(std::exchange(points_, {})); }
+
+PointCloud CloudOfBlocks::TakeOfAllRanks() {
+  vtkMultiProcessController* ranks = vtkMultiProcessController::GetGlobalController();
+  if (!ranks || ranks->GetNumberOfProcesses() < 2) return Take();
+  // What holds for one holds for all, whoever has the points of which it does.
+  int own[2] = {has_normals_, has_doubles_}, any[2] = {};
+  ranks->AllReduce(own, any, 2, vtkCommunicator::MAX_OP);
+  has_normals_ = any[0], has_doubles_ = any[1];
+  const std::vector<Point> mine = std::exchange(points_, {});
+  const vtkIdType bytes = vtkIdType(mine.size() * sizeof(Point));
+  std::vector<vtkIdType> lengths(std::size_t(ranks->GetNumberOfProcesses())), offsets(lengths.size());
+  ranks->Gather(&bytes, lengths.data(), 1, 0);
+  std::vector<Point> all;
+  if (ranks->GetLocalProcessId() == 0) {
+    vtkIdType total = 0;
+    for (std::size_t i = 0; i < lengths.size(); ++i) offsets[i] = total, total += lengths[i];
+    all.resize(std::size_t(total) / sizeof(Point));
+  }
+  ranks->GatherV(reinterpret_cast<const char*>(mine.data()), reinterpret_cast<char*>(all.data()), bytes,
+                 lengths.data(), offsets.data(), 0);
+  std::sort(all.begin(), all.end(), [](const Point& a, const Point& b) {
+    const auto key = [](const Point& p) {
+      return std::tie(p.place[2], p.place[1], p.place[0], p.color.r, p.color.g, p.color.b, p.normal[0],
+                      p.normal[1], p.normal[2]);
+    };
+    return key(a) < key(b);
+  });
+  return Take(all);
+}
+
+bool CloudOfBlocks::AnyRank(bool holds) {
+  vtkMultiProcessController* ranks = vtkMultiProcessController::GetGlobalController();
+  if (!ranks || ranks->GetNumberOfProcesses() < 2) return holds;
+  int own = holds, any = 0;
+  ranks->AllReduce(&own, &any, 1, vtkCommunicator::MAX_OP);
+  return any != 0;
+}

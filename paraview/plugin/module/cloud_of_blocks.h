@@ -1,0 +1,37 @@
+// Points of ParaView's data as a cloud of ours.
+#pragma once
+
+#include <sfumato/cloud.h>
+
+class vtkPolyData;
+class vtkUnsignedCharArray;
+
+class CloudOfBlocks {
+ public:
+  /// `placement`: from the data to the world. `solid`: of points without colours.
+  CloudOfBlocks(const sfumato::dmat4& placement, const sfumato::Rgba8& solid)
+      : placement_(placement), solid_(solid) {}
+  /// `colors`: three or four bytes a point, or null.
+  void Add(vtkPolyData* block, vtkUnsignedCharArray* colors);
+  sfumato::PointCloud Take();
+  /// On rank 0 the points of all ranks, in an order that does not depend on who had them; on the others none.
+  /// Every rank has to call it.
+  sfumato::PointCloud TakeOfAllRanks();
+
+  /// Whether it holds for one of the ranks, all of which have to ask.
+  static bool AnyRank(bool holds);
+
+ private:
+  struct Point {
+    double place[3];
+    float normal[3];
+    sfumato::Rgba8 color;
+  };
+  sfumato::dmat4 placement_;
+  sfumato::Rgba8 solid_;
+  std::vector<Point> points_;
+  int has_normals_ = 0;
+  bool has_doubles_ = false;  ///< places that float may not hold
+
+  sfumato::PointCloud Take(const std::vector<Point>& points) const;
+};

@@ -1,0 +1,50 @@
+// Draws the points of its input through sfumato: colours of ParaView's arrays, the camera of its renderer, depths
+// in its buffer.
+#ifndef vtkSfumatoMapper_h
+#define vtkSfumatoMapper_h
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "vtkBoundingBox.h"
+#include "vtkCompositePolyDataMapper2.h"
+
+class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
+ public:
+  static vtkSfumatoMapper* New();
+  vtkTypeMacro(vtkSfumatoMapper, vtkCompositePolyDataMapper2);
+
+  void Render(vtkRenderer* renderer, vtkActor* actor) override;
+  bool HasOpaqueGeometry() override { return true; }
+  bool HasTranslucentPolygonalGeometry() override { return false; }
+  void ReleaseGraphicsResources(vtkWindow* window) override;
+
+  double Opacity = 1;
+  std::string Technique = "auto";
+  /// By the names of `sfumato techniques`; those of one technique as "points.point_size".
+  std::map<std::string, std::string> Parameters;
+  /// Whether the points are spread over ranks, all of which have to ask: then rank 0 draws for them.
+  void SetDistributed(bool distributed);
+
+ protected:
+  vtkSfumatoMapper();
+  ~vtkSfumatoMapper() override;
+  /// Of the points, be they part of cells or not.
+  void ComputeBounds() override;
+
+ private:
+  vtkSfumatoMapper(const vtkSfumatoMapper&) = delete;
+  void operator=(const vtkSfumatoMapper&) = delete;
+  struct State;
+  std::unique_ptr<State> Own;
+  bool IsDistributed = false;
+  vtkBoundingBox BoundsOfAllRanks;
+
+  /// What the points that are shown were made from; another one asks for them anew.
+  std::string DescribeInput(vtkActor* actor);
+  void ShowInput(vtkActor* actor);
+  void Draw(vtkRenderer* renderer);
+};
+
+#endif

@@ -1,0 +1,294 @@
+"""The plugin in ParaView beside the command: pvbatch cases.py SFUMATO PLUGIN SCRATCH CASE [ARGUMENT...]
+
+Each case ends with "PASSED", on rank 0. Clouds are made here; the command reads them from a file.
+"""
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+from paraview import simple as pv
+from paraview.modules.vtkRemotingCore import vtkProcessModule
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+COMMAND, PLUGIN, SCRATCH, CASE = sys.argv[1:5]
+ARGUMENTS = sys.argv[5:]
+controller = vtkProcessModule.GetProcessModule().GetGlobalController()
+RANKS = controller.GetNumberOfProcesses()
+os.makedirs(SCRATCH, exist_ok=True)
+SIZE = [320, 240]
+CAMERA = {"position": [3.0, -4.0, 2.5], "target": [0.0, 0.0, 0.0], "up": [0.0, 0.0, 1.0], "fov_y_deg": 30.0,
+          "projection": "perspective"}
+
+# What each rank makes of the cloud: `mine` picks its points.
+CLOUD = '''
+import numpy as np
+def cloud(n):
+    random = np.random.default_rng(7)
+    a, b = random.uniform(0, 2 * np.pi, (2, n))
+    ring = 1 + 0.4 * np.cos(b)
+    places = np.stack([ring * np.cos(a), ring * np.sin(a), 0.4 * np.sin(b)], 1).astype(np.float32)
+    normals = np.stack([np.cos(b) * np.cos(a), np.cos(b) * np.sin(a), np.sin(b)], 1).astype(np.float32)
+    colors = np.stack([127 + 120 * np.sin(a), 127 + 120 * np.cos(3 * b), 127 + 120 * np.sin(5 * a + b)], 1).astype(np.uint8)
+    return places, normals, colors
+def mine(places, how, rank, ranks):
+    i = np.arange(len(places))
+    if how == "tile": return i[np.minimum(((np.arctan2(places[:, 1], places[:, 0]) / np.pi + 1) / 2 * ranks).astype(int), ranks - 1) == rank]
+    if how == "slab": return i[np.searchsorted(np.quantile(places[:, 2], np.arange(1, ranks) / ranks), places[:, 2]) == rank]
+    if how == "round": return i[i % ranks == rank]
+    if how == "empty": return i[i % (ranks - 1) == rank] if rank < ranks - 1 else i[:0]
+    if how == "uneven": return i[i >= 100] if rank == 0 else i[:100] if rank == 1 else i[:0]
+'''
+exec(CLOUD)
+pv.LoadPlugin(PLUGIN, remote=False, ns=globals())
+
+
+def source(n, how="round", cells=False):
+    """Points in ParaView, on each rank a part; `cells`: they are vertices of a cell."""
+    out = pv.ProgrammableSource()
+    out.OutputDataSetType = "vtkPolyData"
+    out.Script = CLOUD + f'''
+import vtk
+from vtk.numpy_interface import dataset_adapter as dsa
+from vtk.util.numpy_support import numpy_to_vtk
+from paraview.modules.vtkRemotingCore import vtkProcessModule
+ranks = vtkProcessModule.GetProcessModule().GetGlobalController()
+places, normals, colors = cloud({n})
+keep = mine(places, "{how}", ranks.GetLocalProcessId(), ranks.GetNumberOfProcesses())
+points = vtk.vtkPoints()
+points.SetData(numpy_to_vtk(np.ascontiguousarray(places[keep]), deep=1))
+out = self.GetPolyDataOutput()
+out.SetPoints(points)
+if {cells}:
+    out.AllocateExact(1, len(keep) or 1)
+    out.InsertNextCell(vtk.VTK_POLY_VERTEX, len(keep), list(range(len(keep))))
+n = numpy_to_vtk(np.ascontiguousarray(normals[keep]), deep=1); n.SetName("Normals"); out.GetPointData().SetNormals(n)
+c = numpy_to_vtk(np.ascontiguousarray(colors[keep]), deep=1); c.SetName("RGB"); out.GetPointData().AddArray(c)
+h = numpy_to_vtk(np.ascontiguousarray(places[keep][:, 2]), deep=1); h.SetName("height"); out.GetPointData().AddArray(h)
+'''
+    return out
+
+
+def scan_file(n):
+    """The same points for the command."""
+    name = os.path.join(SCRATCH, f"cloud{n}.ply")
+    places, normals, colors = cloud(n)
+    rows = np.zeros(n, dtype=[("p", "<f4", 3), ("n", "<f4", 3), ("c", "u1", 3)])
+    rows["p"], rows["n"], rows["c"] = places, normals, colors
+    head = "".join(f"property float {k}\n" for k in ("x", "y", "z", "nx", "ny", "nz"))
+    head += "".join(f"property uchar {k}\n" for k in ("red", "green", "blue"))
+    with open(name, "wb") as file:
+        file.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {n}\n{head}end_header\n".encode())
+        file.write(rows.tobytes())
+    return name
+
+
+def pixels(name):
+    reader = vtkPNGReader()
+    reader.SetFileName(name)
+    reader.Update()
+    image = reader.GetOutput()
+    width, height, _ = image.GetDimensions()
+    values = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1].astype(float)
+    if values.shape[2] < 4: return values
+    cover = values[..., 3:] / 255  # over white, as a host blends: values, and not light
+    return cover * values[..., :3] + (1 - cover) * 255
+
+
+def view_of(size=SIZE):
+    view = pv.CreateView("RenderView")
+    view.ViewSize = size
+    view.UseColorPaletteForBackground = 0
+    view.Background = [1, 1, 1]
+    view.OrientationAxesVisibility = 0
+    view.UseFXAA = 0  # smooths the finished picture once more
+    return view
+
+
+def show(points, view, technique, **parameters):
+    display = pv.Show(points, view)
+    display.Representation = "Sfumato"
+    display.SfumatoTechnique = technique
+    pv.ColorBy(display, ("POINTS", "RGB"))
+    display.MapScalars = 0
+    for name, value in parameters.items():
+        setattr(display, name, value)
+    return display
+
+
+def shot(view, name):
+    file = os.path.join(SCRATCH, f"{CASE}_{'_'.join([*ARGUMENTS, str(RANKS), name])}.png")
+    # Only now: the first thing that a view shows moves its camera.
+    view.CameraPosition, view.CameraFocalPoint = CAMERA["position"], CAMERA["target"]
+    view.CameraViewUp, view.CameraViewAngle = CAMERA["up"], CAMERA["fov_y_deg"]
+    pv.SaveScreenshot(file, view)
+    return pixels(file)
+
+
+def of_command(n, technique, size=SIZE, options=()):
+    camera, file = (os.path.join(SCRATCH, f"{CASE}_{'_'.join([*ARGUMENTS, str(RANKS), technique])}_command.{end}") for end in ("json", "png"))
+    with open(camera, "w") as out:
+        json.dump({**CAMERA, "width": size[0], "height": size[1]}, out)
+    subprocess.run([COMMAND, scan_file(n), "-t", technique, "--camera", camera, "--exposure", "1", "--no-background",
+                    "--whole", "--up", "z", "--quiet", "-o", file, *options], check=True)
+    return pixels(file)
+
+
+def differences(a, b):
+    assert a.shape == b.shape, (a.shape, b.shape)
+    return np.abs(a - b).max(axis=2)
+
+
+def same(a, b, what, share=0.0, steps=1.5):
+    """Equal, but for the rounding of what ParaView blends, in all but a share of the pixels."""
+    d = differences(a, b)
+    beyond = (d > steps).mean()
+    print(f"{what}: {(d > 0.5).mean():.4%} of the pixels differ, {beyond:.4%} by more than {steps}, at most by {d.max():.1f}")
+    assert (a.min(axis=2) < 250).mean() > 0.05, "nothing was drawn"
+    assert beyond <= share, what
+
+
+def close_to_command(technique):
+    view = view_of()
+    show(source(40000), view, technique)
+    same(shot(view, technique), of_command(40000, technique), technique)
+
+
+def picture():
+    close_to_command(ARGUMENTS[0])
+
+
+def parameters():
+    view = view_of()
+    display = show(source(20000), view, "points", SfumatoPointsPointSize=6, SfumatoPointsSizeMode="pixels",
+                   SfumatoShading="normals")
+    wide = shot(view, "wide")
+    same(wide, of_command(20000, "points", options=["--point-size", "6", "--size-mode", "pixels", "--shading", "normals"]), "wide")
+    display.SfumatoPointsPointSize = 2
+    assert (differences(shot(view, "narrow"), wide) > 20).mean() > 0.02
+
+
+def resize():
+    view = view_of()
+    show(source(20000), view, "points")
+    for size in ([320, 240], [401, 123], [160, 200]):
+        view.ViewSize = size
+        same(shot(view, "x".join(map(str, size))), of_command(20000, "points", size), str(size))
+
+
+def sheet(view, distance, side, color):
+    """A wall across the left (-1) or right (1) half of the picture, so far from the camera."""
+    eye, target = np.array(CAMERA["position"]), np.array(CAMERA["target"])
+    ahead = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(ahead, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, ahead)
+    corner = eye + distance * ahead - 5 * up + (0 if side > 0 else -5) * right
+    wall = pv.Plane(Origin=corner, Point1=corner + 5 * right, Point2=corner + 10 * up)
+    display = pv.Show(wall, view)
+    display.Representation = "Surface"
+    display.AmbientColor = display.DiffuseColor = color
+    display.Ambient, display.Diffuse, display.Specular = 1, 0, 0
+
+
+def mesh():
+    first = ARGUMENTS[0] == "after"  # whichever ParaView draws first
+    view = view_of()
+    if first: show(source(40000), view, "splats", SfumatoShading="albedo")
+    sheet(view, 3.0, -1, [1, 0, 0])
+    sheet(view, 8.0, 1, [0, 0, 1])
+    if not first: show(source(40000), view, "splats", SfumatoShading="albedo")
+    got, alone = shot(view, "both"), of_command(40000, "splats", options=["--shading", "albedo"])
+    left, right = got[:, :158], got[:, 162:]
+    assert (left == [255, 0, 0]).all(), "points show through a wall before them"
+    behind = (alone[:, 162:] == 255).all(axis=2)
+    inside = ~behind
+    for shift in (-1, 1):  # outlines blend with what is behind
+        inside &= np.roll(~behind, shift, 0) & np.roll(~behind, shift, 1)
+    assert inside.mean() > 0.1
+    d = np.abs(right - alone[:, 162:]).max(axis=2)
+    assert (d[inside] <= 2).mean() > 0.98, (d[inside] <= 2).mean()
+    assert (right[behind] == [0, 0, 255]).all(axis=1).mean() > 0.97
+
+
+def opacity():
+    view = view_of()
+    display = show(source(40000), view, "splats", SfumatoShading="albedo", SfumatoSmoothOutlines="false")
+    solid = shot(view, "solid")
+    display.Opacity = 0.25
+    sheet(view, 8.0, 1, [0, 0, 1])  # added later, and behind
+    got = shot(view, "clear")
+    wall = np.where(np.arange(SIZE[0])[None, :, None] >= SIZE[0] // 2, [0, 0, 255], [255, 255, 255])
+    drawn = (solid < 250).any(axis=2)
+    expected = np.where(drawn[..., None], 0.25 * solid + 0.75 * wall, wall)
+    d = np.abs(got - expected).max(axis=2)
+    assert drawn.mean() > 0.1 and (d[drawn] <= 3).mean() > 0.97, (d[drawn] <= 3).mean()
+
+
+def colors():
+    view = view_of()
+    display = show(source(20000), view, "points", SfumatoShading="albedo", SfumatoEdl="false", SfumatoSmoothOutlines="false",
+                   SfumatoAmbientOcclusion="0")
+    display.MapScalars = 1
+    pv.ColorBy(display, ("POINTS", "height"))
+    table = pv.GetColorTransferFunction("height")
+    table.RGBPoints = [-0.4, 1, 0, 0, 0.4, 0, 0, 1]
+    table.ColorSpace = "RGB"
+    got = shot(view, "ramp")
+    drawn = got[(got != 255).any(axis=2)]
+    assert len(drawn) > 5000 and (np.abs(drawn[:, 0] + drawn[:, 2] - 255) <= 2).all() and (drawn[:, 1] <= 1).all()
+    table.RGBPoints = [-0.4, 0, 1, 0, 0.4, 0, 1, 0]
+    got = shot(view, "green")
+    assert (got[(got != 255).any(axis=2)] == [0, 255, 0]).all()
+
+
+def state():
+    """What ParaView draws beside points that nobody sees looks as it does without them."""
+    view = view_of()
+    points = source(5000)
+    show(points, view, "points", Position=[1000, 0, 0])
+    ball = pv.Show(pv.Sphere(Radius=0.8), view)
+    ball.Representation, ball.EdgeColor = "Surface With Edges", [0, 0, 0]
+    glass = pv.Show(pv.Sphere(Center=[0.5, 0, 0.5]), view)
+    glass.Opacity = 0.4
+    pv.Show(pv.Text(Text="text"), view)
+    with_points = shot(view, "with")
+    pv.Hide(points, view)
+    d = differences(with_points, shot(view, "without"))
+    print("differ:", (d > 0).sum(), d.max())
+    # Depths have other steps where the view reaches farther.
+    assert (d > 8).mean() < 0.001, "depths or state changed"
+
+
+def resident_mb():
+    with open("/proc/self/status") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("VmRSS")) / 1024
+
+
+def frames():
+    view = view_of()
+    show(source(20000), view, "splats")
+    camera = view.GetActiveCamera()
+    before = 0
+    for frame in range(200):
+        camera.Azimuth(1.8)
+        pv.Render(view)
+        if frame == 40: before = resident_mb()
+    grown = resident_mb() - before
+    print(f"160 frames: {before:.0f} MB, {grown:+.1f} MB")
+    assert grown < 10
+
+
+def ranks():
+    technique, how = ARGUMENTS
+    view = view_of()
+    show(source(40000, how, cells=True), view, technique)
+    got = shot(view, "picture")
+    if controller.GetLocalProcessId() == 0:
+        same(got, of_command(40000, technique), f"{technique}, {how}, {RANKS} ranks")
+
+
+globals()[CASE]()
+print("PASSED")
