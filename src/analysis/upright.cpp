@@ -405,7 +405,9 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud) {
 std::optional<UpAxis> height_of_map_coordinates(const PointCloud& cloud) {
   constexpr double smallest_easting = 1e5, deepest = -500, highest = 9000;
   const Bounds box = robust_bounds(cloud);
-  const auto plan = [&](int axis) { return box.min[axis] >= smallest_easting || box.max[axis] <= -smallest_easting; };
+  const auto plan = [&](int axis) {
+    return box.min[axis] >= smallest_easting || box.max[axis] <= -smallest_easting;
+  };
   const auto height = [&](int axis) { return box.min[axis] >= deepest && box.max[axis] <= highest; };
   if (plan(0) && plan(1) && height(2)) return UpAxis::pos_z;
   if (plan(0) && plan(2) && height(1)) return UpAxis::pos_y;
