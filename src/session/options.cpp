@@ -99,9 +99,9 @@ void add_output(Table& t) {
       "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, clear where nothing is), .exr "
       "(linear, Z, normals), .npy (linear RGBA); - is standard output",
       &Request::output);
-  t.flag("--world-file", "the place of a plan beside its picture, as NAME.pgw", &Request::world_file)
+  t.flag("--world-file", "the georeference of a plan beside its picture, as NAME.pgw", &Request::world_file)
       .is(Scope::file);
-  t.flag("--each", "one picture each file, -o '{stem}.png'; a bad file does not stop the others",
+  t.flag("--each", "one picture per file, -o '{stem}.png'; a bad file does not stop the others",
          &Request::each);
   t.text("--output-panels", "NAME_{technique}.png", "the panels of a contact sheet as single pictures too",
          &Request::output_panels);

@@ -18,7 +18,7 @@ CommonOptions::~CommonOptions() = default;
 
 void CommonOptions::declare(CommandLine& line) {
   line.text("--threads", threads_, "N", "processor threads to use (all)");
-  line.flag("--verbose", verbose, "say more: what was read, what automatic values became, times");
+  line.flag("--verbose", verbose, "more output: files read, automatic values, times");
   line.flag("--quiet", quiet, "no progress, no notes");
 }
 

@@ -203,8 +203,7 @@ int completion_command(const Words& words) {
   std::string shell;
   CommandLine line("sfumato completion",
                    "Prints the completion of a shell: sfumato completion bash >> ~/.bashrc, or as your shell "
-                   "wants it. make "
-                   "install puts all three into place.");
+                   "requires. make install installs all three.");
   line.positional("bash|zsh|fish", shell, "");
   if (!line.parse(words)) return 0;
   if (shell != "bash" && shell != "zsh" && shell != "fish")

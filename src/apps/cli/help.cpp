@@ -100,8 +100,8 @@ const std::vector<Topic>& topics() {
        "Defaults of your own have the same form and are read from $SFUMATO_CONFIG, else "
        "~/.config/sfumato/config.json.\n"
        "  {\"technique\": \"points\", \"options\": {\"background-color\": \"#202830\"}}"},
-      {"exit-codes", "what scripts learn",
-       "  0    done\n  1    usage: something asked for does not exist or contradicts itself\n"
+      {"exit-codes", "what they mean",
+       "  0    done\n  1    usage: something does not exist, or options contradict each other\n"
        "  2    bad input: a file is damaged, empty or not what it claims to be\n"
        "  3    partial: some files of a batch failed, or parts of a file are damaged\n  4    no usable "
        "OpenGL\n  5    out of memory\n"

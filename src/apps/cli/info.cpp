@@ -133,8 +133,7 @@ int info_command(const Words& words) {
   CommandLine line("sfumato info", "Prints what a point cloud file holds; several files give a table.");
   line.positionals("FILE", files, "point clouds, folders or patterns; - is standard input");
   line.flag("--json", json, "machine-readable");
-  line.flag("--stats", stats,
-            "COPC: read every point for attributes' values and the spacing; others always are");
+  line.flag("--stats", stats, "read all points of COPC files too, for ranges of attributes and the spacing");
   line.flag("--strict", options.read.strict,
             "refuse partly damaged files instead of skipping the damaged parts");
   line.text("--columns", columns, "x,y,z,...",

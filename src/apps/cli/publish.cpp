@@ -78,17 +78,17 @@ publish::Facts facts_of(const RenderOptions& options, const Choice& choice, cons
 
 int publish_command(const Words& words) {
   RenderRequest request(words, "sfumato publish",
-                        "Writes a folder that shows point clouds from all around in any browser.");
+                        "Writes a turntable of pictures as static files, for any browser.");
   RenderOptions& options = request.options;
   std::string views = "36", elevations;
   request.line.group("Publishing");
-  request.line.text("--views", views, "N", "pictures of a turn (36)");
+  request.line.text("--views", views, "N", "pictures per turn (36)");
   request.line.text("--elevations", elevations, "DEG,DEG...",
-                    "heights above the horizon to look from (that of the first view and one 30 from it)");
+                    "camera elevations (that of the first view, and one 30 degrees from it)");
   request.line.usage("sfumato publish FILE... -o FOLDER [--views N] [-t TECHNIQUE]");
   request.line.footer(
-      "Open FOLDER/index.html, or copy the folder to any web host: nothing in it asks for a server. It shows "
-      "pictures of --resolution (1600x1200), so what they do not show is not there. docs/serve.md has more.");
+      "Open FOLDER/index.html, or copy the folder to any web host: it needs no server program. It holds "
+      "only pictures, of --resolution (1600x1200). docs/serve.md has more.");
   if (!request.parse(words)) return 0;
   const std::string folder = std::exchange(options.output, {});
   if (options.files.empty() && options.scene.empty())

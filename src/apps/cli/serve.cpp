@@ -103,27 +103,27 @@ view::Start start_of(const std::shared_ptr<RenderRequest>& request) {
 }  // namespace
 
 int serve_command(const Words& words) {
-  auto request = std::make_shared<RenderRequest>(
-      words, "sfumato serve", "Shows point clouds in browsers, rendered where the data is.");
+  auto request = std::make_shared<RenderRequest>(words, "sfumato serve",
+                                                 "Shows point clouds in browsers, rendered on this machine.");
   RenderOptions& options = request->options;
   CommandLine& line = request->line;
   serve::Settings settings;
   std::string port = "8080", clients = "16", selections = "4";
   bool is_open = false;
   line.group("Serving");
-  line.text("--port", port, "N", "of the address; 0 takes one that is free (8080)");
+  line.text("--port", port, "N", "TCP port; 0 takes a free one (8080)");
   line.text("--bind", settings.address, "ADDRESS",
-            "in numbers; 0.0.0.0 is reached from other machines (127.0.0.1)");
+            "interface, as an IP address; 0.0.0.0: reachable from other machines (127.0.0.1)");
   line.texts("--host", settings.hosts, "NAME",
-             "a name that browsers may call this machine by, as behind a proxy");
+             "an additional host name that requests may use, as behind a proxy");
   line.flag("--open", is_open, "open the address in a browser of this machine");
-  line.flag("--share", settings.share, "all pages look together, with a pointer for each");
-  line.text("--clients", clients, "N", "pages at the same time (16)");
+  line.flag("--share", settings.share, "all pages share one view and show each other's pointers");
+  line.text("--clients", clients, "N", "most pages at a time (16)");
   line.text("--selections", selections, "N",
-            "different selections of points (classes, boxes, items) in memory at the same time (4)");
+            "most selections of points (classes, boxes, items) in memory at a time (4)");
   line.usage("sfumato serve FILE... [--port N] [--open] [-t TECHNIQUE]");
   line.footer(
-      "It prints one address, whose long number lets in who knows it. Other machines reach it through\n"
+      "It prints one address, with the token that gives access. Other machines reach it through\n"
       "  ssh -L 8080:127.0.0.1:8080 SERVER\n"
       "and the same address. docs/serve.md has more.");
   if (!request->parse(words)) return 0;

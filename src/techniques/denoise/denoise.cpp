@@ -290,7 +290,7 @@ class Denoise final : public Technique {
 }  // namespace
 
 TechniqueInfo denoise_technique() {
-  return {"denoise", "outliers and noise removed while you look",
+  return {"denoise", "outliers removed and noise averaged while rendering",
           [] { return std::unique_ptr<Technique>(new Denoise); }};
 }
 

@@ -469,7 +469,7 @@ class Layers final : public Technique {
 }  // namespace
 
 TechniqueInfo layers_technique() {
-  return {"layers", "see-through surfaces, blended in the right order",
+  return {"layers", "transparent surfaces, blended in depth order",
           [] { return std::unique_ptr<Technique>(new Layers); }};
 }
 

@@ -61,9 +61,9 @@ struct Parameters {
   void describe(ParamList& p) {
     p.add("model", model, {"express", "concentric", "base", "one_layer"})
         .help(
-            "density of a soft point: a blended disc, nested spheres, the exact integral; or only the first "
-            "soft "
-            "layer transparent")
+            "density of a soft point: a blended sphere, nested spheres, the exact integral; or only the "
+            "first "
+            "soft layer transparent")
         .paper("Seemann 2018, Sec. 3");
     p.add("opacity", opacity)
         .range(0, 1)
@@ -342,7 +342,7 @@ class Soft final : public Technique {
 }  // namespace
 
 TechniqueInfo soft_technique() {
-  return {"soft", "uncertain or chosen points as a haze that one can look through",
+  return {"soft", "uncertain or selected points as transparent haze",
           [] { return std::unique_ptr<Technique>(new Soft); }};
 }
 
