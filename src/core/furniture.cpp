@@ -12,16 +12,16 @@ namespace {
 
 constexpr FurnitureOption options[] = {
     {"legend", "", "explain the colours in the picture"},
-    {"legend-title", "TEXT", "above the legend (what the colours show)"},
+    {"legend-title", "TEXT", "title of the legend (what the colours show)"},
     {"legend-unit", "UNIT", "after the title (for elevations that of the file's CRS)"},
     {"legend-place", "bottom-right|bottom-left|top-right|top-left", "corner of the legend (bottom-right)"},
     {"legend-size", "F", "the legend F times as large, 0.3 to 4 (1)"},
-    {"scale-bar", "", "a bar of a round length, in parallel views"},
+    {"scale-bar", "", "a bar of a round length, in orthographic views"},
     {"north-arrow", "", "an arrow to the north, which is +Y of the file (of a y-up file -Z)"},
     {"grid", "", "a grid of round coordinates, in plans (--view top --camera-orthographic)"},
     {"title", "TEXT", "above the picture"},
     {"caption", "TEXT", "below the picture"},
-    {"unit", "m|ft|ft-us|km|cm|mm|NAME", "of the coordinates (what the file's reference system says)"},
+    {"unit", "m|ft|ft-us|km|cm|mm|NAME", "unit of the coordinates (that of the file's CRS)"},
 };
 
 bool truth(std::string_view name, const std::string& value) {

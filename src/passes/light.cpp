@@ -116,19 +116,19 @@ void RenderSettings::describe(ParamList& p) {
   p.add("ground", ground).help("a plane under the cloud that catches its shadow (with shadows hard or soft)");
   p.add("edl", edl)
       .help(
-          "eye-dome lighting as a finish: lines along steps of depth that are no noise (auto: in every "
+          "eye-dome lighting: dark lines along depth edges above the noise (auto: in every "
           "technique)");
   p.add("edl_radius", edl_radius)
       .range(0.5, 16)
       .unit("px")
-      .help("reach of eye-dome lighting; in pictures higher than 720 px so much more");
+      .help("reach of eye-dome lighting; in proportion more in pictures higher than 720 px");
   p.add("edl_strength", edl_strength)
       .range(0, 10)
       .help("darkness of eye-dome lighting (auto: 0.4 in points, 0.12 where surfaces are closed)");
   p.add("ambient_occlusion", ambient_occlusion)
       .range(0, 1)
       .help(
-          "darkening of hollows by the share of the sky that what is around them hides, at several scales "
+          "darkening of hollows by the share of the sky that their surroundings occlude, at several scales "
           "(auto: 0.7)");
   p.add("samples", samples)
       .range(1, 64)

@@ -111,7 +111,7 @@ void add_output(Table& t) {
   t.text("--output-normal", "FILE.npy", "float32 HxWx3, world, facing the camera, 0 where none",
          &Request::output_normal);
   t.text("--output-camera", "FILE.json", "the camera of the picture", &Request::output_camera);
-  t.text("--quality", "1..100", "of .jpg and .webp; a .webp of 100 is exact (90)",
+  t.text("--quality", "1..100", "of .jpg and .webp; 100 makes .webp lossless (90)",
          [](Request& r, Text option, Text text) {
            r.quality.reset();
            if (text.empty()) return;
@@ -186,7 +186,7 @@ void add_view(Table& t) {
   t.text("--distance", "D", "how far from the place looked at, scene units",
          of_view(&ViewWishes::distance, positive))
       .python("number");
-  t.text("--scale", "1:N", "print scale of a parallel view: the picture has the right size on paper",
+  t.text("--scale", "1:N", "print scale of an orthographic view",
          of_view(&ViewWishes::print_scale,
                  [](Text option, Text text) {
                    const double n = text.starts_with("1:") ? parse_number(option, text.substr(2)) : 0;
@@ -207,7 +207,7 @@ void add_view(Table& t) {
       .is(Scope::view)
       .python("number");
   t.text("--pixel-size", "D",
-         "scene units that a pixel of a parallel view shows; without --resolution the picture is as large as "
+         "scene units per pixel of an orthographic view; without --resolution the picture is as large as "
          "the scan",
          of_view(&ViewWishes::pixel_size, positive))
       .is(Scope::view)
@@ -250,7 +250,7 @@ void add_view(Table& t) {
   t.text("--camera-view-angle", "DEG", "full vertical angle: a smaller one zooms in (45)",
          of_view(&ViewWishes::fov, degrees_in(0.001, 179)))
       .python("number", "fov");
-  t.flag("--camera-orthographic", "parallel projection", [](Request& r) -> bool& {
+  t.flag("--camera-orthographic", "orthographic projection", [](Request& r) -> bool& {
      return r.view.orthographic;
    }).python("flag", "orthographic");
 }
@@ -271,7 +271,8 @@ void add_points(Table& t) {
   t.text("--show-classes", "N,N...", "only these classification codes",
          kept(&Selection::show_classes, parse_classes))
       .python("integers");
-  t.text("--hide-classes", "N,N...|none", "classification codes left out, and withheld points (7,18: noise)",
+  t.text("--hide-classes", "N,N...|none",
+         "classification codes to leave out, with withheld points (7,18: noise)",
          [](Request& r, Text option, Text text) { r.hide_classes = parse_classes(option, text); })
       .python("integers");
   t.texts(
@@ -304,8 +305,7 @@ void add_points(Table& t) {
          })
       .python("text");
   t.text("--memory", "BYTES",
-         "what the points of COPC files may take; beyond it, or --max-points, only what the view shows is "
-         "read (4G)",
+         "memory for the points of COPC files; of larger files only what the view shows is read (4G)",
          [](Request& r, Text option, Text text) { r.memory = std::uint64_t(parse_whole(option, text, 1)); })
       .is(Scope::command);
   t.text(
@@ -348,7 +348,7 @@ void add_colours(Table& t) {
          })
       .python("numbers", "range");
   t.text("--class-colors", "2=#aa7744,6=orange",
-         "colours of classes, by code or name; or a file with one CLASS=COLOUR a line",
+         "colours of classes, by code or name; or a file with one CLASS=COLOUR per line",
          [](Request& r, Text option, Text text) {
            try {
              r.color.class_colors =
