@@ -17,7 +17,13 @@ def prepare():
     found by their names, wherever they lie."""
     mesa = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "sfumato.libs", "mesa")
     choice = os.environ.get("SFUMATO_GL", "")
-    if not os.path.isdir(mesa) or choice == "system" or choice != "bundled" and _system_has_one():
+    if not os.path.isdir(mesa):
+        return
+    if choice == "system" or choice != "bundled" and _system_has_one():
+        try:
+            ctypes.CDLL("libOpenGL.so.0")
+        except OSError:  # a driver that came without it, as on desktops that only knew libGL
+            ctypes.CDLL(os.path.join(mesa, "libOpenGL.so.0"))
         return
     os.environ["__EGL_VENDOR_LIBRARY_FILENAMES"] = os.path.join(mesa, "egl.json")
     os.environ["LIBGL_DRIVERS_PATH"] = os.path.join(mesa, "dri")
