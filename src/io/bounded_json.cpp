@@ -31,11 +31,11 @@ nlohmann::ordered_json parse_json(std::string_view text, const std::string& wher
     } else if (event == Event::object_end || event == Event::array_end) {
       keys.pop_back();
     } else if (event == Event::key && ++keys.back() > most_keys) {
-      refuse("an object of more than " + std::to_string(most_keys) + " keys; this is no file of ours");
+      refuse("an object of more than " + std::to_string(most_keys) + " keys; sfumato writes none");
     }
     const bool is_text = event == Event::key || (event == Event::value && parsed.is_string());
     if (is_text && !is_line(parsed.get_ref<const std::string&>()))
-      refuse("a key or a text holds a line break or another control character; this is no file of ours");
+      refuse("a key or a text holds a line break or another control character; sfumato writes none");
     return true;
   };
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark

@@ -64,7 +64,7 @@ Frame read_frame(const std::filesystem::path& path) {
         else
           frame.q[k - 3] = v, length += v * v;
       }
-      if (!(std::abs(length - 1) < 0.01)) refuse("'pose' holds a rotation that is none");
+      if (!(std::abs(length - 1) < 0.01)) refuse("'pose' holds an invalid rotation");
       for (double& v : frame.q) v /= std::sqrt(length);
       frame.has_pose = true;
     } else {

@@ -154,7 +154,7 @@ class E57Reader {
         scan.rotation[k] = number(rotation.child(names[k]), 0);
         square += scan.rotation[k] * scan.rotation[k];
       }
-      if (!(std::abs(square - 1) < 0.01)) bad_xml("holds a rotation that is none");
+      if (!(std::abs(square - 1) < 0.01)) bad_xml("holds an invalid rotation");
       for (double& q : scan.rotation) q /= std::sqrt(square);
       for (int k = 0; k < 3 && translation; ++k)
         scan.translation[k] = number(translation.child(names[k + 1]), 0);

@@ -122,7 +122,7 @@ Georeference georeference(const Camera& camera, UpAxis up, const std::string& cr
     throw Error(
         ErrorCode::usage,
         who +
-            ": only a plan has a place on the map; add --view top --camera-orthographic, or --pixel-size "
+            ": only a plan can be georeferenced; add --view top --camera-orthographic, or --pixel-size "
             "with --view top" +
             (up == UpAxis::pos_z ? "" : ", and --up +Z"));
   const Intrinsics k = camera.whole_intrinsics();

@@ -60,7 +60,7 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   if (no_background && has_jpeg)
     refuse("--no-background: a JPEG cannot be transparent; write a .png or .webp");
   if (quality && !has_jpeg && extension != ".webp")
-    refuse("--quality goes with .jpg and .webp; a .png loses nothing");
+    refuse("--quality goes with .jpg and .webp; a .png is lossless");
   if (!output_panels.empty()) {
     if (extension_of(output_panels) != ".png")
       refuse("--output-panels " + output_panels + ": panels are written as .png");
@@ -89,7 +89,7 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
            " goes with .png, .jpg and .webp only (and .tif), whose pixels are colours");
   }
   if (world_file && (output.empty() || is_video(output) || io::is_standard_output(output)))
-    refuse("--world-file stands beside a picture: add -o PLAN.png");
+    refuse("--world-file needs a picture: add -o PLAN.png");
   furniture.print_scale = view.print_scale.value_or(0), furniture.dpi = dpi();
   // A map lies over others: it covers what it shows.
   if ((extension == ".tif" || extension == ".tiff") && !background) no_background = true;

@@ -96,7 +96,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     }
     wanted.start.shared = server_.shared;
     if (!server_.outside().may_show(wanted.start.wishes.scene_key()))
-      return refuse(503, "this server holds as many selections of points as it may");
+      return refuse(503, "the server's limit of selections of points is reached (--selections)");
     const auto self = shared_from_this();
     ticker_ = std::make_shared<Ticker>(
         server_.io,

@@ -92,7 +92,7 @@ void Viewer::hear(std::string_view text, double now_ms) {
   const std::string key = bench_->wishes().scene_key();
   if (key != before.scene_key() && !outside_.may_show(key)) {
     bench_->change("refused", [&](view::Wishes& next) { next = before; });
-    bench_->say("this server holds as many selections of points as its memory is given; undo one, or wait",
+    bench_->say("the server's limit of selections of points is reached (--selections); undo one, or wait",
                 true);
   }
 }

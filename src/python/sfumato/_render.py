@@ -357,9 +357,9 @@ class Renderer:
         direction, view_up : three numbers, optional
             Of the view, and what is up in the picture.
         pixel_size : float, optional
-            Scene units that a pixel of a parallel view shows; without `size` the picture is as large as the scan.
+            Scene units per pixel of an orthographic view; without `size` the picture is as large as the scan.
         scale : "1:N" or N, optional
-            Print scale of a parallel view at `dpi` pixels an inch; `Picture.save` keeps them with ``dpi=``.
+            Print scale of an orthographic view at `dpi` pixels an inch; `Picture.save` keeps them with ``dpi=``.
         start : `Camera`, optional
             Changes this one, in place of the view that shows the scan.
         """
@@ -536,7 +536,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     exposure : float, optional
         Brightness of the file's own colours, 1: as they are; what suits them.
     class_colors : str, optional
-        Colours of classes by code or name, "2=#aa7744,building=orange", or a file with one CLASS=COLOUR a line.
+        Colours of classes by code or name, "2=#aa7744,building=orange", or a file with one CLASS=COLOUR per line.
     hide_classes : list of int
         Classification codes that are left out, with withheld points: noise. () shows all.
     show_classes, filters, crop, crop_relative, max_points
