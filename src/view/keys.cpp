@@ -13,8 +13,8 @@ const std::vector<KeyBinding>& key_bindings() {
                       "draw with " + techniques[std::size_t(i)].name});
     const std::vector<KeyBinding> others = {
         {Action::reset_view, 'R', none, "R", "back to the first view"},
-        {Action::frame_view, 'F', none, "F", "frame all of it from this side"},
-        {Action::orthographic, 'O', none, "O, keypad 5", "parallel or perspective view"},
+        {Action::frame_view, 'F', none, "F", "frame everything from this side"},
+        {Action::orthographic, 'O', none, "O, keypad 5", "orthographic or perspective view"},
         {Action::orthographic, key::keypad_5, none, "", ""},
         {Action::front, key::keypad_1, none, "keypad 1", "from the front (Ctrl: from the back)"},
         {Action::back, key::keypad_1, control, "", ""},
@@ -31,7 +31,7 @@ const std::vector<KeyBinding>& key_bindings() {
         {Action::shadows, 'L', shift, "Shift+L", "shadows: off, hard, soft"},
         {Action::legend, 'C', none, "C", "legend of the colours"},
         {Action::clear_picks, key::escape, none, "Esc",
-         "forget picked points, close their profile; stop a path"},
+         "clear picked points, close their profile; stop a path"},
         {Action::profile, 'V', none, "V", "vertical profile along the picked points"},
         {Action::screenshot, 'P', none, "P, F9",
          "save the picture under a new number, with the command that makes it"},
@@ -39,7 +39,7 @@ const std::vector<KeyBinding>& key_bindings() {
         {Action::copy_command, 'C', control | shift, "Ctrl+Shift+C",
          "copy the command that makes this picture"},
         {Action::copy_camera, 'C', control, "Ctrl+C", "copy the camera as JSON"},
-        {Action::paste_camera, 'V', control, "Ctrl+V", "take a copied camera"},
+        {Action::paste_camera, 'V', control, "Ctrl+V", "paste a copied camera"},
         {Action::undo, 'Z', control, "Ctrl+Z", "undo"},
         {Action::redo, 'Z', control | shift, "Ctrl+Shift+Z, Ctrl+Y", "redo"},
         {Action::redo, 'Y', control, "", ""},
@@ -47,7 +47,7 @@ const std::vector<KeyBinding>& key_bindings() {
         {Action::play, key::space, none, "Space", "play the camera path or the sequence, or stop it"},
         {Action::panels, key::tab, control, "Ctrl+Tab", "panels on or off"},
         {Action::fullscreen, key::f11, none, "F11", "full screen"},
-        {Action::larger_interface, key::equal, control, "Ctrl + / Ctrl -", "larger or smaller letters"},
+        {Action::larger_interface, key::equal, control, "Ctrl + / Ctrl -", "larger or smaller text"},
         {Action::larger_interface, key::equal, control | shift, "", ""},
         {Action::smaller_interface, key::minus, control, "", ""},
         {Action::theme, 'T', none, "T", "dark or light panels"},
@@ -69,16 +69,16 @@ std::optional<Action> action_of(int code, int modifiers) {
 
 const std::vector<MouseHelp>& mouse_help() {
   static const std::vector<MouseHelp> all = {
-      {"left drag", "turn about the point under the cursor"},
-      {"right, middle or Shift+left drag", "move along: the point under the cursor follows"},
-      {"Ctrl+Shift+left drag", "the light follows, as on a ball around the scan"},
-      {"wheel", "nearer to the point under the cursor, or away"},
+      {"left drag", "turn around the point under the cursor"},
+      {"right, middle or Shift+left drag", "pan: the point under the cursor follows"},
+      {"Ctrl+Shift+left drag", "move the light, as on a sphere around the scan"},
+      {"wheel", "zoom to the point under the cursor, or away"},
       {"Shift+wheel", "angle of view"},
-      {"click", "pick a point: coordinates and all it holds; a second one measures"},
-      {"Ctrl+click", "goes on from the picked points, as a line"},
-      {"double click", "the point comes to the middle"},
-      {"W A S D, E Q", "fly ahead, left, back, right, up, down; with Shift five times as fast"},
-      {"files dropped", "opened; with Ctrl beside what is open; .json: a preset or a camera path"},
+      {"click", "pick a point: coordinates and attributes; a second one measures"},
+      {"Ctrl+click", "continue the line of picked points"},
+      {"double click", "centre the point"},
+      {"W A S D, E Q", "fly forward, left, back, right, up, down; with Shift five times as fast"},
+      {"files dropped", "open them; with Ctrl in addition to what is open; .json: a preset or a camera path"},
   };
   return all;
 }
