@@ -118,6 +118,7 @@ RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, co
     out.points_drawn += face.out.points_drawn;
     out.timings.insert(out.timings.end(), face.out.timings.begin(), face.out.timings.end());
     out.notes = face.out.notes;
+    out.outliers = face.out.outliers;
   }
 
   if (wants.color) out.rgba8 = Image<Rgba8>(width, height);

@@ -483,6 +483,7 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
     out.timings = std::move(picture.timings);
     out.total_ms = picture.total_ms;
     out.points_drawn = picture.points_drawn;
+    out.outliers = picture.outliers;
     out.notes = std::move(picture.notes);
     return out;
   }
@@ -522,6 +523,7 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
           same->ms += pass.ms;
       }
       add_tile_notes(out.notes, part.notes);
+      out.outliers = part.outliers;
     }
     sink(strip, row.first);
   }
@@ -594,8 +596,10 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
   if (wants.depth) out.depth = s.target.depth.download<float>();
   if (wants.normal) out.normal = s.target.normal.download<vec3>();
   out.points_drawn = s.points_seen(items, camera);
-  for (const Item& item : items)
+  for (const Item& item : items) {
     for (const std::string& note : item.technique->notes()) out.notes.push_back(note);
+    out.outliers += item.technique->outliers();
+  }
   return out;
 }
 

@@ -37,6 +37,7 @@ struct RenderOutput {
   std::vector<PassTiming> timings;
   double total_ms = 0;             ///< clear to finished picture on the GPU, before reading back
   std::uint64_t points_drawn = 0;  ///< points of batches inside the view
+  std::uint64_t outliers = 0;      ///< points left out as such, in view or not
   std::vector<std::string> notes;  ///< the technique's
 };
 

@@ -54,6 +54,8 @@ class Technique {
   virtual std::int64_t most_pixels() const { return std::numeric_limits<std::int64_t>::max(); }
   /// Lines worth telling the user after a render: automatic values, shares, overflow counts. May be empty.
   virtual std::vector<std::string> notes() const { return {}; }
+  /// Points that the last render left out as outliers.
+  virtual std::uint64_t outliers() const { return 0; }
 };
 
 /// What a length (scene units) of the points of each batch spans where they are nearest, px: the largest, at

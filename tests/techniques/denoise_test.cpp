@@ -688,6 +688,12 @@ TEST_F(Denoise, DefaultsRemoveOutliersAndKeepTheSurface) {
     }
   EXPECT_GT(kept, 0.99 * surface);
   EXPECT_LT(stray, 0.002 * around);
+  EXPECT_NEAR(double(out.outliers), 2500, 250) << "some lie on the sphere";
+  EXPECT_TRUE(std::any_of(out.notes.begin(), out.notes.end(), [&](const std::string& note) {
+    return note.find(std::to_string(out.outliers) + " of 32500 points") != std::string::npos;
+  }));
+  set("prefilter", "false");
+  EXPECT_EQ(render(cloud, camera).outliers, 0u);
 }
 
 /// Two walls facing the camera, the right one with a sixteenth of the density of the left, and outliers all

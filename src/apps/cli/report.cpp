@@ -170,9 +170,13 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
                       {"nodes_read", levels.nodes},
                       {"widest_spacing_px", levels.widest_px}};
   }
-  std::uint64_t drawn = 0;
-  for (const TechniqueReport& one : report.techniques) drawn = std::max(drawn, one.points_drawn);
+  std::uint64_t drawn = 0, outliers = 0;
+  for (const TechniqueReport& one : report.techniques) {
+    drawn = std::max(drawn, one.points_drawn);
+    outliers = std::max(outliers, one.outliers);
+  }
   json["points_drawn"] = drawn;
+  json["outliers"] = outliers;
   json["frames"] = report.frames;
   for (const RenderReport::Draw& each : report.draw)
     json["draw"].push_back({{"rule", each.rule}, {"technique", each.technique}, {"points", each.points}});

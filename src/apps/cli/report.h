@@ -28,6 +28,7 @@ struct TechniqueReport {
   std::vector<PassTiming> passes;  ///< of the last frame
   double total_ms = 0;             ///< GPU, of the last frame
   std::uint64_t points_drawn = 0;
+  std::uint64_t outliers = 0;  ///< points that it left out as such
   std::vector<std::string> notes;
 };
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "analysis/quantiles.h"
@@ -155,6 +156,7 @@ class Denoise final : public Technique {
     shape.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
     const bool prefilter = parameters_.prefilter.resolve(automatic());
+    outliers_ = 0;
     measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
     if (parameters_.clamp_radius) shape.widest_px = spacings_.widest_disc_px(frame);
     if (parameters_.antialias) shape.prefilter_px = 1;
@@ -162,6 +164,12 @@ class Denoise final : public Technique {
     if (prefilter) {
       const float least = std::min(least_support * std::max(parameters_.strictness, 1.0f), 0.9f);
       shape.field_threshold = parameters_.miss == Miss::background ? least : 0;
+      outliers_ = outliers_of_.at({*measured_, shape.field_threshold}, [&] {
+        const std::vector<float> worth =
+            denoise::splat_worth(frame.cloud.prepared(), support_, least_support, shape.radius_limit);
+        return std::uint64_t(std::count_if(worth.begin(), worth.end(),
+                                           [&](float each) { return !(each > shape.field_threshold); }));
+      });
     }
     const denoise::BinOptions options = choose_options(frame, shape);
     if (shows_all() && options.anchor == Anchor::nearest && !options.overlapping &&
@@ -187,12 +195,20 @@ class Denoise final : public Technique {
 
   std::vector<std::string> notes() const override {
     std::vector<std::string> lines;
+    if (outliers_ > 0) {
+      char share[32];
+      std::snprintf(share, sizeof share, "%.2g", 100.0 * double(outliers_) / double(support_.size()));
+      lines.push_back(std::to_string(outliers_) + " of " + std::to_string(support_.size()) + " points (" +
+                      share + " %) are left out as outliers; --prefilter false draws them");
+    }
     const denoise::BinCounts counts = bins_.counts();
     if (counts.saturated)
       lines.push_back(std::to_string(counts.saturated) +
                       " splat hits were beyond the largest weight of a bin");
     return lines;
   }
+
+  std::uint64_t outliers() const override { return outliers_; }
 
  private:
   bool automatic() const { return parameters_.weight_threshold.is_auto() && parameters_.strictness > 0; }
@@ -279,6 +295,13 @@ class Denoise final : public Technique {
   std::shared_ptr<const GpuCloud::Values> worth_;
   float residual_ = 0, wide_disc_ = 0;
   std::vector<float> support_;
+  std::uint64_t outliers_ = 0;  ///< of the last picture
+  struct Rejection {
+    Measured cloud;
+    float least;
+    bool operator==(const Rejection&) const = default;
+  };
+  Derived<Rejection, std::uint64_t> outliers_of_;
   Derived<std::uint64_t, std::shared_ptr<const GpuCloud::Casters>> casters_;
   SplatSurface surface_;
   denoise::BinTable bins_;
