@@ -1,4 +1,5 @@
-// Writes ParaView's properties of the representation "Sfumato" from the parameter lists of the techniques:
+// Writes ParaView's properties of the representation "Sfumato" from the parameter lists of the techniques, and which
+// files its reader opens from the table of formats:
 //   sfumato_paraview_xml FILE
 #include <cstdio>
 #include <fstream>
@@ -6,6 +7,7 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "io/io.h"
 #include "session/choice.h"
 #include "session/look.h"
 
@@ -100,6 +102,61 @@ std::string group(const std::string& label, const std::vector<std::string>& name
          "            </Hints>\n          </PropertyGroup>\n";
 }
 
+/// "las laz copc.laz": what ParaView compares the ends of names with.
+std::string extensions() {
+  std::set<std::string> all;
+  for (const sfumato::io::FormatInfo& format : sfumato::io::formats()) {
+    if (!format.can_read) continue;
+    std::istringstream words(format.extensions);
+    for (std::string word; words >> word;) all.insert(word.front() == '.' ? word.substr(1) : word);
+  }
+  std::string out;
+  for (const std::string& each : all) out += (out.empty() ? "" : " ") + each;
+  return out;
+}
+
+std::string reader() {
+  return R"xml(  <ProxyGroup name="internal_sources">
+    <SourceProxy name="SfumatoReaderCore" class="vtkSfumatoReader">
+      <StringVectorProperty name="FileName" command="SetFileName" number_of_elements="1" animateable="0">
+        <FileListDomain name="files"/>
+      </StringVectorProperty>
+      <IntVectorProperty name="MaximumPoints" command="SetMaximumPoints" number_of_elements="1" default_values="0">
+        <IntRangeDomain name="range" min="0"/>
+        <Documentation>At most so many points, from everywhere in the file; 0: all of them.</Documentation>
+      </IntVectorProperty>
+    </SourceProxy>
+  </ProxyGroup>
+  <ProxyGroup name="sources">
+    <SourceProxy name="SfumatoReader" class="vtkFileSeriesReader" si_class="vtkSIMetaReaderProxy"
+      file_name_method="SetFileName" label="Point cloud (sfumato)">
+      <Documentation short_help="Reads point clouds.">Reads point clouds of every format of sfumato.</Documentation>
+      <SubProxy>
+        <Proxy name="Reader" proxygroup="internal_sources" proxyname="SfumatoReaderCore"/>
+        <ExposedProperties>
+          <Property name="MaximumPoints"/>
+        </ExposedProperties>
+      </SubProxy>
+      <StringVectorProperty name="FileNameInfo" command="GetCurrentFileName" information_only="1">
+        <SimpleStringInformationHelper/>
+      </StringVectorProperty>
+      <StringVectorProperty name="FileNames" command="AddFileName" clean_command="RemoveAllFileNames" animateable="0"
+        number_of_elements="0" repeat_command="1" panel_visibility="never">
+        <FileListDomain name="files"/>
+        <Documentation>A file, or the files of a time series.</Documentation>
+      </StringVectorProperty>
+      <DoubleVectorProperty name="TimestepValues" information_only="1" repeatable="1">
+        <TimeStepsInformationHelper/>
+      </DoubleVectorProperty>
+      <Hints>
+        <ReaderFactory extensions=")xml" +
+         extensions() + R"xml(" file_description="Point clouds (sfumato)"/>
+      </Hints>
+    </SourceProxy>
+  </ProxyGroup>
+)xml";
+}
+
 std::string xml() {
   std::vector<std::string> names{sfumato::automatic_technique}, shared;
   std::string properties, groups;
@@ -123,8 +180,7 @@ std::string xml() {
       choices(names) +
       "        <Documentation>How the points are drawn; auto: as suits them.</Documentation>\n"
       "      </StringVectorProperty>\n";
-  return R"(<ServerManagerConfiguration>
-  <ProxyGroup name="representations">
+  return "<ServerManagerConfiguration>\n" + reader() + R"(  <ProxyGroup name="representations">
     <RepresentationProxy name="SfumatoRepresentation" class="vtkSfumatoRepresentation"
       processes="client|renderserver|dataserver" base_proxygroup="representations" base_proxyname="SurfaceRepresentation">
       <Documentation>Points drawn by a technique of sfumato.</Documentation>

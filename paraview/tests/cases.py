@@ -1,6 +1,6 @@
 """The plugin in ParaView beside the command: pvbatch cases.py SFUMATO PLUGIN SCRATCH CASE [ARGUMENT...]
 
-Each case ends with "PASSED", on rank 0. Clouds are made here; the command reads them from a file.
+Each case ends with "PASSED". On several ranks, the first runs it. Clouds are made here; the command reads them from a file.
 """
 import json
 import os
@@ -127,13 +127,13 @@ def shot(view, name):
     return pixels(file)
 
 
-def of_command(n, technique, size=SIZE, options=()):
-    camera, file = (os.path.join(SCRATCH, f"{CASE}_{'_'.join([*ARGUMENTS, str(RANKS), technique])}_command.{end}") for end in ("json", "png"))
+def of_command(n, technique, size=SIZE, options=(), file=None):
+    camera, picture = (os.path.join(SCRATCH, f"{CASE}_{'_'.join([*ARGUMENTS, str(RANKS), technique])}_command.{end}") for end in ("json", "png"))
     with open(camera, "w") as out:
         json.dump({**CAMERA, "width": size[0], "height": size[1]}, out)
-    subprocess.run([COMMAND, scan_file(n), "-t", technique, "--camera", camera, "--exposure", "1", "--no-background",
-                    "--whole", "--up", "z", "--quiet", "-o", file, *options], check=True)
-    return pixels(file)
+    subprocess.run([COMMAND, file or scan_file(n), "-t", technique, "--camera", camera, "--exposure", "1", "--no-background",
+                    "--whole", "--up", "z", "--quiet", "-o", picture, *options], check=True)
+    return pixels(picture)
 
 
 def differences(a, b):
@@ -285,9 +285,27 @@ def ranks():
     technique, how = ARGUMENTS
     view = view_of()
     show(source(40000, how, cells=True), view, technique)
-    got = shot(view, "picture")
-    if controller.GetLocalProcessId() == 0:
-        same(got, of_command(40000, technique), f"{technique}, {how}, {RANKS} ranks")
+    same(shot(view, "picture"), of_command(40000, technique), f"{technique}, {how}, {RANKS} ranks")
+
+
+def reader():
+    """Every point once, on however many ranks; what was read looks as it does in the command."""
+    counts = 40000, 20000
+    names = [os.path.join(SCRATCH, f"reader{RANKS}_{i}.laz") for i in range(2)]
+    for count, name in zip(counts, names):
+        subprocess.run([COMMAND, "convert", scan_file(count), "-o", name, "--quiet"], check=True)
+    series = pv.OpenDataFile(names)
+    assert series.GetXMLName() == "SfumatoReader", series.GetXMLName()
+    series.UpdatePipeline()
+    assert len(series.TimestepValues) == 2, series.TimestepValues
+    assert "RGB" in series.PointData.keys(), series.PointData.keys()
+    view = view_of()
+    show(series, view, "points")
+    for time, count in enumerate(counts):
+        series.UpdatePipeline(time)
+        assert series.GetDataInformation().GetNumberOfPoints() == count
+        view.ViewTime = time
+        same(shot(view, f"time{time}"), of_command(count, "points", file=names[time]), f"time {time}")
 
 
 globals()[CASE]()
