@@ -418,7 +418,7 @@ Camera camera_before(int width, int height, double pixel) {
 // Round gaps of a plane while the camera pans by 0.8 px a frame: the wider, the less of them is closed, and
 // nothing pops.
 TEST_F(SurfaceDiscs, GapsCloseByTheirSizeAndDoNotPop) {
-  const double spacing = 0.02, pixel = spacing / 4.65;
+  const double spacing = 0.02, pixel = spacing / 3.5;  // the gap of 8 spacings is 28 px wide
   const std::vector<double> gaps{2, 4.65, 8, 12, 16};
   const auto middle = [](std::size_t k) { return (double(k) - 2) * 0.45; };
   std::mt19937 random(5);

@@ -219,6 +219,7 @@ class Denoise final : public Technique {
   }
 
   void shade(Frame& frame, const View& view) {
+    if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, parameters_.radius_scale, albedo_);
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
@@ -306,6 +307,7 @@ class Denoise final : public Technique {
   SplatSurface surface_;
   denoise::BinTable bins_;
   ScreenSpacings spacings_;
+  DiscEvidence evidence_;
   gl::Texture albedo_;
   Shade shade_;
 };

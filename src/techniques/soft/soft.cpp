@@ -260,6 +260,7 @@ class Soft final : public Technique {
     const GpuCloud::InPlace in_place(frame.cloud, solid_.shapes());
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
                   frame.timers);
+    if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
@@ -329,6 +330,7 @@ class Soft final : public Technique {
   Nearby nearby_;
   SplatSurface surface_;
   ScreenSpacings spacings_;
+  DiscEvidence evidence_;
   SolidPart solid_;
   SoftPoints points_;
   Express express_;

@@ -24,10 +24,7 @@ struct Parameters {
   SplatKernel kernel = SplatKernel::wendland;
   enum class Blend { weighted, opaque } blend = Blend::weighted;
   bool antialias = true;
-  // Discs of Eq 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times 1.5,
-  // 1e-4.
-  static constexpr float usual_scale = 1.5f;
-  float radius_scale = usual_scale;
+  float radius_scale = DiscEvidence::usual_scale;
   bool clamp_radius = true;
 
   void describe(ParamList& p) {
@@ -67,7 +64,7 @@ class Splats final : public Technique {
     if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
     if (parameters_.clamp_radius)
       shape.widest_px =
-          spacings_.widest_disc_px(frame) * std::max(1.0f, shape.radius_scale / Parameters::usual_scale);
+          spacings_.widest_disc_px(frame) * std::max(1.0f, shape.radius_scale / DiscEvidence::usual_scale);
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());
@@ -77,6 +74,7 @@ class Splats final : public Technique {
 
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
                   frame.timers);
+    if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
 
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
@@ -88,6 +86,7 @@ class Splats final : public Technique {
   Parameters parameters_;
   SplatSurface surface_;
   ScreenSpacings spacings_;
+  DiscEvidence evidence_;
   gl::Texture albedo_;
   Shade shade_;
 };

@@ -12,6 +12,7 @@ uniform float least_length;    // half length of the quad, of the image's height
 uniform float coverage;        // strokes over a point
 uniform float detail;          // 0: strokes follow neither detail nor borders
 uniform bool two_layers;
+uniform vec2 evidence;         // px: how far beside a point, and between points, paint may lie
 
 const float least_coverage = 1.6;  // of strokes as small as the spacing allows; what they leave open is underpainted
 
@@ -45,6 +46,10 @@ StrokeSize stroke_size(int i, float depth) {
   // Not shorter than the spacing allows: with every point a stroke, so many of them lie over a point.
   float sparse = sqrt(mix(min(coverage, least_coverage), coverage, covered) * to_spacing * aspect);
   float length = max(wanted * fit, sparse) * (1.0 + 0.5 * fit * (traits_random(traits.x, 1u) - 0.5));
+  // Points too far apart to be closed are dabs as large as one point vouches for, and not planks.
+  float one = max(least_length * frame.picture_size.y, evidence.x / painted) / pixels_at(depth);
+  float lone = smoothstep(1.5 * evidence.y, 2.0 * evidence.y, 0.7071 * s * pixels_at(depth));
+  length = mix(length, min(length, one), lone);
   StrokeSize size;
   size.chance = coverage * to_spacing * aspect / (length * length);
   size.small_cluster = two_layers && fit_cluster < 0.7;

@@ -103,7 +103,8 @@ void StrokeSet::set_sizes(gl::Program& program) const {
   program.set("stroke_aspect", look_.aspect).set("stroke_share", share_).set("coverage", look_.coverage);
   program.set("least_length", least_half_length(look_, share_))
       .set("two_layers", two_layers_)
-      .set("detail", look_.detail);
+      .set("detail", look_.detail)
+      .set("evidence", vec2(evidence_.beside, evidence_.between));
 }
 
 std::uint32_t StrokeSet::select(GpuCloud& cloud, std::size_t c, const StrokeData& data, const View& view) {

@@ -7,6 +7,7 @@
 #include "gl/texture.h"
 #include "passes/compaction.h"
 #include "passes/depth_sort.h"
+#include "passes/evidence.h"
 #include "passes/gpu_cloud.h"
 #include "passes/screen_pass.h"
 #include "techniques/strokes/stroke_data.h"
@@ -52,6 +53,8 @@ class StrokeSet {
   /// look.
   void update(GpuCloud& cloud, const StrokeData& data, const View& view, const Look& look,
               const BrushPicture& brush, float noise_deg, bool two_layers, bool strict);
+  /// How far the picture may be covered, by what `update` sets up from now on.
+  void limit(const EvidenceReach& reach) { evidence_ = reach.limits() ? reach : anywhere; }
   std::uint32_t count() const { return count_; }
   const gl::TextureBuffer& records() const { return records_; }
   /// R32UI: strokes from near to far.
@@ -72,6 +75,8 @@ class StrokeSet {
  private:
   std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
   void set_sizes(gl::Program& program) const;
+  static constexpr EvidenceReach anywhere{0, 1e9f};
+  EvidenceReach evidence_ = anywhere;
   void draw(gl::Program& program, const BrushPicture& brush, float least_alpha,
             const gl::Buffer& elements) const;
   gl::Program select_, setup_;

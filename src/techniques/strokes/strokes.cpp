@@ -19,6 +19,7 @@
 #include "gl/state.h"
 #include "passes/bindings.h"
 #include "passes/shade.h"
+#include "techniques/screen_spacing.h"
 #include "techniques/strokes/stroke_lists.h"
 #include "techniques/technique.h"
 
@@ -70,6 +71,12 @@ class Strokes final : public Technique {
       if (strict(frame)) look_.relief = 0;
       const float step = parameters_.seed_step.resolve(float(seed_quantum(frame.cloud.median_spacing())));
       data_.update(frame.cloud, parameters_.tangent, step, frame.progress);
+      reach_ = spacings_.evidence_reach(frame);
+      // Who asks for longer strokes has them.
+      const float longer =
+          std::max(1.0f, parameters_.stroke_length.user.value_or(0) / strokes::Look().length_percent);
+      reach_.beside *= longer, reach_.between *= longer;
+      strokes_.limit(reach_);
       strokes_.update(frame.cloud, data_, view, look_, brush_, parameters_.orientation_noise.value(),
                       parameters_.two_layers, strict(frame));
     }
@@ -169,6 +176,11 @@ class Strokes final : public Technique {
   }
 
   void shade(Frame& frame, const View& view) {
+    // Strokes have a length on the picture, whatever was measured there.
+    if (reach_.limits()) {
+      evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach_, frame.timers);
+      evidence_.apply(albedo_, frame.target.depth, frame.target.normal);
+    }
     auto timing = frame.timers.scope("shade");
     RenderSettings settings = frame.settings;
     settings.phong.specular.user = parameters_.gloss;
@@ -293,6 +305,9 @@ class Strokes final : public Technique {
   ScreenPass finish_, finish_nearest_, finish_listed_, blur_, underpaint_, medium_;
   gl::Texture under_albedo_, under_depth_, under_normal_, on_ground_;
   Derived<std::uint64_t, bool> own_colors_;
+  ScreenSpacings spacings_;
+  Evidence evidence_;
+  EvidenceReach reach_;
   Shade shade_;
   std::vector<std::string> notes_;
   bool refining_ = false;

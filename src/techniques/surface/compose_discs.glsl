@@ -14,10 +14,12 @@ layout(binding = UNIT_INPUT + 3) uniform sampler2D colors;        // of every pi
 layout(binding = UNIT_INPUT + 4) uniform sampler2D color_sum;
 layout(binding = UNIT_INPUT + 5) uniform sampler2D normal_sum;
 layout(binding = UNIT_INPUT + 6) uniform sampler2D shadow_sum;
+layout(binding = UNIT_MORE_INPUTS + 2) uniform sampler2D evidence;  // of every pixel of the picture
 
 uniform ivec2 offset;
 uniform float point_threshold;
 uniform bool has_shadow;
+uniform bool has_evidence;
 uniform float crack_scale;  // reach of the search over that of hidden point removal
 
 const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0), vec2(0.7071, 0.7071),
@@ -68,7 +70,7 @@ bool filter_pixel(ivec2 pixel) {
   float depth = is_through ? behind.depth : normal_t.w / length(slope);
   vec3 albedo = is_through ? behind.color : sum.rgb * inverse;
   if (is_through) normal_t.xyz = vec3(behind.slope, 1.0 + dot(behind.slope, slope.xy));
-  is_background = is_background && !is_through;
+  is_background = (is_background && !is_through) || (has_evidence && texelFetch(evidence, pixel, 0).x <= 0.0);
   float shadow = is_through ? behind.shadow : 1.0;
   if (has_shadow && !is_through) {
     vec2 factors = texelFetch(shadow_sum, pixel, 0).xy;

@@ -176,7 +176,10 @@ class SurfaceTechnique final : public Technique {
   void draw_discs(Frame& frame, const Tiles& tiles) {
     discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
     discs_options_.gap_scale = removal_.gap_scale;
-    discs_options_.widest_px = std::min(64.0f, 1.3f * spacings_.widest_disc_px(frame));  // half of gap_scale
+    const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
+    const int height = frame.camera.whole_height();
+    const EvidenceReach reach = evidence_reach(spacing, height);
+    discs_options_.widest_px = std::min(64.0f, 1.3f * widest_disc_px(spacing, height));  // half of gap_scale
     discs_options_.with_shadow = frame.cloud.has_shadow();
     {
       auto timing = frame.timers.scope("planes");
@@ -187,6 +190,11 @@ class SurfaceTechnique final : public Technique {
       auto timing = frame.timers.scope("discs");
       discs_.draw(view, discs_options_);
     }
+    const bool limits = reach.limits() && spacing.largest_px * removal_.gap_scale > reach.beside;
+    const gl::Texture& evidence =
+        limits ? evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach,
+                                frame.timers)
+               : discs_.about(3);  // not read
     auto timing = frame.timers.scope("compose");
     const RenderSettings& settings = frame.settings;
     frame.is_finished = frame.finished != nullptr;
@@ -207,14 +215,14 @@ class SurfaceTechnique final : public Technique {
     pass.set("spacing_px", 2 / removal_.removal_scale)
         .set("widest_gap", 0.78f * removal_.gap_scale)
         .set("levels", Discs::levels);
-    pass.set("has_shadow", discs_options_.with_shadow);
+    pass.set("has_shadow", discs_options_.with_shadow).set("has_evidence", limits);
     const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
     const auto run = [&](std::initializer_list<const gl::Texture*> targets,
                          std::initializer_list<vec4> background) {
       pass.run(tiles,
                {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
                 &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.all_clusters(), &discs_.colors(),
-                &discs_.about(3)},
+                &discs_.about(3), &evidence},
                targets, background);
     };
     view.bind();
@@ -310,6 +318,7 @@ class SurfaceTechnique final : public Technique {
   Discs::Options discs_options_;
   Discs discs_;
   ScreenSpacings spacings_;
+  Evidence evidence_;
   std::map<std::pair<Shading, bool>, ScreenPass> compose_discs_;
   PointsToPixels to_pixels_;
   PixelLayer layer_;

@@ -1,0 +1,41 @@
+#include "passes/evidence.h"
+
+#include <cmath>
+
+#include "passes/view.h"
+
+namespace sfumato {
+
+const gl::Texture& Evidence::find(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
+                                  const EvidenceReach& reach, gl::Timers& timers) {
+  auto timing = timers.scope("evidence");
+  // An empty disc that reaches a pixel has its centre as far away, and no point within as far again.
+  const int band = 2 * int(std::ceil(reach.between));
+  const View wide(camera.with_guard_band(band), origin);
+  to_pixels_.draw_depth(cloud, wide, {SizeMode::pixels, 1}, bits_);
+  return find(bits_, band, camera.width, camera.height, reach);
+}
+
+const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int width, int height,
+                                  const EvidenceReach& reach) {
+  gl::ensure(along_rows_, "distances along rows", GL_R32F, depth_bits.width(), depth_bits.height());
+  gl::ensure(distance_, "distance to points", GL_R32F, depth_bits.width(), depth_bits.height());
+  gl::ensure(mask_, "evidence", GL_R8, width, height);
+  const auto make = [](ScreenPass& pass, const char* step, GLenum format) -> ScreenPass& {
+    if (!pass) pass = ScreenPass("passes/evidence.glsl", {format}, {step});
+    return pass;
+  };
+  make(rows_, "ROWS", GL_R32F).set("between", reach.between).run({&depth_bits}, {&along_rows_});
+  make(columns_, "COLUMNS", GL_R32F).set("between", reach.between).run({&along_rows_}, {&distance_});
+  make(open_rows_, "OPEN_ROWS", GL_R32F).set("between", reach.between).run({&distance_}, {&along_rows_});
+  make(surrounded_, "SURROUNDED", GL_R8).set("between", reach.between).set("beside", reach.beside);
+  surrounded_.set("band", band).run({&distance_, &along_rows_}, {&mask_});
+  return mask_;
+}
+
+void Evidence::apply(const gl::Texture& albedo, const gl::Texture& depth, const gl::Texture& normal) {
+  if (!apply_) apply_ = ScreenPass("passes/evidence_apply.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
+  apply_.run({&mask_}, {&albedo, &depth, &normal});
+}
+
+}  // namespace sfumato

@@ -1,0 +1,40 @@
+// Where a picture has points that vouch for what it covers.
+#pragma once
+
+#include "gl/texture.h"
+#include "gl/timer.h"
+#include "passes/points_to_pixels.h"
+#include "passes/screen_pass.h"
+
+namespace sfumato {
+
+/// How far from its points a picture may cover anything, px.
+struct EvidenceReach {
+  float beside = 0;  ///< of the nearest point, on whichever side
+  /// Between points: as far as no empty disc of this radius reaches a pixel, points surround it. That is the
+  /// alpha shape of the points on the screen (Edelsbrunner, Kirkpatrick, Seidel 1983).
+  float between = 0;
+  /// Beyond that anything counts as near, and nothing has to be looked up.
+  static constexpr float most = 96;
+  bool limits() const { return between > 0 && between <= most; }
+};
+
+class Evidence {
+ public:
+  /// R8 of the camera's size: above 0 where a pixel may be covered. `origin`: of the cloud.
+  const gl::Texture& find(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
+                          const EvidenceReach& reach, gl::Timers& timers);
+  /// The same from points that are drawn already, one pixel each, in a view whose band of `band` px around
+  /// the picture is as wide as the reach or wider.
+  const gl::Texture& find(const gl::Texture& depth_bits, int band, int width, int height,
+                          const EvidenceReach& reach);
+  /// Takes away what no point vouches for. `albedo`: RGBA32F, `depth`: R32F, `normal`: RGBA32F.
+  void apply(const gl::Texture& albedo, const gl::Texture& depth, const gl::Texture& normal);
+
+ private:
+  PointsToPixels to_pixels_;
+  gl::Texture bits_, along_rows_, distance_, mask_;
+  ScreenPass rows_, columns_, open_rows_, surrounded_, apply_;
+};
+
+}  // namespace sfumato
