@@ -34,6 +34,7 @@ cat >"$work/others" <<'END'
 --install wsl
 --all install-deps
 --laszip-source install-deps
+--paraview install-deps
 --part eval
 --preset cmake
 --quick eval
