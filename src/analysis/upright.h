@@ -15,7 +15,6 @@ struct Upright {
   std::string reason;        ///< what speaks for it: "a camera's view: y down"
   double azimuth_deg = -45;  ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
-  bool is_camera_view = false;  ///< the scan is a picture, best seen from about where it was taken
   /// The convention of the format where it is not that, else what it may be as well where nothing tells
   /// clearly.
   std::optional<UpAxis> other;
@@ -34,10 +33,12 @@ enum class UpEvidence {
   stands,    ///< the columns along it end below on one plane, and all else is above that
   room,      ///< level floor and ceiling across it
   mirrored,  ///< alike above and below, as things are left and right
+  rises,     ///< in the picture of a camera along z, what is farther lies farther along it, as ground does
   count
 };
 
-/// One axis and what speaks for it, each 0 (nothing) to 1; `normals` and `stands` from -1.
+/// One axis and what speaks for it, each 0 (nothing) to 1; `normals`, `stands` and
+/// `rises` from -1.
 struct UpCandidate {
   UpAxis up;
   std::array<double, std::size_t(UpEvidence::count)> evidence{};

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/camera.h"
@@ -46,6 +46,12 @@ Subject subject_of(const PointCloud& cloud, bool whole = false);
 void fit(Camera& camera, const std::vector<dvec3>& points);
 /// Likewise the points of a subject that are drawn for who looks from this side.
 void fit(Camera& camera, const Subject& subject);
+
+/// The least and greatest slopes to the right and upwards at which the points of a subject appear.
+std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3& eye, const dvec3& along,
+                                            const dvec3& up);
+/// Keeps the direction of view, moves the camera to `place` and opens it as far as the subject needs there.
+void see_from(Camera& camera, const dvec3& place, const Subject& subject);
 
 /// Moves the camera back from its target until a turn about `up` shows all of the subject from every side.
 void step_back(Camera& camera, const dvec3& up, const Subject& subject);

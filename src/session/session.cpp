@@ -40,18 +40,28 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
   Pose pose{upright, subject_of(scene.cloud, !cutaway), horizontal_unit(scene.cloud.crs)};
-  if (!upright.is_camera_view) {
-    if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
-    const Standpoint from = standpoint_for(pose.subject, upright.up);
-    pose.upright.azimuth_deg = from.azimuth_deg, pose.upright.elevation_deg = from.elevation_deg;
+  const auto look_from = [&](double azimuth_deg, double elevation_deg) {
+    pose.upright.azimuth_deg = azimuth_deg, pose.upright.elevation_deg = elevation_deg;
+  };
+  if (const auto sensor = sensor_of(scene.cloud, pose.subject)) {
+    const Compass compass(upright.up);
+    pose.sensor = sensor->place;
+    look_from(glm::degrees(compass.azimuth(-sensor->along)), glm::degrees(compass.elevation(-sensor->along)));
+    return pose;
   }
+  if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
+  const Standpoint from = standpoint_for(pose.subject, upright.up);
+  look_from(from.azimuth_deg, from.elevation_deg);
   return pose;
 }
 
 Camera first_view(const Pose& pose, int width, int height) {
   Camera camera = frame(pose.subject.box, pose.upright.up, width, height,
                         glm::radians(pose.upright.azimuth_deg), glm::radians(pose.upright.elevation_deg));
-  fit(camera, pose.subject);
+  if (pose.sensor)
+    see_from(camera, *pose.sensor, pose.subject);
+  else
+    fit(camera, pose.subject);
   return camera;
 }
 

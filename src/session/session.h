@@ -34,7 +34,8 @@ struct SessionOptions {
 struct Pose {
   analysis::Upright upright;
   Subject subject;
-  LengthUnit unit = {};  ///< of the horizontal axes, as far as the files say
+  LengthUnit unit = {};              ///< of the horizontal axes, as far as the files say
+  std::optional<dvec3> sensor = {};  ///< the first view is that of the sensor that stood there
 };
 
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
@@ -46,7 +47,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {},
 /// Heights (world coordinates along the cloud's up axis) times a factor; the scalar `elevation` has the true
 /// ones.
 void exaggerate(PointCloud& cloud, double factor);
-/// The view from the side that suits the scan, which shows all but outliers.
+/// The view from the side that suits the scan, or of its sensor, which shows all but outliers.
 Camera first_view(const Pose& pose, int width, int height);
 
 /// One scene on one context. Use it on the thread of its context.

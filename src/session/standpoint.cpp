@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "analysis/sight.h"
 #include "session/voxels.h"
 
 namespace sfumato {
@@ -200,6 +201,35 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
     if (share > most) most = share, best = other;
   }
   return best;
+}
+
+std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject) {
+  constexpr double steepest = 0.9;  // sine: of what is seen from above or below, the view is another
+  std::vector<dvec3> places;
+  for (const dvec3& scanner : cloud.scanners) places.push_back(scanner);
+  for (const Grid& grid : cloud.grids)
+    if (grid.viewpoint && std::find(places.begin(), places.end(), *grid.viewpoint) == places.end())
+      places.push_back(*grid.viewpoint);
+  const bool is_known = !places.empty();
+  if (!is_known) places.push_back(dvec3(0));
+  if (places.size() > 1 || !std::isfinite(places[0].x) || subject.points.empty()) return std::nullopt;
+  if (!is_known && height_over_width(subject.box, cloud.up) < lies) return std::nullopt;
+  Sensor sensor{places[0], dvec3(0)};
+  for (const dvec3& p : subject.points)
+    if (p != sensor.place) sensor.along += glm::normalize(p - sensor.place);
+  const dvec3 up = up_vector(cloud.up);
+  for (int step = 0; step < 4; ++step) {
+    if (!(glm::length(sensor.along) > 0)) return std::nullopt;
+    sensor.along = glm::normalize(sensor.along);
+    if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
+    if (step == 0 &&
+        analysis::is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
+      return std::nullopt;
+    const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up);
+    const dvec3 right = glm::normalize(glm::cross(sensor.along, up));
+    sensor.along += 0.5 * ((low.x + high.x) * right + (low.y + high.y) * glm::cross(right, sensor.along));
+  }
+  return Sensor{sensor.place, glm::normalize(sensor.along)};
 }
 
 dvec3 place_inside(const PointCloud& cloud) {

@@ -16,6 +16,14 @@ struct Standpoint {
 /// hides is none any more.
 Standpoint standpoint_for(Subject& subject, UpAxis up);
 
+/// Where a sensor stood that saw all of the subject in one picture, as depth cameras do, and the direction of
+/// the middle of that. From there nothing gapes that was hidden from it.
+struct Sensor {
+  dvec3 place, along;
+};
+/// Of a scan that says where its one scanner stood, or that lies before the origin and is not land.
+std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject);
+
 /// A place inside of a scan to look around from: where a scanner stood, else the middle. World.
 dvec3 place_inside(const PointCloud& cloud);
 

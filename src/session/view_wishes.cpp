@@ -14,6 +14,10 @@ std::optional<double> radians(const std::optional<double>& degrees) {
 
 /// What suits the scan, from the side that is wished for.
 Camera framed(const Pose& pose, const ViewWishes& wishes) {
+  const auto [width, height] = wishes.size.value_or(wishes.first_size);
+  if (pose.sensor && !wishes.position && !wishes.azimuth && !wishes.elevation && !wishes.direction &&
+      !wishes.view_up && !wishes.orthographic)
+    return first_view(pose, width, height);
   const UpAxis up = pose.upright.up;
   double azimuth = glm::radians(wishes.azimuth.value_or(pose.upright.azimuth_deg));
   double elevation = glm::radians(wishes.elevation.value_or(pose.upright.elevation_deg));
@@ -22,7 +26,6 @@ Camera framed(const Pose& pose, const ViewWishes& wishes) {
     azimuth = compass.azimuth(-glm::normalize(*wishes.direction));
     elevation = compass.elevation(-glm::normalize(*wishes.direction));
   }
-  const auto [width, height] = wishes.size.value_or(wishes.first_size);
   Camera camera = frame(pose.subject.box, up, width, height, azimuth, elevation, glm::radians(45.0),
                         wishes.orthographic ? Projection::orthographic : Projection::perspective);
   if (wishes.view_up) camera.up = *wishes.view_up;

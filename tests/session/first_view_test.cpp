@@ -216,6 +216,31 @@ TEST(FirstView, AroundAScannerOnAStreetOneLooksFromAbove) {
   EXPECT_FALSE(pose_of(tile).subject.thins_out);
 }
 
+// From the sensor nothing gapes that was hidden from it.
+TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
+  for (const dvec3& sensor : {dvec3(0), dvec3(2, -7, 3)})
+    for (const double aside : {0.0, 0.3}) {
+      scene::Scene scene;
+      PointCloud& cloud = scene.cloud;
+      for (int i = -120; i <= 120; ++i)
+        for (int j = -90; j <= 90; ++j) {  // a box before a wall, looked at along y
+          const dvec3 ray(0.004 * i + aside, 1, 0.004 * j);
+          const bool is_box = std::abs(ray.x - aside) < 0.2 && std::abs(ray.z) < 0.15;
+          cloud.positions.push_back(vec3(sensor + ray * (is_box ? 1.5 : 3.0)));
+        }
+      if (sensor != dvec3(0)) cloud.scanners.push_back(sensor);
+      const Pose pose = stand_upright(scene, UpAxis::pos_z);
+      const Camera camera = first_view(pose, 1280, 720);
+      EXPECT_LT(glm::distance(camera.position, sensor), 1e-9) << aside;
+      const auto [low, high] = extent(pose.subject.points, camera);
+      EXPECT_NEAR(std::max(high.x, high.y), 0.92, 0.01);
+      EXPECT_NEAR(low.x, -high.x, 0.01);
+      ViewWishes wishes;
+      wishes.azimuth = 60;
+      EXPECT_GT(glm::distance(view_of(pose, wishes).position, sensor), 1);
+    }
+}
+
 TEST(FirstView, CornersOfTheGroundAroundATowerAreNotCut) {
   // Nearly all points crowd on the tower, as around a scanner, but the ground ends soon.
   PointCloud cloud = box_of({5, 5, 20}, 20'000);

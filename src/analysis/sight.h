@@ -1,0 +1,22 @@
+// Whether points are what one picture shows.
+#pragma once
+
+#include <span>
+
+#include "core/vec.h"
+
+namespace sfumato::analysis {
+
+struct Sight {
+  double first = 0;  ///< the share of the points that no other one hides
+  double rises = 0;  ///< rank correlation of their heights in the picture and their depths, -1 to 1
+};
+
+/// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie
+/// farther than 45 degrees from it to a side.
+Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up);
+
+/// From `eye` each line of sight meets one surface: 0 to 1.
+double is_one_picture(const Sight& sight);
+
+}  // namespace sfumato::analysis
