@@ -388,6 +388,18 @@ Bounds without_strays(const PointCloud& cloud, const Bounds& inner, Bounds box) 
 
 }  // namespace
 
+std::vector<dvec3> scanners_of(const PointCloud& cloud) {
+  std::vector<dvec3> places;
+  const auto add = [&](const dvec3& place) {
+    if (std::isfinite(place.x) && std::find(places.begin(), places.end(), place) == places.end())
+      places.push_back(place);
+  };
+  for (const dvec3& scanner : cloud.scanners) add(scanner);
+  for (const Grid& grid : cloud.grids)
+    if (grid.viewpoint) add(*grid.viewpoint);
+  return places;
+}
+
 Subject subject_of(const PointCloud& cloud, bool whole) {
   constexpr std::size_t each_counts = 100;  // of fewer, none is a stray
   const Bounds robust = cloud.size() < each_counts ? bounds(cloud) : robust_bounds(cloud);
@@ -411,12 +423,18 @@ Subject subject_of(const PointCloud& cloud, bool whole) {
     if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
     if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];
   }
-  Subject subject{box, {}, {}, reach > 0};
+  Subject subject{box, {}, {}, {}, reach > 0};
+  const std::vector<dvec3> scanners = scanners_of(cloud);
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
     const dvec3 p = cloud.world(i), way = p - middle;
     if (reach > 0 && glm::length(way - glm::dot(way, up) * up) > reach) continue;
-    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max)))
+    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max))) {
       subject.points.push_back(p);
+      if (!cloud.normals.empty())
+        subject.facing.push_back(cloud.normals[i]);
+      else if (scanners.size() == 1)
+        subject.facing.push_back(scanners[0] == p ? vec3(0) : vec3(glm::normalize(scanners[0] - p)));
+    }
   }
   if (reach > 0 && !subject.points.empty()) {
     subject.box = {subject.points[0], subject.points[0]};

@@ -28,9 +28,13 @@ struct Compass {
 struct Subject {
   Bounds box;
   std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
-  std::optional<Room> room;   ///< seen from within: walls between it and the camera are not drawn
-  bool thins_out = false;     ///< as around a scanner on a street: the box holds the nearer 85 % only
+  std::vector<vec3> facing;  ///< where each of them faces: its normal, or the way to the one scanner; or none
+  std::optional<Room> room;  ///< seen from within: walls between it and the camera are not drawn
+  bool thins_out = false;    ///< as around a scanner on a street: the box holds the nearer 85 % only
 };
+
+/// Where scanners stood, as far as the file says.
+std::vector<dvec3> scanners_of(const PointCloud& cloud);
 
 /// The 2-98 % box by points, widened to that of the well-sampled area: most points of a scan lie
 /// beside the scanner, and the tower that it stands before is few of them. Of what is inside, up to 50,000

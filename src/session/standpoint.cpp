@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "analysis/sight.h"
-#include "session/voxels.h"
 
 namespace sfumato {
 namespace {
@@ -16,20 +16,15 @@ namespace {
 /// stands.
 constexpr double lies = 0.35, stands = 0.8;
 constexpr double elevation_lying = 32, elevation_standing = 14, elevation_amid = 50, elevation_room = 55;
-/// By how much another side must fill more of the picture than the custom one.
-constexpr double gain = 1.12;
-constexpr int columns = 32, rows = 18;  // coarse enough for a few thousand points to fill
-/// How many times as many points one must see from `elevation_amid` for walls before the camera to be looked
-/// over: 0.7 to 1.2 for objects, up to 1.5 for land, 1.9 for a room without a ceiling.
-constexpr double gain_from_above = 1.6;
-/// Where hills and roofs hide a part of the area, and from `elevation_amid` less than a share of that: 0.3
-/// and 0.46 of a village on hills and of a pit, of which a quarter is hidden; of other scans of which a fifth
-/// is, 0.55 along a power line, 0.65 of a park, 0.75 and more of forests, streets and objects.
-constexpr double hides_much = 0.2, leaves_hidden = 0.5;
-/// The share of the surface that a cutaway must reveal: one voxel in fifty, where rooms have 4 to 17.
-constexpr double revealed_least = 0.02;
-/// What lies this share of the subject's size behind the nearest point of its cell is hidden.
-constexpr double hidden_behind = 0.04;
+/// A view's score is the share of a picture of 16 to 9 that it fills, and twice the logarithm of what it
+/// shows of the area, less twice the share of that which faces away, what it costs to look at what stands
+/// from another side than the custom one (most from the opposite one), and to look from farther above. By the
+/// labels of 54 public scans (good sides, whether from above) 43 are right, 44 by the custom alone; half and
+/// twice each weight give 41 to 45. The picture is filled to 47 % in the mean where the custom fills 41.
+constexpr double weight_seen = 2, weight_high = 0.35;
+/// The share of the surface that a cutaway must reveal, which no view from outside shows: rooms have 0.6 to 8
+/// %, closed bodies none.
+constexpr double revealed_least = 0.005;
 
 double height_over_width(const Bounds& box, UpAxis up) {
   const dvec3 size = box.size(), axis = glm::abs(up_vector(up));
@@ -39,205 +34,193 @@ double height_over_width(const Bounds& box, UpAxis up) {
   return area > 0 ? glm::dot(size, axis) / std::sqrt(area) : stands;
 }
 
-/// Calls `take(column, row, eye depth)` for the points that a picture of so many columns and rows holds.
-template <class Take>
-void for_each_in_picture(const Subject& subject, UpAxis up, const Standpoint& from, int wide, int high,
-                         const Take& take) {
-  Camera camera = frame(subject.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg),
-                        glm::radians(from.elevation_deg));
-  const std::vector<glm::dvec4> walls =
-      subject.room ? walls_before(*subject.room, camera) : std::vector<glm::dvec4>();
-  fit(camera, subject);
-  const dmat4 to_eye = camera.view();
-  const double tan_y = std::tan(0.5 * camera.fov_y), tan_x = tan_y * camera.width / camera.height;
-  for (const dvec3& world : subject.points) {
-    if (is_behind(walls, world)) continue;
-    const dvec3 p(to_eye * glm::dvec4(world, 1));
-    const int x = int((p.x / (-p.z * tan_x) + 1) * 0.5 * wide),
-              y = int((p.y / (-p.z * tan_y) + 1) * 0.5 * high);
-    if (p.z < 0 && x >= 0 && y >= 0 && x < wide && y < high) take(x, y, -p.z);
-  }
-}
-
-/// The share of the picture's cells that hold a point.
-double filled(const Subject& subject, UpAxis up, const Standpoint& from) {
-  std::bitset<std::size_t(columns * rows)> cells;
-  for_each_in_picture(subject, up, from, columns, rows,
-                      [&](int x, int y, double) { cells.set(std::size_t(y * columns + x)); });
-  return double(cells.count()) / (columns * rows);
-}
-
-/// The share of the points that no other one hides.
-double visible(const Subject& subject, UpAxis up, const Standpoint& from) {
-  // Cells as wide as a few points are apart, so that surfaces hide what lies behind.
-  const int high = std::clamp(int(std::sqrt(double(subject.points.size()) / 16)), 9, 60),
-            wide = high * 16 / 9;
-  const double behind = hidden_behind * subject.box.diagonal();
-  std::vector<double> nearest(std::size_t(wide * high), std::numeric_limits<double>::infinity());
-  for_each_in_picture(subject, up, from, wide, high, [&](int x, int y, double depth) {
-    double& here = nearest[std::size_t(y * wide + x)];
-    here = std::min(here, depth);
-  });
-  std::size_t seen = 0, all = 0;
-  for_each_in_picture(subject, up, from, wide, high, [&](int x, int y, double depth) {
-    ++all, seen += depth < nearest[std::size_t(y * wide + x)] + behind;
-  });
-  return all > 0 ? double(seen) / double(all) : 1;
-}
-
-/// A subject's surface by its area: the middles of the voxels that hold points. On a square as wide as the
-/// scan each would hold four.
+/// A subject's surface by its area: the middles of the voxels that hold points, and where those face. On a
+/// square as wide as the scan each would hold four.
 struct Area {
   Bounds box;
-  std::vector<dvec3> voxels;
   double edge = 0;
+  std::vector<dvec3> voxels, facing;
 };
 
 Area area_of(const Subject& subject) {
   const double edges = std::clamp(std::sqrt(double(subject.points.size())) / 2, 8.0, 100.0);
-  Area area{subject.box, {}, subject.box.diagonal() / edges};
+  Area area{subject.box, subject.box.diagonal() / edges, {}, {}};
   if (!(area.edge > 0)) return area;
-  Voxels all(area.box.min, area.edge);
-  for (const dvec3& p : subject.points) all.add(p);
-  for (const dvec3& middle : all.holding(1)) area.voxels.push_back(area.box.min + area.edge * middle);
+  std::vector<std::pair<std::uint64_t, std::size_t>> keys;  // of a point its voxel, 21 bits an axis
+  for (std::size_t i = 0; i < subject.points.size(); ++i) {
+    const dvec3 at = glm::floor((subject.points[i] - area.box.min) / area.edge);
+    keys.emplace_back(std::uint64_t(at.x) << 42 | std::uint64_t(at.y) << 21 | std::uint64_t(at.z), i);
+  }
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t first = 0, last; first < keys.size(); first = last) {
+    dvec3 facing(0);
+    for (last = first; last < keys.size() && keys[last].first == keys[first].first; ++last)
+      if (!subject.facing.empty()) facing += dvec3(subject.facing[keys[last].second]);
+    const std::uint64_t key = keys[first].first;
+    const dvec3 at(double(key >> 42), double(key >> 21 & 0x1fffff), double(key & 0x1fffff));
+    area.voxels.push_back(area.box.min + area.edge * (at + 0.5));
+    area.facing.push_back(glm::length(facing) > 0 ? glm::normalize(facing) : facing);
+  }
   return area;
 }
 
-/// The voxels that no other one hides, seen from far off; of a room, through the walls before it.
-std::vector<bool> seen_of(const Area& area, UpAxis up, const Standpoint& from, double cell_edges,
-                          const Room* room = nullptr) {
+/// What of an area a small depth picture from far off shows; of a room, through the walls before it.
+struct Shown {
+  std::vector<bool> voxels;   ///< that no other one hides
+  double seen = 1, away = 0;  ///< shares: of all voxels those, and of those what faces away
+  double filled = 0;          ///< of a picture of 16 to 9
+};
+
+Shown shown_of(const Area& area, UpAxis up, const Standpoint& from, double cell_edges,
+               const Room* room = nullptr) {
+  constexpr int columns = 32, rows = 18;  // coarse enough for a few thousand points to fill
+  constexpr double edge_on = 0.1;         // sine of 6 degrees, which normals are not sure to
+  Shown shown;
+  if (area.voxels.empty()) return shown;
   const Camera camera =
       frame(area.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg), glm::radians(from.elevation_deg));
   const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
   const dmat4 to_eye = camera.view();
   // As deep as a surface that is seen aslant is in a cell.
   const double cell = cell_edges * area.edge, behind = 3 * area.edge;
-  std::vector<bool> free(area.voxels.size());
-  if (area.voxels.empty()) return free;
   const int across = int(area.box.diagonal() / cell) + 3;
   std::vector<double> nearest(std::size_t(across) * std::size_t(across), -1e300);
   const auto place = [&](const dvec3& p) {
     return std::size_t(std::clamp(int(p.y / cell + across / 2.0), 0, across - 1)) * std::size_t(across) +
            std::size_t(std::clamp(int(p.x / cell + across / 2.0), 0, across - 1));
   };
+  const auto on_screen = [](const dvec3& p) { return glm::dvec2(p) / -p.z; };
   std::vector<dvec3> at;
+  glm::dvec2 low(1e300), high(-1e300);
   for (const dvec3& world : area.voxels) {
     at.push_back(is_behind(walls, world) ? dvec3(0, 0, -1e301) : dvec3(to_eye * glm::dvec4(world, 1)));
+    if (at.back().z < -1e300) continue;
     double& here = nearest[place(at.back())];
     here = std::max(here, at.back().z);
+    low = glm::min(low, on_screen(at.back())), high = glm::max(high, on_screen(at.back()));
   }
-  for (std::size_t i = 0; i < at.size(); ++i)
-    free[i] = at[i].z > nearest[place(at[i])] - behind && at[i].z > -1e300;
-  return free;
+  const double scale = std::max({(high.x - low.x) / columns, (high.y - low.y) / rows, 1e-300});
+  std::bitset<std::size_t(columns * rows)> cells;
+  std::size_t seen = 0, away = 0;
+  shown.voxels.resize(at.size());
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (at[i].z < -1e300) continue;
+    const glm::dvec2 in_picture = (on_screen(at[i]) - 0.5 * (low + high)) / scale;
+    cells.set(std::size_t(std::clamp(int(in_picture.y + 0.5 * rows), 0, rows - 1) * columns +
+                          std::clamp(int(in_picture.x + 0.5 * columns), 0, columns - 1)));
+    if (!(at[i].z > nearest[place(at[i])] - behind)) continue;
+    shown.voxels[i] = true;
+    ++seen, away += glm::dot(area.facing[i], camera.direction()) > edge_on;
+  }
+  shown.seen = double(seen) / double(at.size());
+  shown.away = seen > 0 ? double(away) / double(seen) : 0;
+  shown.filled = double(cells.count()) / (columns * rows);
+  return shown;
 }
 
-double share(const std::vector<bool>& seen) {
-  return seen.empty() ? 1 : double(std::count(seen.begin(), seen.end(), true)) / double(seen.size());
+double score_of(const Shown& shown) {
+  return shown.filled + weight_seen * (std::log(std::max(shown.seen, 1e-3)) - shown.away);
 }
 
-/// Whether so much of the area is hidden that one looks from farther above, where that shows most of it.
-bool hides_land(const Subject& subject, UpAxis up, const Standpoint& from, const Standpoint& over) {
-  constexpr double wide = 1.2;  // edges: wider than a voxel
-  const Area area = area_of(subject);
-  const double hidden = 1 - share(seen_of(area, up, from, wide));
-  return hidden > hides_much && 1 - share(seen_of(area, up, over, wide)) < leaves_hidden * hidden;
-}
+constexpr double next_edges = 1.2;  // wider than a voxel
+/// A lattice leaves no circle of 0.71 edges empty, so walls have no gaps.
+constexpr double closed_edges = 1.5;
 
-/// Whether a cutaway shows what no view from outside does. Of a closed body it shows none: the inside of what
-/// is seen from the other side.
-bool reveals(const Subject& subject, UpAxis up, const Standpoint& into) {
-  constexpr double closed =
-      1.5;  // edges: a lattice leaves no circle of 0.71 edges empty, so walls have no gaps
-  const Area area = area_of(subject);
-  std::vector<bool> hidden = seen_of(area, up, into, closed, &*subject.room);
-  for (const double elevation : {elevation_lying, elevation_amid})
+/// Whether a cutaway shows what no view from outside does, from above or below. Of a closed body it shows
+/// none: the inside of what is seen from the other side.
+bool reveals(const Area& area, UpAxis up, const Standpoint& into, const Room& room) {
+  std::vector<bool> hidden = shown_of(area, up, into, closed_edges, &room).voxels;
+  for (const double elevation : {-elevation_amid, elevation_lying, elevation_amid})
     for (int side = 0; side < 12; ++side) {
-      const std::vector<bool> seen = seen_of(area, up, {30.0 * side, elevation}, closed);
+      const std::vector<bool> seen = shown_of(area, up, {30.0 * side, elevation}, closed_edges).voxels;
       for (std::size_t i = 0; i < seen.size(); ++i) hidden[i] = hidden[i] && !seen[i];
     }
-  return share(hidden) > revealed_least;
+  return double(std::count(hidden.begin(), hidden.end(), true)) > revealed_least * double(hidden.size());
 }
 
 /// Over the corner of two walls that leave most to be seen.
-Standpoint into_room(const Subject& subject, UpAxis up) {
-  const Compass compass(up);
+Standpoint into_room(const Area& area, UpAxis up, const Room& room) {
   double first = -30;
-  if (subject.room->outside.size() > 1)
-    first += glm::degrees(compass.azimuth(dvec3(subject.room->outside[1])));
+  if (room.outside.size() > 1) first += glm::degrees(Compass(up).azimuth(dvec3(room.outside[1])));
   Standpoint best{first, elevation_room};
-  double most = -1;
+  double most = -1e300;
   for (int side = 0; side < 4; ++side)
     for (double corner : {0.0, 60.0}) {
       const Standpoint from{std::remainder(first + 90 * side + corner, 360), elevation_room};
-      const double share = filled(subject, up, from);
-      if (share > most) most = share, best = from;
+      const double score = score_of(shown_of(area, up, from, next_edges, &room));
+      if (score > most) most = score, best = from;
     }
   return best;
+}
+
+/// Degrees; a little from the left by custom, and where most of one side faces, as of a wall or of what one
+/// scanner saw, from there.
+double front_of(const Area& area, UpAxis up) {
+  constexpr double one_sided = 0.5;  // the mean of a half sphere's normals
+  dvec3 mean(0);
+  for (const dvec3& facing : area.facing) mean += facing / double(area.facing.size());
+  mean -= glm::dot(mean, up_vector(up)) * up_vector(up);
+  return glm::length(mean) > one_sided ? glm::degrees(Compass(up).azimuth(glm::normalize(mean))) : -30;
 }
 
 }  // namespace
 
 Standpoint standpoint_for(Subject& subject, UpAxis up) {
-  const double steep = height_over_width(subject.box, up);
-  const double upright = std::clamp((steep - lies) / (stands - lies), 0.0, 1.0);
-  // Amid what thins out, farther things would stand before the camera.
-  if (subject.thins_out) return {-30, elevation_amid};
+  const double upright = std::clamp((height_over_width(subject.box, up) - lies) / (stands - lies), 0.0, 1.0);
+  const Area area = area_of(subject);
   if (subject.room) {
-    const Standpoint into = into_room(subject, up);
-    if (reveals(subject, up, into)) return into;
+    const Standpoint into = into_room(area, up, *subject.room);
+    if (reveals(area, up, into, *subject.room)) return into;
     subject.room.reset();
   }
-  Standpoint best{-30, std::lerp(elevation_lying, elevation_standing, upright)};
-  Standpoint over = best;
-  over.elevation_deg = elevation_amid;
-  if (upright < 1 && (visible(subject, up, over) > gain_from_above * visible(subject, up, best) ||
-                      hides_land(subject, up, best, over)))
-    best = over;
-  if (upright > 0) return best;
-  double most = gain * filled(subject, up, best);
-  for (double azimuth : {30, 60, -60, 120, -120, 150, -150}) {
-    const Standpoint other{azimuth, best.elevation_deg};
-    const double share = filled(subject, up, other);
-    if (share > most) most = share, best = other;
-  }
+  // Amid what thins out, farther things would stand before the camera.
+  const double usual =
+      subject.thins_out ? elevation_amid : std::lerp(elevation_lying, elevation_standing, upright);
+  const double front = front_of(area, up);
+  Standpoint best;
+  double most = -1e300;
+  for (const double elevation : {usual, elevation_amid})
+    for (int turn = 0; turn < 12; ++turn) {
+      const Standpoint from{std::remainder(front + 30 * turn, 360), elevation};
+      const double score = score_of(shown_of(area, up, from, next_edges)) -
+                           upright * (1 - std::cos(glm::radians(30.0 * turn))) -
+                           (elevation > usual ? weight_high : 0);
+      if (score > most + 1e-9) most = score, best = from;
+    }
   return best;
 }
 
 std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject) {
+  constexpr double axial = 0.7;     // cosine of 45 degrees
   constexpr double steepest = 0.9;  // sine: of what is seen from above or below, the view is another
-  std::vector<dvec3> places;
-  for (const dvec3& scanner : cloud.scanners) places.push_back(scanner);
-  for (const Grid& grid : cloud.grids)
-    if (grid.viewpoint && std::find(places.begin(), places.end(), *grid.viewpoint) == places.end())
-      places.push_back(*grid.viewpoint);
+  const std::vector<dvec3> places = scanners_of(cloud);
   const bool is_known = !places.empty();
-  if (!is_known) places.push_back(dvec3(0));
-  if (places.size() > 1 || !std::isfinite(places[0].x) || subject.points.empty()) return std::nullopt;
-  if (!is_known && height_over_width(subject.box, cloud.up) < lies) return std::nullopt;
-  Sensor sensor{places[0], dvec3(0)};
+  if (places.size() > 1 || subject.points.empty()) return std::nullopt;
+  if (!is_known && (cloud.las || height_over_width(subject.box, cloud.up) < lies)) return std::nullopt;
+  Sensor sensor{is_known ? places[0] : dvec3(0), dvec3(0)};
   for (const dvec3& p : subject.points)
     if (p != sensor.place) sensor.along += glm::normalize(p - sensor.place);
+  if (!(glm::length(sensor.along) > 0)) return std::nullopt;
+  sensor.along = glm::normalize(sensor.along);
   const dvec3 up = up_vector(cloud.up);
-  for (int step = 0; step < 4; ++step) {
-    if (!(glm::length(sensor.along) > 0)) return std::nullopt;
-    sensor.along = glm::normalize(sensor.along);
-    if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
-    if (step == 0 &&
-        analysis::is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
-      return std::nullopt;
+  // Cameras look along z where y is up or down, robots along x.
+  if (!is_known && !(std::abs(up.y) > 0.5 ? std::abs(sensor.along.z) > axial : sensor.along.x > axial))
+    return std::nullopt;
+  if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
+  if (is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
+    return std::nullopt;
+  for (int step = 0; step < 3; ++step) {  // to the middle of what appears
     const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up);
     const dvec3 right = glm::normalize(glm::cross(sensor.along, up));
     sensor.along += 0.5 * ((low.x + high.x) * right + (low.y + high.y) * glm::cross(right, sensor.along));
+    sensor.along = glm::normalize(sensor.along);
   }
-  return Sensor{sensor.place, glm::normalize(sensor.along)};
+  return sensor;
 }
 
 dvec3 place_inside(const PointCloud& cloud) {
-  for (const dvec3& scanner : cloud.scanners)
-    if (std::isfinite(scanner.x)) return scanner;
-  for (const Grid& grid : cloud.grids)
-    if (grid.viewpoint) return *grid.viewpoint;
-  return bounds(cloud).center();
+  const std::vector<dvec3> places = scanners_of(cloud);
+  return places.empty() ? bounds(cloud).center() : places[0];
 }
 
 }  // namespace sfumato

@@ -10,10 +10,9 @@ struct Standpoint {
   double azimuth_deg = -30, elevation_deg = 30;
 };
 
-/// What stands is seen almost at eye level, a little from the left of its front, as one looks at a statue;
-/// what lies, from above, and from farther above where it hides much of itself. Land has no front: it is seen
-/// from where it fills most of a picture of 16 to 9. A room of which the cutaway shows nothing that the whole
-/// hides is none any more.
+/// By custom what stands is seen almost at eye level, a little from the left of its front, as one looks at a
+/// statue, and what lies from above; elsewhere from where a small depth picture shows clearly more. Land has
+/// no front. A room of which the cutaway shows nothing that the whole hides is none any more.
 Standpoint standpoint_for(Subject& subject, UpAxis up);
 
 /// Where a sensor stood that saw all of the subject in one picture, as depth cameras do, and the direction of
