@@ -3,6 +3,7 @@
 #include <jpeglib.h>
 #include <webp/encode.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <csetjmp>
@@ -135,6 +136,21 @@ void write_depth_png(const std::filesystem::path& file, const Image<float>& dept
   texts.emplace_back("DepthNear", print(std::isfinite(nearest) ? nearest : 0));
   texts.emplace_back("DepthFar", print(farthest));
   write_png(file, gray, texts);
+}
+
+std::size_t write_depth_png(const std::filesystem::path& file, const Image<float>& depth, double step,
+                            const std::string& unit, PngTexts texts) {
+  Image<std::uint16_t> gray(depth.width(), depth.height());
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const double steps = std::round(double(depth.data()[i]) / step);
+    if (!std::isfinite(steps)) continue;
+    beyond += steps > 65535;
+    gray.data()[i] = std::uint16_t(std::clamp(steps, 1.0, 65535.0));
+  }
+  texts.emplace_back("DepthUnit", unit);
+  write_png(file, gray, texts);
+  return beyond;
 }
 
 }  // namespace sfumato::io

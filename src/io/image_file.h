@@ -22,4 +22,10 @@ void write_webp(const std::filesystem::path& file, const Image<Rgba8>& image, bo
 /// are the texts DepthNear and DepthFar, in scene units.
 void write_depth_png(const std::filesystem::path& file, const Image<float>& depth, PngTexts texts = {});
 
+/// The same with steps of `step` scene units, which the text DepthUnit says as `unit`: 0 where nothing is, 1
+/// for all that is nearer than one and a half steps, 65535 for all beyond. Returns the pixels that are
+/// beyond.
+std::size_t write_depth_png(const std::filesystem::path& file, const Image<float>& depth, double step,
+                            const std::string& unit, PngTexts texts = {});
+
 }  // namespace sfumato::io

@@ -41,12 +41,13 @@ void write_array(const std::filesystem::path& file, const char* type, int channe
 
 NpyRows::NpyRows(const std::filesystem::path& file, int width, int height, int channels)
     : writer_(std::make_unique<AtomicWriter>(file)) {
-  write_header(*writer_, "<f4", width, height, channels);
+  write_header(*writer_, channels == 0 ? "<i8" : "<f4", width, height, channels);
 }
 NpyRows::~NpyRows() = default;
 void NpyRows::write(const Image<float>& rows) { write_pixels(*writer_, rows); }
 void NpyRows::write(const Image<vec3>& rows) { write_pixels(*writer_, rows); }
 void NpyRows::write(const Image<vec4>& rows) { write_pixels(*writer_, rows); }
+void NpyRows::write(const Image<std::int64_t>& rows) { write_pixels(*writer_, rows); }
 void NpyRows::finish() { writer_->commit(); }
 
 void write_npy(const std::filesystem::path& file, const Image<float>& image) {
@@ -63,6 +64,10 @@ void write_npy(const std::filesystem::path& file, const Image<vec4>& image) {
 
 void write_npy(const std::filesystem::path& file, const Image<std::uint8_t>& image) {
   write_array(file, "|u1", 1, image);
+}
+
+void write_npy(const std::filesystem::path& file, const Image<std::int64_t>& image) {
+  write_array(file, "<i8", 1, image);
 }
 
 }  // namespace sfumato::io

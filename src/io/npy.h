@@ -14,9 +14,10 @@ void write_npy(const std::filesystem::path& file, const Image<float>& image);
 void write_npy(const std::filesystem::path& file, const Image<vec3>& image);
 void write_npy(const std::filesystem::path& file, const Image<vec4>& image);
 void write_npy(const std::filesystem::path& file, const Image<std::uint8_t>& image);
+void write_npy(const std::filesystem::path& file, const Image<std::int64_t>& image);
 
-/// Floats from top to bottom, for pictures that are never in memory as a whole. Without `finish` nothing
-/// appears.
+/// Floats, or int64 with `channels` 0, from top to bottom, for pictures that are never in memory as a whole.
+/// Without `finish` nothing appears.
 class NpyRows {
  public:
   NpyRows(const std::filesystem::path& file, int width, int height, int channels);
@@ -26,6 +27,7 @@ class NpyRows {
   void write(const Image<float>& rows);
   void write(const Image<vec3>& rows);
   void write(const Image<vec4>& rows);
+  void write(const Image<std::int64_t>& rows);
   void finish();
 
  private:

@@ -192,7 +192,8 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
                              const Settings& parameters, const std::vector<std::string>& outputs,
                              const std::optional<Camera>& light_from, bool panorama,
                              const NamesAndValues& furniture, const py::object& progress) {
-  ShotRequest request{camera, size.first, size.second, technique, parameters, light_from, panorama, {}, {}};
+  ShotRequest request{camera,     size.first, size.second, technique, parameters,
+                      light_from, panorama,   {},          {},        false};
   for (const auto& [name, value] : furniture)
     if (!sfumato::set(request.furniture, name, value))
       throw Error(ErrorCode::usage, "there is no '" + name + "' in pictures");
@@ -208,8 +209,10 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
       request.wants.depth = true;
     else if (output == "normal")
       request.wants.normal = true;
+    else if (output == "index")
+      request.index = request.wants.depth = true;
     else
-      refuse_name("there is no output", output, {"rgba", "linear", "depth", "normal"});
+      refuse_name("there is no output", output, {"rgba", "linear", "depth", "normal", "index"});
   }
   self.get();
   // Another thread may close the renderer meanwhile.
@@ -404,6 +407,11 @@ void bind_stage(py::module_& module) {
       .def("depth",
            [](const py::object& self) {
              auto& i = self.cast<Shot&>().images.depth;
+             return image(i, {i.height(), i.width()}, i.data(), self);
+           })
+      .def("index",
+           [](const py::object& self) {
+             auto& i = self.cast<Shot&>().index;
              return image(i, {i.height(), i.width()}, i.data(), self);
            })
       .def("normal",

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "passes/shadows.h"
 #include "session/notes.h"
+#include "session/point_index.h"
 #include "session/standpoint.h"
 
 namespace sfumato::python {
@@ -68,6 +69,7 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
                  Progress& progress) {
   if (scene.cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
   notes_ = scene.notes;
+  has_all_points_ = !scene.levels;
   if (options_.selection) {
     scene.selected = apply(*options_.selection, scene.cloud);
     notes_.insert(notes_.end(), scene.selected.notes.begin(), scene.selected.notes.end());
@@ -182,11 +184,16 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
                                       std::to_string(shot.camera.height) +
                                       " is beyond the largest picture (" + std::to_string(limit) +
                                       " px a side): give a smaller size");
+  if (request.index && (request.panorama || !has_all_points_))
+    throw Error(ErrorCode::usage, request.panorama
+                                      ? "index: it is of one view, not of a panorama"
+                                      : "index: it needs all points in memory: give more memory");
   labels::check(request.furniture, shot.camera, stand_.pose.upright.up, request.panorama);
   if (request.light_from) fix_light(look.settings, *request.light_from, stand_.pose.upright.up);
   progress.update(0, "rendering " + look.name);
   shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)
                                  : session_->render(look, shot.camera, request.wants, progress);
+  if (request.index) shot.index = PointIndex(*session_).of(shot.camera, shot.images.depth);
   shot.transparent = options_.transparent;
   shot.up = stand_.pose.upright.up, shot.crs = crs_;
   shot.technique = look.name;

@@ -42,11 +42,13 @@ struct ShotRequest {
   bool panorama = false;                 ///< everything around the camera
   Furniture furniture;                   ///< drawn into the sRGB picture
   RenderWants wants;
+  bool index = false;
 };
 
 /// A picture and what is known of it. Arrays of Python are views of its images.
 struct Shot {
   RenderOutput images;
+  Image<std::int64_t> index;  ///< session/point_index.h
   Camera camera;
   bool transparent = false;
   std::string technique, reason;
@@ -93,6 +95,7 @@ class Stage final : public OnGl {
   Stand stand_;
   std::vector<std::string> notes_;  ///< of reading and selecting
   std::size_t points_ = 0;
+  bool has_all_points_ = true;  ///< else those that a view shows
   std::string crs_;
 };
 

@@ -108,6 +108,16 @@ void add_output(Table& t) {
   t.text("--output-depth", "FILE",
          "depth along the view axis: .npy or .exr (float32, inf where nothing), .png (16 bit)",
          &Request::output_depth);
+  t.text("--depth-unit", "m|cm|mm|in|ft|METRES",
+         "what one step of a depth .png is (its range in 65535 steps); beyond 65535 of them all is 65535",
+         [](Request& r, Text option, Text text) {
+           r.depth_unit = unit_named(text);
+           if (r.depth_unit.metres > 0 || text.empty()) return;
+           r.depth_unit = {text + " m", parse_positive(option, text)};
+         });
+  t.text("--output-index", "FILE.npy",
+         "int64 HxW: which point of the input is seen, from 0 on and file after file, -1 where none is",
+         &Request::output_index);
   t.text("--output-normal", "FILE.npy", "float32 HxWx3, world, facing the camera, 0 where none",
          &Request::output_normal);
   t.text("--output-camera", "FILE.json", "the camera of the picture", &Request::output_camera);

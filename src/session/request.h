@@ -12,6 +12,7 @@
 
 #include "core/coloring.h"
 #include "core/furniture.h"
+#include "core/units.h"
 #include "scene/leveled_scene.h"
 #include "session/draw_rule.h"
 #include "session/view_wishes.h"
@@ -54,7 +55,9 @@ struct Request {
   std::optional<double> degrees;  ///< of the orbit
 
   // What is written.
-  std::string output, output_panels, output_depth, output_normal, output_camera, save_preset, save_scene;
+  std::string output, output_panels, output_depth, output_index, output_normal, output_camera, save_preset,
+      save_scene;
+  LengthUnit depth_unit;  ///< of a step of depth as PNG; of no length: the range of depths is 65535 steps
   std::optional<int> quality;
   bool world_file = false, timings = false, json = false;
 

@@ -181,6 +181,12 @@ Array CommandTest::read_npy(const std::string& name) const {
   array.type = text.substr(type, text.find('\'', type) - type);
   std::stringstream shape(text.substr(text.find('(') + 1, text.find(')') - text.find('(') - 1));
   for (std::string word; std::getline(shape, word, ',');) array.shape.push_back(std::stoi(word));
+  if (array.type == "<i8") {
+    array.indices.resize((bytes.size() - 10 - header) / sizeof(std::int64_t));
+    std::memcpy(array.indices.data(), bytes.data() + 10 + header,
+                array.indices.size() * sizeof(std::int64_t));
+    return array;
+  }
   array.values.resize((bytes.size() - 10 - header) / sizeof(float));
   std::memcpy(array.values.data(), bytes.data() + 10 + header, array.values.size() * sizeof(float));
   return array;

@@ -26,6 +26,7 @@ struct Array {
   std::string type;
   std::vector<int> shape;
   std::vector<float> values;
+  std::vector<std::int64_t> indices;  ///< of int64
 };
 
 class CommandTest : public ::testing::Test {

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "cli/command.h"
+#include "reference/png.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -155,6 +157,73 @@ TEST_F(RenderTest, DepthNormalAndLinearArrays) {
   const Json camera = Json::parse(text("k.json"));
   EXPECT_EQ(camera["width"], 64);
   EXPECT_EQ(camera["position"], (Json{0.5, -2.0, 0.5}));
+}
+
+// Points whose colours are their numbers: the picture says which is seen where.
+TEST_F(RenderTest, IndexSaysWhichPointIsSeen) {
+  const auto file = [&](const std::string& name, int first) {
+    std::string text = "x y z r g b\n";
+    for (int i = first; i < first + 2000; ++i)
+      text += std::to_string(i * 7919 % 1009 / 1009.0) + " " + std::to_string(i * 104729 % 2003 / 2003.0) +
+              " " + std::to_string(i * 15487 % 997 / 997.0) + " " + std::to_string(i & 63) + " " +
+              std::to_string(i >> 6) + " 200\n";
+    return write(name, text);
+  };
+  file("a.txt", 0), file("b.txt", 2000), write_front_camera();
+  const auto check = [&](std::vector<std::string> words) {
+    const std::string plain =
+        "-o a.png --camera front.json --output-index i.npy --output-depth d.npy --shading albedo --edl false "
+        "--ambient-occlusion 0 --smooth-outlines false --size-mode pixels --point-size 1 --exposure 1";
+    std::stringstream more(plain);
+    for (std::string word; more >> word;) words.push_back(word);
+    const Outcome outcome = run(words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Array index = read_npy("i.npy"), depth = read_npy("d.npy");
+    const Image<Rgba8> image = read_png("a.png");
+    EXPECT_EQ(index.type, "<i8");
+    ASSERT_EQ(index.shape, (std::vector<int>{48, 64}));
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      const Rgba8 c = image.data()[i];
+      EXPECT_EQ(index.indices[i], std::isinf(depth.values[i]) ? -1 : (c.g << 6) + c.r) << i;
+      seen += index.indices[i] >= 0;
+    }
+    EXPECT_GT(seen, 300u);
+  };
+  check({"a.txt"});
+  check({"a.txt", "b.txt"});
+  check({"a.txt", "b.txt", "--crop", "0,0,0,1,1,0.7"});
+  ::setenv("SFUMATO_TILE", "64", 1);
+  check({"a.txt", "b.txt", "--draw", "z 0..0.3: points size_mode=pixels point_size=1"});
+  ::unsetenv("SFUMATO_TILE");
+  EXPECT_THAT(run({"a.txt", "--output-index", "i.png"}).err, HasSubstr(".npy"));
+}
+
+TEST_F(RenderTest, DepthAsPngInAUnit) {
+  write_front_camera();
+  const auto words = [](const std::string& unit, const std::string& file) {
+    return std::vector<std::string>{
+        "cube.ply", "--camera", "front.json", "--depth-unit", unit, "--output-depth", file, "--unit", "m"};
+  };
+  ASSERT_EQ(run({"cube.ply", "--camera", "front.json", "--output-depth", "d.npy"}).code, 0);
+  const Array depth = read_npy("d.npy");
+  for (const auto& [unit, steps] : {std::pair("mm", 1000.0), {"cm", 100.0}, {"0.0002", 5000.0}}) {
+    const Outcome outcome = run(words(unit, "d.png"));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, Not(HasSubstr("beyond")));
+    const Image<std::uint16_t> gray = read_gray(path("d.png"));
+    for (std::size_t i = 0; i < gray.size(); ++i)
+      ASSERT_NEAR(gray.data()[i], std::isinf(depth.values[i]) ? 0 : double(depth.values[i]) * steps, 0.51)
+          << i;
+    EXPECT_THAT(png_texts("d.png").at("DepthUnit"), HasSubstr(unit));
+  }
+  const Outcome outcome = run(words("0.00003", "d.png"));
+  EXPECT_THAT(outcome.err, HasSubstr("beyond 65535"));
+  const Image<std::uint16_t> gray = read_gray(path("d.png"));
+  EXPECT_EQ(gray.at(32, 24), 65535);
+  EXPECT_EQ(gray.at(0, 0), 0);
+  EXPECT_THAT(run(words("mm", "d.npy")).err, HasSubstr("--depth-unit"));
+  EXPECT_THAT(run(words("parsec", "d.png")).err, HasSubstr("parsec"));
 }
 
 TEST_F(RenderTest, DepthAloneNeedsNoPicture) {

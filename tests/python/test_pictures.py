@@ -250,3 +250,15 @@ def test_other_colours_for_the_same_renderer(sphere):
                                                size=SMALL).rgba).all()
         renderer.color()
         assert (renderer.render(size=SMALL).rgba == first).all()
+
+
+def test_index_says_which_point_is_seen():
+    xyz = np.random.default_rng(3).uniform(0, 1, (3000, 3))
+    camera = sfumato.Camera(position=(0.5, -2, 0.5), target=(0.5, 0, 0.5), up=(0, 0, 1), size=(64, 48))
+    picture = sfumato.render(xyz, technique="points", camera=camera, outputs=["index"], size_mode="pixels", point_size=1)
+    assert picture.index.dtype == np.int64 and picture.index.shape == (48, 64)
+    assert np.array_equal(picture.index >= 0, np.isfinite(picture.depth))
+    seen = picture.index >= 0
+    assert np.allclose(xyz[picture.index[seen], 1] + 2, picture.depth[seen], atol=1e-5)
+    with pytest.raises(sfumato.Error, match="panorama"):
+        sfumato.render(xyz, panorama=True, outputs=["index"])

@@ -44,7 +44,7 @@ int formats_command(const Words& words) {
             {".exr", "32-bit float channel Z"},
             {".png",
              "16-bit grey, 0 where nothing is, near 1 to far 65535; the texts DepthNear and DepthFar hold "
-             "both ends in scene units"}},
+             "both ends in scene units; or steps of --depth-unit"}},
            width, 28);
   print(text);
   return 0;

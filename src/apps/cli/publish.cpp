@@ -25,6 +25,7 @@ std::string box_text(const Bounds& box) {
 void refuse_others(const RenderOptions& options) {
   for (const auto& [option, given] : {std::pair("--output-panels", !options.output_panels.empty()),
                                       {"--output-depth", !options.output_depth.empty()},
+                                      {"--output-index", !options.output_index.empty()},
                                       {"--output-normal", !options.output_normal.empty()},
                                       {"--output-camera", !options.output_camera.empty()},
                                       {"--world-file", options.world_file},

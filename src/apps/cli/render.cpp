@@ -101,6 +101,7 @@ void check_names(const RenderOptions& options, const Choice& choice) {
   for (int n = 0; n < options.picture_count(); ++n) {
     for (const auto& [option, pattern] :
          {std::pair("-o", options.output), std::pair("--output-depth", options.output_depth),
+          std::pair("--output-index", options.output_index),
           std::pair("--output-normal", options.output_normal),
           std::pair("--output-camera", options.output_camera)})
       if (!pattern.empty() && !(n > 0 && is_video(pattern)))
@@ -203,6 +204,9 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
     throw Error(
         ErrorCode::usage,
         "--vertical-exaggeration needs all points in memory, and files are larger: raise --memory or crop");
+  if (leveled && !options.output_index.empty())
+    throw Error(ErrorCode::usage,
+                "--output-index needs all points in memory, and files are larger: raise --memory or crop");
   Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
   sight.pose = pose_of(sight.scene, options, report, console);
   sight.camera = first_camera(options, sight.pose, sight.scene.cloud);

@@ -70,14 +70,19 @@ void RenderOptions::check_outputs(std::size_t technique_count) {
   if (technique_count > 1) {
     if (!output.empty() && !is_picture(extension))
       refuse("-o " + output + ": a contact sheet of several techniques is a .png");
-    if (!output_depth.empty() || !output_normal.empty())
-      refuse("--output-depth and --output-normal need a single technique");
+    if (!output_depth.empty() || !output_normal.empty() || !output_index.empty())
+      refuse("--output-depth, --output-index and --output-normal need a single technique");
   }
   if (const std::string depth = extension_of(output_depth);
       !output_depth.empty() && depth != ".npy" && depth != ".exr" && depth != ".png")
     refuse("--output-depth " + output_depth + ": depth is written as .npy, .exr or .png (16 bit)");
-  if (!output_normal.empty() && extension_of(output_normal) != ".npy")
-    refuse("--output-normal " + output_normal + ": the array is written as .npy");
+  if (depth_unit.metres > 0 && extension_of(output_depth) != ".png")
+    refuse("--depth-unit is of --output-depth NAME.png; .npy and .exr hold scene units");
+  for (const auto& [option, file] :
+       {std::pair("--output-normal ", output_normal), std::pair("--output-index ", output_index)})
+    if (!file.empty() && extension_of(file) != ".npy")
+      refuse(option + file + ": the array is written as .npy");
+  if (panorama && !output_index.empty()) refuse("--output-index is of one view: leave out --panorama");
   if (!furniture.empty() && (extension == ".exr" || extension == ".npy")) {
     const Furniture& f = furniture;
     refuse(std::string(f.legend          ? "--legend"
@@ -136,7 +141,7 @@ void RenderOptions::check(std::size_t technique_count) {
   check_outputs(technique_count);
   settle_view(*this);
   settle_points(*this);
-  points.read.samples_faces = !vertices;
+  points.read.samples_faces = !vertices && output_index.empty();  // points on faces are none of the input
   if (gpu_memory)  // One budget: that of the points that both have room for.
     memory = std::min(memory, std::max<std::uint64_t>(1, *gpu_memory / scene::gpu_memory_of_point) *
                                   scene::memory_of_point);
@@ -153,7 +158,8 @@ void RenderOptions::check(std::size_t technique_count) {
     if (degrees && path != "orbit") refuse("--degrees goes with --path orbit");
     if (path != "orbit") poses = io::read_camera_path(path);
   }
-  for (const std::string& file : {output, output_panels, output_depth, output_normal, output_camera}) {
+  for (const std::string& file :
+       {output, output_panels, output_depth, output_index, output_normal, output_camera}) {
     if (file.empty() || is_video(file)) continue;
     const std::string first = file_name(file, {0, "t", "a"});
     if (first == file) {

@@ -52,7 +52,7 @@ struct RenderOptions : Request {
   void check_window(std::size_t technique_count) const;
   bool has_output() const {
     return publication || !output.empty() || !output_panels.empty() || !output_depth.empty() ||
-           !output_normal.empty() || !output_camera.empty();
+           !output_index.empty() || !output_normal.empty() || !output_camera.empty();
   }
 };
 

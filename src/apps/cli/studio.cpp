@@ -42,7 +42,7 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
   const std::string extension = extension_of(options_.output);
   wants_.color_linear = extension == ".exr" || extension == ".npy";
   wants_.color = (!options_.output.empty() && !wants_.color_linear) || !options_.output_panels.empty();
-  wants_.depth = extension == ".exr" || !options_.output_depth.empty();
+  wants_.depth = extension == ".exr" || !options_.output_depth.empty() || !options_.output_index.empty();
   wants_.normal = extension == ".exr" || !options_.output_normal.empty();
   if (options_.publication) wants_.color = wants_.depth = true;
   wants_.timings = options_.timings || options_.json;
@@ -71,6 +71,7 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
   report_.draw.clear();
   for (const Session::Part& part : session_.parts())
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
+  if (!options_.output_index.empty()) index_.emplace(session_);
   for (const std::string& note : session_.notes()) console_.note(note);
   if (session_.left_out() > 0)
     console_.note(fmt::format("{} left out: {} others share their place", are(session_.left_out(), "point"),
@@ -157,7 +158,7 @@ struct Studio::Rows {
   std::optional<io::PngRows> png;
   std::optional<io::TiffRows> tiff;
   std::optional<io::ExrRows> exr, depth_exr;
-  std::optional<io::NpyRows> npy, depth_npy, normal_npy;
+  std::optional<io::NpyRows> npy, depth_npy, index_npy, normal_npy;
   std::string whole_name, depth_name;
   Image<Rgba8> whole;
   Image<float> depth;
@@ -190,6 +191,8 @@ void Studio::open(Rows& rows, const Camera& camera, int n) {
     else
       rows.depth_npy.emplace(name, width, height, 1);
   }
+  if (!options_.output_index.empty())
+    rows.index_npy.emplace(name_of(options_.output_index, n), width, height, 0);
   if (!options_.output_normal.empty())
     rows.normal_npy.emplace(name_of(options_.output_normal, n), width, height, 3);
 }
@@ -209,6 +212,7 @@ void Studio::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& c
   if (rows.depth_exr) rows.depth_exr->write({}, strip.depth, {});
   if (rows.depth_npy) rows.depth_npy->write(strip.depth);
   if (!rows.depth.empty()) std::copy(strip.depth.begin(), strip.depth.end(), rows.depth.data() + place);
+  if (rows.index_npy) rows.index_npy->write(index_->of(camera, strip.depth, first_row));
   if (rows.normal_npy) rows.normal_npy->write(strip.normal);
 }
 
@@ -217,7 +221,7 @@ void Studio::close(Rows& rows, const Camera& camera) {
   if (rows.tiff) rows.tiff->finish();
   for (auto* exr : {&rows.exr, &rows.depth_exr})
     if (*exr) (*exr)->finish();
-  for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.normal_npy})
+  for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.index_npy, &rows.normal_npy})
     if (*npy) (*npy)->finish();
   if (!rows.whole.empty()) write_picture(rows.whole_name, rows.whole, camera);
   if (!rows.depth.empty()) write_depth(rows.depth_name, rows.depth);
@@ -308,10 +312,26 @@ void Studio::write_depth(const std::string& name, const Image<float>& depth) {
   if (extension == ".exr")
     io::write_exr(name, {}, depth, {}, command_);
   else if (extension == ".png")
-    io::write_depth_png(name, depth,
-                        {{"Software", std::string("sfumato ") + version()}, {"Command", command_}});
+    write_depth_png(name, depth);
   else
     io::write_npy(name, depth);
+}
+
+void Studio::write_depth_png(const std::string& name, const Image<float>& depth) {
+  const io::PngTexts texts{{"Software", std::string("sfumato ") + version()}, {"Command", command_}};
+  const LengthUnit& step = options_.depth_unit;
+  if (step.metres == 0) return io::write_depth_png(name, depth, texts);
+  const LengthUnit& unit = session_.pose().unit;
+  if (unit.metres == 0 && !tells_unit_) {
+    console_.say("--depth-unit: the file does not say its unit, taken for metres; --unit ft says otherwise");
+    tells_unit_ = true;
+  }
+  const double metres = unit.metres > 0 ? unit.metres : 1;
+  if (const std::size_t beyond = io::write_depth_png(name, depth, step.metres / metres, step.symbol, texts))
+    console_.say(
+        fmt::format("{}: {} beyond 65535 {}, the most that 16 bits hold: written as 65535; a larger "
+                    "--depth-unit holds them",
+                    name, are(beyond, "pixel"), step.symbol));
 }
 
 void Studio::finish() {
@@ -336,6 +356,7 @@ void Studio::write(const RenderOutput& out, const Camera& camera, int n) {
       write_picture(name, out.rgba8, camera);
   }
   if (!options_.output_depth.empty()) write_depth(name_of(options_.output_depth, n), out.depth);
+  if (index_) io::write_npy(name_of(options_.output_index, n), index_->of(camera, out.depth));
   if (!options_.output_normal.empty()) io::write_npy(name_of(options_.output_normal, n), out.normal);
   if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
 }

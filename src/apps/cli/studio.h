@@ -13,6 +13,7 @@
 #include "parameters.h"
 #include "render_options.h"
 #include "report.h"
+#include "session/point_index.h"
 #include "session/session.h"
 #include "video.h"
 
@@ -53,6 +54,7 @@ class Studio {
   void write_world_file();
   void write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n);
   void write_depth(const std::string& name, const Image<float>& depth);
+  void write_depth_png(const std::string& name, const Image<float>& depth);
   void write(const RenderOutput& out, const Camera& camera, int n);
   struct Rows;
   void shoot_rows(const Camera& camera, int n, Stopwatch& watch);
@@ -70,7 +72,9 @@ class Studio {
   std::unique_ptr<Video> video_;  ///< of -o NAME.mp4, from the first frame on
   std::unique_ptr<gl::Context> context_;
   Session session_;
-  std::string crs_;                                                          ///< of the points that are drawn
+  std::optional<PointIndex> index_;  ///< for --output-index
+  bool tells_unit_ = false;          ///< whether it was said that depths are taken for metres
+  std::string crs_;                  ///< of the points that are drawn
   std::optional<std::pair<std::filesystem::path, io::Georeference>> world_;  ///< of the picture in the making
   RenderWants wants_;
 };

@@ -41,6 +41,11 @@ class Picture:
         return self._shot.normal()
 
     @property
+    def index(self):
+        """int64 (height, width): which point is seen, from 0 on and file after file; -1 where none is. Ask for it: outputs=["index"]."""
+        return self._shot.index()
+
+    @property
     def alpha(self):
         """float32 (height, width): what the points cover, from 0 to 1; 1 everywhere unless the background is transparent."""
         if self.linear is not None:
@@ -551,7 +556,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     preset : path or dict, optional
         Technique, parameters, colours and view that hold unless others are given here: a file of ``--save-preset`` or
         `Renderer.save_preset`, or keywords.
-    outputs : list of "rgba", "linear", "depth", "normal"
+    outputs : list of "rgba", "linear", "depth", "normal", "index"
         Which arrays the picture has; fewer are faster.
     panorama : bool
         Everything around a place in one picture twice as wide as high, (2048, 1024): around the camera, else where the scanner
