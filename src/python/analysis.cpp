@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "analysis/clusters.h"
+#include "analysis/distances.h"
 #include "analysis/prepare.h"
 #include "cloud.h"
 #include "core/error.h"
@@ -122,6 +123,20 @@ py::object shadow_factors(const CloudPtr& cloud, const Settings& settings, const
   return py::array_t<float>(py::ssize_t(factors.size()), factors.data());
 }
 
+py::object distances(const CloudPtr& cloud, const CloudPtr& to, std::optional<double> scale,
+                     const py::object& progress) {
+  if (scale && !(*scale > 0)) throw Error(ErrorCode::usage, "scale: it is not more than 0");
+  std::vector<float> found;
+  run(
+      [&](Progress& p) {
+        const PointCloud &points = cloud->scene.cloud, &others = to->scene.cloud;
+        found = scale ? analysis::signed_distances(points, others, *scale, p)
+                      : analysis::nearest_distances(points, others, p);
+      },
+      progress);
+  return py::array_t<float>(py::ssize_t(found.size()), found.data());
+}
+
 }  // namespace
 
 void bind_analysis(py::module_& module) {
@@ -130,6 +145,7 @@ void bind_analysis(py::module_& module) {
   module.def("spacing", &spacing);
   module.def("clusters", &clusters);
   module.def("shadow_factors", &shadow_factors);
+  module.def("distances", &distances);
 }
 
 }  // namespace sfumato::python

@@ -84,6 +84,42 @@ TEST_F(StrangersCommand, ASequenceHasOneRange) {
   EXPECT_GT(mean_green("low.txt"), mean_green("high.txt") + 20);
 }
 
+TEST_F(StrangersCommand, ChangeBetweenSurveysIsAScalar) {
+  write_hill("before.txt", 389120, 5819300, 20, 3, 34);
+  write_hill("after.txt", 389120, 5819300, 20, 3, 34.5);
+  const auto distances = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"convert", "after.txt", "--distance-to", "before.txt", "-o", "change.laz"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_THAT(distances({}), HasSubstr("to the nearest of before.txt"));
+  const auto mean = [&] {
+    for (const auto& attribute : run_json({"info", "--stats", "--json", "change.laz"})["attributes"])
+      if (attribute["name"] == "distance") return attribute["mean"].get<double>();
+    return -99.0;
+  };
+  EXPECT_GT(mean(), 0.2);
+  EXPECT_LT(mean(), 0.5);
+  distances({"--distance-scale", "2"});
+  const double up = mean();
+  EXPECT_NEAR(up, 0.47, 0.03) << "half a unit times the cosine of the slope";
+  ASSERT_EQ(run({"convert", "before.txt", "--distance-to", "after.txt", "--distance-scale", "2", "-o",
+                 "change.laz"})
+                .code,
+            0);
+  EXPECT_NEAR(mean(), -up, 0.01);
+  ASSERT_EQ(
+      run({"change.laz", "--color-by", "distance", "--legend", "-o", "a.png", "--resolution", "160x120"})
+          .code,
+      0);
+  EXPECT_THAT(run({"convert", "after.txt", "--distance-scale", "2", "-o", "c.ply"}).err,
+              HasSubstr("--distance-to"));
+  EXPECT_EQ(run({"convert", "after.txt", "--distance-to", "no.las", "-o", "c.ply"}).code, 6);
+  EXPECT_FALSE(exists("c.ply"));
+}
+
 TEST_F(StrangersCommand, PlansHaveNoHighlight) {
   std::string text = "x y z r g b\n";
   for (int i = 0; i < 100; ++i)

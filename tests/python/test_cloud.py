@@ -248,3 +248,13 @@ def test_stored_shadows_darken_where_they_are_zero(sphere):
     assert (sfumato.render(cloud, shadows="stored", **look).rgba == lit).all()
     cloud.scalars["shadow"] = np.zeros(len(cloud))
     assert sfumato.render(cloud, shadows="stored", **look).rgba.mean() < lit.mean()
+
+
+def test_distances_to_another_cloud():
+    before = np.random.default_rng(1).uniform(0, 4, (4000, 3)) * (1, 1, 0)
+    after = before + (0, 0, 0.5)
+    assert np.allclose(sfumato.analysis.distances(after, before), 0.5, atol=1e-6)
+    assert np.allclose(sfumato.analysis.distances(after, before, scale=0.5), 0.5, atol=1e-5)
+    assert np.allclose(sfumato.analysis.distances(before, after, scale=0.5), -0.5, atol=1e-5)
+    with pytest.raises(sfumato.Error, match="scale"):
+        sfumato.analysis.distances(after, before, scale=-1)

@@ -1,6 +1,12 @@
 // sfumato convert: between the formats that can be written, several files into one, and only the points
-// wanted; with shadow factors where they are asked for.
+// wanted; with shadow factors, and distances to another cloud, where they are asked for.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/distances.h"
 
 #include "commands.h"
 #include "common_options.h"
@@ -73,6 +79,61 @@ class ShadowOptions {
   std::string wanted_ = "off", last_of_light_;
 };
 
+/// The cloud from which the points have moved.
+class DistanceOptions {
+ public:
+  void declare(CommandLine& line) {
+    line.group("Change: the scalar `distance`, scene units, for pictures with --color-by distance");
+    line.text("--distance-to", reference_, "FILE",
+              "from each point to the nearest of this cloud, of an earlier survey");
+    line.handler(
+        "--distance-scale", "D",
+        "instead along the normals of the points within D, between the means of both clouds in a cylinder "
+        "D wide (M3C2); positive: in front of FILE",
+        false, [this](const std::string& text) { scale_ = parse_positive("--distance-scale", text); });
+  }
+
+  void check(io::FileNames& names) const {
+    if (scale_ && !is_asked()) throw Error(ErrorCode::usage, "--distance-scale is of --distance-to FILE");
+    if (is_asked()) names.input("--distance-to", reference_);
+  }
+
+  bool is_asked() const { return !reference_.empty(); }
+
+  void add(scene::Scene& scene, Console& console) const {
+    scene::SceneOptions whole;
+    whole.keep_degrees = true;
+    const scene::Scene other = scene::read_scene(scene::expand_inputs({reference_}), whole, console);
+    for (const std::string& part : other.damage) console.complain("sfumato: " + part);
+    for (const PointCloud* cloud : {&std::as_const(scene.cloud), &other.cloud})
+      if (scene::degrees_of(*cloud))
+        throw Error(ErrorCode::usage,
+                    "--distance-to: x and y are degrees; bring both clouds into metres first");
+    if (!scene.cloud.crs.empty() && !other.cloud.crs.empty() && scene.cloud.crs != other.cloud.crs)
+      console.say("sfumato: --distance-to: " + reference_ +
+                  " has another coordinate system; numbers are compared");
+    std::vector<float> distances =
+        scale_ ? analysis::signed_distances(scene.cloud, other.cloud, *scale_, console)
+               : analysis::nearest_distances(scene.cloud, other.cloud, console);
+    double sum = 0, squares = 0;
+    std::size_t count = 0;
+    for (const float value : distances)
+      if (std::isfinite(value)) sum += double(value), squares += double(value) * double(value), ++count;
+    const double mean = count ? sum / double(count) : 0;
+    console.say(fmt::format(
+        "distance: {} {}: mean {:.4g}, standard deviation {:.4g}{}",
+        scale_ ? fmt::format("along normals within {:.4g} to", *scale_) : "to the nearest of", reference_,
+        mean, count ? std::sqrt(std::max(0.0, squares / double(count) - mean * mean)) : 0,
+        count < distances.size() ? fmt::format("; {} without one", counted(distances.size() - count, "point"))
+                                 : std::string()));
+    scene.cloud.set_scalar({"distance", 0, std::move(distances), StoredType::float32});
+  }
+
+ private:
+  std::string reference_;
+  std::optional<double> scale_;
+};
+
 /// Of files that were moved, what may depend on where they were and stays as it was.
 void tell_what_stays(const scene::Scene& scene, const std::vector<scene::SceneFile>& placed,
                      Console& console) {
@@ -113,6 +174,8 @@ int convert_command(const Words& words) {
                                  : option.help;
     declare_option(line, request, option, help);
   }
+  DistanceOptions distances;
+  distances.declare(line);
   shadows.declare(line);
   line.usage("sfumato convert IN... -o OUT");
   if (!line.parse(words)) return 0;
@@ -134,6 +197,7 @@ int convert_command(const Words& words) {
   io::FileNames names;
   for (const std::string& file : inputs)
     if (file != "-") names.input("the input", file);
+  distances.check(names);
   names.output("-o", output);
   // Without OpenGL that should not cost the time of reading a large scan.
   std::unique_ptr<gl::Context> context;
@@ -148,6 +212,7 @@ int convert_command(const Words& words) {
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
   if (const std::string note = unused_columns(scene, wanted); !note.empty()) console.say("sfumato: " + note);
   tell_what_stays(scene, placed, console);
+  if (distances.is_asked()) distances.add(scene, console);
   if (context) shadows.add(scene, wanted.up, *context, console);
   for (const std::string& note : io::write(output, scene.cloud, console).notes)
     console.say("sfumato: " + output + ": " + note);

@@ -1,4 +1,5 @@
-"""What is computed from the neighbours of points: normals, spacing, uncertainty, clusters; and how much of a light they see.
+"""What is computed from the neighbours of points: normals, spacing, uncertainty, clusters; how much of a light they see; and
+how far they lie from another cloud.
 
 Every function takes what `sfumato.render` takes as points, and returns values in their order; rows that are not finite get NaN,
 or -1 as a cluster.
@@ -7,7 +8,7 @@ from . import _engine, _progress
 from ._cloud import as_cloud
 from ._techniques import text_of
 
-__all__ = ["normals", "spacing", "uncertainty", "clusters", "shadow_factors"]
+__all__ = ["normals", "spacing", "uncertainty", "clusters", "shadow_factors", "distances"]
 
 
 def _in_rows(cloud, values, points, nothing):
@@ -85,3 +86,12 @@ def shadow_factors(points, light, shadows="soft", progress=None, **parameters):
     cloud = as_cloud(points, progress)
     settings = _settings({"light": light, "shadows": shadows, **parameters})
     return _in_rows(cloud, _engine.shadow_factors(cloud._engine, settings, _progress.callback(progress)), points, float("nan"))
+
+
+def distances(points, to, scale=None, progress=None):
+    """How far each point lies from the cloud `to`, float32 (N,), scene units: from the nearest of its points. With `scale`, along the
+    normal of the points within that diameter, between the means of both clouds in a cylinder as wide (M3C2): positive in front of
+    `to`, NaN where one of the two is missing. As the scalar `distance` of a cloud it is a colour like any other."""
+    cloud, other = as_cloud(points, progress), as_cloud(to, progress)
+    found = _engine.distances(cloud._engine, other._engine, None if scale is None else float(scale), _progress.callback(progress))
+    return _in_rows(cloud, found, points, float("nan"))
