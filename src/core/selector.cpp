@@ -36,6 +36,14 @@ std::vector<std::string_view> cut(std::string_view text, std::string_view by) {
                   "x0,y0,z0,x1,y1,z1\", joined by and / not");
 }
 
+/// "vegetation" is low, medium and high vegetation: every class whose name ends in the word.
+std::vector<int> classes_of_group(std::string_view word) {
+  std::vector<int> found;
+  for (int id = 0; id < 23; ++id)
+    if (const std::string name = class_name(id); name.ends_with(" " + std::string(word))) found.push_back(id);
+  return found;
+}
+
 std::string nearest_class(std::string_view name) {
   std::vector<std::string> names;
   for (int id = 0; id < 19; ++id) names.push_back(class_name(id));
@@ -87,6 +95,11 @@ Selector::Term Selector::parse_term(std::string_view text, const std::string& wh
     }
     if (const auto number = parse_real(part)) {
       term.ranges.push_back({*number, *number});
+      continue;
+    }
+    if (const std::vector<int> group = is_class ? classes_of_group(part) : std::vector<int>();
+        !group.empty()) {
+      for (const int id : group) term.ranges.push_back({double(id), double(id)});
       continue;
     }
     // "3-5", "-2..-1", "3..", "..5"

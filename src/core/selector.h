@@ -13,7 +13,8 @@ namespace sfumato {
 ///
 ///   *                        every point
 ///   SCALAR RANGES            "classification 3-5", "intensity 10..200,900..", "z ..3", "return_number 1"
-///   classification NAMES     "classification ground,building" (the names of ASPRS; "class" is the same word)
+///   classification NAMES     "classification ground,building" (names of ASPRS; "class" is the same word);
+///                            "class vegetation" is each whose name ends so
 ///   file N                   of several files; counts from 1
 ///   box x0,y0,z0,x1,y1,z1    world
 class Selector {

@@ -50,6 +50,13 @@ TEST(SelectorTest, TermsChoosePoints) {
   EXPECT_THAT(chosen("box 101,-1,-9,103,1,9"), ElementsAre(1, 2, 3)) << "in the world, rims included";
 }
 
+TEST(SelectorTest, NamesOfGroupsAreEveryClassThatEndsSo) {
+  EXPECT_THAT(chosen("class vegetation"), ElementsAre(1, 2));
+  EXPECT_THAT(chosen("class vegetation,building"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(chosen("class ground"), ElementsAre(0));
+  EXPECT_THAT(complaint("class tation"), HasSubstr("tation"));
+}
+
 TEST(SelectorTest, TermsAreJoinedByAndAndTurnedByNot) {
   EXPECT_THAT(chosen("not class ground"), ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(chosen("class 3-9 and not z 1.. and x 102.."), ElementsAre(2));
