@@ -57,8 +57,10 @@ void Interface::color_panel() {
     });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
+    std::vector<std::string> maps = Colormap::names();
+    for (const std::string& name : Colormap::names()) maps.push_back(name + "_r");
     if (const auto chosen =
-            choose("map", wishes.colormap.empty() ? coloring.colormap : wishes.colormap, Colormap::names()))
+            choose("map", wishes.colormap.empty() ? coloring.colormap : wishes.colormap, maps))
       bench_.change("colormap", [&](view::Wishes& next) { next.colormap = *chosen; });
     // The map itself, as a bar.
     const Colormap map = Colormap::named(coloring.colormap);
