@@ -15,6 +15,7 @@
 #include "core/counted.h"
 #include "io/columns.h"
 #include "io/file.h"
+#include "io/flat_records.h"
 #include "io/format.h"
 #include "io/parallel.h"
 
@@ -167,20 +168,7 @@ ReadResult read_floats(const std::filesystem::path& path, const ReadOptions& opt
   if (!assign_roles(columns))
     throw Error(ErrorCode::usage, path.string() + ": the columns lack x, y or z; name them");
   const auto rows = std::size_t(floats / names.size());
-  CloudBuilder builder(std::move(columns), rows);
-  std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, rows)};
-  constexpr std::size_t step = 1 << 16;
-  std::vector<std::byte> block;
-  for (std::size_t first = 0; first < rows; first += step) {
-    progress.check();
-    const std::size_t count = std::min(step, rows - first);
-    block.resize(count * record);
-    file.read(first * record, block);
-    builder.decode(cursors[0], block.data(), 0, count, first);
-    progress.update(double(first + count) / double(rows), "reading");
-  }
-  ReadResult result;
-  builder.finish(cursors, result);
+  ReadResult result = read_flat_records(file, std::move(columns), rows, record, progress);
   const double reach = std::max(glm::length(result.report.bounds_min), glm::length(result.report.bounds_max));
   if (result.report.points_finite == 0 || !(reach <= farthest_echo))
     refuse(file, "found coordinates up to " + short_text(reach));

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/counted.h"
+#include "io/flat_records.h"
 #include "io/format.h"
 #include "io/table.h"
 
@@ -171,19 +172,7 @@ ReadResult read_splat(const std::filesystem::path& path, const ReadOptions&, Pro
   columns.push_back({"opacity", StoredType::uint8, StoredType::uint8, color + 3, record});
   assign_roles(columns);
   const auto rows = std::size_t(file.size() / record);
-  CloudBuilder builder(std::move(columns), rows);
-  std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, rows)};
-  constexpr std::size_t step = 1 << 16;
-  std::vector<std::byte> block;
-  for (std::size_t first = 0; first < rows; first += step) {
-    progress.check();
-    const std::size_t count = std::min(step, rows - first);
-    block.resize(count * record);
-    file.read(first * record, block);
-    builder.decode(cursors[0], block.data(), 0, count, first);
-  }
-  ReadResult result;
-  builder.finish(cursors, result);
+  ReadResult result = read_flat_records(file, std::move(columns), rows, record, progress);
   result.cloud.up = UpAxis::neg_y;  // of the cameras that they were trained on, as their viewers show them
   const ScalarField* opacity = result.cloud.scalar("opacity");
   leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i) / 255; });
