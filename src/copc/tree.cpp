@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/byte_source.h"
 #include "io/copc_hierarchy.h"
 #include "io/las_fields.h"
 #include "io/las_records.h"
@@ -37,6 +38,7 @@ bool is_tree(const std::filesystem::path& file) {
   try {
     return io::is_copc(io::File(file).read_text(0, 512));
   } catch (const Error&) {
+    if (io::is_remote(file)) throw;  // another try would have to wait as long
     return false;
   }
 }

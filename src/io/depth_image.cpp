@@ -12,6 +12,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "io/byte_source.h"
 #include "io/bounded_json.h"
 #include "io/exr_read.h"
 #include "io/format.h"
@@ -29,6 +30,11 @@ struct Frame {
   bool has_pose = false;
 };
 
+/// A name is one of a file beside the JSON, never an address.
+std::filesystem::path file_name_of(const std::string& text) {
+  return is_remote(text) ? std::filesystem::path(".") / text : std::filesystem::path(text);
+}
+
 Frame read_frame(const std::filesystem::path& path) {
   const nlohmann::ordered_json json = load_json(path);
   const auto refuse = [&](const std::string& what) { bad_input(path, "JSON", what); };
@@ -43,7 +49,8 @@ Frame read_frame(const std::filesystem::path& path) {
   for (const auto& [key, value] : json.items()) {
     if (key == "depth" || key == "color") {
       if (!value.is_string()) refuse("'" + key + "' is not the name of a picture");
-      (key == "depth" ? frame.depth : frame.color) = path.parent_path() / value.get<std::string>();
+      (key == "depth" ? frame.depth : frame.color) =
+          path.parent_path() / file_name_of(value.get<std::string>());
     } else if (key == "fx") {
       frame.fx = number(value, key, true);
     } else if (key == "fy") {

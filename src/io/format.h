@@ -30,6 +30,9 @@ struct Format {
   bool has_faces = false;  ///< `read` fills `ReadOptions::faces`
 };
 
+/// Whether the extension of a file's name is that of a cloud.
+bool has_cloud_name(const std::string& name);
+
 /// Error(bad_input) with the one line every reader owes its user: file, place, what is wrong, what to do.
 [[noreturn]] void bad_input(const std::filesystem::path& file, const std::string& place,
                             const std::string& what);

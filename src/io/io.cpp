@@ -89,7 +89,7 @@ const Format& find_format(const std::filesystem::path& file) {
   if (opened.size() == 0)
     throw Error(ErrorCode::bad_input,
                 file.string() + ": byte 0: the file is empty; fetch or export it again");
-  const std::string head = opened.read_text(0, 4096), name = lower_name(file);
+  const std::string head = opened.read_text(0, 4096), name = lower_name(opened.name());
   // Any lines of numbers look like text: a file that is called otherwise is that, damaged, and its reader
   // says where.
   const auto is_called_otherwise = [&](const Format& format) {
@@ -133,6 +133,12 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
 }
 
 }  // namespace
+
+bool has_cloud_name(const std::string& name) {
+  return std::any_of(table().begin(), table().end(), [&](const Format& format) {
+    return format.read && has_extension(format, lower_name(name));
+  });
+}
 
 void bad_input(const std::filesystem::path& file, const std::string& place, const std::string& what) {
   std::string line = what;  // which may quote the file

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "io/byte_source.h"
 #include "scene/scene.h"
 
 namespace sfumato::scene {
@@ -43,6 +44,7 @@ std::vector<std::string> files_in(const std::string& folder) {
     if (name.starts_with('.') || !entry.is_regular_file(error)) continue;
     std::transform(name.begin(), name.end(), name.begin(),
                    [](unsigned char c) { return char(std::tolower(c)); });
+    if (name.ends_with(".gz")) name.resize(name.size() - 3);
     if (std::any_of(extensions.begin(), extensions.end(),
                     [&](const auto& end) { return name.ends_with(end); }))
       found.push_back(entry.path().string());
@@ -77,6 +79,10 @@ std::vector<std::string> expand_inputs(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     std::error_code error;
     std::vector<std::string> found = {word};
+    if (io::is_remote(word)) {
+      files.push_back(word);  // a query is no pattern
+      continue;
+    }
     if (word != "-" && fs::is_directory(word, error))
       found = files_in(word);
     else if (word.find_first_of("*?[") != std::string::npos && !fs::exists(word, error))

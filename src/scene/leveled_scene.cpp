@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "io/byte_source.h"
 #include "scene/assemble.h"
 
 namespace sfumato::scene {
@@ -28,7 +29,9 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   if (!options.keep_degrees)
     for (const copc::Tree& tree : scene.trees_)
       if (degrees_of(tree.crs, tree.bounds, tree.bounds)) return std::nullopt;
-  if (scene.points() <= scene.budget_ && !always) return std::nullopt;
+  const bool is_far =
+      std::any_of(files.begin(), files.end(), [](const SceneFile& file) { return io::is_remote(file.name); });
+  if (scene.points() <= scene.budget_ && !always && !is_far) return std::nullopt;
   scene.files_ = files;
   scene.options_ = options;
   // Shares of a box mean that of the files, not that of the nodes which happen to be read.

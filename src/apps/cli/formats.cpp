@@ -31,6 +31,9 @@ int formats_command(const Words& words) {
     if (format.can_write) written.emplace_back(format.extensions, format.description);
   }
   std::string text = "Clouds that are read (content decides before the extension)\n" + rows(read, width, 28);
+  text += rows({{".gz .zip", "any of them packed; a zip of one"},
+                {"http:// https://", "any of them at a server; of COPC only what the view shows"}},
+               width, 28);
   text += "\nClouds that are written (sfumato convert IN... -o OUT)\n" + rows(written, width, 28);
   text += "\nPictures (-o)\n" + rows({{".png", "8-bit sRGB; with the command that made it inside"},
                                       {".jpg .jpeg .webp", "8-bit sRGB (--quality)"},

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "io/atomic_writer.h"
+#include "io/byte_source.h"
 #include "video.h"
 
 namespace sfumato::cli {
@@ -133,8 +134,8 @@ void RenderOptions::check(std::size_t technique_count) {
     refuse("--scene and --preset contradict each other: a scene is a preset with files");
   if (files.empty()) refuse("no file given: sfumato FILE... -o OUT.png (sfumato --help)");
   std::error_code error;
-  if (!has_output() && files.size() == 1 && files[0] != "-" && !std::filesystem::exists(files[0], error) &&
-      files[0].find_first_of("*?[") == std::string::npos)
+  if (!has_output() && files.size() == 1 && files[0] != "-" && !io::is_remote(files[0]) &&
+      !std::filesystem::exists(files[0], error) && files[0].find_first_of("*?[") == std::string::npos)
     throw Error(ErrorCode::io, files[0] + ": there is no such file; check the name");
   check_window(technique_count);
   common.apply();
