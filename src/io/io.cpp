@@ -11,6 +11,7 @@
 #include "io/format.h"
 #include "io/las.h"
 #include "io/splats.h"
+#include "io/vtk.h"
 
 namespace sfumato::io {
 namespace {
@@ -51,6 +52,8 @@ const std::vector<Format>& table() {
       {"kitti", {".bin"}, "vehicle scans as raw floats: KITTI, nuScenes and similar", nullptr, read_floats},
       {"splat", {".splat"}, "3D Gaussian splats, 32 bytes each", nullptr, read_splat},
       {"grid", {".grd"}, "height grids: ESRI ASCII (.asc), GRASS, Surfer", is_height_grid, read_height_grid},
+      {"vtk", {".vtk"}, "VTK legacy, points of poly data and grids", is_vtk, read_vtk},
+      {"vtp", {".vtp", ".vtu"}, "VTK XML, points of poly data and grids", is_vtk_xml, read_vtk_xml},
       // Last: any lines of numbers are text.
       {"text",
        {".xyz", ".txt", ".csv", ".asc"},
@@ -156,7 +159,8 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of these are no returns.
-  if (format.name != "e57" && format.name != "obj" && format.name != "grid" && format.name != "colmap")
+  if (format.name != "e57" && format.name != "obj" && format.name != "vtk" && format.name != "vtp" &&
+      format.name != "grid" && format.name != "colmap")
     leave_out_no_returns(result, format.name == "kitti");
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);
   if (options.max_points && result.cloud.size() > *options.max_points)

@@ -1,0 +1,42 @@
+// What the readers of VTK's two formats share: arrays of points.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/format.h"
+#include "io/table.h"
+
+namespace sfumato::io {
+
+/// Arrays of as many tuples as there are points become columns; others are of cells, or of nobody.
+class VtkArrays {
+ public:
+  explicit VtkArrays(std::filesystem::path path) : path_(std::move(path)) {}
+  /// Coordinates of further points, three a point.
+  void add_points(const std::vector<double>& xyz, StoredType type);
+  /// An array of the points that were added last, `count` of them.
+  void add(const std::string& name, StoredType type, std::size_t width, const std::vector<double>& values,
+           std::size_t count);
+  std::size_t rows() const { return rows_; }
+  ReadResult build(Progress& progress);
+
+ private:
+  struct Named {
+    Column column;
+    std::vector<double> values;
+  };
+  Named& named(const std::string& name, StoredType type);
+  std::filesystem::path path_;
+  std::vector<Named> columns_;
+  std::size_t rows_ = 0;
+};
+
+bool is_vtk(std::string_view head);
+ReadResult read_vtk(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+bool is_vtk_xml(std::string_view head);
+ReadResult read_vtk_xml(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
+}  // namespace sfumato::io
