@@ -9,88 +9,31 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <condition_variable>
 #include <cstring>
 #include <map>
-#include <mutex>
 
 #include "copc/attributes.h"
+#include "copc/bins.h"
 #include "copc/file_writer.h"
+#include "copc/ordered_output.h"
 #include "copc/sources.h"
 #include "core/subsample.h"
 
 namespace sfumato::copc {
 namespace {
 
-// Of the memory: bins that wait, work at hand, roots that wait, neighbours of bins.
-constexpr double share_of_bins = 0.25, share_of_work = 0.4, share_of_roots = 0.1, share_of_halos = 0.1;
+// Of the memory: work at hand, and roots that wait (bins.h has the rest).
+constexpr double share_of_work = 0.4, share_of_roots = 0.1;
 // Points of a stretch made at once: enough to be worth a start, few enough for all threads to have some.
 constexpr std::uint64_t most_at_once = 1 << 20;
 // A stretch takes its records, their places, order and marks, and what is gathered and compressed of them.
 constexpr std::uint64_t work_per_point = 40, work_per_stretch = 24 << 20;
 // Of what is computed: places, their order, neighbours and results (memory.h of analysis).
 constexpr std::uint64_t work_of_attributes = 160;
-// A cell keeps what lies within this share of its width around it as neighbours for attributes. Of
-// points_per_bin on a surface, 512 lie side by side: 24 neighbours reach three of them, and ten are kept.
-constexpr double halo_share = 0.02;
 constexpr int most_levels_at_once = 6;
-constexpr std::uint64_t points_per_bin = 1 << 18;
 
 struct FalseBounds {
   std::string name;
-};
-
-/// Lets in as much work as memory holds; the first always.
-class Gate {
- public:
-  explicit Gate(std::uint64_t size) : size_(size) {}
-  class Pass {
-   public:
-    Pass(Gate& gate, std::uint64_t size) : gate_(gate), taken_(size) {
-      std::unique_lock lock(gate_.mutex_);
-      gate_.free_.wait(lock, [&] { return gate_.used_ == 0 || gate_.used_ + taken_ <= gate_.size_; });
-      gate_.used_ += taken_;
-    }
-    ~Pass() {
-      {
-        const std::lock_guard lock(gate_.mutex_);
-        gate_.used_ -= taken_;
-      }
-      gate_.free_.notify_all();
-    }
-    Pass(const Pass&) = delete;
-    Pass& operator=(const Pass&) = delete;
-
-   private:
-    Gate& gate_;
-    std::uint64_t taken_;
-  };
-
- private:
-  std::uint64_t size_, used_ = 0;
-  std::mutex mutex_;
-  std::condition_variable free_;
-};
-
-/// Nodes reach the file in the order of the tasks that make them, whoever is done first.
-class OrderedOutput {
- public:
-  OrderedOutput(FileWriter& file, Summary& summary) : file_(file), summary_(summary) {}
-  void deliver(std::size_t task, NodeMaker& maker) {
-    const std::lock_guard lock(mutex_);
-    summary_.add(maker.summary);
-    waiting_[task] = std::move(maker.nodes);
-    for (auto at = waiting_.begin(); at != waiting_.end() && at->first == next_;
-         at = waiting_.erase(at), ++next_)
-      for (const EncodedNode& node : at->second) file_.append(node);
-  }
-
- private:
-  std::mutex mutex_;
-  FileWriter& file_;
-  Summary& summary_;
-  std::size_t next_ = 0;
-  std::map<std::size_t, std::vector<EncodedNode>> waiting_;
 };
 
 class Builder {
@@ -300,88 +243,9 @@ class Builder {
     return std::max(levels, 1);
   }
 
-  /// The cells of one level below `region`, with their points and, for attributes, with what lies around
-  /// them.
-  struct Bins {
-    Bins(const Key& of, int at, const std::filesystem::path& purpose, std::uint64_t memory, bool has_halos)
-        : region(of),
-          level(at),
-          points(purpose.parent_path(), purpose, std::uint64_t(share_of_bins * double(memory))) {
-      if (has_halos)
-        halos.emplace(purpose.parent_path(), purpose, std::uint64_t(share_of_halos * double(memory)));
-    }
-    Key region;
-    int level;
-    Spool points;
-    std::optional<Spool> halos;
-  };
-
   std::unique_ptr<Bins> new_bins(const Key& region, int level) const {
     return std::make_unique<Bins>(region, level, output_, options_.memory, schema_.computes() && level > 0);
   }
-
-  /// Records put where they belong before they go to the spool, a block at a time.
-  class Sorter {
-   public:
-    Sorter(Bins& bins, const Locator& locator, std::size_t length)
-        : bins_(bins), locator_(locator), length_(length), record_(length) {}
-    std::uint8_t* next() { return record_.data(); }
-    /// `is_neighbor`: it lies outside of the region and is put around cells of it alone.
-    void put(bool is_neighbor = false) {
-      const Place place = locator_(record_.data());
-      const Key key = place.node(bins_.level);
-      if (!is_neighbor) {
-        if (!last_ || key != last_key_) last_ = &held_[key], last_key_ = key;
-        last_->insert(last_->end(), record_.begin(), record_.end());
-      }
-      if (bins_.halos) put_around(place, key);
-    }
-    void flush() {
-      for (const auto& [key, bytes] : held_) bins_.points.append(key, bytes);
-      for (const auto& [key, bytes] : around_) bins_.halos->append(key, bytes);
-      held_.clear();
-      around_.clear();
-      last_ = nullptr;
-    }
-
-   private:
-    /// To every cell that the place is near to, over faces, edges and corners.
-    void put_around(const Place& place, const Key& key) {
-      const int shift = 32 - bins_.level;
-      const auto width = std::uint64_t{1} << shift;
-      const auto margin = std::uint64_t(halo_share * double(width));
-      int step[3];
-      const std::uint32_t at[3] = {place.x, place.y, place.z};
-      for (int axis = 0; axis < 3; ++axis) {
-        const std::uint64_t within = at[axis] & (width - 1);
-        step[axis] = within < margin ? -1 : within >= width - margin ? 1 : 0;
-      }
-      for (int which = 1; which < 8; ++which) {
-        std::int64_t to[3] = {key.x, key.y, key.z};
-        bool is_cell = true;
-        for (int axis = 0; axis < 3; ++axis) {
-          if (!(which >> axis & 1)) continue;
-          to[axis] += step[axis];
-          is_cell = is_cell && step[axis] != 0;
-        }
-        const int up = bins_.level - bins_.region.level;
-        if (!is_cell || to[0] >> up != bins_.region.x || to[1] >> up != bins_.region.y ||
-            to[2] >> up != bins_.region.z)
-          continue;
-        std::vector<std::uint8_t>& bytes =
-            around_[Key{bins_.level, std::uint32_t(to[0]), std::uint32_t(to[1]), std::uint32_t(to[2])}];
-        bytes.insert(bytes.end(), record_.begin(), record_.end());
-      }
-    }
-
-    Bins& bins_;
-    const Locator& locator_;
-    std::size_t length_;
-    std::vector<std::uint8_t> record_;
-    std::unordered_map<Key, std::vector<std::uint8_t>, KeyHash> held_, around_;
-    std::vector<std::uint8_t>* last_ = nullptr;
-    Key last_key_;
-  };
 
   void read_points() {
     bin_level_ = levels_for(wanted_);
