@@ -15,7 +15,7 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
 
 /// Positions relative to `origin` along a Morton curve, where searches are fast.
 std::vector<vec3> sorted_places(const PointCloud& cloud, const dvec3& origin, Progress& progress) {
@@ -91,7 +91,7 @@ std::optional<vec3> normal_in_ball(const NeighborTree& tree, const vec3& center,
 
 /// Distance to the nearest point, by `nearest` of one.
 float distance_to(const NeighborTree& tree, const vec3& place, KNearest& nearest) {
-  nearest.start(nobody);
+  nearest.start(no_point);
   tree.search(place, nearest);
   return std::sqrt(nearest.limit());
 }

@@ -39,7 +39,7 @@ bool is_remote(const std::filesystem::path& path) {
 namespace {
 
 // Blocks of this size are fetched and kept for what is smaller, as headers and lists are read in bits.
-constexpr std::uint64_t block_size = 1 << 16;
+constexpr std::uint64_t remote_block = 1 << 16;
 constexpr std::size_t most_blocks = 256;
 constexpr int most_tries = 3;
 constexpr long least_speed = 1000;  // bytes a second: a server that gives less counts as silent
@@ -145,10 +145,10 @@ class RemoteSource final : public ByteSource {
 
   void read(std::uint64_t offset, std::span<std::byte> bytes) const override {
     if (whole_) return whole_->read(offset, bytes);
-    if (bytes.size() >= block_size) return fetch(offset, bytes);
+    if (bytes.size() >= remote_block) return fetch(offset, bytes);
     while (!bytes.empty()) {
-      const std::uint64_t block = offset / block_size, begin = offset - block * block_size;
-      const std::size_t count = std::size_t(std::min<std::uint64_t>(bytes.size(), block_size - begin));
+      const std::uint64_t block = offset / remote_block, begin = offset - block * remote_block;
+      const std::size_t count = std::size_t(std::min<std::uint64_t>(bytes.size(), remote_block - begin));
       const std::shared_ptr<const std::string> held = block_at(block);
       std::memcpy(bytes.data(), held->data() + begin, count);
       bytes = bytes.subspan(count), offset += count;
@@ -215,10 +215,10 @@ class RemoteSource final : public ByteSource {
     std::string beginning;
     int handle = -1;
     const Answer answer = ask(
-        0, block_size, true, [&] { beginning.clear(), whole.reset(), handle = -1; },
+        0, remote_block, true, [&] { beginning.clear(), whole.reset(), handle = -1; },
         [&](const char* bytes, std::size_t count) {
           // What comes beyond a block can only be all of it.
-          if (beginning.size() + count <= block_size && handle < 0) {
+          if (beginning.size() + count <= remote_block && handle < 0) {
             beginning.append(bytes, count);
             return;
           }
@@ -232,7 +232,7 @@ class RemoteSource final : public ByteSource {
       if (!answer.total || answer.first != std::optional<std::uint64_t>(0))
         fail("the server does not say how large the file is");
       size = *answer.total;
-      if (beginning.size() != std::min<std::uint64_t>(block_size, size))
+      if (beginning.size() != std::min<std::uint64_t>(remote_block, size))
         fail("the server sends " + std::to_string(beginning.size()) + " bytes of a file that it says has " +
              std::to_string(size));
       keep(0, std::make_shared<const std::string>(std::move(beginning)));
@@ -263,8 +263,8 @@ class RemoteSource final : public ByteSource {
       const std::lock_guard lock(mutex_);
       if (const auto found = blocks_.find(block); found != blocks_.end()) return found->second;
     }
-    std::string bytes(std::size_t(std::min(block_size, size - block * block_size)), '\0');
-    fetch(block * block_size, std::as_writable_bytes(std::span(bytes)));
+    std::string bytes(std::size_t(std::min(remote_block, size - block * remote_block)), '\0');
+    fetch(block * remote_block, std::as_writable_bytes(std::span(bytes)));
     return keep(block, std::make_shared<const std::string>(std::move(bytes)));
   }
   std::shared_ptr<const std::string> keep(std::uint64_t block,

@@ -15,7 +15,7 @@
 namespace sfumato::io {
 namespace {
 
-std::string lower(std::string text) {
+std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return char(std::tolower(c)); });
   return text;
@@ -39,7 +39,7 @@ std::optional<StoredType> legacy_type(const std::string& word) {
                                                              {"vtktypeint32", StoredType::int32},
                                                              {"vtktypeuint32", StoredType::uint32}};
   for (const auto& [name, type] : types)
-    if (lower(word) == name) return type;
+    if (lower_case(word) == name) return type;
   return std::nullopt;
 }
 
@@ -53,12 +53,12 @@ class LegacyReader {
 
   ReadResult read() {
     line(), line();  // version and title
-    const std::string kind = lower(word());
+    const std::string kind = lower_case(word());
     is_binary_ = kind == "binary";
     if (!is_binary_ && kind != "ascii") fail("found '" + kind + "', expected ASCII or BINARY");
     while (true) {
       progress_.check();
-      const std::string keyword = lower(word());
+      const std::string keyword = lower_case(word());
       if (keyword.empty()) break;
       part(keyword);
     }
@@ -127,7 +127,7 @@ class LegacyReader {
 
   void part(const std::string& keyword) {
     if (keyword == "dataset") {
-      const std::string kind = lower(word());
+      const std::string kind = lower_case(word());
       if (kind != "polydata" && kind != "unstructured_grid" && kind != "structured_grid")
         fail("found " + kind + ", which has no points of its own; write poly data");
     } else if (keyword == "dimensions") {
@@ -140,7 +140,7 @@ class LegacyReader {
     } else if (keyword == "vertices" || keyword == "lines" || keyword == "polygons" ||
                keyword == "triangle_strips" || keyword == "cells") {
       const std::size_t offsets = count(), size = count(), before = at_;
-      if (lower(word()) != "offsets") {
+      if (lower_case(word()) != "offsets") {
         at_ = before;
         numbers(size, StoredType::int32, false);
         return;
@@ -164,7 +164,7 @@ class LegacyReader {
       word();
       for (std::size_t n = count(); n > 0; --n) {
         std::string name = word();
-        if (lower(name) == "metadata") {
+        if (lower_case(name) == "metadata") {
           part("metadata"), ++n;
           continue;
         }
@@ -179,7 +179,7 @@ class LegacyReader {
                  rest.end());
       const std::size_t width = rest.empty() ? 1 : std::size_t(std::strtoul(rest.c_str(), nullptr, 10)),
                         before = at_;
-      if (lower(word()) == "lookup_table")
+      if (lower_case(word()) == "lookup_table")
         word();
       else
         at_ = before - 1;  // at the line's end

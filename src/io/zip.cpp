@@ -12,7 +12,7 @@ namespace sfumato::io {
 namespace {
 
 // Deflate makes at most 1032 bytes of one.
-constexpr std::uint64_t deflate_ratio = 1032, most_members = 256, local_header_size = 30, entry_size = 46,
+constexpr std::uint64_t deflate_ratio = 1032, most_members = 256, local_header_size = 30, zip_entry_size = 46,
                         end_size = 22;
 
 template <class T>
@@ -22,7 +22,7 @@ T number_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-std::string text_of(const ByteSource& file, std::uint64_t offset, std::uint64_t count) {
+std::string zip_text(const ByteSource& file, std::uint64_t offset, std::uint64_t count) {
   std::string text(std::size_t(std::min(count, file.size - std::min(offset, file.size))), '\0');
   file.read(offset, std::as_writable_bytes(std::span(text)));
   return text;
@@ -36,7 +36,7 @@ std::vector<ZipMember> zip_members(const ByteSource& file, const std::filesystem
               what + "; the file is truncated or damaged, fetch it again");
   };
   const std::uint64_t tail_at = file.size - std::min<std::uint64_t>(file.size, end_size + 65535);
-  const std::string tail = text_of(file, tail_at, end_size + 65535);
+  const std::string tail = zip_text(file, tail_at, end_size + 65535);
   const std::size_t end = tail.rfind("PK\5\6");
   if (end == std::string::npos || tail.size() - end < end_size)
     fail(file.size, "found no list of files at the end");
@@ -49,10 +49,10 @@ std::vector<ZipMember> zip_members(const ByteSource& file, const std::filesystem
     size = number_at<std::uint64_t>(tail, end - 76 + 40), at = number_at<std::uint64_t>(tail, end - 76 + 48);
   if (count > most_members || at > file.size || size > file.size - at || size > 1 << 20)
     fail(tail_at + end, "found a list of " + std::to_string(count) + " files outside the file");
-  const std::string list = text_of(file, at, std::size_t(size));
+  const std::string list = zip_text(file, at, std::size_t(size));
   std::vector<ZipMember> members;
   for (std::size_t entry = 0; members.size() < count;) {
-    if (list.compare(entry, 4, "PK\1\2") != 0 || list.size() - entry < entry_size)
+    if (list.compare(entry, 4, "PK\1\2") != 0 || list.size() - entry < zip_entry_size)
       fail(at + entry, "found no file where one is listed");
     ZipMember one;
     const auto flags = number_at<std::uint16_t>(list, entry + 8),
@@ -63,13 +63,13 @@ std::vector<ZipMember> zip_members(const ByteSource& file, const std::filesystem
                       extra = number_at<std::uint16_t>(list, entry + 30),
                       comment = number_at<std::uint16_t>(list, entry + 32);
     one.byte = number_at<std::uint32_t>(list, entry + 42);
-    if (entry + entry_size + name + extra + comment > list.size())
+    if (entry + zip_entry_size + name + extra + comment > list.size())
       fail(at + entry, "found a file outside the list");
-    one.name = list.substr(entry + entry_size, name);
+    one.name = list.substr(entry + zip_entry_size, name);
     std::replace_if(
         one.name.begin(), one.name.end(), [](unsigned char c) { return c < ' '; }, '?');
     // Numbers of 64 bits for those that are all ones, in this order.
-    for (std::size_t e = entry + entry_size + name, last = e + extra; e + 4 <= last;) {
+    for (std::size_t e = entry + zip_entry_size + name, last = e + extra; e + 4 <= last;) {
       const std::size_t length = number_at<std::uint16_t>(list, e + 2);
       if (number_at<std::uint16_t>(list, e) == 1) {
         std::size_t value = e + 4;
@@ -78,14 +78,14 @@ std::vector<ZipMember> zip_members(const ByteSource& file, const std::filesystem
       }
       e += 4 + length;
     }
-    entry += entry_size + name + extra + comment;
+    entry += zip_entry_size + name + extra + comment;
     if ((flags & 1) || (method != 0 && method != 8))
       fail(at, "found '" + one.name + "' packed by another method than Deflate, or encrypted");
     one.is_deflated = method == 8;
     if (one.byte > file.size || file.size - one.byte < local_header_size)
       fail(at, "found '" + one.name + "' outside the file");
     // The head before the array has a name and extra bytes of its own.
-    const std::string head = text_of(file, one.byte, local_header_size);
+    const std::string head = zip_text(file, one.byte, local_header_size);
     if (!head.starts_with("PK\3\4")) fail(one.byte, "found no file where '" + one.name + "' is listed");
     one.byte += local_header_size + number_at<std::uint16_t>(head, 26) + number_at<std::uint16_t>(head, 28);
     if (one.byte > file.size || one.packed > file.size - one.byte ||
@@ -120,7 +120,7 @@ void unpack(const ByteSource& file, const std::filesystem::path& path, const Zip
   for (std::uint64_t done = 0; done < member.packed && !is_over;) {
     progress.check();
     std::string in =
-        text_of(file, member.byte + done, std::min<std::uint64_t>(1 << 20, member.packed - done));
+        zip_text(file, member.byte + done, std::min<std::uint64_t>(1 << 20, member.packed - done));
     done += in.size();
     if (!member.is_deflated) {
       give(in.data(), in.size());

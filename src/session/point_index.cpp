@@ -9,7 +9,7 @@ namespace {
 
 /// Techniques that draw points as they are give a pixel the depth of its point, in floats: of the nearest
 /// few, a point of that very depth is it, however the others lie behind it.
-constexpr std::size_t candidates = 16;
+constexpr std::size_t most_candidates = 16;
 constexpr double depth_error = 1e-6;
 
 }  // namespace
@@ -25,7 +25,7 @@ Image<std::int64_t> PointIndex::of(const Camera& camera, const Image<float>& dep
   const dmat4 eye = camera.view(origin), local = camera.inverse_view(origin);
   const Intrinsics k = camera.intrinsics();
   tbb::parallel_for(0, depth.height(), [&](int y) {
-    analysis::KNearest nearest(candidates);
+    analysis::KNearest nearest(most_candidates);
     for (int x = 0; x < depth.width(); ++x) {
       const double z = depth.at(x, y);
       if (!std::isfinite(z)) continue;
