@@ -41,7 +41,7 @@ PROPERTIES = {
               "normals": "Optional[Array]", "radii": "Optional[Array]", "scalars": "Scalars", "up": "Optional[str]", "crs": "str",
               "bounds": "Tuple[Tuple[float, float, float], Tuple[float, float, float]]", "kept": "Optional[Array]",
               "notes": "List[str]"},
-    "Picture": {"rgba": "Array", "linear": "Array", "depth": "Array", "normal": "Array", "alpha": "Array", "camera": "Camera",
+    "Picture": {"rgba": "Array", "linear": "Array", "depth": "Array", "normal": "Array", "index": "Array", "alpha": "Array", "camera": "Camera",
                 "size": "Tuple[int, int]", "technique": "str", "reason": "str", "parameters": "Dict[str, Any]",
                 "analysis_parameters": "Dict[str, Any]", "color_by": "str", "background": "Tuple[float, float, float]",
                 "legend": "Optional[Dict[str, Any]]", "notes": "List[str]"},
