@@ -89,7 +89,12 @@ class Tab:
     def wait(self, script, seconds=120):
         end = time.monotonic() + seconds
         while True:
-            value = self.run(script)
+            try:
+                value = self.run(script)
+            except AssertionError as error:
+                if "navigated or closed" not in str(error):
+                    raise
+                value = None  # the page before, which a reload takes away while it answers
             if value:
                 return value
             if time.monotonic() > end:
