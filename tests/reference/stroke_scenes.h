@@ -24,6 +24,7 @@ struct Studio {
   void set(const std::string& name, const std::string& value) { set_parameter(*technique, name, value); }
   bool step() {
     Frame frame{*gpu, camera, settings, Light{}, target, true, timers, no_progress()};
+    frame.views = {&camera, 1};
     return technique->render(frame);
   }
   Image<vec4> picture() const { return target.color.download<vec4>(); }

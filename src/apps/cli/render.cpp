@@ -262,11 +262,11 @@ std::string resolved_text(const Choice& choice) {
 /// What was written, by which choice, and what else the techniques say: the last line.
 void tell(const RenderReport& report, const RenderOptions& options, const Choice& choice,
           const std::string& technique, const Bounds& box, Console& console) {
-  if (!report.outputs.empty()) {
+  if (options.publication) {
+    console.note("wrote " + options.publication->summary());
+  } else if (!report.outputs.empty()) {
     const std::string& first = report.outputs.front();
-    if (options.publication)
-      console.note("wrote " + options.publication->summary());
-    else if (is_video(first))
+    if (is_video(first))
       console.note(
           fmt::format("wrote {} ({} of 1/25 s)", first, counted(std::uint64_t(report.frames), "frame")));
     else if (report.frames > 1)
