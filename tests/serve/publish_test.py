@@ -145,10 +145,15 @@ def check_page(folder, scan):
         tab.wait(f"{shown} === {json.dumps(begin)}")
         box = tab.run("(() => { const b = document.getElementById('picture').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
         found = []
-        for x, y in ((0.5, 0.5), (0.42, 0.6)):
+        # Wherever the first view has the scan: a click beside it finds nothing.
+        for x, y in ((0.5, 0.5), (0.42, 0.6), (0.58, 0.4), (0.42, 0.5), (0.58, 0.5), (0.5, 0.6)):
             tab.click(box[0] + box[2] * x, box[1] + box[3] * y)
-            tab.wait(f"publishedState().points.length === {len(found) + 1}")
-            found.append(tab.run("publishedState().points")[-1])
+            time.sleep(1)
+            if tab.run("publishedState().points.length") > len(found):
+                found.append(tab.run("publishedState().points")[-1])
+            if len(found) == 2:
+                break
+        check("two clicks find points", len(found) == 2, found)
         picture("published")
         measured = tab.run("publishedState().measured")
         real = [nearest_point(points, place) for place in found]
