@@ -12,8 +12,8 @@
 #include <cctype>
 #include <cmath>
 
-#include "io/byte_source.h"
 #include "io/bounded_json.h"
+#include "io/byte_source.h"
 #include "io/exr_read.h"
 #include "io/format.h"
 #include "io/png_read.h"

@@ -107,6 +107,7 @@ vec3 own_normal(const Faces& faces, const PointCloud& cloud, std::size_t t, std:
 /// as behind it (shares nearer to that than to one side alone), and their cosine to the face's normal is 1/2
 /// at most in the mean, by area. Some exporters number them wrongly.
 bool has_random_normals(const Faces& faces, const PointCloud& cloud) {
+  if (faces.normals.empty() && cloud.normals.empty()) return false;
   double all = 0, before = 0, cosines = 0;
   for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
     const double area = area_of(cloud, faces.triangles[t]);
