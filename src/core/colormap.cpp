@@ -100,6 +100,12 @@ const std::vector<std::string>& Colormap::names() {
   return all;
 }
 
+std::vector<std::string> Colormap::choices() {
+  std::vector<std::string> all = names();
+  for (const std::string& name : names()) all.push_back(name + "_r");
+  return all;
+}
+
 Colormap Colormap::named(std::string_view name) {
   if (name.ends_with("_r")) {  // as Matplotlib names what runs backwards
     Colormap map = named(name.substr(0, name.size() - 2));

@@ -15,6 +15,8 @@ class Colormap {
   /// "white,#ff8800,black". Throws Error(usage) naming the nearest when there is none of that name.
   static Colormap named(std::string_view name);
   static const std::vector<std::string>& names();
+  /// Those names, and then each of them reversed: what a list offers.
+  static std::vector<std::string> choices();
 
   /// `t` is clamped to [0,1]; between the stops the sRGB values are interpolated.
   Rgba8 at(double t) const;

@@ -74,7 +74,7 @@ Json colors(const Workbench& bench) {
   Json json{{"color_by", wishes.color_by},       {"colormap", wishes.colormap},
             {"color_range", wishes.color_range}, {"exposure", wishes.exposure},
             {"point_color", wishes.point_color}, {"background_color", wishes.background_color},
-            {"legend", wishes.legend},           {"colormaps", Colormap::names()}};
+            {"legend", wishes.legend},           {"colormaps", Colormap::choices()}};
   Json sources{"auto", "rgb", "elevation", "normal", "clay"};
   if (bench.scene())
     for (const std::string& scalar : bench.scene()->scalars)

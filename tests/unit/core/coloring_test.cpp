@@ -93,6 +93,13 @@ TEST(Colormap, EveryNameWorksAndClampsOutside) {
   }
 }
 
+TEST(Colormap, ListsEachBothWays) {
+  const std::vector<std::string> all = Colormap::choices();
+  EXPECT_EQ(all.size(), 2 * Colormap::names().size());
+  EXPECT_EQ(all.front(), Colormap::names().front());
+  EXPECT_EQ(all.back(), Colormap::names().back() + "_r");
+}
+
 TEST(Colormap, RunsBackwardsWithAnR) {
   for (const std::string& name : Colormap::names()) {
     const Colormap map = Colormap::named(name), back = Colormap::named(name + "_r");
