@@ -28,7 +28,10 @@ Workbench::Workbench(Start start)
                            : std::make_unique<Painter>(gate_, start_.wake)),
       loader_(std::make_unique<Loader>(start_.wake)) {
   frames_ = start_.frames;
-  load(false);
+  if (wishes_.files.empty())
+    loaded_key_ = wanted_key_ = wishes_.scene_key();  // until some are opened
+  else
+    load(false);
 }
 
 void Workbench::change(const std::string& what, const std::function<void(Wishes&)>& edit) {

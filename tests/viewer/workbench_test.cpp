@@ -338,6 +338,25 @@ TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 24.5, 1);
 }
 
+TEST_F(WorkbenchTest, WaitsForItsFirstFiles) {
+  const std::string here = write("here.las", 0);
+  Start start = WorkbenchTest::start(here);
+  start.wishes.files.clear();
+  Workbench bench(std::move(start));
+  bench.set_size(320, 200);
+  for (int i = 0; i < 20; ++i) tick(bench);
+  EXPECT_FALSE(bench.loading());
+  EXPECT_FALSE(bench.wait_ms(1e4));
+  bench.shoot(64, 64);
+  tick(bench);
+  EXPECT_EQ(mistakes_, 1) << "there is no picture to save";
+  bench.open({here}, false);
+  ASSERT_TRUE(load(bench));
+  EXPECT_EQ(bench.scene()->points_shown, 2500u);
+  EXPECT_FALSE(bench.fatal());
+  EXPECT_FALSE(bench.can_undo());
+}
+
 TEST_F(WorkbenchTest, SaysWhatIsNoColour) {
   Workbench bench(start(write("here.las", 0)));
   bench.change("one colour", [](Wishes& wishes) { wishes.point_color = "blu"; });
