@@ -26,8 +26,11 @@ Camera framed(const Pose& pose, const ViewWishes& wishes) {
     azimuth = compass.azimuth(-glm::normalize(*wishes.direction));
     elevation = compass.elevation(-glm::normalize(*wishes.direction));
   }
+  // Between two given places an orthographic view is as high as the perspective one there, whatever the scan.
+  const bool is_placed = wishes.position && (wishes.focal_point || wishes.look_at);
+  const bool is_fitted = wishes.orthographic && !is_placed;
   Camera camera = frame(pose.subject.box, up, width, height, azimuth, elevation, glm::radians(45.0),
-                        wishes.orthographic ? Projection::orthographic : Projection::perspective);
+                        is_fitted ? Projection::orthographic : Projection::perspective);
   if (wishes.view_up) camera.up = *wishes.view_up;
   fit(camera, pose.subject);
   return camera;

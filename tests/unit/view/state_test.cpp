@@ -9,6 +9,8 @@
 #include "core/error.h"
 #include "io/camera_json.h"
 #include "session/first_view.h"
+#include "session/request.h"
+#include "session/view_wishes.h"
 #include "view/controls.h"
 #include "view/history.h"
 #include "view/key_frames.h"
@@ -183,6 +185,25 @@ TEST(Wishes, SayTheCommandThatTheyAre) {
        {"--disc-scale=2", "--shadows=hard", "--neighbors=16", "--hide-classes=2", "--crop=-1,0,0,1,2,3",
         "--color-by=elevation", "--camera-view-angle=30", "--camera-orthographic"})
     EXPECT_THAT(words, Contains(each));
+}
+
+TEST(Wishes, SayOrthographicViewsThatTheCommandFinds) {
+  Wishes wishes;
+  wishes.files = {"a.laz"};
+  for (const double angle : {45.0, 30.0}) {
+    wishes.camera = {{1.5, -2.25, 0.1}, {0, 0.5, 0}, {0, 0, 1}, angle, true};
+    Request request;
+    for (const std::string& word : wishes.words(640, 480))
+      if (const std::size_t end = word.find('='); word.starts_with("--camera-"))
+        set(request, word.substr(2, end - 2), end == word.npos ? "true" : word.substr(end + 1));
+    request.view.size = {640, 480};
+    Pose pose;  // whatever the scan is
+    pose.subject.box = {{-40, -40, -3}, {40, 70, 9}};
+    pose.subject.points = {pose.subject.box.min, pose.subject.box.max};
+    const Camera found = view_of(pose, request.view), shown = wishes.camera.to_camera(640, 480);
+    EXPECT_EQ(found.view(), shown.view());
+    EXPECT_EQ(found.pixels_per_unit(), shown.pixels_per_unit()) << angle;
+  }
 }
 
 TEST(Wishes, SayItemsAndWhereFilesAre) {
