@@ -40,24 +40,52 @@ class Projector {
     return glm::length(nearest - view_.camera.position);
   }
 
-  /// False only when all of the box lies beyond one side of the picture.
+  /// Whether the box reaches into the picture and its margin: exact for boxes in front of the camera, for the
+  /// others false only when all of the box lies beyond one side.
   bool is_in_view(const Bounds& box) const {
-    std::array<int, 5> beyond{};
     const Camera& camera = view_.camera;
-    for (unsigned corner = 0; corner < 8; ++corner) {
-      const dvec3 world(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                        corner & 4 ? box.max.z : box.min.z);
+    const double margin = margin_ * camera.whole_height() / SelectOptions::height_of_margin;
+    const glm::dvec2 low(-margin), high(camera.width + margin, camera.height + margin);
+    std::array<dvec3, 8> corners;  // pixel coordinates times depth, so that places behind need no care
+    std::array<int, 5> beyond{};
+    bool is_all_in_front = true;
+    for (unsigned i = 0; i < 8; ++i) {
+      const dvec3 world(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                        i & 4 ? box.max.z : box.min.z);
       const dvec3 eye(to_eye_ * glm::dvec4(world, 1));
-      // Pixel coordinates times depth, so that places behind the camera need no care.
       const double w = camera.orthographic() ? 1 : -eye.z;
-      const double x = lens_.fx * eye.x + lens_.cx * w, y = -lens_.fy * eye.y + lens_.cy * w;
-      beyond[0] += x < -margin_ * w;
-      beyond[1] += x > (camera.width + margin_) * w;
-      beyond[2] += y < -margin_ * w;
-      beyond[3] += y > (camera.height + margin_) * w;
+      const dvec3 at(lens_.fx * eye.x + lens_.cx * w, -lens_.fy * eye.y + lens_.cy * w, w);
+      beyond[0] += at.x<low.x * w, beyond[1] += at.x> high.x * w;
+      beyond[2] += at.y<low.y * w, beyond[3] += at.y> high.y * w;
       beyond[4] += eye.z > 0;
+      is_all_in_front = is_all_in_front && w > 0;
+      corners[i] = at;
     }
-    return std::none_of(beyond.begin(), beyond.end(), [](int corners) { return corners == 8; });
+    if (std::any_of(beyond.begin(), beyond.end(), [](int count) { return count == 8; })) return false;
+    if (!is_all_in_front) return true;
+    // What is left are outlines that pass a corner of the picture: one of their edges lies between.
+    std::array<glm::dvec2, 8> seen;
+    for (unsigned i = 0; i < 8; ++i) seen[i] = glm::dvec2(corners[i]) / corners[i].z;
+    const std::array<glm::dvec2, 4> picture{low, glm::dvec2(high.x, low.y), high, glm::dvec2(low.x, high.y)};
+    for (unsigned i = 0; i < 8; ++i)
+      for (const unsigned axis : {1u, 2u, 4u})
+        if (!(i & axis) && is_between(seen[i], seen[i | axis], seen, picture)) return false;
+    return true;
+  }
+
+  /// Whether the line from a to b has all of `outline` on one side, and all of `picture` on the other.
+  static bool is_between(const glm::dvec2& a, const glm::dvec2& b, std::span<const glm::dvec2> outline,
+                         std::span<const glm::dvec2> picture) {
+    const glm::dvec2 along = b - a;
+    // Corners of the outline on the line count as on its side: a thousandth of a pixel of rounding.
+    const double slack = 1e-3 * glm::length(along);
+    const auto all = [&](std::span<const glm::dvec2> points, double sign, double least) {
+      return std::all_of(points.begin(), points.end(), [&](const glm::dvec2& p) {
+        return sign * (along.x * (p.y - a.y) - along.y * (p.x - a.x)) > least;
+      });
+    };
+    return (all(outline, 1, -slack) && all(picture, -1, slack)) ||
+           (all(outline, -1, -slack) && all(picture, 1, slack));
   }
 
   const View& view_;

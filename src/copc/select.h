@@ -25,7 +25,8 @@ std::vector<View> views_of(std::span<const Camera> cameras, bool panorama = fals
 struct SelectOptions {
   std::uint64_t budget = 20'000'000;  ///< points
   double least_px = 0.7;
-  /// Pixels around the picture that count as in view: techniques look there for neighbours.
+  /// Pixels around a picture of so many rows that count as in view: techniques look there for neighbours.
+  static constexpr int height_of_margin = 720;
   int margin_px = 64;
   /// For nodes out of view the width of their spacing is taken times this; 0 leaves them out. Above 0 for
   /// shadows, which come from outside.

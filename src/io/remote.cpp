@@ -39,8 +39,8 @@ bool is_remote(const std::filesystem::path& path) {
 namespace {
 
 // Blocks of this size are fetched and kept for what is smaller, as headers and lists are read in bits.
-constexpr std::uint64_t remote_block = 1 << 16;
-constexpr std::size_t most_blocks = 256;
+constexpr std::uint64_t remote_block = 1 << 14;
+constexpr std::size_t most_blocks = 1024;
 constexpr int most_tries = 3;
 constexpr long least_speed = 1000;  // bytes a second: a server that gives less counts as silent
 

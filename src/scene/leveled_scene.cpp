@@ -32,6 +32,8 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   const bool is_far =
       std::any_of(files.begin(), files.end(), [](const SceneFile& file) { return io::is_remote(file.name); });
   if (scene.points() <= scene.budget_ && !always && !is_far) return std::nullopt;
+  // What the first look has fetched is not fetched again.
+  if (is_far) scene.keep_nodes(std::make_shared<io::ChunkCache>(memory / share_of_kept_nodes));
   scene.files_ = files;
   scene.options_ = options;
   // Shares of a box mean that of the files, not that of the nodes which happen to be read.

@@ -41,6 +41,7 @@ class LeveledScene {
   /// Nodes are looked for there before they are decoded. Of these very files, in their order.
   /// See `share_of_kept_nodes`.
   void keep_nodes(std::shared_ptr<io::ChunkCache> kept) { kept_ = std::move(kept); }
+  bool keeps_nodes() const { return kept_ != nullptr; }
 
   const std::vector<copc::Tree>& trees() const { return trees_; }
   /// What the headers say of all points, whatever is selected.

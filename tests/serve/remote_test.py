@@ -27,6 +27,7 @@ class Server(http.server.ThreadingHTTPServer):
     daemon_threads = True
     fetched = 0
     hits = {}
+    parts = []
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -64,6 +65,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(416, b"")
         total = len(data) + (1 << 20 if manner == "larger" else 0) + (hits if manner == "changes" else 0)
         part = data[first:last + 1]
+        self.server.parts.append((first, last + 1))
         headers = {"Content-Range": f"bytes {first}-{last}/{total}"}
         if manner == "cut":
             headers["Content-Length"] = str(len(part))
@@ -110,6 +112,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         at = lambda name: os.path.join(folder, name)  # noqa: E731
         for words in (["synth", "courtyard", "--points", "400k", "-o", at("scan.ply")], ["build", at("scan.ply"), "-o", at("scan.copc.laz")],
+                      ["synth", "courtyard", "--points", "2M", "-o", at("large.laz")], ["build", at("large.laz"), "-o", at("large.copc.laz")],
                       ["convert", at("scan.ply"), "--max-points", "60k", "-o", at("small.laz")],
                       ["convert", at("small.laz"), "-o", at("small.las")], ["convert", at("small.laz"), "-o", at("small.txt")]):
             done = command(*words)
@@ -155,6 +158,15 @@ def main():
         server.fetched = 0
         done = command(url("plain", "scan.copc.laz"), "-o", at("c.png"), "--resolution", "64x48", "-t", "points", "--max-points", "3000")
         check(f"a COPC for a small view: {server.fetched} of {size} bytes", done.returncode == 0 and server.fetched < size / 3, done)
+
+        # Of a larger one, through a long lens: only nodes that the view crosses, each once.
+        size = os.path.getsize(at("large.copc.laz"))
+        server.fetched, server.parts = 0, []
+        done = command(url("plain", "large.copc.laz"), "-o", at("c.png"), "--resolution", "160x120", "-t", "points", "--zoom", "40")
+        check(f"a COPC through a long lens: {server.fetched} of {size} bytes", done.returncode == 0 and server.fetched < .21 * size, done)
+        parts = sorted(server.parts)
+        twice = sum(max(0, one[1] - next[0]) for one, next in zip(parts, parts[1:]))
+        check(f"nothing is fetched twice: {twice} bytes", twice <= 2 << 14, parts)  # but the ends of small blocks
 
         for manner, said in (("cut", "cuts the connection off"), ("stall", "silent for 2 s"), ("larger", "server"), ("changes", "changed at the server"),
                              ("longer", "more than"), ("silent_size", "how large"), ("loop", "redirects"), ("elsewhere", "rotocol")):

@@ -224,8 +224,9 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
       !leveled->select(copc::views_of(first, options.panorama), has_shadows(choice)).is_complete()) {
     first.resize(1);
     sight.by_camera = std::move(leveled);
-    sight.by_camera->keep_nodes(
-        std::make_shared<io::ChunkCache>(options.memory / scene::share_of_kept_nodes));
+    if (!sight.by_camera->keeps_nodes())
+      sight.by_camera->keep_nodes(
+          std::make_shared<io::ChunkCache>(options.memory / scene::share_of_kept_nodes));
   }
   sight.scene =
       read_seen(sight.by_camera ? *sight.by_camera : *leveled, first, options, choice, report, console);

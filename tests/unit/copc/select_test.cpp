@@ -101,6 +101,36 @@ TEST_F(CopcSelect, EveryPointInViewIsOfASpacingBelowTheLimit) {
   EXPECT_GT(nodes_left_out, 10u);  // most of these views do not need everything
 }
 
+TEST_F(CopcSelect, NodesBesideThePictureAreLeftOut) {
+  // Through a long lens, and turned so that the boxes stand on their corners; beyond a side or a corner of
+  // the picture with its margin there is nothing of them.
+  std::size_t beside = 0;
+  for (const double turn : {0.2, 0.7, 1.1, 2.5}) {
+    const Camera from = camera({50 - 200 * std::cos(turn), 50 - 200 * std::sin(turn), 160}, {48, 53, 0}, 4);
+    const NodeSelection selection = copc::select_nodes(trees_, std::vector{View{from}}, {});
+    const std::set<copc::Key> chosen = keys(selection);
+    const dmat4 to_eye = from.view();
+    const Intrinsics lens = from.intrinsics();
+    const double margin = 64.0 * from.height / 720 + 1;
+    for (const copc::Key& key : chosen) {
+      if (key.level == 0) continue;
+      const Bounds box = tree().box(key);
+      bool is_seen = false;
+      constexpr int steps = 40;
+      for (int k = 0; k <= steps * (steps + 1) * (steps + 1) && !is_seen; ++k) {
+        const dvec3 share(k % (steps + 1), k / (steps + 1) % (steps + 1), k / (steps + 1) / (steps + 1));
+        const dvec3 eye(to_eye * glm::dvec4(box.min + share / double(steps) * box.size(), 1));
+        const double x = lens.fx * eye.x / -eye.z + lens.cx, y = -lens.fy * eye.y / -eye.z + lens.cy;
+        const double near = 20 + margin;  // the samples are that coarse
+        is_seen = x > -near && y > -near && x < from.width + near && y < from.height + near;
+      }
+      EXPECT_TRUE(is_seen) << key.level << ' ' << key.x << ' ' << key.y << ' ' << key.z;
+    }
+    beside += tree().nodes.size() - chosen.size();
+  }
+  EXPECT_GT(beside, 20u);
+}
+
 TEST_F(CopcSelect, ABudgetLeavesOutTheFinestAndFarthest) {
   const std::vector<View> view{{camera({10, 10, 5}, {60, 60, 0})}};
   const NodeSelection whole = copc::select_nodes(trees_, view, {});
