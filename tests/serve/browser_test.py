@@ -252,9 +252,13 @@ def main():
         swiped = settle(narrow, swipe)
         check("one finger turns", swiped != still)
         check("two fingers zoom", settle(narrow, pinch) != swiped)
+        before = narrow.run(HASH)
+        middle = f"(() => {{ const b = {CANVAS}.getBoundingClientRect(); return (b.top + b.bottom) / 2; }})()"
         narrow.run("document.getElementById('toggle').click()")
         narrow.run("new Promise(done => setTimeout(done, 800))")
         narrow.wait(EXACT)
+        check("panels leave the scan as large, in the middle of what remains", narrow.run(HASH) == before and
+              abs(narrow.run(middle) - narrow.run("document.getElementById('view').clientHeight") / 2) < 2, narrow.run(middle))
         picture(narrow, "narrow_panels")
         unnamed = tab.run("""[...document.querySelectorAll('button,input,select')].filter(e => !(e.textContent.trim() && e.tagName === 'BUTTON') &&
             !e.labels?.length && !e.getAttribute('aria-label')).map(e => e.outerHTML.slice(0, 80))""")

@@ -123,7 +123,7 @@ async function copy(text) {
 
 const density = () => Math.min(window.devicePixelRatio || 1, 2);
 function sendSize() {
-  const box = $('view').getBoundingClientRect();
+  const box = canvas.getBoundingClientRect();
   const width = Math.max(16, Math.min(4096, Math.round(box.width * density())));
   const height = Math.max(16, Math.min(4096, Math.round(box.height * density())));
   if (canvas.width !== width || canvas.height !== height) {
@@ -132,7 +132,7 @@ function sendSize() {
   }
   send({ do: 'size', width, height });
 }
-new ResizeObserver(sendSize).observe($('view'));
+new ResizeObserver(sendSize).observe(canvas);
 
 // Hands: what pointers do is gathered and sent once a frame, so that nothing queues.
 const fingers = new Map();
@@ -266,7 +266,7 @@ $('shoot').onclick = () => shoot();
 $('copy').onclick = () => send({ do: 'command' });
 $('side').onchange = event => { if (event.target.value) send({ do: 'view', name: event.target.value }); event.target.value = ''; };
 for (const button of document.querySelectorAll('[data-view]')) button.onclick = () => send({ do: 'view', name: button.dataset.view });
-if (matchMedia('(max-width: 760px)').matches) togglePanels(false);
+if (matchMedia('(max-width: 760px)').matches || window !== window.parent) togglePanels(false);  // narrow, or in a notebook: the scan first
 
 build($('panels'));
 wait('opening');

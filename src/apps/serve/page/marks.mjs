@@ -60,9 +60,9 @@ export function showPicked() {
   const panel = document.getElementById('picked'), last = state.picked?.at(-1);
   panel.hidden = !last;
   if (!last) return;
-  const unitName = state.scene?.unit ?? '';
+  const long = text => `${text} ${state.scene?.unit ?? ''}`;
   const rows = [['x', last.text[0]], ['y', last.text[1]], ['z', last.text[2]], ['point', last.point], ...last.attributes];
-  if (last.distance_text) rows.push(['distance', `${last.distance_text} ${unitName}`], ['height', last.height.toPrecision(6)], ['horizontal', last.horizontal.toPrecision(6)]);
+  if (last.distance_text) rows.push(['distance', long(last.distance_text)], ['height', long(last.height.toPrecision(6))], ['horizontal', long(last.horizontal.toPrecision(6))]);
   const table = document.createElement('table');
   for (const [name, value] of rows) {
     const row = table.insertRow();

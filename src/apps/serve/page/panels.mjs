@@ -88,7 +88,7 @@ function makeControl(c) {
       latest = now;
       const value = Number(now.value);
       if (document.activeElement !== slider) slider.value = Number.isFinite(value) ? toSlider(now, value) : 0;
-      if (document.activeElement !== box) box.value = Number.isFinite(value) ? String(Number(value.toPrecision(6))) : '';
+      if (document.activeElement !== box) box.value = Number.isFinite(value) ? String(Number(value.toPrecision(now.auto ? 4 : 6))) : '';
     };
     row.append(element('label', { for: id, title: c.help }, c.label), element('span', { class: 'number' }, slider, box));
   } else {
@@ -138,7 +138,7 @@ function field(label, value, hint, name) {
 function choice(label, value, options, name) {
   const id = `color-${name}`;
   const box = element('select', { id, onchange: () => send({ do: 'color', name, value: box.value }) },
-    ...options.map(each => element('option', { value: each, selected: each === value }, each || 'as it suits')));
+    ...options.map(each => element('option', { value: each, selected: each === value }, each || 'automatic')));
   return element('div', { class: 'control' }, element('label', { for: id }, label), box);
 }
 
@@ -159,8 +159,8 @@ function colors() {
     swatch.style.background = each.color;
     all.push(element('div', { class: 'row' }, swatch, each.label, element('span', { class: 'note' }, each.points.toLocaleString('en'))));
   }
-  all.push(field('background', color.background_color, 'as it suits', 'background_color'), field('one colour', color.point_color, 'as it suits', 'point_color'),
-    field('exposure', color.exposure, 'as it suits', 'exposure'));
+  all.push(field('background', color.background_color, 'automatic', 'background_color'), field('one colour', color.point_color, 'automatic', 'point_color'),
+    field('exposure', color.exposure, 'automatic', 'exposure'));
   const legend = element('input', { type: 'checkbox', id: 'legend', checked: color.legend, onchange: () => send({ do: 'legend', on: legend.checked }) });
   all.push(element('div', { class: 'row' }, legend, element('label', { for: 'legend' }, 'legend in the picture')));
   keepFocus(parts.Colour, all);
@@ -173,7 +173,7 @@ function classes() {
     const swatch = element('span', { class: 'swatch' }), id = `class-${each.id}`;
     swatch.style.background = each.color;
     const box = element('input', { type: 'checkbox', id, checked: each.shown, onchange: () => send({ do: 'class', id: each.id, shown: box.checked }) });
-    return element('div', { class: 'row' }, box, swatch, element('label', { for: id }, `${each.id} ${each.name}`), element('span', { class: 'note' }, each.points.toLocaleString('en')));
+    return element('div', { class: 'row' }, box, swatch, element('label', { for: id }, each.name === `class ${each.id}` ? each.name : `${each.id} ${each.name}`), element('span', { class: 'note' }, each.points.toLocaleString('en')));
   }));
 }
 
