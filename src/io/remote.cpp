@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/interruption.h"
 #include "io/byte_source.h"
 #if __has_include(<curl/curl.h>)
 #include <curl/curl.h>
@@ -82,6 +83,24 @@ long patience() {
   return seconds >= 1 && seconds <= 3600 ? seconds : 15;
 }
 
+int on_progress(void*, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+  return interruption.load(std::memory_order_relaxed) ? 1 : 0;
+}
+
+/// Certificates that the user names, as for the program curl.
+const char* trusted_file() {
+  for (const char* name : {"CURL_CA_BUNDLE", "SSL_CERT_FILE"})
+    if (const char* file = std::getenv(name); file && *file) return file;
+  return nullptr;
+}
+
+void pause(std::chrono::milliseconds time) {
+  for (; time.count() > 0; time -= std::chrono::milliseconds(50)) {
+    if (interruption) throw Cancelled();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
 /// One answer.
 struct Answer {
   CURLcode code = CURLE_OK;
@@ -93,7 +112,12 @@ struct Answer {
   std::uint64_t most = 0;  ///< of a body with ranges
   bool takes_all = false;  ///< also a whole file, where the server has no ranges
   std::exception_ptr error;
+  char detail[CURL_ERROR_SIZE] = {};
 };
+
+std::string reason_of(const Answer& answer) {
+  return answer.detail[0] ? answer.detail : Curl::get().strerror(answer.code);
+}
 
 std::size_t on_header(char* bytes, std::size_t one, std::size_t count, void* user) {
   auto& answer = *static_cast<Answer*>(user);
@@ -165,7 +189,7 @@ class RemoteSource final : public ByteSource {
     const std::string range = std::to_string(offset) + "-" + std::to_string(offset + count - 1);
     std::string problem;
     for (int n = 0; n < most_tries; ++n) {
-      if (n > 0) std::this_thread::sleep_for(std::chrono::milliseconds(250 << n));
+      if (n > 0) pause(std::chrono::milliseconds(250 << n));
       restart();
       Answer answer;
       answer.take = take, answer.most = count, answer.takes_all = takes_all;
@@ -179,7 +203,11 @@ class RemoteSource final : public ByteSource {
       curl.setopt(handle, CURLOPT_FOLLOWLOCATION, 1L);
       curl.setopt(handle, CURLOPT_MAXREDIRS, 5L);
       curl.setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-      curl.setopt(handle, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
+      curl.setopt(handle, CURLOPT_REDIR_PROTOCOLS_STR, url_.starts_with("https") ? "https" : "http,https");
+      if (const char* file = trusted_file()) curl.setopt(handle, CURLOPT_CAINFO, file);
+      curl.setopt(handle, CURLOPT_ERRORBUFFER, answer.detail);
+      curl.setopt(handle, CURLOPT_NOPROGRESS, 0L);
+      curl.setopt(handle, CURLOPT_XFERINFOFUNCTION, &on_progress);
       curl.setopt(handle, CURLOPT_NOSIGNAL, 1L);
       curl.setopt(handle, CURLOPT_CONNECTTIMEOUT, patience());
       curl.setopt(handle, CURLOPT_LOW_SPEED_LIMIT, least_speed);
@@ -187,7 +215,12 @@ class RemoteSource final : public ByteSource {
       curl.setopt(handle, CURLOPT_USERAGENT, "sfumato");
       answer.code = curl.perform(handle);
       curl.getinfo(handle, CURLINFO_RESPONSE_CODE, &answer.status);
+      curl.setopt(handle, CURLOPT_ERRORBUFFER, nullptr);
       give_handle(handle);
+      if (answer.code == CURLE_ABORTED_BY_CALLBACK) throw Cancelled();
+      if (answer.code == CURLE_PEER_FAILED_VERIFICATION || answer.code == CURLE_SSL_CACERT_BADFILE)
+        fail("the server's certificate is not trusted (" + reason_of(answer) +
+             "); SSL_CERT_FILE names a file of those to trust");
       if (answer.error) std::rethrow_exception(answer.error);
       if (answer.status >= 400 && answer.status < 500 && answer.status != 429 && answer.status != 408)
         fail("the server answers " + std::to_string(answer.status) +
@@ -200,7 +233,7 @@ class RemoteSource final : public ByteSource {
       problem = answer.code == CURLE_OPERATION_TIMEDOUT
                     ? "the server is silent for " + std::to_string(patience()) + " s"
                 : answer.code == CURLE_PARTIAL_FILE ? "the server cuts the connection off"
-                : answer.code != CURLE_OK           ? curl.strerror(answer.code)
+                : answer.code != CURLE_OK           ? reason_of(answer)
                                                     : "the server answers " + std::to_string(answer.status);
       if (answer.code == CURLE_TOO_MANY_REDIRECTS || answer.code == CURLE_UNSUPPORTED_PROTOCOL ||
           answer.code == CURLE_URL_MALFORMAT)
@@ -306,11 +339,20 @@ std::shared_ptr<ByteSource> remote_source(const std::filesystem::path& url) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<RemoteSource>> open;
   static std::shared_ptr<RemoteSource> last;
+  const auto keep = [&](std::shared_ptr<RemoteSource> source) {
+    if (source) last = source;
+    return source;
+  };
+  {
+    const std::lock_guard lock(mutex);
+    std::erase_if(open, [](const auto& each) { return each.second.expired(); });
+    if (const auto found = open.find(url.native()); found != open.end())
+      if (auto source = keep(found->second.lock())) return source;
+  }
+  auto source = std::make_shared<RemoteSource>(url.native());  // others are opened meanwhile
   const std::lock_guard lock(mutex);
-  std::shared_ptr<RemoteSource> source = open[url.native()].lock();
-  if (!source) source = std::make_shared<RemoteSource>(url.native());
-  open[url.native()] = last = source;
-  return source;
+  open[url.native()] = source;
+  return keep(source);
 }
 
 #else

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/interruption.h"
 
 namespace sfumato::python {
 namespace {
@@ -56,9 +57,11 @@ void wait(std::future<void>& done, Reporter& reporter, const py::object& progres
       } catch (...) {
         raised = std::current_exception();
         reporter.cancel();
+        interruption = true;
       }
     }
   }
+  if (raised) interruption = false;
   if (raised) std::rethrow_exception(raised);
   done.get();
   if (const auto [fraction, text] = reporter.latest(); !progress.is_none() && !text.empty())

@@ -3,6 +3,9 @@ import gzip
 import http.server
 import os
 import re
+import shutil
+import signal
+import ssl
 import subprocess
 import sys
 import tempfile
@@ -29,6 +32,9 @@ class Server(http.server.ThreadingHTTPServer):
     hits = {}
     parts = []
 
+    def handle_error(self, *_):  # of clients that hang up
+        pass
+
 
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
@@ -50,6 +56,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.server.hits[part] = self.server.hits.get(part, 0) + 1
             if self.server.hits[part] <= 2:
                 return self.answer(503, b"wait")
+        if manner == "refuses":
+            return self.answer(503, b"")
+        if manner == "downgrade":
+            return self.answer(302, b"", {"Location": "http://127.0.0.1:1/"})
         if manner == "stall":
             time.sleep(30)
         try:
@@ -88,11 +98,67 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
 
 def command(*words, **environment):
-    start = time.monotonic()
+    began = time.monotonic()
+    own = {name: value for name, value in os.environ.items() if name not in ("CURL_CA_BUNDLE", "SSL_CERT_FILE")}
     done = subprocess.run([COMMAND, *words], capture_output=True, text=True,
-                          env={**os.environ, "SFUMATO_HTTP_TIMEOUT": "2", "no_proxy": "*", **environment})
-    done.seconds = time.monotonic() - start
+                          env={**own, "SFUMATO_HTTP_TIMEOUT": "2", "no_proxy": "*", **environment})
+    done.seconds = time.monotonic() - began
     return done
+
+
+def certificate(folder, name):
+    """A certificate of a server on this machine that nobody signed."""
+    files = [os.path.join(folder, name + ending) for ending in (".crt", ".key")]
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
+                    "subjectAltName=IP:127.0.0.1", "-out", files[0], "-keyout", files[1]], check=True, capture_output=True)
+    return files
+
+
+def start(folder, secured_by=None):
+    server = Server(("127.0.0.1", 0), Handler)
+    server.folder = folder
+    if secured_by:
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(*secured_by)
+        server.socket = context.wrap_socket(server.socket, server_side=True, do_handshake_on_connect=False)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return server
+
+
+def try_https(folder):
+    if not shutil.which("openssl"):
+        print("openssl is not here: https is not tried")
+        return
+    ours, others = certificate(folder, "ours"), certificate(folder, "others")
+    server = start(folder, ours)
+    address = f"https://127.0.0.1:{server.server_port}/plain/small.laz"
+    local = command("info", os.path.join(folder, "small.laz"))
+    for name in ("SSL_CERT_FILE", "CURL_CA_BUNDLE"):
+        done = command("info", address, **{name: ours[0]})
+        check(f"https, certificate in {name}", done.returncode == 0 and done.stdout.splitlines()[1:] == local.stdout.splitlines()[1:], done)
+    for what, trusted in (("unknown", others[0]), ("absent", os.path.join(folder, "absent.crt"))):
+        done = command("info", address, SSL_CERT_FILE=trusted)
+        check(f"https, certificate {what}: one line", done.returncode == 6 and "certificate" in done.stderr and "SSL_CERT_FILE" in done.stderr
+              and done.stderr.count("\n") == 1, done)
+    bare = start(folder)
+    done = command("info", f"https://127.0.0.1:{bare.server_port}/plain/small.laz", SSL_CERT_FILE=ours[0])
+    check("https of a server without it: one line", done.returncode == 6 and done.stderr.count("\n") == 1, done)
+    done = command("info", address.replace("plain", "downgrade"), SSL_CERT_FILE=ours[0])
+    check("https is not led to http", done.returncode == 6 and "rotocol" in done.stderr and done.stderr.count("\n") == 1, done)
+    server.shutdown(), bare.shutdown()
+
+
+def try_interrupt(url):
+    for what, words in (("a stalled fetch", ["info", url("stall", "small.laz")]), ("a wait before the next try", ["info", url("refuses", "small.laz")]),
+                        ("a stalled view", [url("stall", "small.laz"), "-o", "never.png", "-t", "points"])):
+        began = subprocess.Popen([COMMAND, *words], stderr=subprocess.PIPE, text=True,
+                                 env={**os.environ, "SFUMATO_HTTP_TIMEOUT": "15", "no_proxy": "*"})
+        time.sleep(1.2)
+        began.send_signal(signal.SIGINT)
+        asked = time.monotonic()
+        said = began.communicate()[1]
+        late = time.monotonic() - asked
+        check(f"Ctrl-C in {what}: {late:.2f} s", began.returncode == 130 and said == "sfumato: interrupted\n" and late < 2, (said, late))
 
 
 def pictures_agree(folder, one, other, *words):
@@ -147,9 +213,7 @@ def main():
         check("a damaged gzip says so", done.returncode == 2 and "gzip stream" in done.stderr and done.stderr.count("\n") == 1, done)
 
         # At a server.
-        server = Server(("127.0.0.1", 0), Handler)
-        server.folder = folder
-        threading.Thread(target=server.serve_forever, daemon=True).start()
+        server = start(folder)
         url = lambda manner, name: f"http://127.0.0.1:{server.server_port}/{manner}/{name}"  # noqa: E731
         for manner in ("plain", "redirect", "whole", "busy"):
             check(manner + ": the same picture", *pictures_agree(folder, at("small.laz"), url(manner, "small.laz")))
@@ -177,7 +241,9 @@ def main():
         check("404: one line", done.returncode == 6 and "404" in done.stderr and done.stderr.count("\n") == 1, done)
         done = command("info", "http://127.0.0.1:1/x.laz")
         check("nobody there: one line", done.returncode == 6 and done.stderr.count("\n") == 1, done)
+        try_interrupt(url)
         server.shutdown()
+        try_https(folder)
     print(f"{len(failures)} failures")
     return 1 if failures else 0
 

@@ -4,23 +4,20 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <utility>
 
+#include "core/interruption.h"
 #include "session/notes.h"
 
 namespace sfumato::cli {
 namespace {
 
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
-
 void on_interrupt(int) {
-  if (interrupted.exchange(true)) _exit(130);
+  if (interruption.exchange(true)) _exit(130);
 }
 
 }  // namespace
@@ -67,7 +64,7 @@ void Console::update(double fraction, std::string_view text) {
   std::fflush(stderr);
 }
 
-bool Console::cancelled() const { return interrupted.load(std::memory_order_relaxed); }
+bool Console::cancelled() const { return interruption.load(std::memory_order_relaxed); }
 
 void Console::set_step(const std::string& what, std::size_t step, std::size_t steps) {
   const std::lock_guard lock(mutex_);
