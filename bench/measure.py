@@ -47,6 +47,21 @@ def process(command, timeout):
         return Done(wall_ms, usage.ru_maxrss / 1024, out.read(), err.read(), child.returncode)
 
 
+class Reports:
+    """What a long run reports, for rows that ask for one field each: none gets the same number of the same run twice."""
+
+    def __init__(self):
+        self._left = {}
+
+    def of(self, key, field, run):
+        """The report of the latest run of `key` whose `field` is not taken yet, else of a new one."""
+        report, taken = self._left.get(key, ({}, set()))
+        if not report or field in taken:
+            report, taken = self._left[key] = (run(), set())
+        taken.add(field)
+        return report
+
+
 if __name__ == '__main__':
     measured = process(sys.argv[1:], 600)
     print(measured.stdout)

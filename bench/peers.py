@@ -94,7 +94,29 @@ def _nanoflann(what, cloud, count, build, timeout):
     return _report([binary, cloud, NEIGHBORS, THREADS], FIELDS[what], timeout)
 
 
-PROGRAMS = {'vtk': _vtk, 'open3d': _open3d, 'pcl': _pcl, 'nanoflann': _nanoflann}
+def _pvserver(what, cloud, count, build, timeout):
+    """`what`: a field, with "@MS,MBIT" behind it over such a line."""
+    if not shutil.which('pvserver') or not shutil.which('pvpython'):
+        raise Missing('paraview and python3-paraview are not installed')
+    _need_xvfb()
+    field, _, line = what.partition('@')
+    command = XVFB + [PYTHON, os.path.join(SCRIPTS, 'peer_pvserver.py'), cloud] + (['--line', line] if line else [])
+
+    def run():
+        for _ in range(2):  # a client sometimes fails to connect
+            lines = measure.process(command, 2.5 * timeout).stdout.splitlines()  # to load 10.6M takes minutes
+            if lines and lines[-1].startswith('{"'):
+                return json.loads(lines[-1])
+        return {}
+
+    result = _REPORTS.of((cloud, line), field, run)
+    if field not in result:
+        raise Missing('pvserver printed no result')
+    return float(result[field]), result.get('peer', '')
+
+
+_REPORTS = measure.Reports()
+PROGRAMS = {'pvserver': _pvserver, 'vtk': _vtk, 'open3d': _open3d, 'pcl': _pcl, 'nanoflann': _nanoflann}
 
 
 def run(peer, cloud, count, build, timeout):

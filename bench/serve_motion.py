@@ -9,7 +9,6 @@ page), converge_ms (from letting go to the exact picture). --line puts a proxy b
 """
 import json
 import os
-import queue
 import socket
 import statistics
 import sys
@@ -19,50 +18,21 @@ import time
 SFUMATO, CLOUD, TECHNIQUE = sys.argv[1:4]
 os.environ['SFUMATO_COMMAND'] = SFUMATO
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '../tests/serve'))
+from line import Line, listen  # noqa: E402
 from server import Server, Socket  # noqa: E402
 
-MOTION_S, SINGLE = 8, 12
+MOTION_S, SINGLE, LONGEST_S = 8, 12, 60
 SIZE = {'width': 1280, 'height': 720}
 
 
-class Line:
-    """A line of a latency and a rate each way, before a server; it has the server's name and token."""
+class Slow:
+    """A server behind a line."""
 
     def __init__(self, server, ms, mbit):
-        self.host, self.token, self.server = server.host, server.token, server
-        self.delay, self.rate = ms / 2000, mbit * 1e6 / 8
-        self.listener = socket.create_server((self.host, 0))
-        self.port = self.listener.getsockname()[1]
+        self.host, self.token, self.port = server.host, server.token, listen(Line(ms, mbit), server.connect)
 
     def connect(self):
-        near = socket.create_connection((self.host, self.port))
-        far, _ = self.listener.accept()
-        there = self.server.connect()
-        there.settimeout(None)
-        for one, other in ((far, there), (there, far)):
-            sent = queue.Queue(16)  # as a router's: what does not fit waits at its sender
-            threading.Thread(target=self.take, args=(one, sent), daemon=True).start()
-            threading.Thread(target=self.give, args=(other, sent), daemon=True).start()
-        return near
-
-    def take(self, source, sent):
-        free = 0.0
-        try:
-            while data := source.recv(4096):
-                free = max(free, time.monotonic()) + len(data) / self.rate
-                sent.put((free + self.delay, data))
-                time.sleep(max(0, free - time.monotonic()))
-        except ConnectionError:
-            pass
-        sent.put((0, b''))
-
-    def give(self, target, sent):
-        while True:
-            due, data = sent.get()
-            if not data:
-                return
-            time.sleep(max(0, due - time.monotonic()))
-            target.sendall(data)
+        return socket.create_connection((self.host, self.port), timeout=60)
 
 
 def main():
@@ -73,7 +43,7 @@ def main():
         words = words[2:]
     with Server(CLOUD, '-t', TECHNIQUE, '--quiet', *words) as server:
         server.wait_ready()
-        page = Socket(Line(server, *line) if line else server)
+        page = Socket(Slow(server, *line) if line else server)
         page.send(do='size', **SIZE)
         page.listen(Socket.is_exact, 240)
         page.send(do='grab', kind='rotate', x=640, y=360)
@@ -98,7 +68,7 @@ def main():
         let_go = time.monotonic()
         page.listen(Socket.is_exact, 240)
         converge = time.monotonic() - let_go
-        waits = []
+        waits, singles = [], time.monotonic()
         for _ in range(SINGLE):
             time.sleep(0.3)
             page.listen(Socket.is_exact, 240)
@@ -108,6 +78,8 @@ def main():
             page.listen(lambda s: s.pictures[-1][0]['camera'] != before)
             waits.append(time.monotonic() - sent)
             page.listen(Socket.is_exact, 240)
+            if time.monotonic() - singles > LONGEST_S:
+                break
         size = sum(len(body) + header.get('depth', {}).get('bytes', 0) for header, body in seen)
         print(json.dumps({'technique': TECHNIQUE, 'pictures_a_second': round(len(seen) / took, 1), 'kb_a_second': round(size / took / 1000),
                           'mean_kb': round(size / 1000 / max(1, len(seen)), 1), 'photon_ms': round(1000 * statistics.median(waits)),
