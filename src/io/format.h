@@ -78,6 +78,13 @@ bool is_depth_image(std::string_view head);
 ReadResult read_depth_image(const std::filesystem::path& file, const ReadOptions& options,
                             Progress& progress);
 
+bool is_ept(std::string_view head);
+ReadResult read_ept(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+bool is_potree(std::string_view head);
+ReadResult read_potree(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+bool is_vpc(std::string_view head);
+ReadResult read_vpc(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
 bool is_text(std::string_view head);
 ReadResult read_text(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 WriteReport write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress);

@@ -39,6 +39,13 @@ const std::vector<Format>& table() {
 #ifdef SFUMATO_DRACO
       {"draco", {".drc"}, "Draco point clouds, and the vertices of Draco meshes", is_draco, read_draco},
 #endif
+      {"ept", {"ept.json"}, "Entwine Point Tiles: laszip, binary, zstandard", is_ept, read_ept},
+      {"potree",
+       {"metadata.json"},
+       "Potree 2 octrees, DEFAULT and BROTLI (metadata.json)",
+       is_potree,
+       read_potree},
+      {"vpc", {".vpc"}, "virtual point clouds: lists of COPC, LAZ and other files", is_vpc, read_vpc},
       {"depth",
        {".json"},
        "depth image (16-bit PNG or EXR) and its camera as JSON",

@@ -37,14 +37,6 @@ std::vector<std::uint8_t> first_record(const InputFile& file, const Header& head
   return record;
 }
 
-// Bytes that a cloud may take: three quarters of the machine's memory, or SFUMATO_MEMORY.
-std::uint64_t memory_limit() {
-  if (const char* text = std::getenv("SFUMATO_MEMORY"))
-    if (const unsigned long long bytes = std::strtoull(text, nullptr, 10); bytes > 0) return bytes;
-  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? std::uint64_t(pages) * std::uint64_t(size) / 4 * 3 : ~std::uint64_t{0};
-}
-
 /// Which points are kept where all of them are too many for memory.
 class Thinning {
  public:
@@ -247,6 +239,13 @@ constexpr std::size_t format_byte = 104;
 
 }  // namespace
 }  // namespace las
+
+std::uint64_t memory_limit() {
+  if (const char* text = std::getenv("SFUMATO_MEMORY"))
+    if (const unsigned long long bytes = std::strtoull(text, nullptr, 10); bytes > 0) return bytes;
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && size > 0 ? std::uint64_t(pages) * std::uint64_t(size) / 4 * 3 : ~std::uint64_t{0};
+}
 
 bool is_las(std::string_view head) { return head.starts_with("LASF"); }
 

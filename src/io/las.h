@@ -17,6 +17,9 @@
 
 namespace sfumato::io {
 
+/// Bytes that a cloud may take: three quarters of the machine's memory, or SFUMATO_MEMORY.
+std::uint64_t memory_limit();
+
 bool is_las(std::string_view head);
 bool is_laz(std::string_view head);
 bool is_copc(std::string_view head);

@@ -13,6 +13,7 @@
 #include <filesystem>
 
 #include "io/byte_source.h"
+#include "io/vpc.h"
 #include "scene/scene.h"
 
 namespace sfumato::scene {
@@ -36,6 +37,13 @@ std::vector<std::string> readable_extensions() {
 }
 
 std::vector<std::string> files_in(const std::string& folder) {
+  // Such a folder is one scan: what lies in it are its parts.
+  for (const char* whole : {"ept.json", "metadata.json"}) {
+    const fs::path described = fs::path(folder) / whole;
+    if (fs::exists(described) &&
+        (std::strcmp(whole, "ept.json") == 0 || fs::exists(fs::path(folder) / "octree.bin")))
+      return {described.string()};
+  }
   const std::vector<std::string> extensions = readable_extensions();
   std::vector<std::string> found;
   std::error_code error;
@@ -79,6 +87,10 @@ std::vector<std::string> expand_inputs(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     std::error_code error;
     std::vector<std::string> found = {word};
+    if (io::is_vpc_name(word) && (io::is_remote(word) || fs::is_regular_file(word, error))) {
+      for (const fs::path& file : io::vpc_files(word)) files.push_back(file.string());
+      continue;
+    }
     if (io::is_remote(word)) {
       files.push_back(word);  // a query is no pattern
       continue;

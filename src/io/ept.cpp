@@ -1,0 +1,159 @@
+// Entwine Point Tiles 1.0 (and 0.0): ept.json, a hierarchy of counts, and a tile a node.
+#include <charconv>
+#include <deque>
+#include <set>
+
+#include "io/bounded_json.h"
+#include "io/file.h"
+#include "io/format.h"
+#include "io/tiles.h"
+
+namespace sfumato::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// "ReturnNumber", as PDAL writes it, is return_number here.
+std::string plain_name(const std::string& name) {
+  std::string plain;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const bool is_upper = name[i] >= 'A' && name[i] <= 'Z';
+    if (is_upper && i > 0 && !(name[i - 1] >= 'A' && name[i - 1] <= 'Z')) plain += '_';
+    plain += is_upper ? char(name[i] - 'A' + 'a') : name[i];
+  }
+  return plain;
+}
+
+std::optional<StoredType> type_of(const std::string& kind, std::uint64_t size) {
+  const auto of = [&](StoredType one, StoredType two, StoredType four, StoredType eight) {
+    return size == 1   ? std::optional(one)
+           : size == 2 ? std::optional(two)
+           : size == 4 ? std::optional(four)
+           : size == 8 ? std::optional(eight)
+                       : std::nullopt;
+  };
+  if (kind == "unsigned")
+    return of(StoredType::uint8, StoredType::uint16, StoredType::uint32, StoredType::uint64);
+  if (kind == "signed") return of(StoredType::int8, StoredType::int16, StoredType::int32, StoredType::int64);
+  if (kind == "float" && size >= 4)
+    return size == 4   ? std::optional(StoredType::float32)
+           : size == 8 ? std::optional(StoredType::float64)
+                       : std::nullopt;
+  return std::nullopt;
+}
+
+TileLayout layout_of(const std::filesystem::path& path, const Json& schema) {
+  TileLayout layout;
+  if (!schema.is_array() || schema.empty() || schema.size() > 256)
+    bad_input(path, "schema", "found no list of dimensions; export it again");
+  for (const Json& one : schema) {
+    const auto number = [&](const char* key, double otherwise) {
+      return one.contains(key) && one[key].is_number() ? one[key].get<double>() : otherwise;
+    };
+    if (!one.is_object() || !one.contains("name") || !one["name"].is_string() || !one.contains("type") ||
+        !one["type"].is_string())
+      bad_input(path, "schema", "found a dimension without name or type; export it again");
+    const std::string name = one["name"].get<std::string>();
+    const std::optional<StoredType> type =
+        type_of(one["type"].get<std::string>(), std::uint64_t(number("size", 0)));
+    if (!type) bad_input(path, "schema", "found '" + name + "' of an unknown type or size; export it again");
+    layout.fields.push_back(
+        {plain_name(name), *type, layout.record, number("scale", 1), number("offset", 0)});
+    layout.record += size_of(*type);
+  }
+  return layout;
+}
+
+/// "2-0-1-3": its level, or nothing.
+std::optional<int> level_of(const std::string& key) {
+  std::uint32_t numbers[4] = {};
+  const char *at = key.data(), *const end = at + key.size();
+  for (int k = 0; k < 4; ++k) {
+    const auto [next, error] = std::from_chars(at, end, numbers[k]);
+    if (error != std::errc() || (k < 3 ? next == end || *next != '-' : next != end)) return std::nullopt;
+    at = next + 1;
+  }
+  return numbers[0] <= 30 ? std::optional(int(numbers[0])) : std::nullopt;
+}
+
+std::vector<Tile> tiles_of(const std::filesystem::path& path, Progress& progress) {
+  std::vector<Tile> tiles;
+  std::set<std::string> seen;
+  std::deque<std::string> pages{"0-0-0-0"};
+  std::set<std::string> seen_pages{pages.front()};
+  while (!pages.empty()) {
+    progress.check();
+    const std::filesystem::path page = beside(path, "ept-hierarchy/" + pages.front() + ".json");
+    const File file(page);
+    const std::string text = file.read_text(0, std::min<std::uint64_t>(file.size(), most_tile_bytes));
+    const nlohmann::json counts = nlohmann::json::parse(text, nullptr, false);
+    if (!counts.is_object()) bad_input(page, "JSON", "found no counts of points by node; fetch it again");
+    for (const auto& [key, value] : counts.items()) {
+      const std::optional<int> level = level_of(key);
+      if (!level || !value.is_number_integer() || value.get<std::int64_t>() < -1)
+        bad_input(page, "JSON", "found '" + key.substr(0, 40) + "', expected counts as \"2-0-1-3\": 1000");
+      const auto points = value.get<std::int64_t>();
+      if (points == -1) {
+        if (seen_pages.insert(key).second) pages.push_back(key);
+      } else if (seen.insert(key).second) {
+        tiles.push_back({*level, std::uint64_t(points), key});
+      }
+    }
+    pages.pop_front();
+  }
+  return tiles;
+}
+
+}  // namespace
+
+bool is_ept(std::string_view head) {
+  const std::size_t begin = head.find_first_not_of(" \t\r\n");
+  return begin < head.size() && head[begin] == '{' && head.find("\"hierarchyType\"") != head.npos &&
+         head.find("\"dataType\"") != head.npos;
+}
+
+ReadResult read_ept(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+  const Json ept = load_json(path);
+  const auto text = [&](const Json& object, const char* key) {
+    return object.is_object() && object.contains(key) && object[key].is_string()
+               ? object[key].get<std::string>()
+               : std::string();
+  };
+  const std::string kind = text(ept, "dataType");
+  const bool is_laz = kind == "laszip", is_packed = kind == "zstandard";
+  if (!is_laz && !is_packed && kind != "binary")
+    bad_input(path, "JSON",
+              "found tiles of '" + kind.substr(0, 40) + "', expected laszip, binary or zstandard");
+  if (!ept.contains("schema")) bad_input(path, "JSON", "found no schema; export it again");
+  const TileLayout layout = layout_of(path, ept["schema"]);
+  const std::vector<Tile> tiles =
+      tiles_wanted(path, tiles_of(path, progress), 2 * layout.record + 32, options);
+  if (tiles.empty()) bad_input(path, "hierarchy", "found no node with points; fetch it again");
+  const auto file_of = [&](const Tile& tile) {
+    return beside(path, "ept-data/" + tile.name + (is_laz ? ".laz" : is_packed ? ".zst" : ".bin"));
+  };
+  ReadResult result;
+  if (is_laz) {
+    std::vector<std::filesystem::path> files;
+    for (const Tile& tile : tiles) files.push_back(file_of(tile));
+    result = read_las_tiles(files, progress);
+  } else {
+    result = read_tiles(
+        path, layout, tiles,
+        [&](const Tile& tile) {
+          const std::uint64_t size = tile.points * layout.record;
+          const File file(file_of(tile));
+          if (tile.points > most_tile_bytes / layout.record || file.size() > most_tile_bytes)
+            bad_input(file.path(), "size", "the tile is larger than 256 MB; the hierarchy is damaged");
+          std::vector<std::byte> bytes(std::size_t(file.size()));
+          file.read(0, bytes);
+          return is_packed ? unpack_zstd(file.path(), bytes, std::size_t(size)) : bytes;
+        },
+        progress);
+  }
+  if (const std::string wkt = ept.contains("srs") ? text(ept["srs"], "wkt") : ""; !wkt.empty())
+    result.cloud.crs = result.report.crs = wkt;
+  return result;
+}
+
+}  // namespace sfumato::io
