@@ -1,12 +1,12 @@
 // Bare arrays: NumPy's .npy (a row a point, or records with names).
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
 
+#include "core/lower_case.h"
 #include "io/columns.h"
 #include "core/counted.h"
 #include "io/file.h"
@@ -216,8 +216,7 @@ ReadResult read_array(const File& file, const Array& array, Progress& progress) 
 }  // namespace
 
 std::vector<std::string> columns_named(const std::string& name, std::size_t width) {
-  std::string low = name;
-  std::transform(low.begin(), low.end(), low.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string low = lower_case(name);
   const auto is = [&](std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(), [&](const char* one) { return low == one; });
   };

@@ -7,14 +7,14 @@
 #include <cstring>
 #include <string_view>
 #include <utility>
+#include "core/lower_case.h"
 
 namespace sfumato::io {
 namespace {
 
 /// The role that a column of this name plays, by the names common programs write.
 Role role_of(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  name = lower_case(name);
   static const std::pair<Role, std::vector<std::string>> names[] = {
       {Role::x, {"x"}},
       {Role::y, {"y"}},

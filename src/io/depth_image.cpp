@@ -9,9 +9,9 @@
 // nothing was measured. The middle of the first pixel is (0, 0); x right, y down, z forward; the pose takes
 // the camera to the world. `color` and `pose` may be left out.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
+#include "core/lower_case.h"
 #include "io/bounded_json.h"
 #include "io/byte_source.h"
 #include "io/exr_read.h"
@@ -93,10 +93,7 @@ struct Depth {
 };
 
 Depth read_depth(const Frame& frame) {
-  std::string extension = frame.depth.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  if (extension == ".exr") {
+  if (lower_case(frame.depth.extension().string()) == ".exr") {
     ExrDepth exr = read_exr_depth(frame.depth);
     return {exr.width, exr.height, {}, std::move(exr.values), frame.scale > 0 ? frame.scale : 1};
   }

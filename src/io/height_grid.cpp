@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/counted.h"
+#include "core/lower_case.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/table.h"
@@ -18,12 +19,6 @@ namespace {
 
 constexpr double least_of_surfer = 1.70141e38;  ///< what Surfer writes where there is nothing
 constexpr std::size_t most_header_words = 16;
-
-std::string lower(std::string_view word) {
-  std::string low(word);
-  std::transform(low.begin(), low.end(), low.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return low;
-}
 
 /// Words between blanks, over the ends of lines.
 class WordReader {
@@ -114,7 +109,7 @@ class GridReader {
     std::replace(text.begin(), text.end(), ',', '.');
     double value = 0;
     const char* end = text.data() + text.size();
-    if (lower(word) == "null" || word == "*") return grid_.nothing;
+    if (lower_case(word) == "null" || word == "*") return grid_.nothing;
     return parse_number(text.data(), end, value) == end ? std::optional(value) : std::nullopt;
   }
 
@@ -137,10 +132,10 @@ class GridReader {
   void read_header() {
     std::string_view word;
     if (!words_.next(word)) fail("the file is empty");
-    if (lower(word) == "dsaa") return read_surfer();
+    if (lower_case(word) == "dsaa") return read_surfer();
     std::map<std::string, double> keys;
     do {
-      std::string key = lower(word);
+      std::string key = lower_case(word);
       if (!std::isalpha(static_cast<unsigned char>(key[0])) || key == "null" || key == "nan") break;
       if (keys.size() >= most_header_words) fail("found more words than a grid has; the file is damaged");
       if (key.back() == ':') key.pop_back();
@@ -195,7 +190,7 @@ bool is_height_grid(std::string_view head) {
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   const std::size_t begin = head.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos) return false;
-  const std::string low = lower(head.substr(begin, 512));
+  const std::string low = lower_case(head.substr(begin, 512));
   const auto has = [&](const char* word) { return low.find(word) != std::string::npos; };
   if (low.starts_with("dsaa")) return true;
   if (low.starts_with("north:")) return has("rows:") && has("cols:");

@@ -1,9 +1,9 @@
 #include "io/io.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "core/counted.h"
+#include "core/lower_case.h"
 #include "io/atomic_writer.h"
 #include "io/excerpt.h"
 #include "io/faces.h"
@@ -73,12 +73,7 @@ const std::vector<Format>& table() {
   return formats;
 }
 
-std::string lower_name(const std::filesystem::path& file) {
-  std::string name = file.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return name;
-}
+std::string lower_name(const std::filesystem::path& file) { return lower_case(file.filename().string()); }
 
 /// `.copc.laz` counts as an extension, so the end of the whole name is compared.
 bool has_extension(const Format& format, const std::string& name) {

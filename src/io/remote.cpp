@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <cstdio>
@@ -22,6 +21,7 @@
 
 #include "core/error.h"
 #include "core/interruption.h"
+#include "core/lower_case.h"
 #include "io/byte_source.h"
 #if __has_include(<curl/curl.h>)
 #include <curl/curl.h>
@@ -121,9 +121,7 @@ std::string reason_of(const Answer& answer) {
 
 std::size_t on_header(char* bytes, std::size_t one, std::size_t count, void* user) {
   auto& answer = *static_cast<Answer*>(user);
-  std::string line(bytes, one * count);
-  std::transform(line.begin(), line.end(), line.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string line = lower_case({bytes, one * count});
   if (line.starts_with("http/")) {  // of the next answer, behind a redirection
     answer.first.reset(), answer.total.reset();
     const std::size_t blank = line.find(' ');

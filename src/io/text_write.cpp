@@ -1,6 +1,7 @@
 // Lines of numbers: XYZ, TXT and ASC with blanks and a header behind #, CSV with commas and a plain header.
 #include <algorithm>
 
+#include "core/lower_case.h"
 #include "io/atomic_writer.h"
 #include "io/format.h"
 #include "io/record.h"
@@ -8,10 +9,7 @@
 namespace sfumato::io {
 
 WriteReport write_text(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  const bool commas = extension == ".csv";
+  const bool commas = lower_case(file.extension().string()) == ".csv";
   const std::vector<OutColumn> columns = columns_to_write(cloud);
   AtomicWriter out(file);
   std::string line = commas ? "" : "#";

@@ -9,17 +9,12 @@
 #include <cstring>
 #include <optional>
 
+#include "core/lower_case.h"
 #include "io/file.h"
 #include "io/npy_array.h"
 
 namespace sfumato::io {
 namespace {
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
 
 std::optional<StoredType> legacy_type(const std::string& word) {
   static const std::pair<const char*, StoredType> types[] = {{"float", StoredType::float32},
@@ -46,10 +41,7 @@ std::optional<StoredType> legacy_type(const std::string& word) {
 class LegacyReader {
  public:
   LegacyReader(const std::filesystem::path& path, Progress& progress)
-      : path_(path), progress_(progress), out_(path) {
-    const File file(path);
-    text_ = file.read_text(0, std::size_t(file.size()));
-  }
+      : path_(path), progress_(progress), out_(path), text_(text_of(path)) {}
 
   ReadResult read() {
     line(), line();  // version and title
@@ -220,6 +212,11 @@ class LegacyReader {
 };
 
 }  // namespace
+
+std::string text_of(const std::filesystem::path& path) {
+  const File file(path);
+  return file.read_text(0, std::size_t(file.size()));
+}
 
 VtkArrays::Named& VtkArrays::named(const std::string& name, StoredType type) {
   for (Named& one : columns_)

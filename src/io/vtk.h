@@ -34,6 +34,9 @@ class VtkArrays {
   std::size_t rows_ = 0;
 };
 
+/// All of a file.
+std::string text_of(const std::filesystem::path& file);
+
 bool is_vtk(std::string_view head);
 ReadResult read_vtk(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 bool is_vtk_xml(std::string_view head);

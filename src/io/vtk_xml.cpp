@@ -9,7 +9,6 @@
 #include <pugixml.hpp>
 #include <utility>
 
-#include "io/file.h"
 #include "io/vtk.h"
 
 namespace sfumato::io {
@@ -73,10 +72,7 @@ class ByteReader {
 class XmlReader {
  public:
   XmlReader(const std::filesystem::path& path, Progress& progress)
-      : path_(path), progress_(progress), out_(path) {
-    const File file(path);
-    text_ = file.read_text(0, std::size_t(file.size()));
-  }
+      : path_(path), progress_(progress), out_(path), text_(text_of(path)) {}
 
   ReadResult read() {
     // Raw bytes behind <AppendedData ...>_ are no XML.

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
+#include "core/lower_case.h"
 #include "io/byte_source.h"
 #include "io/vpc.h"
 #include "scene/scene.h"
@@ -48,10 +48,8 @@ std::vector<std::string> files_in(const std::string& folder) {
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    std::string name = entry.path().filename().string();
+    std::string name = lower_case(entry.path().filename().string());
     if (name.starts_with('.') || !entry.is_regular_file(error)) continue;
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
     if (name.ends_with(".gz")) name.resize(name.size() - 3);
     if (std::any_of(extensions.begin(), extensions.end(),
                     [&](const auto& end) { return name.ends_with(end); }))

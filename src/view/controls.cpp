@@ -4,20 +4,15 @@
 #include <charconv>
 #include <cmath>
 #include <sstream>
+#include "core/lower_case.h"
 
 namespace sfumato::view {
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
-
 bool matches(const Control& control, const std::string& search) {
   const std::string all =
-      lower(control.label + " " + control.name + " " + control.tooltip + " " + control.group);
-  std::istringstream words(lower(search));
+      lower_case(control.label + " " + control.name + " " + control.tooltip + " " + control.group);
+  std::istringstream words(lower_case(search));
   for (std::string word; words >> word;)
     if (all.find(word) == std::string::npos) return false;
   return true;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/error.h"
+#include "core/lower_case.h"
 #include "io/atomic_writer.h"
 #include "io/byte_source.h"
 #include "video.h"
@@ -211,10 +212,7 @@ NameParts RenderOptions::parts(int n, const std::string& technique_name) const {
 
 std::string extension_of(const std::string& file) {
   if (io::is_standard_output(file)) return ".png";
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return extension;
+  return lower_case(std::filesystem::path(file).extension().string());
 }
 
 std::string file_name(const std::string& pattern, const NameParts& parts) {

@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "core/error.h"
+#include "core/lower_case.h"
 
 namespace sfumato::serve {
 namespace {
@@ -44,12 +45,6 @@ bool looks_like_token(std::string_view text) {
          });
 }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return out;
-}
-
 }  // namespace
 
 std::string new_token() {
@@ -78,20 +73,20 @@ bool is_known_host(std::string_view host, const std::vector<std::string>& names)
              return std::isxdigit(c) || c == ':' || c == '.';
            });
   }
-  const std::string name = lower(host.substr(0, host.find(':')));
+  const std::string name = lower_case(host.substr(0, host.find(':')));
   if (name == "localhost") return true;
   // Four numbers; a browser resolves nothing for those.
   if (std::count(name.begin(), name.end(), '.') == 3 && name.front() != '.' && name.back() != '.' &&
       std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) || c == '.'; }))
     return true;
   return std::any_of(names.begin(), names.end(),
-                     [&](const std::string& each) { return lower(each) == name; });
+                     [&](const std::string& each) { return lower_case(each) == name; });
 }
 
 bool is_own_origin(std::string_view origin, std::string_view host) {
   if (origin.empty()) return true;
   for (const std::string_view scheme : {"http://", "https://"})
-    if (origin.starts_with(scheme)) return lower(origin.substr(scheme.size())) == lower(host);
+    if (origin.starts_with(scheme)) return lower_case(origin.substr(scheme.size())) == lower_case(host);
   return false;
 }
 
