@@ -8,7 +8,7 @@
 
 #include "analysis/attributes.h"
 #include "analysis/quantiles.h"
-#include "analysis/support.h"
+#include "analysis/vouched.h"
 #include "core/order.h"
 #include "core/symmetric3.h"
 
@@ -17,18 +17,13 @@ namespace {
 
 constexpr std::size_t places = 2048;  // shares are known to 1 %
 constexpr int neighbors = 24;
-/// Whether a point lies on a line its six nearest say: of more, other lines have their share, as rings of a
-/// scanner with 64 of them and rims of a mesh. Across over along, in variances: below that for 1 % of the
-/// points of a random surface.
-constexpr std::size_t along_line = 6;
-constexpr float line = 0.02f;
-/// How far the next line is looked for, in distances of the farthest of the 24: beyond, a line stands alone.
-constexpr float far_off = 16;
-
-/// Seen from far enough a forest is flat, and so is noise. Noise of 2 spacings still shows its surface (ADR
-/// 50); of a layer thicker than this, in standard deviations over the spacing, discs as wide as the spacing
-/// show nothing.
-constexpr float thickest = 2.5f;
+/// So many-th of them are asked for their own plane.
+constexpr std::size_t asked = 3;
+/// Pictures close gaps up to a radius of 11 px of 720, or 2.75 usual spacings (techniques/screen_spacing.h);
+/// those of a random sample of a surface have 1.7 spacings at most (vouched.h).
+constexpr float closed_of_diagonal = 11.0f / 720, closed_spacings = 2.75f, widest_gap_spacings = 1.7f;
+/// Cosine of 30 degrees: discs that are tilted by more against each other do not meet.
+constexpr float parallel = 0.866f;
 
 /// The nearest places: points in one place are one, or a scan whose points come twice would be flat
 /// everywhere.
@@ -49,7 +44,7 @@ class Nearest {
     distance2_[at] = distance2, id_[at] = id;
   }
   std::span<const std::uint32_t> ids() const { return {id_, std::size_t(count_)}; }
-  float reach() const { return count_ > 0 ? std::sqrt(distance2_[count_ - 1]) : 0; }
+  float reach2() const { return count_ > 0 ? distance2_[count_ - 1] : 0; }
 
  private:
   std::span<const vec3> positions_;
@@ -58,58 +53,29 @@ class Nearest {
   std::uint32_t id_[neighbors];
 };
 
-/// Distance to the nearest point that lies rather across a line through `at` than along it.
-class NextLine {
- public:
-  static constexpr bool merges_coincident = true;
-  NextLine(std::span<const vec3> positions, const vec3& at, const vec3& along, float deviation, float limit)
-      : positions_(positions),
-        at_(at),
-        along_(along),
-        least2_(9 * deviation * deviation),
-        limit_(limit * limit) {}
-  float limit() const { return limit_; }
-  void add(std::uint32_t id, float distance2) {
-    const vec3 way = positions_[id] - at_;
-    const float along = glm::dot(way, along_), across2 = distance2 - along * along;
-    if (across2 > along * along && across2 > least2_) limit_ = std::min(limit_, distance2);
-  }
-
- private:
-  std::span<const vec3> positions_;
-  vec3 at_, along_;
-  float least2_, limit_;
-};
-
 struct Seen {
-  float flat = 1;
-  bool line = false;
-  float gap = 0;        ///< of a point on a line, to the next one
-  bool closes = false;  ///< whether that is among its neighbours
-  float thickness = 0;  ///< standard deviation from the plane
-  float spacing = 0;    ///< of a surface with as many points within reach
+  float area = 0;     ///< a square of the spacing of its neighbours
+  float surface = 0;  ///< share of it that is one, as far as they tell
 };
 
-/// Among them is the point itself, at distance 0, which is as good as any other.
-Seen seen_from(const NeighborTree& tree, std::span<const vec3> positions, std::uint32_t at) {
+/// Among the neighbours is the point itself, at distance 0, which is as good as any other.
+Seen seen_from(const NeighborTree& tree, std::uint32_t at) {
+  const std::span<const vec3> positions = tree.positions();
   Nearest nearest(positions);
   tree.search(positions[at], nearest);
   const auto frame = local_frame(positions, at, nearest.ids());
   if (!frame || !(frame->variance.z > 0)) return {};
-  const auto near =
-      local_frame(positions, at, nearest.ids().first(std::min(along_line + 1, nearest.ids().size())));
-  Seen seen{.flat = flatness_of(positions, at, nearest.ids(), *frame, nearest.reach()),
-            .line = near && near->variance.y < line * near->variance.z,
-            .thickness = std::sqrt(frame->variance.x),
-            .spacing = nearest.reach() * float(std::sqrt(M_PI / neighbors))};
-  if (seen.line) {
-    const vec3 way = positions[nearest.ids()[std::min(along_line, nearest.ids().size() - 1)]] - positions[at];
-    NextLine next(positions, positions[at], glm::normalize(way), std::sqrt(near->variance.y),
-                  far_off * nearest.reach());
-    tree.search(positions[at], next);
-    seen.gap = std::sqrt(next.limit()), seen.closes = seen.gap <= nearest.reach();
+  int agree = 0, all = 0;
+  for (std::size_t k = 1; k < nearest.ids().size(); k += asked, ++all) {
+    const std::uint32_t id = nearest.ids()[k];
+    Nearest of_neighbor(positions);
+    tree.search(positions[id], of_neighbor);
+    const auto its = local_frame(positions, id, of_neighbor.ids());
+    agree += its && std::abs(glm::dot(its->normal, frame->normal)) > parallel;
   }
-  return seen;
+  const VoronoiCell cell = cell_of(positions, at, nearest.ids(), *frame, frame->normal);
+  return {nearest.reach2() * float(M_PI / neighbors),
+          surrounded(cell) * float(agree) / float(std::max(all, 1))};
 }
 
 double residual_around(std::span<const vec3> positions, const KNearest& nearest) {
@@ -127,43 +93,40 @@ double residual_around(std::span<const vec3> positions, const KNearest& nearest)
 
 }  // namespace
 
-Survey survey(const NeighborTree& tree) {
-  const std::span<const vec3> positions = tree.positions();
-  const std::size_t n = positions.size(), count = std::min(n, places);
-  if (n <= neighbors) return {};
-  std::vector<vec3> wide;
-  for (std::size_t i = 32; i < n; i += 64) wide.push_back(positions[i]);
-  const NeighborTree wide_tree(wide);
+float surface_share(const NeighborTree& tree) {
+  const std::size_t n = tree.positions().size(), count = std::min(n, places);
+  if (n <= neighbors) return 1;
   std::vector<Seen> seen(count);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
-    const std::size_t at = k * n / count;
-    seen[k] = seen_from(tree, positions, std::uint32_t(at));
-    if (seen[k].flat == 1 || !tells_clutter(wide.size(), neighbors)) return;
-    // One point in 64 stands 8 times as far apart.
-    const Seen far = seen_from(wide_tree, wide, std::uint32_t(std::min(at / 64, wide.size() - 1)));
-    if (far.thickness < thickest * far.spacing / 8) seen[k].flat = std::max(seen[k].flat, far.flat);
-  });
-  double flat = 0, closed = 0;
-  std::vector<float> gaps;
-  for (const Seen& s : seen) {
-    flat += s.flat;
-    if (s.line) closed += s.closes, gaps.push_back(s.gap);
+  tbb::parallel_for(std::size_t(0), count,
+                    [&](std::size_t k) { seen[k] = seen_from(tree, std::uint32_t(k * n / count)); });
+  std::vector<float> areas;
+  vec3 size;
+  for (const Seen& each : seen) areas.push_back(each.area);
+  const float usual = median(areas), most = largest_disc * largest_disc * usual;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> along;
+    for (std::size_t k = 0; k < count; ++k) along.push_back(tree.positions()[k * n / count][axis]);
+    size[axis] = value_at_share(along, 0.98) - value_at_share(along, 0.02);
   }
-  Survey survey{float(flat / double(count)), float(double(gaps.size()) / double(count))};
-  if (gaps.empty()) return survey;
-  survey.closed_lines = float(closed / double(gaps.size()));
-  survey.gap_spread = value_at_share(gaps, 0.9) / value_at_share(gaps, 0.1);
-  return survey;
+  const float widest = std::max(closed_of_diagonal * glm::length(size), closed_spacings * std::sqrt(usual));
+  double surface = 0, all = 0;
+  for (const Seen& each : seen) {
+    // Outliers stand for nothing.
+    const double area = std::min(each.area, most),
+                 shown = widest * widest / (widest_gap_spacings * widest_gap_spacings);
+    surface += std::min(area, shown) * each.surface, all += area;
+  }
+  return all > 0 ? float(surface / all) : 0;
 }
 
-const Survey& survey_of(const PreparedCloud& prepared, const NeighborTree* tree) {
-  if (prepared.survey) return *prepared.survey;
+float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) {
+  if (prepared.surface_share) return *prepared.surface_share;
   const Attributes all = Attribute::normal | Attribute::radius;
   const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
-  if (all.without(of_file).empty()) return prepared.survey.emplace();
+  if (all.without(of_file).empty()) return prepared.surface_share.emplace(1.0f);
   std::optional<NeighborTree> own;
   if (!tree) tree = &own.emplace(prepared.cloud.positions);
-  return prepared.survey.emplace(survey(*tree));
+  return prepared.surface_share.emplace(surface_share(*tree));
 }
 
 float plane_residual(std::span<const vec3> positions) {

@@ -1,4 +1,4 @@
-// What kind of scan a cloud is, from a sample of its neighbourhoods.
+// How much of a cloud is surface, from a sample of its neighbourhoods.
 #pragma once
 
 #include <functional>
@@ -9,12 +9,14 @@
 
 namespace sfumato::analysis {
 
-/// From 2048 places of a cloud in Morton order.
-Survey survey(const NeighborTree& tree);
+/// Share of the area that discs would cover for which neighbours vouch: points surround it in all directions,
+/// and the planes through them agree. From 2048 places of a cloud in Morton order.
+float surface_share(const NeighborTree& tree);
 /// The same of a prepared cloud, measured once. Where the file has normals and sizes of all points, as of
-/// faces, nobody needs to measure which lie on surfaces. `tree`: over its positions, or nothing where it is
-/// still to be built.
-const Survey& survey_of(const PreparedCloud& prepared, const NeighborTree* tree = nullptr);
+/// faces, all of it is. `tree`: over its positions, or nothing where it is still to be built.
+float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree = nullptr);
+/// From here on a picture is one of surfaces, and light shows their shape (the curve: docs/first_look.md).
+inline constexpr float enough_surface = 0.75f;
 
 /// Median over some 500 points of the standard deviation of their 64 nearest neighbours from their common
 /// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.

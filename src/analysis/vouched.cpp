@@ -132,6 +132,8 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
   return polygon.cell();
 }
 
+float surrounded(const VoronoiCell& cell) { return glm::smoothstep(0.5f, 1.0f, cell.closed); }
+
 float vouched_radius(const VoronoiCell& cell) { return cell.radius * std::min(1.0f, cell.closed / corner); }
 
 }  // namespace sfumato::analysis

@@ -32,6 +32,10 @@ struct VoronoiCell {
 VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
                     std::span<const std::uint32_t> neighbors, const LocalFrame& frame, const vec3& normal);
 
+/// How far points surround a cell, so that a disc of the usual size covers no more than they do: 1 inside a
+/// surface, 0 at its straight border.
+float surrounded(const VoronoiCell& cell);
+
 /// The radius of a disc that a cell vouches for, from 0. A disc needs no less of a surface around its point
 /// than the corner of a rectangle has, a quarter; of less, as on a line, it is so much smaller.
 float vouched_radius(const VoronoiCell& cell);

@@ -68,19 +68,6 @@ struct ViewPlaces {
   std::vector<std::uint32_t> cell;  ///< per point: row * width + column
 };
 
-/// What kind of scan a cloud is (analysis/survey.h).
-struct Survey {
-  float surface_share =
-      1;  ///< of the points, those on surfaces: flat among 24 or, through noise, 1536 neighbours
-  /// Of the points, those that lie on a line with their six nearest: rings of a scanner, profiles, wires.
-  float line_share = 0;
-  /// Of those, the ones with another line among their 24 nearest, from which normals and sizes come.
-  float closed_lines = 0;
-  /// How far the next line is, what a tenth of those exceeds over what nine tenths do: 1.0 to 1.1 of the
-  /// profiles of what moves along a tunnel, 4 to 26 of the rings around what turns, 2.8 of rims of a mesh.
-  float gap_spread = 1;
-};
-
 /// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
 /// beside than on the ground around it: of twice the median ground 4 m off was full of holes. Outliers are
 /// smaller than this by themselves (analysis/attributes.cpp).
@@ -100,9 +87,9 @@ struct PreparedCloud {
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
   std::vector<float>
       shrunk;  ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
-  int neighbors = 24;                    ///< that computed attributes were measured from
-  mutable std::optional<Survey> survey;  ///< kept by the first who asks for it (analysis::survey_of)
-  ViewPlaces views;                      ///< empty unless normals or radii may still come from RGB-D views
+  int neighbors = 24;                          ///< that computed attributes were measured from
+  mutable std::optional<float> surface_share;  ///< kept by the first who asks (analysis::surface_share_of)
+  ViewPlaces views;  ///< empty unless normals or radii may still come from RGB-D views
 };
 
 }  // namespace sfumato

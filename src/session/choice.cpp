@@ -56,7 +56,7 @@ void Choice::settle(const TechniqueChoice& found) {
     if (best->candidate) {
       best->candidate = false;
       best->reason = reason;
-      best->surface_share = found.surface_share, best->line_share = found.line_share;
+      best->surface_share = found.surface_share;
     }
     for (auto& one : techniques)
       if (one.get() == best) kept.push_back(std::move(one));

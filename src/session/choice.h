@@ -15,11 +15,11 @@ namespace sfumato {
 /// A technique that is asked for.
 struct ChosenTechnique : Look {
   using Look::Look;
-  std::size_t place = 0;                    ///< in the list of names
-  bool candidate = false;                   ///< of `auto`: one of several with the same place, until `settle`
-  bool of_auto = false;                     ///< before and after it
-  std::string reason;                       ///< why `auto` chose it
-  float surface_share = 1, line_share = 0;  ///< what it saw
+  std::size_t place = 0;    ///< in the list of names
+  bool candidate = false;   ///< of `auto`: one of several with the same place, until `settle`
+  bool of_auto = false;     ///< before and after it
+  std::string reason;       ///< why `auto` chose it
+  float surface_share = 1;  ///< what it saw
 };
 
 struct Choice {

@@ -136,13 +136,13 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   }
 }
 
-/// Whether most points lie on no surface, as leaves: light shows no shape of theirs, and height does. Of
-/// prepared clouds.
+/// Whether the points make too little of a surface, as leaves: light shows no shape of theirs, and height
+/// does. Of prepared clouds.
 bool is_clutter(const std::vector<const PreparedCloud*>& clouds) {
   const PreparedCloud& largest =
       **std::max_element(clouds.begin(), clouds.end(),
                          [](const auto* a, const auto* b) { return a->cloud.size() < b->cloud.size(); });
-  return analysis::survey_of(largest).surface_share < 0.5f;
+  return analysis::surface_share_of(largest) < analysis::enough_surface;
 }
 
 /// Of the points that there are: fewer where they were thinned or a level of detail was read.
@@ -168,7 +168,9 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
     coloring_ = color_like(of_all, whole, settings);
   };
   color_all();
-  if (coloring_.source == "clay" && settings.color_by == "auto" && !settings.solid && is_clutter(clouds)) {
+  // What a sensor saw before it is seen by distance.
+  if (coloring_.source == "clay" && settings.color_by == "auto" && !settings.solid && !pose_.sensor &&
+      is_clutter(clouds)) {
     settings.color_by = "elevation";
     color_all();
   }

@@ -10,8 +10,8 @@ namespace sfumato {
 
 struct TechniqueChoice {
   std::string technique;
-  std::string reason;                       ///< one line: kind of scan, and the number that says so
-  float surface_share = 1, line_share = 0;  ///< of Survey, from 0 to 1
+  std::string reason;       ///< one line: kind of scan, and the number that says so
+  float surface_share = 1;  ///< analysis/survey.h
 };
 
 /// `prepared` needs no attributes yet; `tree` is over its positions, or nothing where it is still to be

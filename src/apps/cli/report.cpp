@@ -144,10 +144,8 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   }
   for (const auto& chosen : choice.techniques)
     if (!chosen->reason.empty())
-      json["automatic_technique"] = {{"technique", chosen->name},
-                                     {"reason", chosen->reason},
-                                     {"surface_share", chosen->surface_share},
-                                     {"line_share", chosen->line_share}};
+      json["automatic_technique"] = {
+          {"technique", chosen->name}, {"reason", chosen->reason}, {"surface_share", chosen->surface_share}};
   json["analysis_parameters"] = resolved(choice.prepare_parameters);
   json["color_by"] = report.color_by;
   json["exposure"] = report.exposure;
