@@ -399,6 +399,18 @@ TEST(Upright, WhatOneCameraSawIsInItsAxes) {
   EXPECT_FALSE(is_camera_view(whole)) << "both of its sides were seen";
 }
 
+// LOAM has y up, whatever the format's convention; a facade of that shape is lower.
+TEST(Upright, NoWallIsAsHighAsAMapIsWide) {
+  PointCloud map;  // streets and blocks
+  for (int x = -100; x < 100; ++x)
+    for (int z = -75; z < 75; ++z)
+      map.positions.push_back({float(x), x % 20 < 6 && z % 20 < 6 ? 20 + 0.1f * float(x % 7) : 0, float(z)});
+  map.up = UpAxis::pos_z;
+  EXPECT_EQ(guess_upright(map).up, UpAxis::pos_y);
+  for (vec3& p : map.positions) p *= 0.1f;
+  EXPECT_EQ(guess_upright(map).up, UpAxis::pos_z);
+}
+
 // Some depth cameras have y up: where the floor, near in the picture's lower half, speaks for that, y down is
 // a guess.
 TEST(Upright, OfACameraTheGroundIsNearerBelow) {
