@@ -153,14 +153,15 @@ Standpoint into_room(const Area& area, UpAxis up, const Room& room) {
   return best;
 }
 
-/// Degrees; a little from the left by custom, and where most of one side faces, as of a wall or of what one
-/// scanner saw, from there.
+/// Degrees; a little from the left by custom, and where one side faces, as of a wall, a mask or what one scanner
+/// saw, from there: the normals of a closed surface cancel, those of half a sphere have a mean of a half.
 double front_of(const Area& area, UpAxis up) {
-  constexpr double one_sided = 0.5;  // the mean of a half sphere's normals
+  const Compass compass(up);
   dvec3 mean(0);
   for (const dvec3& facing : area.facing) mean += facing / double(area.facing.size());
-  mean -= glm::dot(mean, up_vector(up)) * up_vector(up);
-  return glm::length(mean) > one_sided ? glm::degrees(Compass(up).azimuth(glm::normalize(mean))) : -30;
+  mean -= glm::dot(mean, compass.up) * compass.up;
+  const double doubt = std::max(0.0, 0.5 - glm::length(mean));
+  return glm::degrees(compass.azimuth(mean + doubt * compass.from(glm::radians(-30.0), 0)));
 }
 
 }  // namespace

@@ -253,6 +253,20 @@ TEST(FirstView, WhatFacesOneSideIsSeenFromThere) {
   }
 }
 
+// A face as a mask, open behind: nobody looks at it from inside.
+TEST(FirstView, AnOpenSurfaceIsSeenFromOutside) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  PointCloud mask;
+  for (int i = 0; i < 40'000; ++i) {
+    dvec3 way = glm::normalize(dvec3(normal(random), normal(random), normal(random)));
+    if (way.y < -0.1) continue;  // beyond the temples
+    mask.positions.push_back(vec3(way * dvec3(1, 1.2, 1.4)));
+    mask.normals.push_back(vec3(glm::normalize(way / dvec3(1, 1.2, 1.4))));
+  }
+  EXPECT_GT(-first_view(pose_of(mask), 1280, 720).direction().y, 0.8);
+}
+
 TEST(FirstView, CornersOfTheGroundAroundATowerAreNotCut) {
   // Nearly all points crowd on the tower, as around a scanner, but the ground ends soon.
   PointCloud cloud = box_of({5, 5, 20}, 20'000);
