@@ -368,6 +368,26 @@ std::string nearest_source(std::string_view wanted, const std::vector<std::strin
   return nearest_word(wanted, names);
 }
 
+/// "rgb*intensity": the places of both; nothing where a scalar is called so.
+std::optional<std::size_t> product_in(const PointCloud& cloud, std::string_view color_by) {
+  const std::size_t star = color_by.find('*');
+  if (star == color_by.npos || cloud.scalar(color_by)) return std::nullopt;
+  return star;
+}
+
+/// Codes times the share of the way from black to full, as pictures are multiplied.
+void shade(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
+  out.shade =
+      settings.shade ? *settings.shade : stretch(field, field.name == "elevation", field.name == "intensity");
+  const auto [low, high] = *out.shade;
+  for (std::size_t i = 0; i < out.colors.size(); ++i) {
+    if (!std::isfinite(field.values[i]) || !(high > low)) continue;
+    const double share = std::clamp((field.value(i) - low) / (high - low), 0.0, 1.0);
+    for (std::uint8_t* code : {&out.colors[i].r, &out.colors[i].g, &out.colors[i].b})
+      *code = std::uint8_t(std::lround(share * *code));
+  }
+}
+
 }  // namespace
 
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
@@ -400,6 +420,19 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   if (settings.solid) {
     out.source = "one colour";
     out.colors.assign(cloud.size(), *settings.solid);
+    return out;
+  }
+  if (const auto star = product_in(cloud, settings.color_by)) {
+    ColorSettings first = settings;
+    first.color_by = settings.color_by.substr(0, *star);
+    out = color_points(cloud, first);
+    const std::string second = resolve_color_by(cloud, settings.color_by.substr(*star + 1));
+    const ScalarField* field = cloud.scalar(second);
+    if (!field && second != "elevation")
+      throw Error(ErrorCode::usage, "--color-by " + settings.color_by + ": '" + second +
+                                        "' is no number of the points to multiply by; take intensity");
+    shade(field ? *field : elevation(cloud), settings, out);
+    out.source += "*" + second;
     return out;
   }
   out.source = resolve_color_by(cloud, settings.color_by);

@@ -16,9 +16,10 @@ namespace sfumato {
 
 struct ColorSettings {
   std::string color_by =
-      "auto";            ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar
+      "auto";  ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar; A*SCALAR
   std::string colormap;  ///< empty: gray for intensity, land for heights, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: 2-98 %; heights more, intensity less
+  std::optional<std::array<double, 2>> shade;  ///< of A*SCALAR: black and full; empty: as `range`
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
   std::map<int, Rgba8> class_colors;    ///< of classification codes, in place of `class_color`
@@ -44,13 +45,14 @@ struct Swatch {
 struct Coloring {
   std::vector<Rgba8> colors;  ///< one per point of the cloud, sRGB
   ColorKind kind = ColorKind::rgb;
-  std::string source;               ///< what `auto` became
-  std::string colormap;             ///< scalar only
-  double low = 0, high = 1;         ///< scalar only: values at the ends of the colour map
-  std::vector<ClassShare> classes;  ///< classes only: those that occur, ascending
-  std::vector<Swatch> swatches;     ///< classes and files: what the legend lists, in its order
-  double exposure = 1;              ///< rgb only: how many times as bright the darkest of them became
-  std::vector<std::string> notes;   ///< settings that have no effect on these colours
+  std::string source;                          ///< what `auto` became
+  std::string colormap;                        ///< scalar only
+  double low = 0, high = 1;                    ///< scalar only: values at the ends of the colour map
+  std::optional<std::array<double, 2>> shade;  ///< A*SCALAR only: values that are black and full
+  std::vector<ClassShare> classes;             ///< classes only: those that occur, ascending
+  std::vector<Swatch> swatches;                ///< classes and files: what the legend lists, in its order
+  double exposure = 1;             ///< rgb only: how many times as bright the darkest of them became
+  std::vector<std::string> notes;  ///< settings that have no effect on these colours
 
   /// As it is drawn; of a class that is not drawn, what it has by default.
   Rgba8 color_of_class(int id) const;
@@ -63,10 +65,10 @@ struct Coloring {
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 
 /// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.
-/// `normal` needs normals: Error(usage) without.
-/// Colours of the file whose lightest tenth is dark, as of a dim room, are raised: the dark ones by
-/// `exposure`, in linear light, the lighter the less, so that hues stay and white stays white. Categories and
-/// scalars never are.
+/// `normal` needs normals: Error(usage) without. "rgb*intensity" is the first darkened by the second, as
+/// layers are multiplied. Colours of the file whose lightest tenth is dark, as of a dim room, are raised: the
+/// dark ones by `exposure`, in linear light, the lighter the less, so that hues stay and white stays white.
+/// Categories and scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.

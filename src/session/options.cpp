@@ -327,7 +327,8 @@ void add_points(Table& t) {
 void add_colours(Table& t) {
   t.group("Colour", Scope::look);
   t.text("--color-by", "NAME",
-         "auto, rgb, intensity, classification, elevation, density, normal, file, any scalar",
+         "auto, rgb, intensity, classification, elevation, density, normal, file, any scalar; rgb*intensity: "
+         "the product",
          [](Request& r, Text, Text text) { r.color.color_by = text; })
       .python("text");
   t.text("--color", "COLOUR", "one colour for all points: a name, #hex or R,G,B",

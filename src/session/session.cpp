@@ -127,6 +127,7 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   if (settings.color_by == "auto") settled.color_by = of_all->source;
   if (of_all->kind == ColorKind::scalar) settled.range = {of_all->low, of_all->high};
   if (of_all->kind == ColorKind::rgb) settled.exposure = of_all->exposure;
+  settled.shade = of_all->shade;
   try {
     Coloring coloring = color_points(cloud, settled);
     coloring.notes = of_all->notes;
@@ -176,7 +177,8 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   }
   contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
   background_ = options_.background.value_or(contrasting_);
-  are_photographed_ = coloring_.source == "rgb" && !options_.color.solid &&
+  are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
+                      !options_.color.solid &&
                       distinct_colors(coloring_.colors, RenderSettings::palette_limit).empty();
   palette_.clear();
   if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)

@@ -72,6 +72,32 @@ TEST(Coloring, ClassesHaveTheColoursThatAreGiven) {
   EXPECT_NE(refusal([] { parse_class_colors(""); }).find("no class"), std::string::npos);
 }
 
+TEST(Coloring, AProductDarkensColoursByANumber) {
+  PointCloud cloud = ramp(5);
+  cloud.colors = {
+      {200, 100, 50, 255}, {200, 100, 50, 255}, {200, 100, 50, 255}, {200, 100, 50, 255}, {10, 20, 250, 255}};
+  cloud.set_scalar(field("intensity", {0, 50, 100, NAN, 400}));
+  ColorSettings settings;
+  settings.color_by = "rgb*intensity";
+  settings.shade = {0, 100};
+  settings.exposure = 1;
+  const Coloring product = color_points(cloud, settings);
+  EXPECT_EQ(product.source, "rgb*intensity");
+  EXPECT_EQ(product.kind, ColorKind::rgb);
+  EXPECT_EQ(
+      product.colors,
+      (std::vector<Rgba8>{
+          {0, 0, 0, 255}, {100, 50, 25, 255}, {200, 100, 50, 255}, {200, 100, 50, 255}, {10, 20, 250, 255}}));
+  settings.color_by = "rgb*intensities";
+  EXPECT_THAT(refusal([&] { color_points(cloud, settings); }),
+              testing::HasSubstr("did you mean 'intensity'"));
+  settings.color_by = "rgb*normal";
+  EXPECT_THAT(refusal([&] { color_points(cloud, settings); }), testing::HasSubstr("no number"));
+  cloud.set_scalar(field("a*b", {0, 1, 2, 3, 4}));  // a name of its own
+  settings.color_by = "a*b";
+  EXPECT_EQ(color_points(cloud, settings).kind, ColorKind::scalar);
+}
+
 TEST(Colormap, ViridisBetweenTheStopsIsNearTheFullMap) {
   // Entries 40, 100 and 200 of the 256; seventeen stops stay within 6/255 of them.
   const Colormap map = Colormap::named("viridis");
