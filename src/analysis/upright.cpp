@@ -30,7 +30,8 @@ constexpr double closed_columns = 0.6;
 /// labelled public scans and, each with a weight of .3, 188 made ones in the orientations that formats have,
 /// with a Gaussian prior of deviation 3. Where one scan is left out of the fit, 48 of the 53 are right, and
 /// the mean log loss is .42.
-/// `y_for_z` is from 76 scans that say no axis (mean log loss .403 there, from .408 at -2.3), 69 of them right.
+/// `y_for_z` is from 76 scans that say no axis (mean log loss .403 there, from .408 at -2.3), 69 of them
+/// right.
 /// `rises` came later, the others held: it agrees with 11 of 12 public depth pictures and not with a fifth of
 /// the made ones, so it makes a guess of the convention and overturns none.
 constexpr double weights[] = {-1.9, -1.3, -2.4, -4.3, 5.0, 4.2, 3.8, 2.2, 3.2, 3.3, -4.0, 2.2};

@@ -153,7 +153,8 @@ Standpoint into_room(const Area& area, UpAxis up, const Room& room) {
   return best;
 }
 
-/// Degrees; a little from the left by custom, and where one side faces, as of a wall, a mask or what one scanner
+/// Degrees; a little from the left by custom, and where one side faces, as of a wall, a mask or what one
+/// scanner
 /// saw, from there: the normals of a closed surface cancel, those of half a sphere have a mean of a half.
 double front_of(const Area& area, UpAxis up) {
   const Compass compass(up);
