@@ -154,8 +154,7 @@ Standpoint into_room(const Area& area, UpAxis up, const Room& room) {
 }
 
 /// Degrees; a little from the left by custom, and where one side faces, as of a wall, a mask or what one
-/// scanner
-/// saw, from there: the normals of a closed surface cancel, those of half a sphere have a mean of a half.
+/// scanner saw, from there: the normals of a closed surface cancel, those of half a sphere have a mean of .5.
 double front_of(const Area& area, UpAxis up) {
   const Compass compass(up);
   dvec3 mean(0);
