@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "core/error.h"
@@ -236,31 +235,11 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
 
 namespace {
 
-/// The share of the columns along up over `box` with points in them that holds half of all points: 0.3 to
-/// 0.45 of tiles and forests, 0.08 and more where walls stand, 0.04 around a scanner.
-double crowding(const PointCloud& cloud, const Bounds& box, std::size_t stride) {
-  constexpr int cells = 64;
-  const dvec3 size = glm::max(box.size(), dvec3(1e-300));
-  const int up = int(cloud.up) / 2, u = (up + 1) % 3, v = (up + 2) % 3;
-  std::vector<int> counts(std::size_t(cells) * cells);
-  int all = 0;
-  for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 at = (cloud.world(i) - box.min) / size * double(cells);
-    if (!(at[u] >= 0 && at[v] >= 0 && at[u] < cells && at[v] < cells)) continue;
-    ++counts[std::size_t(int(at[u]) * cells + int(at[v]))], ++all;
-  }
-  std::sort(counts.begin(), counts.end(), std::greater<>());
-  const auto occupied = std::find(counts.begin(), counts.end(), 0) - counts.begin();
-  int sum = 0, crowded = 0;
-  while (2 * sum < all) sum += counts[std::size_t(crowded++)];
-  return occupied > 0 ? double(crowded) / double(occupied) : 1;
-}
-
 /// The distance from the middle, across up, within which 85 % of the points lie, where they thin out as
 /// around a scanner that stands on a street: half of them within 0.48 of that (a square tile has 0.73, a
-/// strip 0.59), in few places, and the others more than twice as far (2.5 to 3.8 times for sweeps; at most
+/// strip 0.59), and the others more than twice as far (2.5 to 3.8 times for sweeps; at most
 /// 1.9 for a tower or a tree amid its ground, whose corners would be cut for nothing). Else 0.
-double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middle, std::size_t stride) {
+double near_reach(const PointCloud& cloud, const dvec3& middle, std::size_t stride) {
   const dvec3 up = up_vector(cloud.up);
   std::vector<double> distances;
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
@@ -269,7 +248,7 @@ double near_reach(const PointCloud& cloud, const Bounds& box, const dvec3& middl
   }
   const double half = value_at_share(distances, 0.5), most = value_at_share(distances, 0.85),
                all = value_at_share(distances, 0.99);
-  return half < 0.48 * most && all > 2 * most && crowding(cloud, box, stride) < 0.07 ? most : 0;
+  return half < 0.48 * most && all > 2 * most ? most : 0;
 }
 
 /// The voxels in which a picture closes, each once whatever it holds: with at least four of the points, where
@@ -413,7 +392,7 @@ Subject subject_of(const PointCloud& cloud, bool whole) {
   const double room = whole ? std::numeric_limits<double>::infinity() : box.diagonal() / 3;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
   const dvec3 middle = robust_bounds(cloud, 0.5, 0.5).center(), up = up_vector(cloud.up);
-  double reach = cloud.empty() || whole ? 0 : near_reach(cloud, robust, middle, stride);
+  double reach = cloud.empty() || whole ? 0 : near_reach(cloud, middle, stride);
   if (reach > 0 && stands_beyond(voxels, cloud.up, middle, reach)) {
     const int axis = int(cloud.up) / 2;
     (up_vector(cloud.up)[axis] > 0 ? box.max : box.min)[axis] = goes_on_to(cloud, box, full);
