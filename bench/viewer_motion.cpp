@@ -101,7 +101,6 @@ class Desk {
     view::Start start;
     start.wishes.files = {file};
     start.wishes.technique = technique;
-    start.wishes.scene.selection.hide_classes = {7, 18};
     start.wake = [] { viewer::Window::wake(); };
     return start;
   }

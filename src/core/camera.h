@@ -18,12 +18,14 @@ enum class Projection { perspective, orthographic };
 /// Orthographic cameras leave out the division.
 struct Intrinsics {
   double fx = 0, fy = 0, cx = 0, cy = 0;
+  bool operator==(const Intrinsics&) const = default;
 };
 
 /// The picture that a tile is cut from.
 struct Whole {
   int x = 0, y = 0;           ///< where the tile begins in it, px; negative where a guard band reaches beyond
   int width = 0, height = 0;  ///< of all of it, px
+  bool operator==(const Whole&) const = default;
 };
 
 struct Camera {
@@ -37,6 +39,8 @@ struct Camera {
   /// (angle, stroke lengths) is that of the whole.
   std::optional<Whole> whole;
   double near_plane = 0.01, far_plane = 1000;  ///< eye depth; set by `fit_depth_range`
+
+  bool operator==(const Camera&) const = default;
 
   /// World to eye, relative to `origin`: multiply cloud positions (world - origin) with it.
   dmat4 view(const dvec3& origin = dvec3(0)) const;

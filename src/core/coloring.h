@@ -24,6 +24,7 @@ struct ColorSettings {
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
   std::map<int, Rgba8> class_colors;    ///< of classification codes, in place of `class_color`
   std::vector<std::string> file_names;  ///< what the numbers of the scalar `file` stand for, from 1
+  bool operator==(const ColorSettings&) const = default;
 };
 
 /// files: also other numbers that name things, such as flight lines.

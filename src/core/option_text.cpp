@@ -9,6 +9,19 @@
 #include "core/param.h"
 
 namespace sfumato {
+namespace {
+
+template <class T>
+std::string shortest(T value) {
+  char text[64];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
+  return error == std::errc() ? std::string(text, end) : std::string("0");
+}
+
+}  // namespace
+
+std::string number_text(double value) { return shortest(value); }
+std::string number_text(float value) { return shortest(value); }
 
 double parse_number(const std::string& option, std::string_view text) {
   double value = 0;

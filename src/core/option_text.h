@@ -10,6 +10,9 @@
 
 namespace sfumato {
 
+/// A number as the shortest text that reads back the same.
+std::string number_text(double value);
+std::string number_text(float value);
 double parse_number(const std::string& option, std::string_view text);
 double parse_positive(const std::string& option, const std::string& text);
 /// Degrees in [low, high].

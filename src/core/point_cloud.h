@@ -71,6 +71,7 @@ struct Bounds {
   dvec3 center() const { return 0.5 * (min + max); }
   dvec3 size() const { return max - min; }
   double diagonal() const { return glm::length(size()); }
+  bool operator==(const Bounds&) const = default;
 };
 
 struct PointCloud {

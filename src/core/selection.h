@@ -16,6 +16,7 @@ namespace sfumato {
 struct Filter {
   std::string scalar;  ///< a scalar of the cloud, or x, y, z (world), elevation, red, green, blue, radius
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool operator==(const Filter&) const = default;
 };
 
 /// "intensity 10..200", "z 3..", "row ..5", "return_number 1". Throws Error(usage).
@@ -33,6 +34,7 @@ struct Selection {
     return !crop && !crop_share && show_classes.empty() && hide_classes.empty() && !hide_withheld &&
            filters.empty();
   }
+  bool operator==(const Selection&) const = default;
 };
 
 struct SelectionReport {

@@ -30,6 +30,7 @@ struct ReadOptions {
   bool samples_faces = false;               ///< of meshes, points on their faces in place of the vertices
   Faces* faces = nullptr;                   ///< takes the faces of the file (io/faces.h)
   RecordTap* tap = nullptr;  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
+  bool operator==(const ReadOptions&) const = default;
 };
 
 /// Said of such a part behind what is wrong with it (ReadReport::damage).

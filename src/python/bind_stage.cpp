@@ -194,9 +194,15 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
                              const NamesAndValues& furniture, const py::object& progress) {
   ShotRequest request{camera,     size.first, size.second, technique, parameters,
                       light_from, panorama,   {},          {},        false};
+  Request said;
   for (const auto& [name, value] : furniture)
-    if (!sfumato::set(request.furniture, name, value))
-      throw Error(ErrorCode::usage, "there is no '" + name + "' in pictures");
+    if (name == "print-scale")
+      said.furniture.print_scale = parse_number(name, value);
+    else if (name == "dpi")
+      said.furniture.dpi = parse_number(name, value);
+    else
+      find_option(name)->set(said, name, value);
+  request.furniture = said.furniture;
   if (size.first < 1 || size.second < 1)
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
   request.wants.color = false;

@@ -20,6 +20,7 @@ struct LocalMetres {
   void apply(PointCloud& cloud) const;
   /// One line that says so.
   std::string note() const;
+  bool operator==(const LocalMetres&) const = default;
 };
 
 /// Where the coordinate system is geographic, or where all values are within +-180 and +-90 and the points

@@ -28,6 +28,7 @@ struct SceneOptions {
   bool keep_degrees =
       false;  ///< x and y that are degrees stay so; otherwise the scene is in metres (degrees.h)
   std::optional<LocalMetres> metres;  ///< those of an earlier scene, which is seen by the same camera
+  bool operator==(const SceneOptions&) const = default;
 };
 
 /// What was read of files with levels.

@@ -22,6 +22,7 @@ struct DrawRule {
   /// all selected points are soft unless a field says which. Throws Error(usage) for what is no selection
   /// (core/selector.h), technique or parameter of it.
   static DrawRule parse(std::string_view text);
+  bool operator==(const DrawRule& other) const { return text == other.text; }
   bool draws_nothing() const { return technique == none; }
   /// A look by this rule in the light of `base`; not of one that draws nothing.
   std::unique_ptr<Look> look(const Look& base) const;

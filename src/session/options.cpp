@@ -1,7 +1,12 @@
 // The one table of what a picture can be asked for.
 #include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstdio>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <limits>
 #include <map>
 
 #include "core/color.h"
@@ -15,7 +20,77 @@ namespace sfumato {
 namespace {
 
 using Text = const std::string&;
+using Texts = std::vector<std::string>;
 using Scope = Option::Scope;
+
+constexpr std::pair<const char*, Corner> corners[] = {{"bottom-right", Corner::bottom_right},
+                                                      {"bottom-left", Corner::bottom_left},
+                                                      {"top-right", Corner::top_right},
+                                                      {"top-left", Corner::top_left}};
+
+/// Values as `set` takes them.
+std::string said(const std::string& text) { return text; }
+std::string said(bool on) { return on ? "true" : "false"; }
+std::string said(double value) { return number_text(value); }
+template <std::integral T>
+std::string said(T value) {
+  return std::to_string(value);
+}
+std::string said(const dvec3& v) {
+  return number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z);
+}
+std::string said(const Bounds& box) { return said(box.min) + "," + said(box.max); }
+std::string said(const std::array<double, 2>& range) {
+  return number_text(range[0]) + "," + number_text(range[1]);
+}
+std::string said(const std::pair<int, int>& size) {
+  return std::to_string(size.first) + "x" + std::to_string(size.second);
+}
+std::string said(const Rgba8& color) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", color.r, color.g, color.b);
+  return text;
+}
+std::string said(const vec3& color) {
+  const std::string hex = said(to_rgba8(color));
+  return parse_color(hex) == color
+             ? hex
+             : number_text(color.x) + "," + number_text(color.y) + "," + number_text(color.z);
+}
+std::string said(const std::map<int, Rgba8>& colors) {
+  std::string text;
+  for (const auto& [id, color] : colors)
+    text += (text.empty() ? "" : ",") + std::to_string(id) + "=" + said(color);
+  return text;
+}
+std::string said(const std::vector<int>& classes) { return classes_text(classes); }
+std::string said(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  return text;
+}
+std::string said(UpAxis up) { return to_string(up); }
+std::string said(const DrawRule& rule) { return rule.text; }
+std::string said(const Filter& filter) {
+  const auto end = [](double value) { return std::isfinite(value) ? number_text(value) : ""; };
+  return filter.scalar + " " + end(filter.low) + ".." + end(filter.high);
+}
+std::string said(Corner corner) {
+  for (const auto& [name, each] : corners)
+    if (each == corner) return name;
+  return "";
+}
+template <class T>
+std::string said(const std::optional<T>& value) {
+  return value ? said(*value) : "";
+}
+
+struct Say {
+  template <class T>
+  std::string operator()(const T& value) const {
+    return said(value);
+  }
+};
 
 class Table {
  public:
@@ -24,33 +99,56 @@ class Table {
   /// Heading of the options that follow, and what most of them are.
   void group(const std::string& title, Scope scope) { title_ = title, scope_ = scope; }
 
-  /// `set` gets request, option and text.
-  template <class Set>
-  Table& text(const std::string& names, const std::string& metavar, const std::string& help, Set set) {
-    Option row{names, metavar, help, title_, Option::Kind::text, scope_, "", "", set};
+  /// `member` gives the value of a request; `parse` reads it of option and text, and `say` writes it.
+  template <class Member, class Parse, class Write = Say>
+  Table& value(const std::string& names, const std::string& metavar, const std::string& help, Member member,
+               Parse parse, Write say = {}) {
+    Option row{names, metavar, help, title_, Option::Kind::text, scope_, "", "", {}, {}, {}};
+    row.set = [=](Request& r, Text option, Text text) { std::invoke(member, r) = parse(option, text); };
+    row.reset = [=](Request& r) { std::invoke(member, r) = std::invoke(member, plain()); };
+    row.texts = [=](const Request& r) {
+      const auto& now = std::invoke(member, r);
+      return now == std::invoke(member, plain()) ? Texts() : Texts{say(now)};
+    };
     rows.push_back(std::move(row));
     return *this;
   }
-  Table& text(const std::string& names, const std::string& metavar, const std::string& help,
-              std::string Request::*member) {
-    return text(names, metavar, help, [member](Request& r, Text, Text text) { r.*member = text; });
+  template <class Member>
+  Table& text(const std::string& names, const std::string& metavar, const std::string& help, Member member) {
+    return value(names, metavar, help, member, [](Text, Text text) { return text; });
   }
-  /// `member` gives the value of a request.
   template <class Member>
   Table& flag(const std::string& names, const std::string& help, Member member) {
-    text(names, "", help, [member](Request& r, Text, Text text) { std::invoke(member, r) = text == "true"; });
+    value(names, "", help, member, [](Text option, Text text) {
+      if (text != "true" && text != "false")
+        throw Error(ErrorCode::usage, option + ": '" + text + "' is not true or false");
+      return text == "true";
+    });
     rows.back().kind = Option::Kind::flag;
     return python("flag");
   }
-  /// `append` gets request and text.
+  /// `member` is a list; `parse` reads one of it.
   template <class Member, class Parse>
   Table& texts(const std::string& names, const std::string& metavar, const std::string& help, Member member,
                Parse parse) {
-    text(names, metavar, help,
-         [member, parse](Request& r, Text, Text text) { std::invoke(member, r).push_back(parse(text)); });
+    using List = std::decay_t<std::invoke_result_t<Member, Request&>>;
+    const auto no_list = [](Text, Text) { return List(); };
+    value(names, metavar, help, member, no_list, [](const List&) { return std::string(); });
     rows.back().kind = Option::Kind::texts;
-    rows.back().clear = [member](Request& r) { std::invoke(member, r).clear(); };
+    rows.back().set = [=](Request& r, Text, Text text) { std::invoke(member, r).push_back(parse(text)); };
+    rows.back().texts = [=](const Request& r) {
+      Texts all;
+      for (const auto& each : std::invoke(member, r)) all.push_back(said(each));
+      return all;
+    };
     return python("texts");
+  }
+  /// No text is the default.
+  Table& or_nothing() {
+    rows.back().set = [set = rows.back().set, reset = rows.back().reset](Request& r, Text option, Text text) {
+      text.empty() ? reset(r) : set(r, option, text);
+    };
+    return *this;
   }
   Table& is(Scope scope) {
     rows.back().scope = scope;
@@ -66,14 +164,37 @@ class Table {
   }
 
  private:
+  static const Request& plain() {
+    static const Request request;
+    return request;
+  }
+
   std::string title_;
   Scope scope_ = Scope::command;
 };
 
+/// A member of a member.
+template <class Outer, class T>
+auto in(Outer Request::*outer, T Outer::*inner) {
+  return [=](auto& r) -> auto& { return (r.*outer).*inner; };
+}
+
 std::string same(Text text) { return text; }
 
-std::optional<vec3> color_or_none(Text option, Text text) {
-  return text.empty() ? std::nullopt : std::optional(parse_color_of(option, text));
+double number(Text option, Text text) { return parse_number(option, text); }
+template <class T>
+auto count_up_to(long most) {
+  return [=](Text option, Text text) { return T(std::min(parse_whole(option, text, 1), most)); };
+}
+const auto count = count_up_to<std::uint64_t>(std::numeric_limits<long>::max());
+auto within(double low, double high) {
+  return [=](Text option, Text text) {
+    const double value = parse_number(option, text);
+    if (!(value >= low && value <= high))
+      throw Error(ErrorCode::usage,
+                  option + ": '" + text + "' is not in " + number_text(low) + ".." + number_text(high));
+    return value;
+  };
 }
 
 /// The text, or what is in the file of that name.
@@ -121,24 +242,21 @@ void add_output(Table& t) {
   t.text("--output-normal", "FILE.npy", "float32 HxWx3, world, facing the camera, 0 where none",
          &Request::output_normal);
   t.text("--output-camera", "FILE.json", "the camera of the picture", &Request::output_camera);
-  t.text("--quality", "1..100", "of .jpg and .webp; 100 makes .webp lossless (90)",
-         [](Request& r, Text option, Text text) {
-           r.quality.reset();
-           if (text.empty()) return;
-           r.quality = int(std::min(parse_whole(option, text, 1), 1000L));
-           if (*r.quality > 100) throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 1..100");
-         })
+  t.value("--quality", "1..100", "of .jpg and .webp; 100 makes .webp lossless (90)", &Request::quality,
+          [](Text option, Text text) {
+            const long quality = parse_whole(option, text, 1);
+            if (quality > 100) throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 1..100");
+            return int(quality);
+          })
+      .or_nothing()
       .is(Scope::file);
   t.text("--path", "FILE|orbit",
          "camera path: one picture a frame, -o frame_{n:04}.png, or a video, -o NAME.mp4 (by ffmpeg); poses "
          "of transforms.json, COLMAP (images.txt or .bin), TUM, KITTI and Open3D are pictures of their own",
          &Request::path);
-  t.text("--frames", "N", "pictures of the path (120, or one each pose)",
-         [](Request& r, Text option, Text text) {
-           r.frames = int(std::min(parse_whole(option, text, 1), 1'000'000L));
-         });
-  t.text("--degrees", "D", "arc of the orbit (360)",
-         [](Request& r, Text option, Text text) { r.degrees = parse_number(option, text); });
+  t.value("--frames", "N", "pictures of the path (120, or one each pose)", &Request::frames,
+          count_up_to<int>(1'000'000));
+  t.value("--degrees", "D", "arc of the orbit (360)", &Request::degrees, number);
   t.flag("--sequence",
          "files are frames: one picture each, from the camera of the first, with one colour range for all, "
          "-o frame_{n:04}.png",
@@ -161,16 +279,10 @@ void add_output(Table& t) {
   t.flag("--json", "report on standard output", &Request::json);
 }
 
-/// A text that becomes an optional value of the view.
-template <class T, class Parse>
-auto of_view(std::optional<T> ViewWishes::*member, Parse parse) {
-  return [member, parse](Request& r, Text option, Text text) { r.view.*member = parse(option, text); };
-}
-
 void add_view(Table& t) {
   const auto vector = parse_vector;
   const auto positive = parse_positive;
-  const auto number = [](Text option, Text text) { return parse_number(option, text); };
+  const auto of_view = [](auto ViewWishes::*member) { return in(&Request::view, member); };
   const auto direction = [](Text option, Text text) {
     const dvec3 v = parse_vector(option, text);
     if (glm::length(v) <= 0) throw Error(ErrorCode::usage, option + ": 0,0,0 is no direction");
@@ -180,54 +292,51 @@ void add_view(Table& t) {
     return [=](Text option, Text text) { return parse_degrees(option, text, low, high); };
   };
   t.group("View", Scope::camera);
-  t.text("--resolution", "WxH", "picture size in pixels (1280x720)",
-         of_view(&ViewWishes::size, [](Text option, Text text) { return parse_resolution(option, text); }))
+  t.value("--resolution", "WxH", "picture size in pixels (1280x720)", of_view(&ViewWishes::size),
+          [](Text option, Text text) { return parse_resolution(option, text); })
       .python("size", "size");
-  t.text("--view", "front|back|left|right|top|bottom|iso", "the side to look from",
-         [](Request& r, Text option, Text text) { find_view(text, option), r.view.side = text; })
+  t.value("--view", "front|back|left|right|top|bottom|iso", "the side to look from",
+          of_view(&ViewWishes::side), [](Text option, Text text) { return find_view(text, option), text; })
       .python("text", "side");
-  t.text("--zoom", "F", "show things F times as large (1)", of_view(&ViewWishes::zoom, positive))
+  t.value("--zoom", "F", "show things F times as large (1)", of_view(&ViewWishes::zoom), positive)
       .python("number");
-  t.text("--roll", "DEG", "turn the camera about its direction of view, counter-clockwise (0)",
-         of_view(&ViewWishes::roll, number))
+  t.value("--roll", "DEG", "turn the camera about its direction of view, counter-clockwise (0)",
+          of_view(&ViewWishes::roll), number)
       .python("number");
-  t.text("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at, vector))
+  t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at),
+          vector)
       .is(Scope::command);
-  t.text("--distance", "D", "how far from the place looked at, scene units",
-         of_view(&ViewWishes::distance, positive))
+  t.value("--distance", "D", "how far from the place looked at, scene units", of_view(&ViewWishes::distance),
+          positive)
       .python("number");
-  t.text("--scale", "1:N", "print scale of an orthographic view",
-         of_view(&ViewWishes::print_scale,
-                 [](Text option, Text text) {
-                   const double n = text.starts_with("1:") ? parse_number(option, text.substr(2)) : 0;
-                   if (!(n > 0))
-                     throw Error(ErrorCode::usage, option + ": '" + text + "' is no scale; write 1:200");
-                   return n;
-                 }))
+  t.value(
+       "--scale", "1:N", "print scale of an orthographic view", of_view(&ViewWishes::print_scale),
+       [](Text option, Text text) {
+         const double n = text.starts_with("1:") ? parse_number(option, text.substr(2)) : 0;
+         if (!(n > 0)) throw Error(ErrorCode::usage, option + ": '" + text + "' is no scale; write 1:200");
+         return n;
+       },
+       [](const std::optional<double>& n) { return "1:" + number_text(n.value_or(1)); })
       .is(Scope::view)
       .python("text");
-  t.text("--dpi", "N", "pixels an inch on paper, kept in .png, .jpg and .tif (300 with --scale)",
-         of_view(&ViewWishes::dpi,
-                 [](Text option, Text text) {
-                   const double dpi = parse_number(option, text);
-                   if (dpi > 0 && !(dpi >= 1 && dpi <= 100'000))
-                     throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 1..100000");
-                   return dpi;
-                 }))
+  t.value("--dpi", "N", "pixels an inch on paper, kept in .png, .jpg and .tif (300 with --scale)",
+          of_view(&ViewWishes::dpi),
+          [](Text option, Text text) {
+            const double dpi = parse_number(option, text);
+            if (dpi > 0 && !(dpi >= 1 && dpi <= 100'000))
+              throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 1..100000");
+            return dpi;
+          })
       .is(Scope::view)
       .python("number");
-  t.text("--pixel-size", "D",
-         "scene units per pixel of an orthographic view; without --resolution the picture is as large as "
-         "the scan",
-         of_view(&ViewWishes::pixel_size, positive))
+  t.value("--pixel-size", "D",
+          "scene units per pixel of an orthographic view; without --resolution the picture is as large as "
+          "the scan",
+          of_view(&ViewWishes::pixel_size), positive)
       .is(Scope::view)
       .python("number");
-  t.text("--vertical-exaggeration", "F", "heights F times as large, those of legends stay true (1)",
-         [](Request& r, Text option, Text text) {
-           r.exaggeration = parse_number(option, text);
-           if (!(*r.exaggeration >= 0.001 && *r.exaggeration <= 1000))
-             throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 0.001..1000");
-         })
+  t.value("--vertical-exaggeration", "F", "heights F times as large, those of legends stay true (1)",
+          &Request::exaggeration, within(0.001, 1000))
       .is(Scope::look)
       .python("number");
   t.flag("--whole", "keep the ceiling and near walls of a room, and frame all points but outliers",
@@ -242,160 +351,181 @@ void add_view(Table& t) {
   t.text("--camera", "FILE.json", "position, target, up, fov_y_deg, width, height in world coordinates",
          &Request::camera_file)
       .is(Scope::command);
-  t.text("--camera-position", "X,Y,Z", "where the camera stands", of_view(&ViewWishes::position, vector))
+  t.value("--camera-position", "X,Y,Z", "where the camera stands", of_view(&ViewWishes::position), vector)
       .python("numbers", "position");
-  t.text("--camera-focal-point", "X,Y,Z", "what it looks at", of_view(&ViewWishes::focal_point, vector))
+  t.value("--camera-focal-point", "X,Y,Z", "what it looks at", of_view(&ViewWishes::focal_point), vector)
       .python("numbers", "look_at");
-  t.text("--camera-view-up", "X,Y,Z", "direction that is up in the picture",
-         of_view(&ViewWishes::view_up, direction))
+  t.value("--camera-view-up", "X,Y,Z", "direction that is up in the picture", of_view(&ViewWishes::view_up),
+          direction)
       .python("numbers", "view_up");
-  t.text("--camera-direction", "X,Y,Z", "direction of view", of_view(&ViewWishes::direction, direction))
+  t.value("--camera-direction", "X,Y,Z", "direction of view", of_view(&ViewWishes::direction), direction)
       .python("numbers", "direction");
-  t.text("--camera-azimuth-angle", "DEG", "turn about the up axis, 0 from the front (what suits the scan)",
-         of_view(&ViewWishes::azimuth, number))
+  t.value("--camera-azimuth-angle", "DEG", "turn about the up axis, 0 from the front (what suits the scan)",
+          of_view(&ViewWishes::azimuth), number)
       .python("number", "azimuth");
-  t.text("--camera-elevation-angle", "DEG", "height above the horizon, -90 to 90 (what suits the scan)",
-         of_view(&ViewWishes::elevation, degrees_in(-90, 90)))
+  t.value("--camera-elevation-angle", "DEG", "height above the horizon, -90 to 90 (what suits the scan)",
+          of_view(&ViewWishes::elevation), degrees_in(-90, 90))
       .python("number", "elevation");
-  t.text("--camera-view-angle", "DEG", "full vertical angle: a smaller one zooms in (45)",
-         of_view(&ViewWishes::fov, degrees_in(0.001, 179)))
+  t.value("--camera-view-angle", "DEG", "full vertical angle: a smaller one zooms in (45)",
+          of_view(&ViewWishes::fov), degrees_in(0.001, 179))
       .python("number", "fov");
-  t.flag("--camera-orthographic", "orthographic projection", [](Request& r) -> bool& {
-     return r.view.orthographic;
-   }).python("flag", "orthographic");
+  t.flag("--camera-orthographic", "orthographic projection", of_view(&ViewWishes::orthographic))
+      .python("flag", "orthographic");
 }
 
 void add_points(Table& t) {
-  const auto kept = [](auto Selection::*member, auto parse) {
-    return [=](Request& r, Text option, Text text) { r.points.selection.*member = parse(option, text); };
+  const auto kept = [](auto Selection::*member) {
+    return [=](auto& r) -> auto& { return r.points.selection.*member; };
+  };
+  const auto read = [](auto io::ReadOptions::*member) {
+    return [=](auto& r) -> auto& { return r.points.read.*member; };
   };
   t.group("Points", Scope::look);
-  t.text("--crop", "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates",
-         kept(&Selection::crop, parse_box))
+  t.value("--crop", "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates",
+          kept(&Selection::crop), parse_box)
       .is(Scope::place)
       .python("numbers");
-  t.text("--crop-relative", "X0,Y0,Z0,X1,Y1,Z1",
-         "the same in shares of the whole box: 0,0,0,1,1,0.5 is the lower half",
-         kept(&Selection::crop_share, parse_box))
+  t.value("--crop-relative", "X0,Y0,Z0,X1,Y1,Z1",
+          "the same in shares of the whole box: 0,0,0,1,1,0.5 is the lower half",
+          kept(&Selection::crop_share), parse_box)
       .python("numbers");
-  t.text("--show-classes", "N,N...", "only these classification codes",
-         kept(&Selection::show_classes, parse_classes))
+  t.value("--show-classes", "N,N...", "only these classification codes", kept(&Selection::show_classes),
+          parse_classes)
       .python("integers");
-  t.text("--hide-classes", "N,N...|none",
-         "classification codes to leave out, with withheld points (7,18: noise)",
-         [](Request& r, Text option, Text text) { r.hide_classes = parse_classes(option, text); })
+  t.value("--hide-classes", "N,N...|none",
+          "classification codes to leave out, with withheld points (7,18: noise)", &Request::hide_classes,
+          parse_classes)
       .python("integers");
-  t.texts(
-       "--filter", "\"SCALAR A..B\"",
-       "only points in a range of a scalar, such as \"intensity 10..200\" or \"z 3..\"; may be given "
-       "several times",
-       [](Request & r) -> auto& { return r.points.selection.filters; },
-       [](Text text) { return parse_filter(text); })
+  t.texts("--filter", "\"SCALAR A..B\"",
+          "only points in a range of a scalar, such as \"intensity 10..200\" or \"z 3..\"; may be given "
+          "several times",
+          kept(&Selection::filters), [](Text text) { return parse_filter(text); })
       .python("texts", "filters");
-  t.text("--max-points", "N", "a subsample of what is left, the same one every time (1e6, 250k, 2M)",
-         [](Request& r, Text option, Text text) {
-           r.points.read.max_points = std::uint64_t(parse_whole(option, text, 1));
-         })
+  t.value("--max-points", "N", "a subsample of what is left, the same one every time (1e6, 250k, 2M)",
+          read(&io::ReadOptions::max_points), count)
       .python("count");
-  t.text("--columns", "x,y,z,...",
-         "names of the columns of text files, .npy rows and .bin floats, instead of a guess",
-         [](Request& r, Text, Text text) { r.points.read.columns = split(text, ','); })
+  t.value("--columns", "x,y,z,...",
+          "names of the columns of text files, .npy rows and .bin floats, instead of a guess",
+          read(&io::ReadOptions::columns), [](Text, Text text) { return split(text, ','); })
       .python("words");
   t.flag("--vertices", "of meshes (PLY, OBJ) the vertices alone, instead of points on the faces",
          &Request::vertices);
   t.flag("--strict", "refuse partly damaged files instead of skipping the damaged parts",
-         [](Request& r) -> bool& { return r.points.read.strict; })
+         read(&io::ReadOptions::strict))
       .is(Scope::command);
-  t.text("--up", "auto|+Z|-Z|+Y|...",
-         "axis that points up (auto: from the file, else guessed from the shape)",
-         [](Request& r, Text option, Text text) {
-           r.points.up.reset();
-           if (text != "auto" && !(r.points.up = parse_up_axis(text)))
-             throw Error(ErrorCode::usage, option + ": '" + text + "' is not one of auto +X -X +Y -Y +Z -Z");
-         })
+  t.value("--up", "auto|+Z|-Z|+Y|...",
+          "axis that points up (auto: from the file, else guessed from the shape)",
+          in(&Request::points, &scene::SceneOptions::up),
+          [](Text option, Text text) {
+            const std::optional<UpAxis> up = text == "auto" ? std::nullopt : parse_up_axis(text);
+            if (text != "auto" && !up)
+              throw Error(ErrorCode::usage, option + ": '" + text + "' is not one of auto +X -X +Y -Y +Z -Z");
+            return up;
+          })
       .python("text");
-  t.text("--memory", "BYTES",
-         "memory for the points of COPC files; of larger files only what the view shows is read (4G)",
-         [](Request& r, Text option, Text text) { r.memory = std::uint64_t(parse_whole(option, text, 1)); })
+  t.value("--memory", "BYTES",
+          "memory for the points of COPC files; of larger files only what the view shows is read (4G)",
+          &Request::memory, count)
       .is(Scope::command);
-  t.text(
-       "--gpu-memory", "BYTES", "the same on the graphics card (as much as --memory allows)",
-       [](Request& r, Text option, Text text) { r.gpu_memory = std::uint64_t(parse_whole(option, text, 1)); })
+  t.value("--gpu-memory", "BYTES", "the same on the graphics card (as much as --memory allows)",
+          &Request::gpu_memory, count)
       .is(Scope::file);
 }
 
 void add_colours(Table& t) {
+  const auto of_color = [](auto ColorSettings::*member) { return in(&Request::color, member); };
+  const auto color = [](Text option, Text text) { return parse_color_of(option, text); };
   t.group("Colour", Scope::look);
   t.text("--color-by", "NAME",
          "auto, rgb, intensity, classification, elevation, density, normal, file, any scalar; rgb*intensity: "
          "the product",
-         [](Request& r, Text, Text text) { r.color.color_by = text; })
+         of_color(&ColorSettings::color_by))
       .python("text");
-  t.text("--color", "COLOUR", "one colour for all points: a name, #hex or R,G,B",
-         [](Request& r, Text option, Text text) {
-           const auto color = color_or_none(option, text);
-           r.color.solid = color ? std::optional(to_rgba8(*color)) : std::nullopt;
-         })
+  t.value("--color", "COLOUR", "one colour for all points: a name, #hex or R,G,B",
+          of_color(&ColorSettings::solid),
+          [](Text option, Text text) { return to_rgba8(parse_color_of(option, text)); })
+      .or_nothing()
       .python("text");
   std::string maps;
   for (const std::string& name : Colormap::names()) maps += (maps.empty() ? "" : " ") + name;
-  t.text("--colormap", "NAME",
-         maps +
-             " (gray for intensity, land for heights, else viridis); NAME_r runs backwards; "
-             "white,#ff8800,black: your own",
-         [](Request& r, Text, Text text) {
-           if (!text.empty()) Colormap::named(text);
-           r.color.colormap = text;
-         })
+  t.value("--colormap", "NAME",
+          maps +
+              " (gray for intensity, land for heights, else viridis); NAME_r runs backwards; "
+              "white,#ff8800,black: your own",
+          of_color(&ColorSettings::colormap), [](Text, Text text) { return Colormap::named(text), text; })
+      .or_nothing()
       .python("text");
-  t.text("--color-range", "A,B",
-         "values at the ends of the colour map (2-98 % of the points, nearly all of heights)",
-         [](Request& r, Text option, Text text) {
-           r.color.range.reset();
-           if (text.empty()) return;
-           const std::vector<double> v = parse_numbers(option, text, 2, "A,B");
-           if (v[0] == v[1]) throw Error(ErrorCode::usage, option + ": '" + text + "' is empty");
-           r.color.range = {v[0], v[1]};
-         })
+  t.value("--color-range", "A,B",
+          "values at the ends of the colour map (2-98 % of the points, nearly all of heights)",
+          of_color(&ColorSettings::range),
+          [](Text option, Text text) {
+            const std::vector<double> v = parse_numbers(option, text, 2, "A,B");
+            if (v[0] == v[1]) throw Error(ErrorCode::usage, option + ": '" + text + "' is empty");
+            return std::array{v[0], v[1]};
+          })
+      .or_nothing()
       .python("numbers", "range");
-  t.text("--class-colors", "2=#aa7744,6=orange",
-         "colours of classes, by code or name; or a file with one CLASS=COLOUR per line",
-         [](Request& r, Text option, Text text) {
-           try {
-             r.color.class_colors =
-                 text.empty() ? std::map<int, Rgba8>() : parse_class_colors(text_or_file(text));
-           } catch (const Error& error) {
-             throw Error(ErrorCode::usage, option + ": " + error.what());
-           }
-         })
+  t.value("--class-colors", "2=#aa7744,6=orange",
+          "colours of classes, by code or name; or a file with one CLASS=COLOUR per line",
+          of_color(&ColorSettings::class_colors),
+          [](Text option, Text text) {
+            try {
+              return parse_class_colors(text_or_file(text));
+            } catch (const Error& error) {
+              throw Error(ErrorCode::usage, option + ": " + error.what());
+            }
+          })
+      .or_nothing()
       .python("text");
-  t.text("--exposure", "F", "brightness of the file's own colours, 1: as they are (what suits them)",
-         [](Request& r, Text option, Text text) {
-           r.color.exposure.reset();
-           if (text.empty()) return;
-           r.color.exposure = parse_number(option, text);
-           if (!(*r.color.exposure >= 0.1 && *r.color.exposure <= 100))
-             throw Error(ErrorCode::usage, option + ": '" + text + "' is outside [0.1, 100]");
-         })
+  t.value("--exposure", "F", "brightness of the file's own colours, 1: as they are (what suits them)",
+          of_color(&ColorSettings::exposure), within(0.1, 100))
+      .or_nothing()
       .python("number");
-  t.text("--background-color", "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)",
-         [](Request& r, Text option, Text text) { r.background = color_or_none(option, text); })
+  t.value("--background-color", "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)", &Request::background,
+          color)
+      .or_nothing()
       .python("text", "background");
   t.flag("--no-background", "transparent where nothing is", &Request::no_background).python("", "background");
+}
 
+void add_furniture(Table& t) {
+  const auto drawn = [](auto Furniture::*member) { return in(&Request::furniture, member); };
+  const auto legend = [](auto LegendLook::*member) {
+    return [=](auto& r) -> auto& { return r.furniture.legend_look.*member; };
+  };
+  const auto flag = [&](const char* name, const char* help, bool Furniture::*member) {
+    t.flag(name, help, drawn(member)).python("furniture");
+  };
   t.group("In the picture", Scope::look);
-  for (const FurnitureOption& option : furniture_options()) {
-    const std::string name = option.name;
-    Furniture plain;
-    t.text("--" + name, option.metavar, option.help, [name](Request& r, Text, Text text) {
-       try {
-         set(r.furniture, name, text);
-       } catch (const Error& error) {
-         throw Error(ErrorCode::usage, "--" + std::string(error.what()));
-       }
-     }).python("furniture");
-    if (flag_of(plain, name)) t.rows.back().kind = Option::Kind::flag;
-  }
+  flag("--legend", "explain the colours in the picture", &Furniture::legend);
+  t.text("--legend-title", "TEXT", "title of the legend (what the colours show)", legend(&LegendLook::title))
+      .python("furniture");
+  t.text("--legend-unit", "UNIT", "after the title (for elevations that of the file's CRS)",
+         legend(&LegendLook::unit))
+      .python("furniture");
+  t.value("--legend-place", "bottom-right|bottom-left|top-right|top-left",
+          "corner of the legend (bottom-right)", legend(&LegendLook::corner),
+          [](Text option, Text text) {
+            for (const auto& [name, corner] : corners)
+              if (text == name) return corner;
+            throw Error(ErrorCode::usage,
+                        option + ": '" + text +
+                            "' is no corner: write bottom-right, bottom-left, top-right or top-left");
+          })
+      .python("furniture");
+  t.value("--legend-size", "F", "the legend F times as large, 0.3 to 4 (1)", legend(&LegendLook::size),
+          within(0.3, 4))
+      .python("furniture");
+  flag("--scale-bar", "a bar of a round length, in orthographic views", &Furniture::scale_bar);
+  flag("--north-arrow", "an arrow to the north, which is +Y of the file (of a y-up file -Z)",
+       &Furniture::north_arrow);
+  flag("--grid", "a grid of round coordinates, in plans (--view top --camera-orthographic)",
+       &Furniture::grid);
+  t.text("--title", "TEXT", "above the picture", drawn(&Furniture::title)).python("furniture");
+  t.text("--caption", "TEXT", "below the picture", drawn(&Furniture::caption)).python("furniture");
+  t.text("--unit", "m|ft|ft-us|km|cm|mm|NAME", "unit of the coordinates (that of the file's CRS)",
+         drawn(&Furniture::unit))
+      .python("furniture");
 }
 
 }  // namespace
@@ -403,7 +533,7 @@ void add_colours(Table& t) {
 const std::vector<Option>& request_options() {
   static const std::vector<Option> rows = [] {
     Table table;
-    add_output(table), add_view(table), add_points(table), add_colours(table);
+    add_output(table), add_view(table), add_points(table), add_colours(table), add_furniture(table);
     return std::move(table.rows);
   }();
   return rows;
@@ -423,6 +553,11 @@ void set(Request& request, std::string_view name, const std::string& value) {
   const Option* option = find_option(name);
   if (!option) throw Error(ErrorCode::usage, "there is no option '" + std::string(name) + "'");
   option->set(request, "--" + option->name(), value);
+}
+
+std::string text_of(const Request& request, std::string_view name) {
+  const std::vector<std::string> texts = find_option(name)->texts(request);
+  return texts.empty() ? "" : texts.front();
 }
 
 }  // namespace sfumato

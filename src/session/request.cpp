@@ -26,14 +26,16 @@ bool Request::moves_camera() const {
          view.azimuth || view.elevation || view.fov || view.zoom || view.look_at || view.distance;
 }
 
-void settle_points(Request& request) {
-  Selection& wanted = request.points.selection;
+scene::SceneOptions Request::scene_options() const {
+  scene::SceneOptions options = points;
+  options.read.samples_faces = !vertices;
+  Selection& wanted = options.selection;
   refuse_pair(wanted.crop && wanted.crop_share, "--crop and --crop-relative");
-  wanted.hide_withheld = !request.hide_classes.empty();
-  // Noise is left out unless somebody wants to see just that.
-  for (int id : request.hide_classes)
+  wanted.hide_withheld = !hide_classes.empty();
+  for (int id : hide_classes)
     if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), id) == wanted.show_classes.end())
       wanted.hide_classes.push_back(id);
+  return options;
 }
 
 void settle_view(Request& request) {

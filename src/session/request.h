@@ -30,7 +30,7 @@ struct Request {
   std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
   std::optional<std::uint64_t> gpu_memory;
 
-  // What is kept of it: `settle` says it in `points`.
+  // What is kept of it; `scene_options` says all of it to whoever reads.
   scene::SceneOptions points;
   std::vector<int> hide_classes{7, 18};  ///< with withheld points; none: nothing is left out
   bool vertices = false;                 ///< of meshes, in place of points on the faces
@@ -61,6 +61,10 @@ struct Request {
   std::optional<int> quality;
   bool world_file = false, timings = false, json = false;
 
+  bool operator==(const Request&) const = default;
+  /// Noise is left out unless somebody wants to see just that. Throws Error(usage) for what contradicts
+  /// itself.
+  scene::SceneOptions scene_options() const;
   double vertical_exaggeration() const { return exaggeration.value_or(1); }
   /// Pixels an inch on paper; 0 where nobody means paper.
   double dpi() const { return view.dpi.value_or(view.print_scale ? 300 : 0); }
@@ -85,7 +89,9 @@ struct Option {
   std::string keyword, value;  ///< of Python, and what kind of value it takes there; empty: none
   /// Throws Error(usage) for values that are none.
   std::function<void(Request&, const std::string& option, const std::string& text)> set;
-  std::function<void(Request&)> clear = {};  ///< of texts: before the first of several
+  std::function<void(Request&)> reset;  ///< to what it is by default
+  /// As `set` takes them, so that another request becomes the same; none where it is as by default.
+  std::function<std::vector<std::string>(const Request&)> texts;
 
   std::string name() const { return names.substr(names.find("--") + 2); }
 };
@@ -96,9 +102,10 @@ const Option* find_option(std::string_view name);
 
 /// Sets the option of that name, "color-range". Throws Error(usage) for values that are none.
 void set(Request& request, std::string_view name, const std::string& value);
+/// The value of the option of that name as `set` takes it; empty: as by default.
+std::string text_of(const Request& request, std::string_view name);
 
-/// Refuses what contradicts itself, before anything is read, and says in `points` what is kept. Once.
-void settle_points(Request& request);
+/// Refuses what contradicts itself, before anything is read.
 void settle_view(Request& request);
 void settle_color(const Request& request);
 /// Reads --camera FILE into `view.start`: a wrong one should not cost the time of reading a large scan.

@@ -29,6 +29,7 @@ struct ViewWishes {
   std::string side;  ///< a named view, whose picture stands upright; azimuth and elevation are its own
   std::optional<std::pair<int, int>> size;    ///< px
   std::pair<int, int> first_size{1280, 720};  ///< of the view that shows the scan, where no size is given
+  bool operator==(const ViewWishes&) const = default;
 };
 
 /// A pixel of such a size without a picture's size shows all of the subject's box, and the borders of the

@@ -68,13 +68,6 @@ Control control_of(const Param& param, const std::string& group) {
   return control;
 }
 
-template <class T>
-std::string shortest(T value) {
-  char text[64];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  return error == std::errc() ? std::string(text, end) : std::string("0");
-}
-
 }  // namespace
 
 std::vector<Control> controls_of(const Look& look, const std::string& search) {
@@ -102,9 +95,6 @@ std::vector<Control> controls_of(const ParamList& parameters, const std::string&
       controls.push_back(std::move(control));
   return controls;
 }
-
-std::string number_text(double value) { return shortest(value); }
-std::string number_text(float value) { return shortest(value); }
 
 std::vector<float> numbers_of(const std::string& text) {
   std::vector<float> numbers;

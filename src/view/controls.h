@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/option_text.h"
 #include "session/look.h"
 
 namespace sfumato::view {
@@ -30,9 +31,7 @@ std::vector<Control> controls_of(const Look& look, const std::string& search = {
 std::vector<Control> controls_of(const ParamList& parameters, const std::string& group,
                                  const std::string& search = {});
 
-/// A number as the shortest text that reads back the same.
-std::string number_text(double value);
-std::string number_text(float value);
+using sfumato::number_text;
 /// The numbers of "1,2,3"; empty for a text that holds none.
 std::vector<float> numbers_of(const std::string& text);
 

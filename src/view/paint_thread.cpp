@@ -99,7 +99,7 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
   if (!stand) stand = std::make_shared<Stand>();
   if (!stand->session) stand->session = std::make_unique<Session>(*context_);
   stand->looks.clear();  // what they hold of the last cloud is of no use for this one
-  stand->color_key = job.color_key;
+  stand->color = job.options.color;
   stand->background = job.options.background;
   stand->file_names = job.scene.file_names;
   stand->prepares_ahead = true;
@@ -157,10 +157,10 @@ Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch
   const auto asked = Clock::now();
   Session& session = *stand.session;
   Look& look = stand.look_of(job.technique, job.parameters);
-  if (stand.color_key != job.color_key) {
-    stand.color_key.clear();  // half coloured where a source is refused
+  if (stand.color != job.color) {
+    stand.color.reset();
     session.set_color(job.color);
-    stand.color_key = job.color_key;
+    stand.color = job.color;
   }
   if (stand.background != job.background) {
     session.set_background(job.background);

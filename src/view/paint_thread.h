@@ -18,7 +18,7 @@ struct Stand {
   std::unique_ptr<Session> session;
   /// Those drawn last, newest first: another picture of one needs no programs or tables made anew.
   std::vector<std::unique_ptr<Look>> looks;
-  std::string color_key;
+  std::optional<ColorSettings> color;  ///< nothing: half coloured, where a source was refused
   std::optional<vec3> background;
   std::vector<std::string> file_names;
   SceneReady ready;

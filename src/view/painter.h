@@ -30,7 +30,6 @@ struct SceneJob {
   scene::Scene scene;
   Pose pose;
   SessionOptions options;
-  std::string color_key;
   std::string technique;  ///< empty: `settle` chooses it
   std::function<NamesAndValues(const std::string&)> parameters_of;
   bool measures = true;  ///< what the technique needs; else its first picture does
@@ -42,8 +41,7 @@ struct PictureJob {
   std::string technique;
   NamesAndValues parameters;
   Camera camera;
-  ColorSettings color;
-  std::string color_key;  ///< colours are made anew when it differs from the last one's
+  ColorSettings color;  ///< made anew where they differ from the last one's
   std::optional<vec3> background;
   bool timings = false;
   int depth_step = 0;  ///< depth of every so many pixels is wanted as well; 0: none

@@ -2,17 +2,10 @@
 
 #include <algorithm>
 
-#include "core/furniture.h"
 #include "core/option_text.h"
-#include "session/request.h"
-#include "view/controls.h"
 
 namespace sfumato::view {
 namespace {
-
-std::string joined(const dvec3& v) {
-  return number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z);
-}
 
 std::string text_of(const std::vector<std::string>& words) {
   std::string text;
@@ -33,7 +26,25 @@ std::string rows_text(const dmat4& matrix) {
   return text;
 }
 
+/// Whether windows show what it says, other than by their camera.
+bool is_shown(const Option& option) {
+  return (option.scope == Option::Scope::look || option.scope == Option::Scope::place) &&
+         option.name() != "vertical-exaggeration" && option.name() != "no-background";
+}
+
+void drop_if_empty(std::map<std::string, Wishes::Values>& own, const std::string& technique) {
+  if (const auto mine = own.find(technique); mine != own.end() && mine->second.empty()) own.erase(mine);
+}
+
 }  // namespace
+
+Wishes::Wishes(const Request& request, const std::vector<scene::SceneFile>& files_of_request)
+    : Request(request) {
+  for (const DrawRule& rule : std::exchange(draw, {})) items.push_back(DrawRow::from(rule.text));
+  for (const scene::SceneFile& file : files_of_request) placed.push_back(file.transform);
+  technique.clear(), transforms.clear(), view = {};
+  furniture.print_scale = furniture.dpi = 0;  // of paper
+}
 
 DrawRow DrawRow::from(const std::string& rule) {
   DrawRow row;
@@ -50,11 +61,6 @@ DrawRow DrawRow::from(const std::string& rule) {
 std::string DrawRow::rule() const {
   if (!visible) return selection + ": " + DrawRule::none;
   return selection + ": " + technique + (parameters.empty() ? "" : " " + parameters);
-}
-
-bool is_kept_as_written(const std::string& option) {
-  return option == "filter" || option == "columns" || option == "max-points" || option == "up" ||
-         option == "crop-relative" || option == "vertices";
 }
 
 void Wishes::set(const std::string& parameter, const std::string& value) {
@@ -80,12 +86,14 @@ void Wishes::set(const std::string& parameter, const std::string& value) {
     else
       values[all[i].name] = all[i].get();
   }
+  drop_if_empty(own, look.name);
 }
 
 void Wishes::reset(const std::string& parameter) {
   analysis.erase(parameter);
   shared.erase(parameter);
   if (const auto mine = own.find(technique); mine != own.end()) mine->second.erase(parameter);
+  drop_if_empty(own, technique);
 }
 
 void Wishes::reset_all() {
@@ -108,145 +116,129 @@ NamesAndValues Wishes::parameters_of(const std::string& technique_name) const {
   return values;
 }
 
-ColorSettings Wishes::color() const {
-  Request request;
-  for (const auto& [name, value] : {std::pair("color-by", &color_by),
-                                    {"colormap", &colormap},
-                                    {"color-range", &color_range},
-                                    {"class-colors", &class_colors},
-                                    {"exposure", &exposure},
-                                    {"color", &point_color}})
-    sfumato::set(request, name, *value);
-  return request.color;
-}
-
-std::optional<vec3> Wishes::background() const {
-  Request request;
-  sfumato::set(request, "background-color", background_color);
-  return request.background;
-}
-
-void Wishes::take_input(const NamesAndValues& given) {
-  Request request;
-  input.clear();
-  for (const auto& [name, value] : given) {
-    sfumato::set(request, name, value);
-    if (is_kept_as_written(name)) input.emplace_back(name, value);
-  }
-  settle_points(request);
-  request.points.read.samples_faces = !request.vertices;
-  scene = request.points;
-}
-
 SessionOptions Wishes::session_options() const {
   SessionOptions options;
   ParamList list;
   options.prepare.describe(list);
   for (const auto& [name, value] : analysis)
     if (Param* param = list.find(name)) param->set(value);
-  options.color = color();
-  options.background = background();
-  for (const DrawRow& row : draw) options.draw.push_back(DrawRule::parse(row.rule()));
+  options.color = color;
+  options.background = background;
+  for (const DrawRow& row : items) options.draw.push_back(DrawRule::parse(row.rule()));
   return options;
 }
 
-void Wishes::set_color_range(double a, double b) { color_range = number_text(a) + "," + number_text(b); }
-
 std::vector<scene::SceneFile> Wishes::scene_files() const {
   std::vector<scene::SceneFile> all = scene::files_of(files);
-  for (std::size_t n = 0; n < std::min(all.size(), transforms.size()); ++n) all[n].transform = transforms[n];
+  for (std::size_t n = 0; n < std::min(all.size(), placed.size()); ++n) all[n].transform = placed[n];
   return all;
 }
 
 NamesAndValues Wishes::options() const {
-  NamesAndValues all = input;
-  const auto say = [&](const char* name, const std::string& value) { all.emplace_back(name, value); };
-  for (const DrawRow& row : draw) say("draw", row.rule());
-  const Selection& wanted = scene.selection;
-  if (wanted.crop) say("crop", joined(wanted.crop->min) + "," + joined(wanted.crop->max));
-  if (!wanted.show_classes.empty()) say("show-classes", classes_text(wanted.show_classes));
-  if (const std::string hidden = classes_text(wanted.hide_classes);
-      hidden != "7,18" && wanted.show_classes.empty())
-    say("hide-classes", hidden);
-  if (color_by != "auto" && point_color.empty()) say("color-by", color_by);
-  if (!colormap.empty() && point_color.empty()) say("colormap", colormap);
-  if (!color_range.empty() && point_color.empty()) say("color-range", color_range);
-  if (!class_colors.empty()) say("class-colors", class_colors);
-  if (!exposure.empty()) say("exposure", exposure);
-  if (!point_color.empty()) say("color", point_color);
-  if (!background_color.empty()) say("background-color", background_color);
-  if (whole) say("whole", "true");
-  if (legend && point_color.empty()) say("legend", "true");
-  for (const auto& [name, value] : furniture) say(name.c_str(), value);
+  Request said = *this;
+  for (const DrawRow& row : items) said.draw.push_back(DrawRule::parse(row.rule()));
+  if (color.solid)  // which wins over these, and the command refuses them beside it
+    said.color.color_by = "auto", said.color.colormap.clear(), said.color.range.reset(),
+    said.furniture.legend = false;
+  NamesAndValues all;
+  for (const Option& option : request_options())
+    if (is_shown(option))
+      for (const std::string& text : option.texts(said)) all.emplace_back(option.name(), text);
   return all;
 }
 
-void Wishes::take_options(const NamesAndValues& given) {
-  const Wishes plain;
-  color_by = plain.color_by, colormap = plain.colormap, color_range = plain.color_range;
-  class_colors = plain.class_colors, exposure = plain.exposure, point_color = plain.point_color,
-  background_color = plain.background_color;
-  furniture.clear();
-  legend = plain.legend, whole = plain.whole, draw = plain.draw;
-  for (const auto& [name, value] : given) {
-    if (name == "color-by") color_by = value;
-    if (name == "colormap") colormap = value;
-    if (name == "color-range") color_range = value;
-    if (name == "class-colors") class_colors = value;
-    if (name == "exposure") exposure = value;
-    if (name == "color") point_color = value;
-    if (name == "background-color") background_color = value;
-    if (name == "legend")
-      legend = value == "true";
-    else if (is_furniture(name))
-      furniture.emplace_back(name, value);
-    if (name == "whole") whole = value == "true";
-    if (name == "draw") draw.push_back(DrawRow::from(value));
-  }
+void Wishes::take_options(const NamesAndValues& given, bool with_points) {
+  const auto of_points = [](const Option& option) { return option.group == "Points"; };
+  std::vector<std::pair<const Option*, std::string>> shown;
+  for (const auto& [name, value] : given)
+    if (const Option* option = find_option(name); option && is_shown(*option)) {
+      shown.emplace_back(option, value);
+      with_points = with_points || of_points(*option);
+    }
+  for (const Option& option : request_options())
+    if (is_shown(option) && (with_points || !of_points(option))) option.reset(*this);
+  for (const auto& [option, value] : shown) option->set(*this, "--" + option->name(), value);
+  items.clear();
+  for (const DrawRule& rule : std::exchange(draw, {})) items.push_back(DrawRow::from(rule.text));
+  (void)scene_options();
+}
+
+std::unique_ptr<Look> Wishes::make_look() const {
+  auto look = std::make_unique<Look>(technique.empty() ? "points" : technique);
+  for (const auto& [name, value] : parameters_of(look->name)) look->set(name, value);
+  return look;
+}
+
+void Wishes::take(const Preset& from) {
+  const std::string before = scene_key();
+  if (!from.technique.empty() && from.technique != "auto") technique = find_technique(from.technique).name;
+  reset_all();
+  const std::unique_ptr<Look> look = make_look();
+  const Look* const looks[] = {look.get()};
+  analysis::PrepareOptions prepare;
+  ParamList list;
+  prepare.describe(list);
+  for (const auto& [name, value] : from.parameters_for(looks, list))
+    set(name.substr(name.find('.') + 1), value);  // without "TECHNIQUE."
+  const bool is_scene = !from.files.empty();
+  take_options(from.options, is_scene);
+  if (!is_scene) return;
+  files.clear(), placed.clear();
+  for (const scene::SceneFile& file : from.files)
+    files.push_back(file.name), placed.push_back(file.transform);
+  if (from.camera)
+    place(ViewCamera::from(*from.camera));
+  else if (scene_key() != before)
+    frame_on_load = true;
+}
+
+void Wishes::save(const std::string& file, const std::optional<Camera>& seen) const {
+  analysis::PrepareOptions prepare;
+  ParamList list;
+  prepare.describe(list);
+  for (const auto& [name, value] : analysis) list.find(name)->set(value);
+  const std::unique_ptr<Look> look = make_look();
+  const Look* const looks[] = {look.get()};
+  sfumato::save_preset(file, looks, list, options(), seen,
+                       seen ? scene_files() : std::vector<scene::SceneFile>());
 }
 
 std::vector<std::string> Wishes::words(int width, int height) const {
   std::vector<std::string> words = files;
   // A value may begin with a minus: the equals sign keeps it with its option.
   const auto say = [&](const std::string& name, const std::string& value) {
-    words.push_back("--" + name + "=" + value);
+    const Option* option = find_option(name);
+    words.push_back("--" + name + (option && option->kind == Option::Kind::flag ? "" : "=" + value));
   };
   words.insert(words.end(), {"-t", technique.empty() ? "auto" : technique});
   for (const auto& [name, value] : parameters_of(technique)) say(with_dashes(name), value);
   for (const auto& [name, value] : analysis) say(with_dashes(name), value);
-  for (std::size_t n = 0; n < std::min(files.size(), transforms.size()); ++n)
-    if (transforms[n]) say("transform", std::to_string(n + 1) + ": " + rows_text(*transforms[n]));
-  for (const auto& [name, value] : options())
-    if (name == "whole" || name == "legend")
-      words.push_back("--" + name);
-    else
-      say(name, value);
-  say("camera-position", joined(camera.position));
-  say("camera-focal-point", joined(camera.target));
-  say("camera-view-up", joined(camera.up));
-  if (camera.fov_deg != 45) say("camera-view-angle", number_text(camera.fov_deg));
-  if (camera.orthographic) words.push_back("--camera-orthographic");
-  say("resolution", std::to_string(width) + "x" + std::to_string(height));
+  for (std::size_t n = 0; n < std::min(files.size(), placed.size()); ++n)
+    if (placed[n]) say("transform", std::to_string(n + 1) + ": " + rows_text(*placed[n]));
+  for (const auto& [name, value] : options()) say(name, value);
+  Request seen;
+  seen.view.position = camera.position, seen.view.focal_point = camera.target;
+  seen.view.view_up = camera.up, seen.view.orthographic = camera.orthographic;
+  if (camera.fov_deg != 45) seen.view.fov = camera.fov_deg;
+  seen.view.size = {width, height};
+  for (const Option& option : request_options())
+    for (const std::string& text : option.texts(seen)) say(option.name(), text);
   return words;
 }
 
 std::string Wishes::scene_key() const {
   Wishes read;
-  read.whole = whole, read.files = files, read.transforms = transforms, read.draw = draw;
-  read.scene = scene, read.input = input, read.analysis = analysis;
+  read.whole = whole, read.files = files, read.placed = placed, read.items = items;
+  read.points = points, read.hide_classes = hide_classes, read.vertices = vertices, read.analysis = analysis;
   return text_of(read.words(1, 1));
 }
 
-std::string Wishes::color_key() const {
-  return color_by + '\n' + colormap + '\n' + color_range + '\n' + class_colors + '\n' + exposure + '\n' +
-         point_color;
-}
-
-std::string Wishes::look_key() const {
+Wishes Wishes::look() const {
   Wishes look = *this;
-  look.camera = {};
-  look.legend = false, look.furniture.clear();  // drawn over the picture
-  return text_of(look.words(1, 1));
+  look.camera = look.home = {};
+  look.frame_on_load = false;
+  look.furniture = {};
+  return look;
 }
 
 }  // namespace sfumato::view

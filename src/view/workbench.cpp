@@ -119,8 +119,8 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
   Wishes next = wishes_;
   if (!add) {
     next.files.clear();
-    next.transforms.clear();
-    next.scene.selection.crop.reset();
+    next.placed.clear();
+    next.points.selection.crop.reset();
   }
   for (const std::string& file : expanded)
     if (std::find(next.files.begin(), next.files.end(), file) == next.files.end()) next.files.push_back(file);
@@ -199,7 +199,6 @@ void Workbench::paint_shot(int width, int height) {
   job.id = next_id_++;
   waiting_shots_.emplace_back(job.id, Shot{{},
                                            wishes_.words(width, height),
-                                           wishes_.legend,
                                            wishes_.furniture,
                                            scene_ ? scene_->pose.upright.up : UpAxis::pos_z,
                                            scene_ ? scene_->crs : ""});
@@ -250,7 +249,7 @@ std::size_t Workbench::frame() const {
 void Workbench::show_frame(std::size_t i) {
   if (i >= frames().size() || i == frame()) return;
   const auto show = [&](Wishes& each) {
-    if (is_frame(each)) each.files = {frames_[i].name}, each.transforms = {frames_[i].transform};
+    if (is_frame(each)) each.files = {frames_[i].name}, each.placed = {frames_[i].transform};
   };
   history_.amend(show);  // nobody undoes the time that went by
   show(wishes_);
@@ -282,7 +281,7 @@ void Workbench::load(bool anew) {
     if (!has_sample || !has_whole) known_.reset();
     if (known_) return loader_->call_off();
   }
-  LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene};
+  LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene_options()};
   job.cutaway = !wishes_.whole;
   job.memory = start_.memory;
   job.anew = anew;
@@ -338,7 +337,7 @@ void Workbench::follow_view() {
   reading_view_ = true;
   load_id_ = next_id_++;
   const Wishes& wishes = wishes_of_view();
-  LoadJob job{load_id_, wishes.scene_files(), wishes.scene};
+  LoadJob job{load_id_, wishes.scene_files(), wishes.scene_options()};
   job.cutaway = !wishes.whole;
   job.memory = start_.memory;
   job.seen = wanted.camera.to_camera(wanted.width, wanted.height);
@@ -357,7 +356,6 @@ void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
     job.scene = std::move(scene);
     job.pose = loaded.pose;
     job.options = wanted.session_options();
-    job.color_key = wanted.color_key();
     job.technique = wanted.technique;
     if (start_.shared && !loaded.is_sample && !loaded.follows_view) job.shared_key = loaded_key_;
     job.parameters_of = [wishes = wanted](const std::string& technique) {
@@ -422,9 +420,7 @@ void Workbench::take_loaded(Loaded loaded) {
       if (!sample_camera_ || each.camera == *sample_camera_) each.camera = first;
       each.frame_on_load = loaded.is_sample;  // the whole says where it is, exactly
       // The other frames stand as the first does.
-      if (loaded.is_sample || !is_frame(each) || each.scene.up) return;
-      each.scene.up = loaded.pose.upright.up;
-      each.input.emplace_back("up", to_string(loaded.pose.upright.up));
+      if (!loaded.is_sample && is_frame(each) && !each.points.up) each.points.up = loaded.pose.upright.up;
     };
     const bool is_wanted = wishes_.scene_key() == loaded_key_;
     amend(place);
@@ -575,9 +571,8 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
   }
   job.camera =
       wishes_.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));
-  job.color = wishes_.color();
-  job.color_key = wishes_.color_key();
-  job.background = wishes_.background();
+  job.color = wishes_.color;
+  job.background = wishes_.background;
   job.depth_step = start_.depth_step;
   job.timings = timings_ && quality == Refinement::ladder[0];
   return job;
@@ -677,8 +672,8 @@ void Workbench::tick(double now_ms) {
     wanted_key_ = wishes_.scene_key();
   }
 
-  if (const std::string key = wishes_.look_key(); key != look_key_) {
-    look_key_ = key;
+  if (Wishes look = wishes_.look(); look != look_) {
+    look_ = std::move(look);
     touched();
     // Another colour source may be what the scene was refused for.
     if (scene_failed_) loaded_key_.clear(), key_changed_ms_ = now_ms;

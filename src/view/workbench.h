@@ -55,8 +55,7 @@ struct Message {
 struct Shot {
   Picture picture;
   std::vector<std::string> words;  ///< the command without -o
-  bool legend = false;
-  NamesAndValues furniture = {};
+  Furniture furniture = {};
   UpAxis up = UpAxis::pos_z;
   std::string crs = {};
 };
@@ -222,7 +221,8 @@ class Workbench {
                 pick_id_ = 0;
   Quality in_flight_quality_, shown_quality_;
   double asked_ms_ = 0;
-  std::string loaded_key_, look_key_, wanted_key_;
+  std::string loaded_key_, wanted_key_;
+  Wishes look_;
   double key_changed_ms_ = -1e9;
   bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be
   bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false,

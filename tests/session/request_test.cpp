@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "option_samples.h"
 #include "session/preset.h"
 
 namespace sfumato {
@@ -37,9 +38,8 @@ TEST(Request, ValuesAreTyped) {
   EXPECT_EQ((*request.color.range)[1], 3);
   EXPECT_EQ(request.points.selection.filters.size(), 2u);
   EXPECT_EQ(request.background, vec3(0));
-  settle_points(request);
-  EXPECT_FALSE(request.points.selection.hide_withheld);
-  EXPECT_TRUE(request.points.selection.hide_classes.empty());
+  EXPECT_FALSE(request.scene_options().selection.hide_withheld);
+  EXPECT_TRUE(request.scene_options().selection.hide_classes.empty());
   for (const auto& [name, value] : {std::pair("zoom", "0"),
                                     {"exposure", "1000"},
                                     {"color-range", "1,1"},
@@ -49,11 +49,28 @@ TEST(Request, ValuesAreTyped) {
     EXPECT_THROW(set(request, name, value), Error) << name;
 }
 
+/// A request said in texts, as in a preset or a command, is read back the same.
+TEST(Request, SaysWhatItWasGiven) {
+  const Request plain;
+  for (const Option& option : request_options()) {
+    const std::string text = sample_of(option);
+    ASSERT_FALSE(text.empty()) << option.name();
+    EXPECT_TRUE(option.texts(plain).empty()) << option.name();
+    Request request, again;
+    set(request, option.name(), text);
+    EXPECT_FALSE(request == plain) << option.name();
+    ASSERT_EQ(option.texts(request).size(), 1u) << option.name();
+    set(again, option.name(), text_of(request, option.name()));
+    EXPECT_TRUE(again == request) << option.name() << ": " << text_of(request, option.name());
+    option.reset(request);
+    EXPECT_TRUE(request == plain) << option.name();
+  }
+}
+
 TEST(Request, NoiseIsLeftOutUnlessItIsAskedFor) {
   Request request;
   set(request, "show-classes", "7,2");
-  settle_points(request);
-  EXPECT_EQ(request.points.selection.hide_classes, std::vector<int>{18});
+  EXPECT_EQ(request.scene_options().selection.hide_classes, std::vector<int>{18});
 }
 
 TEST(Request, WhatContradictsItselfIsRefused) {

@@ -53,7 +53,7 @@ class LevelsTest : public testing::Test {
     Start start;
     start.wishes.files = {scan().string()};
     start.wishes.technique = "points";
-    start.wishes.color_by = "elevation";
+    start.wishes.color.color_by = "elevation";
     start.memory = memory;
     start.wake = [] {};
     return start;
@@ -174,8 +174,8 @@ TEST_F(LevelsTest, PicturesForKeepsComeBeforeWhatIsWishedNext) {
   const Camera second = bench.camera();
   bench.shoot(width, height);
   bench.change("hide", [](Wishes& wishes) {
-    wishes.scene.selection.hide_classes = {6};
-    wishes.color_by = "clay";
+    wishes.hide_classes = {6};
+    wishes.color.color_by = "clay";
   });
   std::vector<Shot> shots;
   ASSERT_TRUE(wait(bench, [&] {
@@ -238,7 +238,7 @@ TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
   bench.set_size(width, height);
   ASSERT_TRUE(settle(bench));
   const ViewCamera seen = bench.wishes().camera;
-  bench.change("hide", [](Wishes& wishes) { wishes.scene.selection.hide_classes = {6}; });
+  bench.change("hide", [](Wishes& wishes) { wishes.hide_classes = {6}; });
   ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
   ASSERT_TRUE(settle(bench));
   EXPECT_EQ(bench.wishes().camera, seen);

@@ -88,7 +88,7 @@ TEST_F(SharedScenesTest, SecondReadsNothingAndSharesThePoints) {
 TEST_F(SharedScenesTest, EachHasTheViewAndTheLookThatItHasAlone) {
   const auto look = [](Workbench& bench) {
     bench.change("technique", [](Wishes& next) { next.technique = "splats"; });
-    bench.change("color", [](Wishes& next) { next.color_by = "classification"; });
+    bench.change("color", [](Wishes& next) { next.color.color_by = "classification"; });
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 100, dvec3(25, 25, 3)); });
   };
   const auto alone = open(nullptr), alone_with_look = open(nullptr);
@@ -115,7 +115,7 @@ TEST_F(SharedScenesTest, AnotherSelectionOfPointsIsNobodyElses) {
   settle({first.get()});
   auto second = open(shared);
   settle({first.get(), second.get()});
-  second->change("classes", [](Wishes& next) { next.scene.selection.hide_classes = {2}; });
+  second->change("classes", [](Wishes& next) { next.hide_classes = {2}; });
   until(1250, {first.get(), second.get()});
   settle({first.get(), second.get()});
   EXPECT_EQ(first->scene()->points_shown, 2500u);

@@ -147,10 +147,10 @@ class Hand {
     } else {
       name("edit items");
       bench_.change("item", [&](view::Wishes& next) {
-        if (next.draw.size() > 2) next.draw.clear();
+        if (next.items.size() > 2) next.items.clear();
         static const char* const rules[] = {"class ground: soft opacity=0.4", "z 0..: splats", "x ..0: none",
                                             "*: layers", "y 0..: strokes"};
-        next.draw.push_back(view::DrawRow::from(rules[dice(5)]));
+        next.items.push_back(view::DrawRow::from(rules[dice(5)]));
       });
     }
   }
@@ -176,7 +176,6 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
   view::Start start;
   start.wishes.files = {files.front()};
   start.wishes.technique = "points";
-  start.wishes.scene.selection.hide_classes = {7, 18};
   const view::Wishes plain = start.wishes;
   Window window(1000, 640, "soak");
   start.wake = [] { Window::wake(); };

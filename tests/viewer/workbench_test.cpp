@@ -88,7 +88,7 @@ class WorkbenchTest : public ::testing::Test {
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
   }
   static void hide_class(Workbench& bench, int id) {
-    bench.change("classes", [&](Wishes& wishes) { wishes.scene.selection.hide_classes = {id}; });
+    bench.change("classes", [&](Wishes& wishes) { wishes.hide_classes = {id}; });
   }
 
   std::filesystem::path folder_;
@@ -359,8 +359,8 @@ TEST_F(WorkbenchTest, WaitsForItsFirstFiles) {
 
 TEST_F(WorkbenchTest, SaysWhatIsNoColour) {
   Workbench bench(start(write("here.las", 0)));
-  bench.change("one colour", [](Wishes& wishes) { wishes.point_color = "blu"; });
-  EXPECT_EQ(bench.wishes().point_color, "");
+  bench.change("one colour", [](Wishes& wishes) { set(wishes, "color", "blu"); });
+  EXPECT_FALSE(bench.wishes().color.solid);
   ASSERT_EQ(bench.take_messages().size(), 1u);
 }
 

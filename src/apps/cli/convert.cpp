@@ -155,7 +155,7 @@ int convert_command(const Words& words) {
   std::string output;
   Words inputs;
   Request request;
-  request.hide_classes.clear();
+  request.hide_classes.clear(), request.vertices = true;
   CommonOptions common;
   CommandLine line(
       "sfumato convert",
@@ -184,7 +184,7 @@ int convert_command(const Words& words) {
     throw Error(ErrorCode::usage,
                 std::string(inputs.empty() ? "no input given" : "no output given: add -o OUT") +
                     "; usage: sfumato convert IN... -o OUT");
-  settle_points(request);
+  scene::SceneOptions wanted = request.scene_options();
   shadows.check();
   if (output.ends_with(".copc.laz"))
     throw Error(ErrorCode::usage, "-o " + output + ": levels are built by sfumato build IN... -o " + output +
@@ -203,7 +203,6 @@ int convert_command(const Words& words) {
   std::unique_ptr<gl::Context> context;
   if (shadows.is_asked()) context = gl::Context::create_headless();
   Console console(common);
-  scene::SceneOptions& wanted = request.points;
   wanted.read.every_attribute = wanted.keep_degrees = true;
   scene::Scene scene = scene::read_scene(placed, wanted, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);

@@ -16,7 +16,7 @@ void declare_option(CommandLine& line, Request& request, const Option& option, c
     case Option::Kind::text: return line.handler(option.names, option.metavar, help, false, apply);
     case Option::Kind::texts:
       return line.texts(
-          option.names, option.metavar, help, [&request, &option] { option.clear(request); }, apply);
+          option.names, option.metavar, help, [&request, &option] { option.reset(request); }, apply);
   }
 }
 

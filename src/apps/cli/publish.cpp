@@ -108,11 +108,7 @@ int publish_command(const Words& words) {
     options.view.size = {1600, 1200};
   publish::Publication publication(folder, int(around), heights);
   options.publication = &publication;
-  request.choice.given = request.line.given();
-  options.check(request.choice.count);
-  for (const auto& chosen : request.choice.techniques) chosen->check();
-  read_camera_file(options);
-  options.expand_files();
+  request.check();
   Words command = words;
   command.insert(command.begin(), {"sfumato", "publish"});
   return draw_pictures(request, quote(command));

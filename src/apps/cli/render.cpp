@@ -36,7 +36,8 @@ namespace {
 scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report,
                           Console& console) {
   for (const std::string& note : scene.notes) console.note(note);
-  if (const std::string note = unused_columns(scene, options.points); !note.empty()) console.note(note);
+  if (const std::string note = unused_columns(scene, options.scene_options()); !note.empty())
+    console.note(note);
   for (const io::ReadReport& file : scene.files)
     console.tell(
         fmt::format("read {}: {}, {}", file.file.string(), file.format, counted(file.points, "point")));
@@ -70,7 +71,7 @@ using SceneFiles = std::vector<scene::SceneFile>;
 
 scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report,
                   Console& console) {
-  scene::Scene scene = scene::read_scene(files, options.points, console);
+  scene::Scene scene = scene::read_scene(files, options.scene_options(), console);
   console.check();
   return tell_reading(std::move(scene), options, report, console);
 }
@@ -179,8 +180,9 @@ PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Co
   PointCloud all;
   for (std::size_t i = 0; i < files.size(); ++i) {
     console.set_step("looking at file", i, files.size());
-    std::optional<scene::Scene> part = scene::read_sample({files[i]}, options.points, points, console);
-    if (!part) part = scene::read_scene(std::vector{files[i]}, options.points, console);
+    std::optional<scene::Scene> part =
+        scene::read_sample({files[i]}, options.scene_options(), points, console);
+    if (!part) part = scene::read_scene(std::vector{files[i]}, options.scene_options(), console);
     append(all, subsample(part->cloud, points));
   }
   all.grid_index.clear(), all.grids.clear();
@@ -190,7 +192,7 @@ PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Co
 /// Files for a view that is known.
 scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderOptions& options,
                       const Choice& choice, RenderReport& report, Console& console) {
-  const auto leveled = scene::LeveledScene::open(files, options.points, options.memory);
+  const auto leveled = scene::LeveledScene::open(files, options.scene_options(), options.memory);
   return leveled ? read_seen(*leveled, {seen}, options, choice, report, console)
                  : read(files, options, report, console);
 }
@@ -199,7 +201,7 @@ scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderO
 /// from the view.
 Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
           Console& console) {
-  auto leveled = scene::LeveledScene::open(files, options.points, options.memory);
+  auto leveled = scene::LeveledScene::open(files, options.scene_options(), options.memory);
   if (leveled && options.vertical_exaggeration() != 1)
     throw Error(
         ErrorCode::usage,
@@ -326,13 +328,13 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
 
 #ifdef SFUMATO_VIEWER
 /// Without -o: the same scene, look and first view in a window.
-int view_command(RenderOptions& options, Choice& choice, const CommandLine& line) {
+int view_command(RenderOptions& options, Choice& choice) {
   viewer::Settings settings;
   settings.verbose = options.common.verbose;
   if (options.view.size) std::tie(settings.width, settings.height) = *options.view.size;
   const Console interrupts(true);
   settings.cancelled = [&] { return interrupts.cancelled(); };
-  return viewer::run(view_start(options, choice, line.given()), settings);
+  return viewer::run(view_start(options, choice), settings);
 }
 #endif
 
@@ -347,12 +349,7 @@ int render_command(const Words& words) {
   // Who asks about a technique wants its parameters.
   if (peek(words, 't', "technique").empty()) line.short_help(short_help);
   if (!request.parse(words)) return 0;
-  choice.given = line.given();
-  options.check(choice.count);
-  for (const auto& chosen : choice.techniques) chosen->check();
-  // A wrong camera file should not cost the time of reading a large scan.
-  read_camera_file(options);
-  options.expand_files();
+  request.check();
   check_names(options, choice);
   if (!options.shader_folder.empty()) {
     if (!std::filesystem::is_directory(std::filesystem::path(options.shader_folder) / "shaders"))
@@ -361,7 +358,7 @@ int render_command(const Words& words) {
     ::setenv("SFUMATO_SHADER_DIR", options.shader_folder.c_str(), 1);
   }
 #ifdef SFUMATO_VIEWER
-  if (!options.has_output()) return view_command(options, choice, line);
+  if (!options.has_output()) return view_command(options, choice);
 #endif
 
   Words command = words;

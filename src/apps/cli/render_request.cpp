@@ -66,24 +66,27 @@ bool RenderRequest::parse(const Words& words) {
   return true;
 }
 
-view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndValues& given) {
+void RenderRequest::check() {
+  choice.given = line.given();
+  options.check(choice.count);
+  for (const auto& chosen : choice.techniques) chosen->check();
+  // A wrong camera file should not cost the time of reading a large scan.
+  read_camera_file(options);
+  options.expand_files();
+}
+
+view::Start view_start(RenderOptions& options, Choice& choice) {
   view::Start start;
-  view::Wishes& wishes = start.wishes;
-  wishes.files = options.files;
+  view::Wishes& wishes = start.wishes = view::Wishes(options, options.placed());
   if (options.sequence) {
     start.frames = options.placed();
     wishes.files.resize(1);
   }
-  for (const scene::SceneFile& file : options.placed()) wishes.transforms.push_back(file.transform);
-  wishes.scene = options.points;
-  for (const auto& [name, value] : given)
-    if (view::is_kept_as_written(name)) wishes.input.emplace_back(name, value);
   for (const Param& param : choice.prepare_parameters.all())
     if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
   for (const auto& chosen : choice.techniques) wishes.take(*chosen);
   if (!choice.automatic()) wishes.technique = choice.techniques.front()->name;
   start.memory = options.memory;
-  wishes.take_options(given);
   start.watch = options.watch;
   start.shader_folder = options.shader_folder;
   // Called by one thread, which alone uses the choice from then on.

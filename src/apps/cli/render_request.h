@@ -21,6 +21,8 @@ struct RenderRequest {
                          const std::string& description = "Renders point clouds to pictures.");
   /// The configuration, a preset and the words, one over the other. False when help was asked for, or listed.
   bool parse(const Words& words);
+  /// Everything that can be wrong before a file is opened. Throws Error(usage).
+  void check();
 
  private:
   RenderRequest(const Words& words, const std::string& command, const std::string& description,
@@ -33,6 +35,6 @@ struct RenderRequest {
 int draw_pictures(RenderRequest& request, const std::string& command);
 
 /// What a viewer begins with. `options` and `choice` are used as long as it runs.
-view::Start view_start(RenderOptions& options, Choice& choice, const NamesAndValues& given);
+view::Start view_start(RenderOptions& options, Choice& choice);
 
 }  // namespace sfumato::cli

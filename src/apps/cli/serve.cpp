@@ -80,15 +80,12 @@ std::shared_ptr<RenderRequest> request_of(Words words, const Words& files, const
   if (!preset.empty()) words.push_back("--preset=" + preset);
   auto request = std::make_shared<RenderRequest>(words);
   request->parse(words);
-  request->choice.given = request->line.given();
-  request->options.check(request->choice.count);
-  for (const auto& chosen : request->choice.techniques) chosen->check();
-  read_camera_file(request->options);
+  request->check();
   return request;
 }
 
 view::Start start_of(const std::shared_ptr<RenderRequest>& request) {
-  view::Start start = view_start(request->options, request->choice, request->line.given());
+  view::Start start = view_start(request->options, request->choice);
   // What these use stays as long as they do.
   start.settle = [request, settle = start.settle](const TechniqueChoice& found) {
     request->choice.reopen();
@@ -144,12 +141,7 @@ int serve_command(const Words& words) {
     throw Error(ErrorCode::usage, "serve what? name a file: sfumato serve FILE...");
   if (options.watch || options.sequence || options.each || !options.path.empty())
     throw Error(ErrorCode::usage, "serve shows one scene: leave out --watch, --sequence, --each and --path");
-  request->choice.given = line.given();
-  options.check(request->choice.count);
-  for (const auto& chosen : request->choice.techniques) chosen->check();
-  read_camera_file(options);
-  options.expand_files();
-
+  request->check();
   Console console(options.common);
   serve::Sources sources;
   sources.quote = [](const Words& all) { return quote(all); };
@@ -160,7 +152,7 @@ int serve_command(const Words& words) {
     const auto asked = request_of(words_of(query), options.files, options.preset);
     serve::Request wanted;
     wanted.start = start_of(asked);
-    wanted.start.wishes.transforms = start_of(request).wishes.transforms;
+    wanted.start.wishes.placed = start_of(request).wishes.placed;
     if (const auto& size = asked->options.view.size) std::tie(wanted.width, wanted.height) = *size;
     const int most = settings.limits.shot_side_px;
     if (wanted.width > most || wanted.height > most)

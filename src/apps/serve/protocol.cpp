@@ -110,36 +110,31 @@ void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
 
 void show_class(Workbench& bench, int id, bool shown) {
   bench.change("classes", [&](Wishes& next) {
-    Selection& wanted = next.scene.selection;
+    Selection& wanted = next.points.selection;
     if (!wanted.show_classes.empty() && bench.scene()) {
       for (const ClassShare& each : bench.scene()->classes)
         if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), each.id) ==
             wanted.show_classes.end())
-          wanted.hide_classes.push_back(each.id);
+          next.hide_classes.push_back(each.id);
       wanted.show_classes.clear();
     }
-    std::erase(wanted.hide_classes, id);
-    if (!shown) wanted.hide_classes.push_back(id);
-    std::sort(wanted.hide_classes.begin(), wanted.hide_classes.end());
-    wanted.hide_withheld = !wanted.hide_classes.empty();
+    std::erase(next.hide_classes, id);
+    if (!shown) next.hide_classes.push_back(id);
+    std::sort(next.hide_classes.begin(), next.hide_classes.end());
   });
 }
 
 void set_color(Workbench& bench, const std::string& name, const std::string& value) {
-  const std::map<std::string, std::string Wishes::*> places{{"colormap", &Wishes::colormap},
-                                                            {"color_range", &Wishes::color_range},
-                                                            {"exposure", &Wishes::exposure},
-                                                            {"point_color", &Wishes::point_color},
-                                                            {"background_color", &Wishes::background_color}};
+  const std::map<std::string, const char*> options{{"colormap", "colormap"},
+                                                   {"color_range", "color-range"},
+                                                   {"exposure", "exposure"},
+                                                   {"point_color", "color"},
+                                                   {"background_color", "background-color"}};
   bench.change(name, [&](Wishes& next) {
-    if (name == "color_by") {
-      next.color_by = value, next.color_range.clear(), next.point_color.clear();
-      return;
-    }
-    const auto place = places.find(name);
-    if (place == places.end()) refuse("there is no colour setting '" + name + "'");
-    next.*place->second = value;
-    (void)next.color(), (void)next.background();
+    if (name == "color_by") return next.show_source(value);
+    const auto option = options.find(name);
+    if (option == options.end()) refuse("there is no colour setting '" + name + "'");
+    set(next, option->second, value);
   });
 }
 
@@ -151,7 +146,7 @@ void draw_rows(Workbench& bench, const Json& rows) {
     if (each.contains("visible") && each["visible"].is_boolean()) row.visible = each["visible"].get<bool>();
     wanted.push_back(row);
   }
-  bench.change("items", [&](Wishes& next) { next.draw = wanted; });
+  bench.change("items", [&](Wishes& next) { next.items = wanted; });
 }
 
 void show_side(Workbench& bench, const std::string& side) {
@@ -263,7 +258,7 @@ const std::map<std::string, Deed>& deeds() {
                    auto&) { set_color(bench, said.text("name"), said.text("value")); }},
       {"legend",
        [](auto& bench, auto&, auto& said, auto&) {
-         bench.change("legend", [on = said.flag("on")](Wishes& next) { next.legend = on; });
+         bench.change("legend", [on = said.flag("on")](Wishes& next) { next.furniture.legend = on; });
        }},
       {"whole",
        [](auto& bench, auto&, auto& said, auto&) {
@@ -275,7 +270,7 @@ const std::map<std::string, Deed>& deeds() {
        [](auto& bench, auto&, auto& said, auto&) {
          const std::vector<double> box = said.numbers("box", 6);
          bench.change("clip", [&](Wishes& next) {
-           auto& crop = next.scene.selection.crop;
+           auto& crop = next.points.selection.crop;
            if (box.empty()) return crop.reset();
            const dvec3 a(box[0], box[1], box[2]), b(box[3], box[4], box[5]);
            crop = Bounds{glm::min(a, b), glm::max(a, b)};

@@ -56,9 +56,8 @@ Json control_json(const Workbench& bench, const view::Control& control) {
 Json controls(const Workbench& bench) {
   Json all = Json::array();
   const Wishes& wishes = bench.wishes();
-  Look look(wishes.technique.empty() ? "points" : wishes.technique);
-  for (const auto& [name, value] : wishes.parameters_of(look.name)) look.set(name, value);
-  for (const view::Control& each : view::controls_of(look)) all.push_back(control_json(bench, each));
+  for (const view::Control& each : view::controls_of(*wishes.make_look()))
+    all.push_back(control_json(bench, each));
   analysis::PrepareOptions options;
   ParamList list;
   options.describe(list);
@@ -71,10 +70,15 @@ Json controls(const Workbench& bench) {
 
 Json colors(const Workbench& bench) {
   const Wishes& wishes = bench.wishes();
-  Json json{{"color_by", wishes.color_by},       {"colormap", wishes.colormap},
-            {"color_range", wishes.color_range}, {"exposure", wishes.exposure},
-            {"point_color", wishes.point_color}, {"background_color", wishes.background_color},
-            {"legend", wishes.legend},           {"colormaps", Colormap::choices()}};
+  Json json{{"color_by", wishes.color.color_by},
+            {"legend", wishes.furniture.legend},
+            {"colormaps", Colormap::choices()}};
+  for (const auto& [key, option] : {std::pair("colormap", "colormap"),
+                                    {"color_range", "color-range"},
+                                    {"exposure", "exposure"},
+                                    {"point_color", "color"},
+                                    {"background_color", "background-color"}})
+    json[key] = text_of(wishes, option);
   Json sources{"auto", "rgb", "elevation", "normal", "clay"};
   if (bench.scene())
     for (const std::string& scalar : bench.scene()->scalars)
@@ -102,11 +106,12 @@ Json colors(const Workbench& bench) {
 Json scene_json(const Workbench& bench) {
   const view::Loaded* scene = bench.scene();
   if (!scene) return nullptr;
-  const Selection& selection = bench.wishes().scene.selection;
+  const Wishes& wishes = bench.wishes();
+  const Selection& selection = wishes.points.selection;
   Json classes = Json::array();
   for (const ClassShare& each : scene->classes) {
     const std::vector<int>& list =
-        selection.show_classes.empty() ? selection.hide_classes : selection.show_classes;
+        selection.show_classes.empty() ? wishes.hide_classes : selection.show_classes;
     const bool is_named = std::find(list.begin(), list.end(), each.id) != list.end();
     classes.push_back({{"id", each.id},
                        {"name", class_name(each.id)},
@@ -194,12 +199,12 @@ Json state_of(const Workbench& bench) {
   state["color"] = colors(bench);
   state["picked"] = picks(bench);
   state["profile"] = profile_json(bench);
-  const auto& crop = bench.wishes().scene.selection.crop;
+  const auto& crop = bench.wishes().points.selection.crop;
   state["clip"] =
       crop ? Json::array({crop->min.x, crop->min.y, crop->min.z, crop->max.x, crop->max.y, crop->max.z})
            : Json();
   Json rows = Json::array();
-  for (const view::DrawRow& row : bench.wishes().draw) {
+  for (const view::DrawRow& row : bench.wishes().items) {
     view::DrawRow shown = row;
     shown.visible = true;
     rows.push_back({{"rule", shown.rule()}, {"visible", row.visible}});

@@ -58,8 +58,7 @@ std::string shot_png(view::Shot shot, const std::string& name,
   std::vector<std::string> command = shot.words;
   command.insert(command.begin(), "sfumato");
   command.insert(command.end(), {"-o", name});
-  draw_furniture(shot.picture.image, shot.picture, furniture_of(shot.legend, shot.furniture), shot.up,
-                 shot.crs);
+  draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
   return io::png_bytes(shot.picture.image, false,
                        {{"Software", std::string("sfumato ") + version()},
                         {"Command", quote(command)},
@@ -164,14 +163,14 @@ void Viewer::send(Json header, const std::string& image, const std::string& dept
 
 void Viewer::send_picture(double now_ms) {
   const std::shared_ptr<const view::Picture> picture = bench_->picture();
-  const bool legend = bench_->wishes().legend;
+  const Furniture& furniture = bench_->wishes().furniture;
   if (!picture || is_encoding_ || !pace_.may_send()) return;
   const bool is_final = bench_->settled();
-  if (picture == sent_ && legend == sent_legend_ && (sent_exactly_ || !is_final)) return;
+  if (picture == sent_ && furniture == sent_furniture_ && (sent_exactly_ || !is_final)) return;
   // A slow line gets a picture that it can carry at once, and then the exact one.
   const bool is_first_of_final = is_final && picture != sent_;
   const bool exact = is_final && !(is_first_of_final && pace_.is_slow_for(picture->image.size()));
-  sent_ = picture, sent_legend_ = legend, sent_exactly_ = exact;
+  sent_ = picture, sent_furniture_ = furniture, sent_exactly_ = exact;
   is_encoding_ = true;
   struct Encoded {
     std::string bytes;
@@ -181,7 +180,6 @@ void Viewer::send_picture(double now_ms) {
   const view::Loaded* scene = bench_->scene();
   const UpAxis up = scene ? scene->pose.upright.up : UpAxis::pos_z;
   const std::string crs = scene ? scene->crs : "";
-  const Furniture furniture = furniture_of(legend, bench_->wishes().furniture);
   const bool draws_furniture = !furniture.empty() && picture->image.width() == bench_->width() &&
                                picture->image.height() == bench_->height();
   const int quality = is_final ? Pace::most_quality : pace_.quality(), shrink = exact ? 1 : pace_.shrink();
@@ -192,7 +190,7 @@ void Viewer::send_picture(double now_ms) {
               {"exact", exact},
               {"background", hex_of(picture->background)}};
   outside_.in_background(
-      [encoded, picture, draws_furniture, furniture, up, crs, exact, quality, shrink] {
+      [encoded, picture, draws_furniture, furniture = furniture, up, crs, exact, quality, shrink] {
         Image<Rgba8> image = smaller(picture->image, shrink);
         if (draws_furniture && shrink == 1) draw_furniture(image, *picture, furniture, up, crs);
         if (!picture->depth.empty()) encoded->depth = publish::packed(picture->depth);

@@ -54,7 +54,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   std::string size_message_;  ///< the last, for a workbench that begins later
   std::shared_ptr<const view::Picture> sent_;
   std::string sent_camera_;
-  bool sent_legend_ = false, sent_exactly_ = false, is_encoding_ = false;
+  Furniture sent_furniture_;
+  bool sent_exactly_ = false, is_encoding_ = false;
   std::uint64_t next_id_ = 1;
   std::map<std::string, std::string> told_;  ///< parts of the state as they were sent
   double told_ms_ = -1e9;

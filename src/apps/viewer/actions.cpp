@@ -42,8 +42,7 @@ void Interface::take_shots() {
             std::vector<std::string> command = shot.words;
             command.insert(command.begin(), "sfumato");
             command.insert(command.end(), {"-o", name});
-            draw_furniture(shot.picture.image, shot.picture, furniture_of(shot.legend, shot.furniture),
-                           shot.up, shot.crs);
+            draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
             io::write_png(name, shot.picture.image, false,
                           {{"Software", std::string("sfumato ") + version()},
                            {"Command", quote(command)},
@@ -169,7 +168,8 @@ void Interface::act(Action action) {
       break;
     }
     case Action::legend:
-      bench_.change("legend", [](view::Wishes& wishes) { wishes.legend = !wishes.legend; });
+      bench_.change("legend",
+                    [](view::Wishes& wishes) { wishes.furniture.legend = !wishes.furniture.legend; });
       break;
     case Action::clear_picks:
       help_ = false;

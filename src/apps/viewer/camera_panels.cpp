@@ -17,13 +17,12 @@ void Interface::clip_panel() {
   clip_ = heading("Clip box", false);
   const view::Loaded* scene = bench_.scene();
   if (!clip_ || !scene) return;
-  const auto& crop = bench_.wishes().scene.selection.crop;
+  const auto& crop = bench_.wishes().points.selection.crop;
   bool on = crop.has_value();
   const auto clip = [&](const std::optional<Bounds>& box) {
     bench_.change("clip", [&](view::Wishes& next) {
-      next.scene.selection.crop = box;
-      next.scene.selection.crop_share.reset();
-      std::erase_if(next.input, [](const auto& each) { return each.first == "crop-relative"; });
+      next.points.selection.crop = box;
+      next.points.selection.crop_share.reset();
     });
   };
   if (ImGui::Checkbox("show only the points in a box", &on))

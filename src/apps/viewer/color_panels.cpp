@@ -49,19 +49,18 @@ void Interface::color_panel() {
   if (const view::Loaded* scene = bench_.scene())
     for (const std::string& scalar : scene->scalars)
       if (std::find(sources.begin(), sources.end(), scalar) == sources.end()) sources.push_back(scalar);
-  const std::string shown =
-      wishes.color_by == "auto" && picture() ? "auto: " + picture()->coloring.source : wishes.color_by;
+  const std::string shown = wishes.color.color_by == "auto" && picture()
+                                ? "auto: " + picture()->coloring.source
+                                : wishes.color.color_by;
   if (const auto chosen = choose("source", shown, sources))
-    bench_.change("color-by", [&](view::Wishes& next) {
-      next.color_by = *chosen, next.color_range.clear(), next.point_color.clear();
-    });
+    bench_.change("color-by", [&](view::Wishes& next) { next.show_source(*chosen); });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
     std::vector<std::string> maps = Colormap::names();
     for (const std::string& name : Colormap::names()) maps.push_back(name + "_r");
     if (const auto chosen =
-            choose("map", wishes.colormap.empty() ? coloring.colormap : wishes.colormap, maps))
-      bench_.change("colormap", [&](view::Wishes& next) { next.colormap = *chosen; });
+            choose("map", wishes.color.colormap.empty() ? coloring.colormap : wishes.color.colormap, maps))
+      bench_.change("colormap", [&](view::Wishes& next) { next.color.colormap = *chosen; });
     // The map itself, as a bar.
     const Colormap map = Colormap::named(coloring.colormap);
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -78,14 +77,14 @@ void Interface::color_panel() {
     double range[2] = {coloring.low, coloring.high};
     const double span = std::abs(range[1] - range[0]);
     if (edit_range(range, span) && range[0] != range[1])
-      bench_.change("color-range", [&](view::Wishes& next) { next.set_color_range(range[0], range[1]); });
+      bench_.change("color-range", [&](view::Wishes& next) { next.color.range = {range[0], range[1]}; });
     tooltip(fmt::format("{} to {}, the ends of the colour map: drag, or Ctrl+click to type",
                         view::coordinate_text(coloring.low, span),
                         view::coordinate_text(coloring.high, span)));
-    if (!wishes.color_range.empty()) {
+    if (wishes.color.range) {
       ImGui::SameLine();
       if (ImGui::SmallButton("×"))
-        bench_.change("color-range", [](view::Wishes& next) { next.color_range.clear(); });
+        bench_.change("color-range", [](view::Wishes& next) { next.color.range.reset(); });
       tooltip("back to 2-98 % of the points");
     }
   }
@@ -108,16 +107,15 @@ void Interface::color_panel() {
     }
     ImGui::EndChild();
   }
-  const auto color_edit = [&](const char* label, std::string value, auto assign) {
+  const auto color_edit = [&](const char* label, const char* option) {
+    std::string value = text_of(wishes, option);
     if (edit_text(label, "as it suits", value))
-      bench_.change(label, [&](view::Wishes& next) { assign(next, value); });
+      bench_.change(label, [&](view::Wishes& next) { sfumato::set(next, option, value); });
     tooltip("a name (steelblue), #hex (#4682b4) or R,G,B from 0 to 1; Enter");
   };
-  color_edit("background", wishes.background_color,
-             [](view::Wishes& next, const std::string& text) { next.background_color = text; });
-  color_edit("one colour", wishes.point_color,
-             [](view::Wishes& next, const std::string& text) { next.point_color = text; });
-  bool legend = wishes.legend;
+  color_edit("background", "background-color");
+  color_edit("one colour", "color");
+  bool legend = wishes.furniture.legend;
   if (ImGui::Checkbox("legend", &legend)) act(view::Action::legend);
 }
 
@@ -166,32 +164,32 @@ void Interface::histogram(const Coloring& coloring) {
     };
     const double a = value_at(histogram_from_), b = value_at(ImGui::GetIO().MousePos.x);
     if (a != b)
-      bench_.change("color-range",
-                    [&](view::Wishes& next) { next.set_color_range(std::min(a, b), std::max(a, b)); });
+      bench_.change("color-range", [&](view::Wishes& next) {
+        next.color.range = {std::min(a, b), std::max(a, b)};
+      });
   }
 }
 
 void Interface::class_panel() {
   const view::Loaded* scene = bench_.scene();
   if (!scene || scene->classes.empty() || !heading("Classes", false)) return;
-  const Selection& selection = bench_.wishes().scene.selection;
+  const view::Wishes& wishes = bench_.wishes();
+  const Selection& selection = wishes.points.selection;
   const auto hidden = [&](int id) {
     const auto in = [&](const std::vector<int>& all) {
       return std::find(all.begin(), all.end(), id) != all.end();
     };
-    return selection.show_classes.empty() ? in(selection.hide_classes) : !in(selection.show_classes);
+    return selection.show_classes.empty() ? in(wishes.hide_classes) : !in(selection.show_classes);
   };
   const auto hide = [&](const std::vector<int>& classes) {
     bench_.change("classes", [&](view::Wishes& next) {
-      Selection& wanted = next.scene.selection;
-      wanted.show_classes.clear();
-      wanted.hide_classes = classes;
-      wanted.hide_withheld = !classes.empty();
+      next.points.selection.show_classes.clear();
+      next.hide_classes = classes;
     });
   };
   std::vector<int> now;
   // Noise that this scan lacks stays hidden by default, so that the command stays short.
-  for (int id : selection.hide_classes)
+  for (int id : wishes.hide_classes)
     if (std::none_of(scene->classes.begin(), scene->classes.end(),
                      [&](const ClassShare& c) { return c.id == id; }))
       now.push_back(id);

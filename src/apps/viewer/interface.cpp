@@ -25,10 +25,9 @@ void Interface::draw(double now_ms) {
   }
   while (toasts_.size() > 5) toasts_.pop_front();
   if (!bench_.wishes().technique.empty()) {
-    if (const std::string key = bench_.wishes().look_key(); key != look_key_ || !look_) {
-      look_key_ = key;
-      look_ = std::make_unique<Look>(bench_.wishes().technique);
-      for (const auto& [name, value] : bench_.wishes().parameters_of(look_->name)) look_->set(name, value);
+    if (view::Wishes now = bench_.wishes().look(); now != look_of_ || !look_) {
+      look_of_ = std::move(now);
+      look_ = look_of_.make_look();
     }
   }
   const ImVec2 screen = ImGui::GetIO().DisplaySize;

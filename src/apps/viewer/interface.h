@@ -87,10 +87,9 @@ class Interface {
   Window& window_;
   view::Workbench& bench_;
   std::unique_ptr<Look> look_;  ///< of the wishes, for its list of parameters
-  std::string look_key_;
+  view::Wishes look_of_;  ///< what `look_` is of
   std::shared_ptr<const view::Picture> uploaded_;
-  bool uploaded_legend_ = false;
-  NamesAndValues uploaded_furniture_;
+  Furniture uploaded_furniture_;
   std::deque<Toast> toasts_;
   std::vector<std::future<view::Message>> writers_;
   std::string search_, preset_name_, path_name_, screenshot_size_;

@@ -13,7 +13,7 @@ namespace {
 /// What a new row selects: something that the scan has and no row draws yet.
 std::string suggested_selection(const view::Loaded& scene, const view::Wishes& wishes) {
   const auto is_new = [&](const std::string& selection) {
-    return std::none_of(wishes.draw.begin(), wishes.draw.end(),
+    return std::none_of(wishes.items.begin(), wishes.items.end(),
                         [&](const view::DrawRow& row) { return row.selection == selection; });
   };
   for (const ClassShare& each : scene.classes)
@@ -30,12 +30,12 @@ std::string suggested_selection(const view::Loaded& scene, const view::Wishes& w
 
 void Interface::item_panel() {
   const view::Loaded* scene = bench_.scene();
-  const std::vector<view::DrawRow>& rows = bench_.wishes().draw;
+  const std::vector<view::DrawRow>& rows = bench_.wishes().items;
   if (!scene || !heading("Items", !rows.empty())) return;
   std::vector<std::string> techniques;
   for (const TechniqueInfo& info : all_techniques()) techniques.push_back(info.name);
   const auto edit = [&](const char* what, const auto& change) {
-    bench_.change(what, [&](view::Wishes& next) { change(next.draw); });
+    bench_.change(what, [&](view::Wishes& next) { change(next.items); });
   };
   const float full = ImGui::GetContentRegionAvail().x, gap = ImGui::GetStyle().ItemSpacing.x;
   const float check = ImGui::GetFrameHeight() + gap;

@@ -10,65 +10,17 @@
 #include "interface.h"
 #include "panel_tools.h"
 #include "session/preset.h"
-#include "session/request.h"
 
 namespace sfumato::viewer {
-namespace {
-
-/// Options that say which points there are.
-bool is_input(const std::string& name) {
-  const Option* option = find_option(name);
-  return option && option->group == "Points" && name != "gpu-memory";
-}
-
-}  // namespace
 
 void Interface::take_preset(const std::string& file) {
-  bool is_scene = false;
-  bench_.change("preset", [&](view::Wishes& next) {
-    const Preset preset = load_preset(file);
-    if (!preset.technique.empty() && preset.technique != "auto")
-      next.technique = find_technique(preset.technique).name;
-    Look look(next.technique);
-    const Look* const looks[] = {&look};
-    analysis::PrepareOptions options;
-    ParamList list;
-    options.describe(list);
-    next.reset_all();
-    for (const auto& [name, value] : preset.parameters_for(looks, list)) {
-      const std::size_t dot = name.find('.');
-      next.set(dot == std::string::npos ? name : name.substr(dot + 1), value);
-    }
-    next.take_options(preset.options);
-    NamesAndValues input;
-    std::copy_if(preset.options.begin(), preset.options.end(), std::back_inserter(input),
-                 [](const auto& each) { return is_input(each.first); });
-    is_scene = !preset.files.empty();
-    if (!input.empty() || is_scene) next.take_input(input);
-    if (!is_scene) return;
-    next.files.clear(), next.transforms.clear();
-    for (const scene::SceneFile& each : preset.files)
-      next.files.push_back(each.name), next.transforms.push_back(each.transform);
-    if (preset.camera)
-      next.place(view::ViewCamera::from(*preset.camera));
-    else if (next.scene_key() != bench_.wishes().scene_key())
-      next.frame_on_load = true;
-  });
+  bench_.change("preset", [&](view::Wishes& next) { next.take(load_preset(file)); });
 }
 
 void Interface::save_look(bool with_files) {
   const std::string name = free_name(with_files ? "scene" : "look", ".json");
   try {
-    const view::Wishes& now = bench_.wishes();
-    analysis::PrepareOptions options;
-    ParamList list;
-    options.describe(list);
-    for (const auto& [parameter, value] : now.analysis) list.find(parameter)->set(value);
-    const Look* const looks[] = {look_.get()};
-    if (with_files)
-      save_preset(name, looks, list, now.options(), bench_.camera(), now.scene_files());
-    else
-      save_preset(name, looks, list, now.options(), {});
+    bench_.wishes().save(name, with_files ? std::optional(bench_.camera()) : std::nullopt);
     bench_.say(with_files ? fmt::format("saved {0}: --scene {0} shows all of this again", name)
                           : fmt::format("saved {0}: --preset {0} brings this look to any scan", name));
   } catch (const Error& error) {
@@ -86,18 +38,18 @@ void Interface::file_list() {
   for (std::size_t n = 0; n < wishes.files.size(); ++n) {
     const std::string selection = fmt::format("file {}", n + 1);
     const auto of_file = [&](const view::DrawRow& row) { return row.selection == selection; };
-    const auto row = std::find_if(wishes.draw.begin(), wishes.draw.end(), of_file);
-    bool shown = row == wishes.draw.end() || row->visible;
+    const auto row = std::find_if(wishes.items.begin(), wishes.items.end(), of_file);
+    bool shown = row == wishes.items.end() || row->visible;
     ImGui::PushID(int(n));
     if (ImGui::Checkbox(wishes.files[n].c_str(), &shown))
       bench_.change("file shown", [&](view::Wishes& next) {
-        const auto same = std::find_if(next.draw.begin(), next.draw.end(), of_file);
-        if (same == next.draw.end())
-          next.draw.insert(next.draw.begin(), {selection, next.technique, "", false});
+        const auto same = std::find_if(next.items.begin(), next.items.end(), of_file);
+        if (same == next.items.end())
+          next.items.insert(next.items.begin(), {selection, next.technique, "", false});
         else
           same->visible = shown;
         // What draws as the rest does needs no row.
-        std::erase_if(next.draw, [&](const view::DrawRow& each) {
+        std::erase_if(next.items, [&](const view::DrawRow& each) {
           return of_file(each) && each.visible && each.technique == next.technique && each.parameters.empty();
         });
       });

@@ -29,12 +29,10 @@ std::optional<double> Interface::wait_ms(double) const {
 
 void Interface::show_picture() {
   const auto& picture = bench_.picture();
-  if (!picture || (picture == uploaded_ && uploaded_legend_ == bench_.wishes().legend &&
-                   uploaded_furniture_ == bench_.wishes().furniture))
-    return;
+  const Furniture& furniture = bench_.wishes().furniture;
+  if (!picture || (picture == uploaded_ && uploaded_furniture_ == furniture)) return;
   uploaded_ = picture;
-  uploaded_legend_ = bench_.wishes().legend, uploaded_furniture_ = bench_.wishes().furniture;
-  const Furniture furniture = furniture_of(uploaded_legend_, uploaded_furniture_);
+  uploaded_furniture_ = furniture;
   const bool exact = picture->image.width() == bench_.width() && picture->image.height() == bench_.height();
   if (furniture.empty() || !exact) return window_.upload(picture->image, exact);
   Image<Rgba8> explained = picture->image;
@@ -237,7 +235,7 @@ void Interface::draw_light_ball(float sx, float sy) {
 }
 
 void Interface::draw_box(float sx, float sy) {
-  const auto& crop = bench_.wishes().scene.selection.crop;
+  const auto& crop = bench_.wishes().points.selection.crop;
   if (!clip_ || !crop) return;
   const Camera camera = bench_.camera();
   ImDrawList* list = ImGui::GetWindowDrawList();

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "io/camera_json.h"
 #include "session/first_view.h"
+#include "session/option_samples.h"
 #include "session/request.h"
 #include "session/view_wishes.h"
 #include "view/controls.h"
@@ -166,18 +167,17 @@ TEST(Wishes, SayTheCommandThatTheyAre) {
   Wishes wishes;
   wishes.files = {"a scan.laz"};
   wishes.technique = "surface";
-  wishes.scene.selection.hide_classes = {7, 18};
   wishes.camera = {{1.5, -2.25, 0.1}, {0, 0, 0}, {0, 0, 1}, 45, false};
   const std::vector<std::string> plain = wishes.words(640, 480);
-  EXPECT_EQ(plain, (std::vector<std::string>{"a scan.laz", "-t", "surface", "--camera-position=1.5,-2.25,0.1",
-                                             "--camera-focal-point=0,0,0", "--camera-view-up=0,0,1",
-                                             "--resolution=640x480"}));
+  EXPECT_EQ(plain, (std::vector<std::string>{"a scan.laz", "-t", "surface", "--resolution=640x480",
+                                             "--camera-position=1.5,-2.25,0.1", "--camera-focal-point=0,0,0",
+                                             "--camera-view-up=0,0,1"}));
   wishes.set("disc_scale", "2");
   wishes.set("shadows", "hard");
   wishes.set("neighbors", "16");
-  wishes.scene.selection.hide_classes = {2};
-  wishes.scene.selection.crop = Bounds{{-1, 0, 0}, {1, 2, 3}};
-  wishes.color_by = "elevation";
+  wishes.hide_classes = {2};
+  wishes.points.selection.crop = Bounds{{-1, 0, 0}, {1, 2, 3}};
+  wishes.color.color_by = "elevation";
   wishes.camera.fov_deg = 30;
   wishes.camera.orthographic = true;
   const std::vector<std::string> words = wishes.words(640, 480);
@@ -210,20 +210,20 @@ TEST(Wishes, SayItemsAndWhereFilesAre) {
   Wishes wishes;
   wishes.files = {"a.laz", "b.laz"};
   wishes.technique = "splats";
-  wishes.draw = {DrawRow::from("class 3-5:  soft  opacity=0.2"), {"z 3..", "surface", "", false}};
+  wishes.items = {DrawRow::from("class 3-5:  soft  opacity=0.2"), {"z 3..", "surface", "", false}};
   dmat4 moved(1);
   moved[3] = {12.5, 0, -1, 1};
-  wishes.transforms = {std::nullopt, moved};
+  wishes.placed = {std::nullopt, moved};
   const std::vector<std::string> words = wishes.words(64, 48);
   EXPECT_THAT(words, Contains("--draw=class 3-5: soft opacity=0.2"));
   EXPECT_THAT(words, Contains("--draw=z 3..: none"));  // what is not visible
   EXPECT_THAT(words, Contains("--transform=2: 1,0,0,12.5,0,1,0,0,0,0,1,-1,0,0,0,1"));
   EXPECT_EQ(wishes.session_options().draw.size(), 2u);
   Wishes shown = wishes;
-  shown.draw[1].visible = true;
+  shown.items[1].visible = true;
   EXPECT_NE(shown.scene_key(), wishes.scene_key());
   EXPECT_THAT(shown.words(64, 48), Contains("--draw=z 3..: surface"));
-  wishes.draw[0].technique = "sofd";
+  wishes.items[0].technique = "sofd";
   EXPECT_THROW((void)wishes.session_options(), Error);
 }
 
@@ -244,38 +244,36 @@ TEST(Wishes, KeepParametersByTechniqueAndShareWhatIsShared) {
 // A saved scene looks the same in whatever window it is opened.
 TEST(Wishes, TakeBackTheOptionsThatTheyGave) {
   Wishes plain, coloured;
-  coloured.color_by = "classification", coloured.colormap = "turbo", coloured.exposure = "2";
-  coloured.background_color = "black", coloured.legend = coloured.whole = true;
-  coloured.set_color_range(1, 5);
-  coloured.furniture = {{"scale-bar", "true"}, {"title", "Site 4"}};
-  coloured.draw = {DrawRow::from("class 3: soft")};
+  coloured.color.color_by = "classification", coloured.color.colormap = "turbo";
+  coloured.color.exposure = 2, coloured.color.range = {1, 5};
+  coloured.background = vec3(0), coloured.whole = true;
+  coloured.furniture.legend = coloured.furniture.scale_bar = true, coloured.furniture.title = "Site 4";
+  coloured.items = {DrawRow::from("class 3: soft")};
   Wishes single;
-  single.point_color = "steelblue";
+  set(single, "color", "steelblue");
   for (const Wishes& saved : {plain, coloured, single})
     for (Wishes window : {plain, coloured, single}) {
       window.take_options(saved.options());
       EXPECT_EQ(window.options(), saved.options());
+      EXPECT_EQ(window, saved);
     }
 }
 
-// GPS seconds since 1980 have more digits than a float.
-TEST(Wishes, RangesOfColoursKeepEveryDigit) {
-  Wishes wishes;
-  wishes.set_color_range(300000000.25, 300000000.5);
-  const ColorSettings settings = wishes.color();
-  ASSERT_TRUE(settings.range);
-  EXPECT_EQ((*settings.range)[0], 300000000.25);
-  EXPECT_EQ((*settings.range)[1], 300000000.5);
-}
-
-TEST(Wishes, RefuseWhatIsNoColour) {
-  Wishes wishes;
-  wishes.point_color = "blu";
-  EXPECT_THROW((void)wishes.color(), Error);
-  wishes.point_color = "blue";
-  EXPECT_TRUE(wishes.color().solid);
-  wishes.background_color = "blu";
-  EXPECT_THROW((void)wishes.session_options(), Error);
+// What windows have of a request is in the command that they give, whatever options come.
+TEST(Wishes, SayEveryOptionThatTheyTake) {
+  const Wishes plain;
+  for (const Option& option : request_options()) {
+    if (option.scope != Option::Scope::look && option.scope != Option::Scope::place) continue;
+    Wishes wishes;
+    const std::string text = sample_of(option);
+    ASSERT_FALSE(text.empty()) << option.name();
+    wishes.take_options({{option.name(), text}});
+    if (wishes == plain) continue;  // nothing that windows show
+    Wishes again;
+    again.take_options(wishes.options());
+    EXPECT_EQ(again, wishes) << option.name();
+    EXPECT_NE(wishes.words(1, 1), plain.words(1, 1)) << option.name();
+  }
 }
 
 TEST(Wishes, KeysTellWhatHasToBeDoneAnew) {
@@ -284,18 +282,18 @@ TEST(Wishes, KeysTellWhatHasToBeDoneAnew) {
   wishes.technique = "points";
   Wishes other = wishes;
   other.camera.position = {3, 3, 3};
-  EXPECT_EQ(other.look_key(), wishes.look_key());
+  EXPECT_EQ(other.look(), wishes.look());
   EXPECT_NE(other.camera, wishes.camera);
   other = wishes;
   other.set("ambient", "0.5");
-  EXPECT_NE(other.look_key(), wishes.look_key());
+  EXPECT_NE(other.look(), wishes.look());
   EXPECT_EQ(other.scene_key(), wishes.scene_key());
   other = wishes;
-  other.scene.selection.hide_classes = {5};
+  other.hide_classes = {5};
   EXPECT_NE(other.scene_key(), wishes.scene_key());
   other = wishes;
-  other.colormap = "turbo";
-  EXPECT_NE(other.color_key(), wishes.color_key());
+  other.color.colormap = "turbo";
+  EXPECT_NE(other.color, wishes.color);
   EXPECT_EQ(other.scene_key(), wishes.scene_key());
 }
 
