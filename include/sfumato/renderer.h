@@ -70,8 +70,9 @@ class HeadlessRenderer {
 
   /// Keeps the walls of rooms between them and the camera (--whole), from the next scene on.
   void set_whole(bool whole);
-  /// Reads files as the scene. Throws Error(io) or Error(bad_input) that names the file, Error(usage) for
-  /// rules and colours that the points cannot have.
+  /// Reads files as the scene. Of COPC files with more points than 40 million, or than `max_points`, each
+  /// picture reads what it shows, as the command does. Throws Error(io) or Error(bad_input) that names the
+  /// file, Error(usage) for rules and colours that the points cannot have.
   void open(const SceneRequest& request, Progress& progress = no_progress());
   /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without
   /// points, Error(usage) for a colour source that it does not have.

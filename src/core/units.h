@@ -8,6 +8,7 @@ namespace sfumato {
 struct LengthUnit {
   std::string symbol = "units";  ///< "m", "ft", "°" ..., "units" where nobody says
   double metres = 0;             ///< length of one in metres; 0 where it is not known, or an angle
+  bool operator==(const LengthUnit&) const = default;
 };
 
 /// Unit of the horizontal axes of a reference system given as WKT (1 or 2): its factor in metres.

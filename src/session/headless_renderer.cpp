@@ -2,8 +2,8 @@
 
 #include "core/error.h"
 #include "session/choice.h"
+#include "session/opening.h"
 #include "session/preset.h"
-#include "session/session.h"
 
 namespace sfumato {
 
@@ -28,6 +28,9 @@ struct HeadlessRenderer::State {
   std::optional<TechniqueChoice> choice;  ///< what suits the points, once somebody asked
   std::vector<std::string> notes;         ///< of reading
   bool whole = false;
+  std::optional<Opening> opening;  ///< of files with levels, of which each view reads what it shows
+  std::optional<std::pair<Camera, bool>> seen;  ///< what they were read for: a camera, and shadows
+  SessionOptions options;
   RenderWants wants{.color_linear = true, .depth = true, .normal = true};
 
   ~State() { forget_look(); }
@@ -36,13 +39,14 @@ struct HeadlessRenderer::State {
     const gl::Context::Use use(*context);
     look.reset();
   }
-  void show(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress);
+  /// Reads what a view of files with levels shows.
+  void see(const Camera& camera, bool has_shadows, Progress& progress);
+  void show(scene::Scene scene, Pose pose, Progress& progress);
   /// What `name` stands for: "auto" is what suits the points.
   std::string settle(const std::string& name);
 };
 
-void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionOptions& options,
-                                   Progress& progress) {
+void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, Progress& progress) {
   forget_look();  // what it holds of the last cloud is of no use for this one
   choice.reset();
   notes = scene.notes;
@@ -51,6 +55,15 @@ void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, const SessionO
       std::move(scene), std::move(pose), options, [](const Session::Suggest&) { return Attributes(); },
       progress);
   notes.insert(notes.end(), session.notes().begin(), session.notes().end());
+}
+
+void HeadlessRenderer::State::see(const Camera& camera, bool has_shadows, Progress& progress) {
+  const std::pair view(camera, has_shadows);
+  if (!opening || seen == view) return;
+  scene::Scene scene = opening->read({&camera, 1}, has_shadows, progress);
+  seen.reset();
+  show(std::move(scene), opening->pose(), progress);
+  seen = view;
 }
 
 std::string HeadlessRenderer::State::settle(const std::string& name) {
@@ -65,26 +78,32 @@ HeadlessRenderer::~HeadlessRenderer() = default;
 void HeadlessRenderer::set_whole(bool whole) { state_->whole = whole; }
 
 void HeadlessRenderer::open(const SceneRequest& request, Progress& progress) {
-  scene::SceneOptions reading;
-  reading.read.max_points = request.max_points;
-  reading.up = request.up;
-  reading.read.samples_faces = !request.vertices;
-  SessionOptions options{{}, request.coloring, {}};
+  Request wanted;
+  wanted.points.read.max_points = request.max_points;
+  wanted.points.up = request.up;
+  wanted.vertices = request.vertices;
+  wanted.hide_classes.clear();
+  wanted.whole = state_->whole;
+  SessionOptions& options = state_->options = {{}, request.coloring, {}};
   for (const std::string& rule : request.draw) options.draw.push_back(DrawRule::parse(rule));
   const std::vector<std::string> files = scene::expand_inputs(request.files);
   if (files.empty()) throw Error(ErrorCode::usage, "a scene needs a file: name one in SceneRequest::files");
-  scene::Scene scene = scene::read_scene(files, reading, progress);
-  Pose pose = stand_upright(scene, request.up, !state_->whole);
-  state_->show(std::move(scene), std::move(pose), options, progress);
+  Opening opening(wanted, scene::files_of(files), progress);
+  opening.keep_nodes();
+  state_->opening.reset(), state_->seen.reset();
+  state_->show(opening.take(), opening.pose(), progress);
+  if (opening.has_levels()) state_->opening = std::move(opening);
 }
 
 void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring, Progress& progress) {
   if (cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
   scene::Scene scene;
   scene.cloud = std::move(cloud);
+  state_->opening.reset(), state_->seen.reset();
   // What the caller says is up is up.
   Pose pose = stand_upright(scene, scene.cloud.up, !state_->whole);
-  state_->show(std::move(scene), std::move(pose), {{}, coloring, {}}, progress);
+  state_->options = {{}, coloring, {}};
+  state_->show(std::move(scene), std::move(pose), progress);
 }
 
 Camera HeadlessRenderer::first_view(int width, int height) const {
@@ -109,6 +128,12 @@ Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camer
   if (!look) look = std::make_unique<Look>(name);
   look->reset();
   for (const auto& [key, value] : parameters) look->set(key, value);
+  if (state_->opening) {
+    const bool has_shadows = casts_shadows(look->settings.shadows);
+    state_->see(camera, has_shadows, progress);  // which forgets the look
+    look = std::make_unique<Look>(name);
+    for (const auto& [key, value] : parameters) look->set(key, value);
+  }
   look->settings.transparent = !background;
   state_->session.set_background(background.value_or(vec3(1)));
   RenderOutput out = state_->session.render(*look, camera, state_->wants, progress);

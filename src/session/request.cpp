@@ -28,7 +28,7 @@ bool Request::moves_camera() const {
 
 scene::SceneOptions Request::scene_options() const {
   scene::SceneOptions options = points;
-  options.read.samples_faces = !vertices;
+  options.read.samples_faces = !vertices && output_index.empty();  // points on faces are none of the input
   Selection& wanted = options.selection;
   refuse_pair(wanted.crop && wanted.crop_share, "--crop and --crop-relative");
   wanted.hide_withheld = !hide_classes.empty();

@@ -2,11 +2,14 @@
 #include "sfumato/renderer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>
 
+#include "copc/build.h"
 #include "core/error.h"
+#include "io/io.h"
 #include "reference/gl_fixture.h"
 
 using namespace sfumato;
@@ -66,6 +69,29 @@ TEST_F(HeadlessRendererTest, OpensFilesAsOneScene) {
     EXPECT_NEAR(p.depth.at(x, 30), 5, 1e-3) << x;  // files left and right of x = 2
   EXPECT_EQ(p.technique, "points");
   EXPECT_EQ(p.reason, "");
+}
+
+// More points than may be held: each picture has the points that it shows, as near as it stands.
+TEST_F(HeadlessRendererTest, ReadsWhatViewsShowOfFilesWithLevels) {
+  PointCloud cloud;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> place(0, 10);
+  for (int i = 0; i < 200'000; ++i) cloud.positions.push_back({place(random), place(random), 0});
+  io::write(folder_ / "scan.las", cloud);
+  copc::build({folder_ / "scan.las"}, folder_ / "scan.copc.laz");
+  Camera near = above(5);
+  near.position.y = near.target.y = 5;
+  near.height_world = 0.5;
+  const auto covered = [&](std::optional<std::uint64_t> most) {
+    HeadlessRenderer renderer;
+    renderer.open({.files = {folder_ / "scan.copc.laz"}, .max_points = most});
+    renderer.render("points", renderer.first_view(120, 60));  // another view before
+    const Pictures p = renderer.render("points", near, {{"point_size", "1"}});
+    return std::count_if(p.depth.begin(), p.depth.end(), [](float depth) { return std::isfinite(depth); });
+  };
+  const std::ptrdiff_t of_all = covered({});
+  EXPECT_GT(of_all, 500);
+  EXPECT_GT(covered(20'000), of_all / 4);  // of a tenth of the points it would be a tenth
 }
 
 TEST_F(HeadlessRendererTest, RulesDrawPartsByTechniquesOfTheirOwn) {

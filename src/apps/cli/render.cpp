@@ -19,10 +19,9 @@
 #include "render_options.h"
 #include "render_request.h"
 #include "report.h"
-#include "scene/leveled_scene.h"
 #include "session/notes.h"
+#include "session/opening.h"
 #include "session/preset.h"
-#include "session/standpoint.h"
 #include "studio.h"
 #include "video.h"
 #ifdef SFUMATO_VIEWER
@@ -69,23 +68,12 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
 
 using SceneFiles = std::vector<scene::SceneFile>;
 
-scene::Scene read(const SceneFiles& files, const RenderOptions& options, RenderReport& report,
-                  Console& console) {
-  scene::Scene scene = scene::read_scene(files, options.scene_options(), console);
-  console.check();
-  return tell_reading(std::move(scene), options, report, console);
-}
-
-/// Which way is up, and from where to look, unless the user or the file says so.
-Pose pose_of(scene::Scene& scene, const RenderOptions& options, RenderReport& report, Console& console) {
-  Pose pose = stand_upright(scene, options.points.up, !options.whole, options.vertical_exaggeration());
-  console.check();
-  if (!options.furniture.unit.empty()) pose.unit = unit_named(options.furniture.unit);
+/// Which way is up, and from where to look.
+void tell_pose(const Pose& pose, const RenderOptions& options, RenderReport& report, Console& console) {
   if (options.view.print_scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
     console.note("the file does not say its unit, --scale takes it for metres; --unit ft says otherwise");
   report.cutaway = pose.subject.room.has_value();
   report.up = to_string(pose.upright.up), report.up_reason = pose.upright.reason;
-  return pose;
 }
 
 /// Refuses outputs that would replace an input or each other, before anything is read.
@@ -139,37 +127,18 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
   return keys;
 }
 
-/// The first view of a scene. A panorama without a place stands where a scanner stood, else in the middle.
-Camera first_camera(const RenderOptions& options, const Pose& pose, const PointCloud& cloud) {
-  Camera camera = view_of(pose, options.view);
-  if (!options.panorama || options.view.position || options.view.start) return camera;
-  const dvec3 direction = camera.direction();
-  camera.position = place_inside(cloud);
-  camera.target = camera.position + direction;
-  return camera;
-}
-
 /// A scene and from where it is seen.
 struct Sight {
-  scene::Scene scene;
-  Pose pose;
-  Camera camera;
-  std::vector<Camera> cameras;
-  /// Files of which one cloud for all cameras would lack detail: each picture has a cloud of its own.
-  std::optional<scene::LeveledScene> by_camera;
+  Opening opening;
+  scene::Scene scene = {};
+  Camera camera = {};
+  std::vector<Camera> cameras = {};
+  bool by_camera = false;  ///< one cloud for all cameras would lack detail: each picture has its own
 };
 
 bool has_shadows(const Choice& choice) {
   return std::any_of(choice.techniques.begin(), choice.techniques.end(),
                      [](const auto& chosen) { return casts_shadows(chosen->settings.shadows); });
-}
-
-/// Of files with levels, what these cameras need.
-scene::Scene read_seen(const scene::LeveledScene& leveled, const std::vector<Camera>& cameras,
-                       const RenderOptions& options, const Choice& choice, RenderReport& report,
-                       Console& console) {
-  return tell_reading(leveled.read(copc::views_of(cameras, options.panorama), has_shadows(choice), console),
-                      options, report, console);
 }
 
 /// Points from everywhere in the files of a sequence: what follows from the whole is the same for all of its
@@ -189,50 +158,31 @@ PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Co
   return all;
 }
 
-/// Files for a view that is known.
-scene::Scene read_for(const Camera& seen, const SceneFiles& files, const RenderOptions& options,
-                      const Choice& choice, RenderReport& report, Console& console) {
-  const auto leveled = scene::LeveledScene::open(files, options.scene_options(), options.memory);
-  return leveled ? read_seen(*leveled, {seen}, options, choice, report, console)
-                 : read(files, options, report, console);
-}
-
 /// The view follows from the points, of files with levels from the coarse ones; what is read of those follows
 /// from the view.
 Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
           Console& console) {
-  auto leveled = scene::LeveledScene::open(files, options.scene_options(), options.memory);
-  if (leveled && options.vertical_exaggeration() != 1)
-    throw Error(
-        ErrorCode::usage,
-        "--vertical-exaggeration needs all points in memory, and files are larger: raise --memory or crop");
-  if (leveled && !options.output_index.empty())
-    throw Error(ErrorCode::usage,
-                "--output-index needs all points in memory, and files are larger: raise --memory or crop");
-  Sight sight{leveled ? leveled->overview(console) : read(files, options, report, console)};
-  sight.pose = pose_of(sight.scene, options, report, console);
-  sight.camera = first_camera(options, sight.pose, sight.scene.cloud);
+  Sight sight{Opening(options, files, console)};
+  Opening& opening = sight.opening;
+  const Pose& pose = opening.pose();
+  if (!opening.has_levels()) sight.scene = tell_reading(opening.take(), options, report, console);
+  tell_pose(pose, options, report, console);
+  sight.camera = opening.camera();
   sight.cameras = options.sequence || options.each
                       ? std::vector{sight.camera}
-                      : cameras_of(options, sight.camera, sight.scene.cloud.up, sight.pose.subject);
-  if (options.panorama)  // sees what is behind it as well
-    for (const Note& note : notes_on(sight.pose, {})) console.note(for_command(note));
-  else
-    for (const Note& note : notes_on(sight.pose, sight.cameras)) console.note(for_command(note));
-  if (!leveled) return sight;
-  sight.scene = {};
+                      : cameras_of(options, sight.camera, pose.upright.up, pose.subject);
+  // A panorama sees what is behind it as well.
+  for (const Note& note : notes_on(pose, options.panorama ? std::vector<Camera>() : sight.cameras))
+    console.note(for_command(note));
+  if (!opening.has_levels()) return sight;
+  opening.take();
   std::vector<Camera> first = sight.cameras;
-  if (first.size() > 1 &&
-      !leveled->select(copc::views_of(first, options.panorama), has_shadows(choice)).is_complete()) {
+  if (first.size() > 1 && !opening.holds(first, has_shadows(choice))) {
     first.resize(1);
-    sight.by_camera = std::move(leveled);
-    if (!sight.by_camera->keeps_nodes())
-      sight.by_camera->keep_nodes(
-          std::make_shared<io::ChunkCache>(options.memory / scene::share_of_kept_nodes));
+    sight.by_camera = true;
+    opening.keep_nodes();
   }
-  sight.scene =
-      read_seen(sight.by_camera ? *sight.by_camera : *leveled, first, options, choice, report, console);
-  sight.scene.cloud.up = sight.pose.upright.up;
+  sight.scene = tell_reading(opening.read(first, has_shadows(choice), console), options, report, console);
   return sight;
 }
 
@@ -314,7 +264,7 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
       camera = sight.camera;
       if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
       choice.reopen();  // what suits one scan need not suit the next
-      console.note(studio->set_scene(std::move(sight.scene), std::move(sight.pose)));
+      console.note(studio->set_scene(std::move(sight.scene), sight.opening.pose()));
       console.say_notes({options.files[n]});
       watch.lap("prepare");
       studio->shoot(camera, int(n), watch);
@@ -376,8 +326,9 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   if (options.each) return render_each(options, choice, command, report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  auto [scene, pose, camera, cameras, by_camera] = see(
+  auto [opening, scene, camera, cameras, by_camera] = see(
       options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
+  const Pose& pose = opening.pose();
   watch.lap("read");
   std::shared_ptr<const PointCloud> overview;
   options.points.metres = scene.metres;
@@ -401,12 +352,11 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
     console.set_step("frame", std::size_t(n), std::size_t(report.frames));
     const Camera& seen = options.sequence ? camera : cameras[std::size_t(n)];
     if (n > 0 && (by_camera || options.sequence)) {
-      scene::Scene next =
-          by_camera ? read_seen(*by_camera, {seen}, options, choice, report, console)
-                    : read_for(seen, {options.placed(std::size_t(n))}, options, choice, report, console);
-      next.cloud.up = pose.upright.up;
+      scene::Scene next = tell_reading(
+          by_camera ? opening.read({&seen, 1}, has_shadows(choice), console)
+                    : opening.read_next({options.placed(std::size_t(n))}, seen, has_shadows(choice), console),
+          options, report, console);
       if (overview) next.overview = overview;
-      if (options.vertical_exaggeration() != 1) exaggerate(next.cloud, options.vertical_exaggeration());
       studio.set_scene(std::move(next), pose);
       console.say_notes(options.files);
       watch.lap("prepare");

@@ -143,7 +143,6 @@ void RenderOptions::check(std::size_t technique_count) {
   check_outputs(technique_count);
   settle_view(*this);
   (void)scene_options();
-  points.read.samples_faces = !vertices && output_index.empty();  // points on faces are none of the input
   if (gpu_memory)  // One budget: that of the points that both have room for.
     memory = std::min(memory, std::max<std::uint64_t>(1, *gpu_memory / scene::gpu_memory_of_point) *
                                   scene::memory_of_point);

@@ -87,7 +87,7 @@ class Interface {
   Window& window_;
   view::Workbench& bench_;
   std::unique_ptr<Look> look_;  ///< of the wishes, for its list of parameters
-  view::Wishes look_of_;  ///< what `look_` is of
+  view::Wishes look_of_;        ///< what `look_` is of
   std::shared_ptr<const view::Picture> uploaded_;
   Furniture uploaded_furniture_;
   std::deque<Toast> toasts_;

@@ -1,0 +1,46 @@
+// From a request to something that can be drawn: the points of its files, or of files larger than the memory
+// those that a view needs; which way is up; and from where to look.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "scene/leveled_scene.h"
+#include "session/request.h"
+
+namespace sfumato {
+
+class Opening {
+ public:
+  /// Reads the files, or the coarse levels of files with levels that are larger than the request's memory.
+  /// Throws as scene::read_scene does, and Error(usage) where heights are exaggerated of the latter.
+  Opening(const Request& request, std::vector<scene::SceneFile> files, Progress& progress = no_progress());
+
+  const Pose& pose() const { return pose_; }
+  /// Where the request stands. A panorama without a place stands where a scanner stood, else in the middle.
+  Camera camera() const;
+  /// Each view has points of its own.
+  bool has_levels() const { return leveled_.has_value(); }
+  /// Whether the points of all these views have room together.
+  bool holds(std::span<const Camera> cameras, bool has_shadows) const;
+  /// What is decoded for one view is not decoded again for the next.
+  void keep_nodes();
+  /// What was read before any view asked: all of the files, or their coarse levels. It is given away.
+  scene::Scene take() { return std::move(scene_); }
+  /// What these views show of files with levels, standing as they do.
+  scene::Scene read(std::span<const Camera> cameras, bool has_shadows,
+                    Progress& progress = no_progress()) const;
+  /// Other files that are seen as these are, as the frames of a sequence.
+  scene::Scene read_next(const std::vector<scene::SceneFile>& files, const Camera& camera, bool has_shadows,
+                         Progress& progress = no_progress()) const;
+
+ private:
+  Request request_;
+  std::optional<scene::LeveledScene> leveled_;
+  scene::Scene scene_;
+  Pose pose_;
+  std::optional<dvec3> place_;  ///< of a panorama that was given none
+};
+
+}  // namespace sfumato
