@@ -75,6 +75,10 @@ std::string said(const Filter& filter) {
   const auto end = [](double value) { return std::isfinite(value) ? number_text(value) : ""; };
   return filter.scalar + " " + end(filter.low) + ".." + end(filter.high);
 }
+std::string said(const LengthUnit& unit) {
+  if (!(unit.metres > 0)) return "";
+  return unit_named(unit.symbol) == unit ? unit.symbol : number_text(unit.metres);
+}
 std::string said(Corner corner) {
   for (const auto& [name, each] : corners)
     if (each == corner) return name;
@@ -229,13 +233,13 @@ void add_output(Table& t) {
   t.text("--output-depth", "FILE",
          "depth along the view axis: .npy or .exr (float32, inf where nothing), .png (16 bit)",
          &Request::output_depth);
-  t.text("--depth-unit", "m|cm|mm|in|ft|METRES",
-         "what one step of a depth .png is (its range in 65535 steps); beyond 65535 of them all is 65535",
-         [](Request& r, Text option, Text text) {
-           r.depth_unit = unit_named(text);
-           if (r.depth_unit.metres > 0 || text.empty()) return;
-           r.depth_unit = {text + " m", parse_positive(option, text)};
-         });
+  t.value("--depth-unit", "m|cm|mm|in|ft|METRES",
+          "what one step of a depth .png is (its range in 65535 steps); beyond 65535 of them all is 65535",
+          &Request::depth_unit, [](Text option, Text text) {
+            const LengthUnit unit = unit_named(text);
+            if (unit.metres > 0 || text.empty()) return unit;
+            return LengthUnit{text + " m", parse_positive(option, text)};
+          });
   t.text("--output-index", "FILE.npy",
          "int64 HxW: which point of the input is seen, from 0 on and file after file, -1 where none is",
          &Request::output_index);
