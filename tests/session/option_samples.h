@@ -59,6 +59,7 @@ inline std::string sample_of(const Option& option) {
       {"title", "Site 4"},
       {"caption", "below"},
       {"unit", "ft"},
+      {"depth-unit", "mm"},
   };
   if (option.kind == Option::Kind::flag) return "true";
   if (const auto found = samples.find(option.name()); found != samples.end()) return found->second;
