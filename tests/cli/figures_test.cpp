@@ -197,7 +197,7 @@ TEST_F(FiguresTest, EverythingIsDrawnAndRefusedWhereItMeansNothing) {
            {{"a.xyz", "-o", "x.png", "--scale", "1:200", "--pixel-size", "1"}, "contradict"},
            {{"a.xyz", "-o", "x.png", "--legend-place", "middle"}, "--legend-place: 'middle' is no corner"},
            {{"a.xyz", "-o", "x.png", "--legend-size", "9"},
-            "--legend-size: '9' is not a number from 0.3 to 4"},
+            "--legend-size: '9' is not in 0.3..4"},
            {{"a.xyz", "-o", "x.png", "--vertical-exaggeration", "0"}, "is not in 0.001..1000"},
            {{"a.xyz", "-t", "points", "--up", "+Z", "-o", "x.png", "--world-file"},
             "--world-file: only a plan"},
