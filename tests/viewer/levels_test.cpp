@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <set>
 #include <thread>
 
@@ -114,7 +115,9 @@ TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
   const dvec3 home = bench.camera().position;
   bench.move("zoom", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
-    near.position = near.target + 0.05 * (near.position - near.target);
+    const dvec3 away = near.position - near.target;
+    near.target = {500050, 4100050, 100 + 3 * std::sin(50 / 9.) * std::cos(50 / 7.)};  // of the ground
+    near.position = near.target + 0.05 * away;
     navigator.set_camera(near);
   });
   EXPECT_FALSE(bench.settled());
