@@ -110,6 +110,17 @@ bool is_coherent(const PointCloud& cloud, const ScalarField* field) {
   return varies(field) && contiguity_ratio(cloud, *field) < 0.5;
 }
 
+/// Whether colours show the place. Grey ones are one channel three times: they are asked what intensities
+/// are.
+bool are_coherent(const PointCloud& cloud) {
+  ScalarField grey{"grey", 0, {}, StoredType::float32};
+  for (const Rgba8& c : cloud.colors) {
+    if (c.r != c.g || c.g != c.b) return true;
+    grey.values.push_back(float(c.g));
+  }
+  return is_coherent(cloud, &grey);
+}
+
 /// World coordinate along up, as offset + float.
 ScalarField elevation(const PointCloud& cloud) {
   const dvec3 up = up_vector(cloud.up);
@@ -392,7 +403,7 @@ void shade(const ScalarField& field, const ColorSettings& settings, Coloring& ou
 
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
   if (color_by == "auto") {
-    const bool colored = has_colors(cloud);
+    const bool colored = has_colors(cloud) && are_coherent(cloud);
     if (colored && vary(cloud.colors)) return "rgb";
     if (is_land(cloud)) return "elevation";
     if (is_coherent(cloud, cloud.scalar("intensity"))) return "intensity";

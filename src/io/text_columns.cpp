@@ -311,7 +311,8 @@ std::vector<std::string> guess_columns(const SampleRows& rows, std::size_t width
     if (left >= 3 && !color && !shifted && sample.are_fractions(at)) {
       add({"red", "green", "blue"});
       color = true;
-    } else if (left == 1 && at > 3 && !rows.empty() && sample.is_label(at, 0, 0)) {
+    } else if (left == 1 && rows.size() > 1 && (at > 3 || sample.at(at).distinct == 1) &&
+               sample.is_label(at, 0, 0)) {  // an intensity that never varies is none
       names.push_back("label");
     } else if (!intensity) {
       names.push_back("intensity");

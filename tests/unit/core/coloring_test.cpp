@@ -205,6 +205,26 @@ TEST(Coloring, SpeckleIsNotDrawn) {
   EXPECT_EQ(fill(0, 1), "clay");
 }
 
+TEST(Coloring, GreyThatIsSpeckleIsNoPhotograph) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const auto source_of = [&](float along, float speckle, int tint) {
+    PointCloud cloud;
+    for (int i = 0; i < 4000; ++i) {
+      // Along a curve that neighbours share, as prepared clouds are.
+      const float t = float(i) / 4000;
+      cloud.positions.push_back({std::cos(40 * t), std::sin(40 * t), 4 * t});
+      const auto grey =
+          std::uint8_t(128 + 100 * along * std::sin(12 * t) + 100 * speckle * (unit(random) - 0.5f));
+      cloud.colors.push_back({grey, grey, std::uint8_t(grey + tint), 255});
+    }
+    return resolve_color_by(cloud, "auto");
+  };
+  EXPECT_EQ(source_of(1, 0, 0), "rgb") << "a grey photograph";
+  EXPECT_EQ(source_of(0, 1, 0), "clay") << "the echoes of a scanner";
+  EXPECT_EQ(source_of(0, 1, 5), "rgb") << "speckle in colour is a photograph of leaves or gravel";
+}
+
 TEST(Coloring, TheRampOfHeightsStartsLight) {
   const Colormap land = Colormap::named("land");
   for (int i = 0; i <= 100; ++i) {
