@@ -55,8 +55,10 @@ class Projector {
       const dvec3 eye(to_eye_ * glm::dvec4(world, 1));
       const double w = camera.orthographic() ? 1 : -eye.z;
       const dvec3 at(lens_.fx * eye.x + lens_.cx * w, -lens_.fy * eye.y + lens_.cy * w, w);
-      beyond[0] += at.x<low.x * w, beyond[1] += at.x> high.x * w;
-      beyond[2] += at.y<low.y * w, beyond[3] += at.y> high.y * w;
+      beyond[0] += at.x < low.x * w;
+      beyond[1] += at.x > high.x * w;
+      beyond[2] += at.y < low.y * w;
+      beyond[3] += at.y > high.y * w;
       beyond[4] += eye.z > 0;
       is_all_in_front = is_all_in_front && w > 0;
       corners[i] = at;

@@ -65,4 +65,12 @@ nlohmann::ordered_json load_json(const std::filesystem::path& file) {
   return parse_json(input.read_text(0, std::size_t(input.size())), file.string());
 }
 
+bool begins_as_object_with(std::string_view head, std::initializer_list<std::string_view> words) {
+  const std::size_t begin = head.find_first_not_of(" \t\r\n");
+  return begin < head.size() && head[begin] == '{' &&
+         std::all_of(words.begin(), words.end(), [&](std::string_view word) {
+           return head.find('"' + std::string(word) + '"') != head.npos;
+         });
+}
+
 }  // namespace sfumato::io

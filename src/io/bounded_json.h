@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -13,5 +14,7 @@ namespace sfumato::io {
 /// Throws Error(bad_input) that begins with `where`.
 nlohmann::ordered_json parse_json(std::string_view text, const std::string& where);
 nlohmann::ordered_json load_json(const std::filesystem::path& file);
+/// Whether a file that begins so is an object of JSON which has these words in quotes there.
+bool begins_as_object_with(std::string_view head, std::initializer_list<std::string_view> words);
 
 }  // namespace sfumato::io

@@ -107,10 +107,7 @@ Depth read_depth(const Frame& frame) {
 
 }  // namespace
 
-bool is_depth_image(std::string_view head) {
-  return head.find_first_not_of(" \t\r\n") < head.size() && head[head.find_first_not_of(" \t\r\n")] == '{' &&
-         head.find("\"depth\"") != head.npos && head.find("\"fx\"") != head.npos;
-}
+bool is_depth_image(std::string_view head) { return begins_as_object_with(head, {"depth", "fx"}); }
 
 ReadResult read_depth_image(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const Frame frame = read_frame(path);

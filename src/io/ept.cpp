@@ -106,11 +106,7 @@ std::vector<Tile> tiles_of(const std::filesystem::path& path, Progress& progress
 
 }  // namespace
 
-bool is_ept(std::string_view head) {
-  const std::size_t begin = head.find_first_not_of(" \t\r\n");
-  return begin < head.size() && head[begin] == '{' && head.find("\"hierarchyType\"") != head.npos &&
-         head.find("\"dataType\"") != head.npos;
-}
+bool is_ept(std::string_view head) { return begins_as_object_with(head, {"hierarchyType", "dataType"}); }
 
 ReadResult read_ept(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const Json ept = load_json(path);

@@ -201,11 +201,7 @@ std::vector<std::byte> interleave(const Potree& potree, const std::vector<std::b
 
 }  // namespace
 
-bool is_potree(std::string_view head) {
-  const std::size_t begin = head.find_first_not_of(" \t\r\n");
-  return begin < head.size() && head[begin] == '{' && head.find("\"hierarchy\"") != head.npos &&
-         head.find("\"firstChunkSize\"") != head.npos;
-}
+bool is_potree(std::string_view head) { return begins_as_object_with(head, {"hierarchy", "firstChunkSize"}); }
 
 ReadResult read_potree(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const Potree potree = read_metadata(path);

@@ -38,10 +38,7 @@ std::vector<std::filesystem::path> vpc_files(const std::filesystem::path& path) 
   return files;
 }
 
-bool is_vpc(std::string_view head) {
-  const std::size_t begin = head.find_first_not_of(" \t\r\n");
-  return begin < head.size() && head[begin] == '{' && head.find("\"FeatureCollection\"") != head.npos;
-}
+bool is_vpc(std::string_view head) { return begins_as_object_with(head, {"FeatureCollection"}); }
 
 ReadResult read_vpc(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   ReadResult all;

@@ -38,12 +38,9 @@ std::vector<std::string> readable_extensions() {
 
 std::vector<std::string> files_in(const std::string& folder) {
   // Such a folder is one scan: what lies in it are its parts.
-  for (const char* whole : {"ept.json", "metadata.json"}) {
-    const fs::path described = fs::path(folder) / whole;
-    if (fs::exists(described) &&
-        (std::strcmp(whole, "ept.json") == 0 || fs::exists(fs::path(folder) / "octree.bin")))
-      return {described.string()};
-  }
+  const fs::path ept = fs::path(folder) / "ept.json", potree = fs::path(folder) / "metadata.json";
+  if (fs::exists(ept)) return {ept.string()};
+  if (fs::exists(potree) && fs::exists(fs::path(folder) / "octree.bin")) return {potree.string()};
   const std::vector<std::string> extensions = readable_extensions();
   std::vector<std::string> found;
   std::error_code error;
