@@ -110,6 +110,8 @@ float linear_from_srgb(std::uint8_t channel) {
   return table[channel];
 }
 
+double luma(const Rgba8& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+
 Rgba8 swatch_color(std::size_t n) {
   static constexpr std::uint32_t colors[] = {0x0072b2, 0xe69f00, 0x009e73, 0xd55e00,
                                              0xcc79a7, 0x56b4e9, 0xf0e442, 0x595959};

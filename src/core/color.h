@@ -17,6 +17,8 @@ std::string nearest_color(std::string_view name);
 Rgba8 to_rgba8(const vec3& srgb);
 /// Linear value of one sRGB channel, 0..1.
 float linear_from_srgb(std::uint8_t channel);
+/// Luma (Rec. 709) of an sRGB colour, 0 to 255.
+double luma(const Rgba8& color);
 
 /// The n-th of a few colours that are told apart, also by people who see few colours (Okabe and Ito 2008);
 /// from the ninth on, others.

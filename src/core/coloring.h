@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/classes.h"
 #include "core/point_cloud.h"
 #include "core/vec.h"
 
@@ -29,11 +30,6 @@ struct ColorSettings {
 
 /// files: also other numbers that name things, such as flight lines.
 enum class ColorKind { rgb, scalar, classes, normal, files };
-
-struct ClassShare {
-  int id = 0;
-  std::size_t points = 0;
-};
 
 /// A colour that stands for something, in a legend.
 struct Swatch {
@@ -77,20 +73,5 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 
 /// White, or nearly black where most of the colours are so light that white would swallow them. sRGB, 0..1.
 vec3 contrasting_background(const std::vector<Rgba8>& colors);
-
-/// ASPRS name of a classification code ("ground", "building", "class 70"), LAS 1.4 R15 table 17.
-std::string class_name(int id);
-/// "ground": 2. Nothing for other words.
-std::optional<int> class_named(std::string_view name);
-/// The colours Potree users know: 2 brown, 3-5 greens, 6 orange, 7 magenta, 9 blue, 12 yellow.
-Rgba8 class_color(int id);
-
-/// How many points have each code, ascending; points without one are not counted.
-std::vector<ClassShare> count_classes(const ScalarField& field);
-/// "2=#aa7744,6=orange,ground=tan": codes or their names, and colours. Throws Error(usage).
-std::map<int, Rgba8> parse_class_colors(std::string_view text);
-
-/// Removes points of the named classes and points flagged withheld. Returns how many were removed.
-std::size_t hide_classes(PointCloud& cloud, const std::vector<int>& classes);
 
 }  // namespace sfumato

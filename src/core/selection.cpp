@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "core/coloring.h"
+#include "core/classes.h"
 #include "core/numbers.h"
 #include "core/param.h"
 

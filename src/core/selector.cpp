@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/coloring.h"
+#include "core/classes.h"
 #include "core/error.h"
 #include "core/numbers.h"
 #include "core/param.h"

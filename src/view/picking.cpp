@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "core/coloring.h"
+#include "core/classes.h"
 #include "view/controls.h"
 
 namespace sfumato::view {

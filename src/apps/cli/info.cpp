@@ -11,7 +11,7 @@
 #include "common_options.h"
 #include "console.h"
 #include "copc/tree.h"
-#include "core/coloring.h"
+#include "core/classes.h"
 #include "core/units.h"
 #include "help_text.h"
 #include "report.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "copc/tree.h"
-#include "core/coloring.h"
+#include "core/classes.h"
 #include "io/io.h"
 #include "parameters.h"
 #include "scene/scene.h"
