@@ -32,6 +32,20 @@ bool is_shown(const Option& option) {
          option.name() != "vertical-exaggeration" && option.name() != "no-background";
 }
 
+/// The list of what the analysis is told.
+struct AnalysisParameters {
+  explicit AnalysisParameters(const Wishes::Values& values = {}) {
+    options.describe(list);
+    for (const auto& [name, value] : values)
+      if (Param* param = list.find(name)) param->set(value);
+  }
+  AnalysisParameters(const AnalysisParameters&) = delete;  // the list points into the options
+  AnalysisParameters& operator=(const AnalysisParameters&) = delete;
+
+  analysis::PrepareOptions options;
+  ParamList list;
+};
+
 void drop_if_empty(std::map<std::string, Wishes::Values>& own, const std::string& technique) {
   if (const auto mine = own.find(technique); mine != own.end() && mine->second.empty()) own.erase(mine);
 }
@@ -64,10 +78,8 @@ std::string DrawRow::rule() const {
 }
 
 void Wishes::set(const std::string& parameter, const std::string& value) {
-  analysis::PrepareOptions prepare;
-  ParamList list;
-  prepare.describe(list);
-  if (Param* param = list.find(parameter)) {
+  AnalysisParameters defaults;
+  if (Param* param = defaults.list.find(parameter)) {
     param->set(value);
     if (param->get() == param->default_text)
       analysis.erase(param->name);
@@ -118,10 +130,7 @@ NamesAndValues Wishes::parameters_of(const std::string& technique_name) const {
 
 SessionOptions Wishes::session_options() const {
   SessionOptions options;
-  ParamList list;
-  options.prepare.describe(list);
-  for (const auto& [name, value] : analysis)
-    if (Param* param = list.find(name)) param->set(value);
+  options.prepare = AnalysisParameters(analysis).options;
   options.color = color;
   options.background = background;
   for (const DrawRow& row : items) options.draw.push_back(DrawRule::parse(row.rule()));
@@ -175,10 +184,7 @@ void Wishes::take(const Preset& from) {
   reset_all();
   const std::unique_ptr<Look> look = make_look();
   const Look* const looks[] = {look.get()};
-  analysis::PrepareOptions prepare;
-  ParamList list;
-  prepare.describe(list);
-  for (const auto& [name, value] : from.parameters_for(looks, list))
+  for (const auto& [name, value] : from.parameters_for(looks, AnalysisParameters().list))
     set(name.substr(name.find('.') + 1), value);  // without "TECHNIQUE."
   const bool is_scene = !from.files.empty();
   take_options(from.options, is_scene);
@@ -193,13 +199,9 @@ void Wishes::take(const Preset& from) {
 }
 
 void Wishes::save(const std::string& file, const std::optional<Camera>& seen) const {
-  analysis::PrepareOptions prepare;
-  ParamList list;
-  prepare.describe(list);
-  for (const auto& [name, value] : analysis) list.find(name)->set(value);
   const std::unique_ptr<Look> look = make_look();
   const Look* const looks[] = {look.get()};
-  sfumato::save_preset(file, looks, list, options(), seen,
+  sfumato::save_preset(file, looks, AnalysisParameters(analysis).list, options(), seen,
                        seen ? scene_files() : std::vector<scene::SceneFile>());
 }
 

@@ -56,8 +56,7 @@ void Interface::color_panel() {
     bench_.change("color-by", [&](view::Wishes& next) { next.show_source(*chosen); });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
-    std::vector<std::string> maps = Colormap::names();
-    for (const std::string& name : Colormap::names()) maps.push_back(name + "_r");
+    std::vector<std::string> maps = Colormap::choices();
     if (const auto chosen =
             choose("map", wishes.color.colormap.empty() ? coloring.colormap : wishes.color.colormap, maps))
       bench_.change("colormap", [&](view::Wishes& next) { next.color.colormap = *chosen; });
