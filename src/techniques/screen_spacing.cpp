@@ -17,7 +17,11 @@ EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height) {
   // Covers of 8, 11, 12, 16 and 24 px between points leave at most 0, 1, 1.4, 4 and 9 % of what eight public
   // scans cover farther than 8 px from all points.
   constexpr float between = 11.0f / 8;
-  return {widest_disc_px({}, height), between * widest_disc_px(spacing, height)};
+  // An empty disc of so many spacings is no chance in a random sample (exp(-pi 1.7^2) = 1e-4): beyond lies a
+  // hole.
+  constexpr float widest_gap = 1.7f;
+  const float beside = widest_disc_px({}, height);
+  return {beside, std::max(between * beside, widest_gap * spacing.median_px)};
 }
 
 float ScreenSpacings::widest_disc_px(const Frame& frame) {
@@ -52,17 +56,22 @@ ScreenSpacing ScreenSpacings::measure(const GpuCloud& cloud, std::span<const Cam
   return {median(px), *std::max_element(px.begin(), px.end()), median(pixels)};
 }
 
-void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,
-                         const gl::Texture& albedo) {
+const gl::Texture* DiscEvidence::find(Frame& frame, const Camera& camera, ScreenSpacings& spacings,
+                                      float radius_scale) {
   constexpr float usual_spacings = 1.7f;  // radius of a usual disc
   const float scale = std::max(1.0f, radius_scale / usual_scale);
   const ScreenSpacing spacing = spacings.measure(frame.cloud, frame.views);
   EvidenceReach reach = evidence_reach(spacing, frame.camera.whole_height());
   reach.beside *= scale, reach.between *= scale;
   // Where points are dense no disc is as large as that.
-  if (!reach.limits() || spacing.largest_px * usual_spacings * scale <= reach.beside) return;
-  evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach, frame.timers);
-  evidence_.apply(albedo, frame.target.depth, frame.target.normal);
+  if (!reach.limits() || spacing.largest_px * usual_spacings * scale <= reach.beside) return nullptr;
+  return &evidence_.find(frame.cloud, camera, frame.cloud.prepared().cloud.origin, reach, frame.timers);
+}
+
+void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,
+                         const gl::Texture& albedo) {
+  if (find(frame, frame.camera, spacings, radius_scale))
+    evidence_.apply(albedo, frame.target.depth, frame.target.normal);
 }
 
 }  // namespace sfumato

@@ -21,8 +21,8 @@ struct ScreenSpacing {
 /// Radius of the widest disc in a picture of this height: whether anything is farther from a measured point
 /// nobody knows. 8 px of 720; where most points in view are farther apart, as wide as the gaps between them.
 float widest_disc_px(const ScreenSpacing& spacing, int height);
-/// What such a picture may cover: beside a point so much, between points what the widest discs close, at
-/// least 11 px of 720.
+/// What such a picture may cover: beside a point so much, between points what is no hole of a surface of the
+/// spacing in view, at least 11 px of 720.
 EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height);
 
 class ScreenSpacings {
@@ -43,6 +43,8 @@ class DiscEvidence {
   /// Discs of Eq. 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times
   /// 1.5, 1e-4.
   static constexpr float usual_scale = 1.5f;
+  /// Where points vouch for anything, R8 of the camera's size (Evidence::find); null: all over the picture.
+  const gl::Texture* find(Frame& frame, const Camera& camera, ScreenSpacings& spacings, float radius_scale);
   /// Once discs of `radius_scale` are drawn into `albedo`, depth and normal of the target. What is larger
   /// than usual may cover as much more.
   void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, const gl::Texture& albedo);

@@ -96,7 +96,7 @@ TEST_F(EvidenceTest, NothingIsCoveredFarFromAllPoints) {
   Camera camera = front_camera(640, 400);
   camera.position = {0, -400, 0};
   Renderer renderer(context());
-  for (const char* name : {"splats", "surface", "strokes", "denoise", "soft"}) {
+  for (const char* name : {"splats", "surface", "strokes", "denoise", "soft", "layers"}) {
     SCOPED_TRACE(name);
     const auto technique = find_technique(name).create();
     show(renderer, thinning_wall(), technique->needs());
@@ -104,6 +104,36 @@ TEST_F(EvidenceTest, NothingIsCoveredFarFromAllPoints) {
     // Between points that surround it up to 11 px, and nowhere farther.
     EXPECT_LE(share_far_from(thinning_wall(), camera, depth, 8.8), 0.02);
     EXPECT_EQ(share_far_from(thinning_wall(), camera, depth, 12), 0);
+  }
+}
+
+// Of a hole in a sparse sheet no more than 8 px beside its rim, however large the discs are that close the
+// sheet.
+TEST_F(EvidenceTest, HolesOfSparseSurfacesStayOpen) {
+  constexpr float hole = 4;
+  PointCloud cloud;
+  for (int z = -60; z <= 60; ++z)
+    for (int x = -60; x <= 60; ++x)
+      if (std::hypot(x, z) > hole) cloud.positions.push_back({float(x), 0, float(z)});
+  cloud.colors.assign(cloud.size(), {200, 200, 200, 255});
+  Renderer renderer(context());
+  Camera camera = front_camera(320, 240);  // a spacing is 10 px
+  camera.position = {0, -29, 0};
+  const Intrinsics k = camera.intrinsics();
+  for (const char* name : {"splats", "surface", "strokes", "denoise", "soft", "layers"}) {
+    SCOPED_TRACE(name);
+    const auto technique = find_technique(name).create();
+    show(renderer, cloud, technique->needs());
+    const Image<float> depth = renderer.render(*technique, camera, {}, all_outputs()).depth;
+    int inside = 0, around = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const double away = std::hypot(x + 0.5 - k.cx, y + 0.5 - k.cy) * 29 / k.fy;
+        inside += away < hole - 0.9 && std::isfinite(depth.at(x, y));
+        around += away > hole + 1.5 && !std::isfinite(depth.at(x, y));
+      }
+    EXPECT_EQ(inside, 0);
+    EXPECT_LE(around, 320 * 240 / 200);
   }
 }
 
@@ -116,7 +146,7 @@ TEST_F(EvidenceTest, ASurfaceStaysClosedNearBy) {
   Renderer renderer(context());
   Camera camera = front_camera(320, 240);  // 16 spacings wide: one is 20 px
   camera.position = {0, -14.5, 0};
-  for (const char* name : {"splats", "surface", "strokes", "denoise", "soft"}) {
+  for (const char* name : {"splats", "surface", "strokes", "denoise", "soft", "layers"}) {
     SCOPED_TRACE(name);
     const auto technique = find_technique(name).create();
     show(renderer, cloud, technique->needs());

@@ -157,6 +157,7 @@ class Layers final : public Technique {
     if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
     cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view);
     peel_.begin(view, footprint_, cascade_, bin_);
+    evidence_mask_ = keeps_to_evidence() ? evidence_.find(frame, extent.camera, spacings_, 1) : nullptr;
     for (peeled_ = 0; peeled_ < last;) {
       ++peeled_;
       const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
@@ -310,7 +311,14 @@ class Layers final : public Technique {
       std::swap(depth_, other_depth_);
       std::swap(index_, other_index_);
     }
+    if (!evidence_mask_) return;
+    if (!keep_vouched_)
+      keep_vouched_ = ScreenPass("techniques/layers/keep_vouched.glsl", {GL_R32F, GL_R32UI});
+    keep_vouched_.run({evidence_mask_}, {&depth_, &index_});
   }
+
+  /// Points of a size that somebody asked for are as large as that.
+  bool keeps_to_evidence() const { return parameters_.point_size.is_auto(); }
 
   /// Attributes of the points that the pixels took, lit. `write_normals`: into `normal_`.
   void light(Frame& frame, const View& view, bool write_normals) {
@@ -460,6 +468,9 @@ class Layers final : public Technique {
   std::map<int, ScreenPass> light_;
   ScreenPass smooth_[2], advance_[4], cover_, blend_last_, clip_;
   Merge merge_;
+  DiscEvidence evidence_;
+  const gl::Texture* evidence_mask_ = nullptr;  ///< of the frame; null: points vouch for all of it
+  ScreenPass keep_vouched_;
   gl::Texture behind_depth_, next_depth_;  ///< of scenes with other items
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
   gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
