@@ -1,14 +1,11 @@
 #include "session/first_view.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
-#include "core/order.h"
 #include "core/param.h"
-#include "session/voxels.h"
+#include "session/connected.h"
 
 namespace sfumato {
 
@@ -233,140 +230,6 @@ std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
   return cameras;
 }
 
-namespace {
-
-/// The distance from the middle, across up, within which 85 % of the points lie, where they thin out as
-/// around a scanner that stands on a street: half of them within 0.48 of that (a square tile has 0.73, a
-/// strip 0.59), and the others more than twice as far (2.5 to 3.8 times for sweeps; at most
-/// 1.9 for a tower or a tree amid its ground, whose corners would be cut for nothing). Else 0.
-double near_reach(const PointCloud& cloud, const dvec3& middle, std::size_t stride) {
-  const dvec3 up = up_vector(cloud.up);
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 way = cloud.world(i) - middle;
-    distances.push_back(glm::length(way - glm::dot(way, up) * up));
-  }
-  const double half = value_at_share(distances, 0.5), most = value_at_share(distances, 0.85),
-               all = value_at_share(distances, 0.99);
-  return half < 0.48 * most && all > 2 * most ? most : 0;
-}
-
-/// The voxels in which a picture closes, each once whatever it holds: with at least four of the points, where
-/// an even spread over a square as wide as the scan would put sixteen; of an edge of some ten pixels, or more
-/// of few points. What lies farther, a line here and there, is in none.
-struct FirmVoxels {
-  dvec3 corner;  ///< the voxel at 0, 0, 0 begins there
-  double edge = 0;
-  std::array<std::vector<double>, 3> middles;  ///< in edges from the corner
-  /// World; `middles` come to lie in another order.
-  double at_share(int axis, double q) {
-    return corner[axis] + edge * value_at_share(middles[std::size_t(axis)], q);
-  }
-};
-
-FirmVoxels firm_voxels(const PointCloud& cloud, const Bounds& inner) {
-  constexpr std::size_t closes = 4;
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
-  const double edges = std::clamp(std::sqrt(double(cloud.size() / stride) / (4 * closes)), 16.0, 128.0);
-  FirmVoxels voxels{inner.min, inner.diagonal() / edges, {}};
-  if (!(voxels.edge > 0)) return voxels;
-  Voxels all(voxels.corner, voxels.edge);
-  all.reserve(cloud.size() / stride + 1);
-  for (std::size_t i = 0; i < cloud.size(); i += stride) all.add(cloud.world(i));
-  for (const dvec3& middle : all.holding(closes))
-    for (int k = 0; k < 3; ++k) voxels.middles[std::size_t(k)].push_back(middle[k]);
-  return voxels;
-}
-
-/// The 2-98 % box of the firm voxels, by their area rather than by their points. Beside a scanner lie most
-/// points of a scan; a tower far from it is few of them and as many voxels as it is large.
-Bounds firm_box(FirmVoxels& voxels, const Bounds& inner) {
-  constexpr std::size_t fewest = 100;
-  Bounds box = inner;
-  if (voxels.middles[0].size() < fewest) return box;
-  for (int k = 0; k < 3; ++k) {
-    box.min[k] = std::min(box.min[k], voxels.at_share(k, 0.02));
-    box.max[k] = std::max(box.max[k], voxels.at_share(k, 0.98));
-  }
-  return box;
-}
-
-/// Whether what lies farther than `reach` from the middle is looked at, and not only what the scanner met
-/// besides: the firm voxels rise nearly as high as that is wide, and twice as high as those within it. 1.5 to
-/// 1.9 and 2.5 to 5 times for towers before one station; at most 0.9 and 1.9 times for two sweeps of a
-/// street, and 1.1 and 1.5 for one of trees near and far.
-bool stands_beyond(const FirmVoxels& voxels, UpAxis axis, const dvec3& middle, double reach) {
-  constexpr double tall = 0.9, taller = 2;
-  const dvec3 up = up_vector(axis);
-  std::vector<double> near, all;
-  for (std::size_t i = 0; i < voxels.middles[0].size(); ++i) {
-    const dvec3 at(voxels.middles[0][i], voxels.middles[1][i], voxels.middles[2][i]);
-    const dvec3 way = voxels.corner + voxels.edge * at - middle;
-    const double height = glm::dot(way, up);
-    all.push_back(height);
-    if (glm::length(way - height * up) <= reach) near.push_back(height);
-  }
-  if (near.empty()) return false;
-  const double ground = value_at_share(all, 0.02), top = value_at_share(all, 0.98);
-  return top - ground > tall * reach && top - ground > taller * (value_at_share(near, 0.98) - ground);
-}
-
-/// How far what ends at the top of `box` goes on upwards without a gap, as a tower whose top the scanner saw
-/// aslant: through slabs of a 32nd of the diagonal with one point in 2000 each.
-double goes_on_to(const PointCloud& cloud, const Bounds& box, const Bounds& full) {
-  constexpr double share = 1.0 / 2000;
-  constexpr std::size_t fewest = 4;
-  const double thick = box.diagonal() / 32;
-  const int axis = int(cloud.up) / 2;
-  const bool above = up_vector(cloud.up)[axis] > 0;
-  const double end = above ? box.max[axis] : box.min[axis],
-               left = above ? full.max[axis] - end : end - full.min[axis];
-  if (!(left > 0 && thick > 0)) return end;
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000);
-  std::vector<std::size_t> slabs(std::size_t(std::min(left / thick, 1000.0)) + 1);
-  for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const double at = (above ? 1 : -1) * (cloud.world(i)[axis] - end) / thick;
-    if (at >= 0 && at < double(slabs.size())) ++slabs[std::size_t(at)];
-  }
-  const std::size_t least = std::max(fewest, std::size_t(share * double(cloud.size() / stride)));
-  std::size_t on = 0;
-  while (on < slabs.size() && slabs[on] >= least) ++on;
-  return end + (above ? 1 : -1) * std::min(left, double(on) * thick);
-}
-
-/// Of the box of all points, what isolated strays do not stretch: along each axis and on each side, where
-/// fewer than `few_strays` of the points lie beyond a gap that nothing else has. `inner` is the box of nearly
-/// all points.
-Bounds without_strays(const PointCloud& cloud, const Bounds& inner, Bounds box) {
-  constexpr double wide_gap = 0.1, few_strays = 0.003;
-  const double gap = wide_gap * inner.diagonal();
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 1'000'000),
-                    sampled = cloud.size() / stride;
-  std::vector<double> beyond;  // how far outside of `inner`, of a sample
-  for (int k = 0; k < 3; ++k)
-    for (const bool above : {false, true}) {
-      const double from = above ? inner.max[k] : -inner.min[k];
-      double& end = above ? box.max[k] : box.min[k];
-      const double last = (above ? end : -end) - from;
-      if (last <= gap) continue;
-      beyond = {0, last};
-      for (std::size_t i = 0; i < cloud.size(); i += stride) {
-        const double at = cloud.origin[k] + double(cloud.positions[i][k]), out = (above ? at : -at) - from;
-        if (out > 0) beyond.push_back(out);
-      }
-      std::sort(beyond.begin(), beyond.end());
-      for (std::size_t i = 1; i < beyond.size(); ++i) {
-        if (beyond[i] - beyond[i - 1] <= gap) continue;
-        if (double(beyond.size() - i) <= std::max(2.0, few_strays * double(sampled)))
-          end = (above ? 1 : -1) * (from + beyond[i - 1]);
-        break;
-      }
-    }
-  return box;
-}
-
-}  // namespace
-
 std::vector<dvec3> scanners_of(const PointCloud& cloud) {
   std::vector<dvec3> places;
   const auto add = [&](const dvec3& place) {
@@ -380,45 +243,28 @@ std::vector<dvec3> scanners_of(const PointCloud& cloud) {
 }
 
 Subject subject_of(const PointCloud& cloud, bool whole) {
+  // Of 16 sweeps, maps and scans with a far background, two streets are strips up to .35, and from .5 on land
+  // is cut at its rim. A stray point is worth nothing.
+  constexpr double gain = 0.4, gain_whole = 0.01;
   constexpr std::size_t each_counts = 100;  // of fewer, none is a stray
-  const Bounds robust = cloud.size() < each_counts ? bounds(cloud) : robust_bounds(cloud);
-  Bounds box = robust;
-  const Bounds full = without_strays(cloud, box, bounds(cloud));
-  FirmVoxels voxels = firm_voxels(cloud, box);
-  if (cloud.size() >= each_counts) {
-    const Bounds firm = firm_box(voxels, box);
-    box = {glm::max(firm.min, full.min), glm::min(firm.max, full.max)};
-  }
-  const double room = whole ? std::numeric_limits<double>::infinity() : box.diagonal() / 3;
-  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 50'000);
-  const dvec3 middle = robust_bounds(cloud, 0.5, 0.5).center(), up = up_vector(cloud.up);
-  double reach = cloud.empty() || whole ? 0 : near_reach(cloud, middle, stride);
-  if (reach > 0 && stands_beyond(voxels, cloud.up, middle, reach)) {
-    const int axis = int(cloud.up) / 2;
-    (up_vector(cloud.up)[axis] > 0 ? box.max : box.min)[axis] = goes_on_to(cloud, box, full);
-    reach = 0;
-  }
-  for (int k = 0; k < 3; ++k) {
-    if (box.min[k] - full.min[k] <= room) box.min[k] = full.min[k];
-    if (full.max[k] - box.max[k] <= room) box.max[k] = full.max[k];
-  }
-  Subject subject{box, {}, {}, {}, reach > 0};
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 200'000);
+  std::vector<dvec3> sample;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.world(i));
+  Subject subject{bounds(cloud), {}, {}, {}};
+  if (cloud.size() >= each_counts)
+    subject.box = connected(sample, robust_bounds(cloud), whole ? gain_whole : gain).box;
   const std::vector<dvec3> scanners = scanners_of(cloud);
-  for (std::size_t i = 0; i < cloud.size(); i += stride) {
-    const dvec3 p = cloud.world(i), way = p - middle;
-    if (reach > 0 && glm::length(way - glm::dot(way, up) * up) > reach) continue;
-    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max))) {
-      subject.points.push_back(p);
-      if (!cloud.normals.empty())
-        subject.facing.push_back(cloud.normals[i]);
-      else if (scanners.size() == 1)
-        subject.facing.push_back(scanners[0] == p ? vec3(0) : vec3(glm::normalize(scanners[0] - p)));
-    }
-  }
-  if (reach > 0 && !subject.points.empty()) {
-    subject.box = {subject.points[0], subject.points[0]};
-    for (const dvec3& p : subject.points)
-      subject.box = {glm::min(subject.box.min, p), glm::max(subject.box.max, p)};
+  const std::size_t thinner = std::max<std::size_t>(1, sample.size() / 50'000);
+  for (std::size_t k = 0; k < sample.size(); k += thinner) {
+    const dvec3& p = sample[k];
+    if (!(glm::all(glm::greaterThanEqual(p, subject.box.min)) &&
+          glm::all(glm::lessThanEqual(p, subject.box.max))))
+      continue;
+    subject.points.push_back(p);
+    if (!cloud.normals.empty())
+      subject.facing.push_back(cloud.normals[k * stride]);
+    else if (scanners.size() == 1)
+      subject.facing.push_back(scanners[0] == p ? vec3(0) : vec3(glm::normalize(scanners[0] - p)));
   }
   return subject;
 }

@@ -30,18 +30,13 @@ struct Subject {
   std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
   std::vector<vec3> facing;  ///< where each of them faces: its normal, or the way to the one scanner; or none
   std::optional<Room> room;  ///< seen from within: walls between it and the camera are not drawn
-  bool thins_out = false;    ///< as around a scanner on a street: the box holds the nearer 85 % only
 };
 
 /// Where scanners stood, as far as the file says.
 std::vector<dvec3> scanners_of(const PointCloud& cloud);
 
-/// The 2-98 % box by points, widened to that of the well-sampled area: most points of a scan lie
-/// beside the scanner, and the tower that it stands before is few of them. Of what is inside, up to 50,000
-/// points. A side grows to the full box where that is at most a third of the diagonal further out:
-/// outliers do not decide the view, and neither the tower of a flat site nor the tip of a wedge is cut. Where
-/// points thin out around the middle, the nearer 85 % of them, unless a tower stands beyond. `whole`: all but
-/// isolated outliers.
+/// The box of what hangs together and holds most points for its size (connected.h); of what is inside, up to
+/// 50,000 points. `whole`: all but isolated outliers.
 Subject subject_of(const PointCloud& cloud, bool whole = false);
 
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points

@@ -174,9 +174,7 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
     if (reveals(area, up, into, *subject.room)) return into;
     subject.room.reset();
   }
-  // Amid what thins out, farther things would stand before the camera.
-  const double usual =
-      subject.thins_out ? elevation_amid : std::lerp(elevation_lying, elevation_standing, upright);
+  const double usual = std::lerp(elevation_lying, elevation_standing, upright);
   const double front = front_of(area, up);
   Standpoint best;
   double most = -1e300;

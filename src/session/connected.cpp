@@ -1,0 +1,120 @@
+#include "session/connected.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+#include <vector>
+
+namespace sfumato {
+namespace {
+
+constexpr double most = 1 << 20;  // voxels to each side: 21 bits an axis
+constexpr std::uint64_t axis_mask = (1 << 21) - 1;
+
+struct Part {
+  std::uint64_t key = 0;
+  double points = 0;
+  dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  void add(const Part& other) {
+    points += other.points;
+    low = glm::min(low, other.low), high = glm::max(high, other.high);
+  }
+};
+
+std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return x << 42 | y << 21 | z; }
+
+/// One part for each key, ascending.
+void merge(std::vector<Part>& parts) {
+  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.key < b.key; });
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    if (parts[i].key == parts[last].key)
+      parts[last].add(parts[i]);
+    else
+      parts[++last] = parts[i];
+  parts.resize(std::min(parts.size(), last + 1));
+}
+
+/// How much of a picture of a box is closed by the points in it: of cells so wide that an even spread over a
+/// square would put sixteen in each, or a 64th of the box, the area of those with four or more, in squares of
+/// the diagonal.
+double closed_share(std::span<const dvec3> points, const Bounds& box) {
+  constexpr std::size_t closes = 4;
+  std::vector<dvec3> inside;
+  for (const dvec3& p : points)
+    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max)))
+      inside.push_back(p);
+  const double side = std::clamp(std::sqrt(double(inside.size())) / double(closes), 8.0, 64.0),
+               edge = box.diagonal() / side;
+  std::unordered_map<std::uint64_t, std::size_t> counts;
+  std::size_t closed = 0;
+  for (const dvec3& p : inside) {
+    const dvec3 at = glm::floor((p - box.min) / edge);
+    closed += ++counts[key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z))] == closes;
+  }
+  return (double(closed) + 0.5) / (side * side);
+}
+
+/// Of voxels, what touches by a side, an edge or a corner.
+std::vector<Part> components(const std::vector<Part>& voxels) {
+  std::unordered_map<std::uint64_t, std::uint32_t> places;
+  places.reserve(voxels.size());
+  std::vector<std::uint32_t> root(voxels.size());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](std::uint32_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (std::uint32_t i = 0; i < voxels.size(); ++i) {
+    const std::uint64_t key = voxels[i].key;
+    // Those that come earlier; a step below 0 comes out at the far side, where nothing is.
+    for (int step = 0; step < 13; ++step) {
+      const std::uint64_t x = (key >> 42) + std::uint64_t(step / 9 - 1),
+                          y = (key >> 21 & axis_mask) + std::uint64_t(step / 3 % 3 - 1),
+                          z = (key & axis_mask) + std::uint64_t(step % 3 - 1);
+      const auto other = places.find(key_of(x & axis_mask, y & axis_mask, z & axis_mask));
+      if (other != places.end()) root[find(i)] = find(other->second);
+    }
+    places.emplace(key, i);
+  }
+  std::vector<Part> parts(voxels.size());
+  for (std::uint32_t i = 0; i < voxels.size(); ++i) parts[find(i)].add(voxels[i]);
+  std::erase_if(parts, [](const Part& part) { return part.points == 0; });
+  return parts;
+}
+
+}  // namespace
+
+Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain) {
+  constexpr double finest = 1024;  // of the usual size: a pixel or two
+  constexpr double least = 0.2;    // of the points: of less, no score could make up for it
+  const double edge = usual.diagonal() / finest;
+  if (!(edge > 0)) return {usual, 1};
+  std::vector<Part> voxels;
+  for (const dvec3& p : points) {
+    const dvec3 at = glm::clamp(glm::floor((p - usual.min) / edge) + most, dvec3(0), dvec3(2 * most - 1));
+    voxels.push_back({key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)), 1, p, p});
+  }
+  Bounds before;
+  Connected best{usual, 0};
+  double highest = -std::numeric_limits<double>::infinity();
+  while (true) {
+    merge(voxels);
+    const std::vector<Part> parts = components(voxels);
+    for (const Part& part : parts) {
+      const double share = part.points / double(points.size());
+      if (share < least || (part.low == before.min && part.high == before.max)) continue;
+      before = {part.low, part.high};
+      const double score = std::log(share) + gain * std::log(closed_share(points, before));
+      if (score > highest) highest = score, best = {before, share};
+    }
+    if (parts.size() <= 1) return best;
+    for (Part& voxel : voxels)
+      voxel.key = key_of(voxel.key >> 43, voxel.key >> 22 & axis_mask >> 1, (voxel.key & axis_mask) >> 1);
+  }
+}
+
+}  // namespace sfumato

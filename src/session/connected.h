@@ -1,0 +1,21 @@
+// What of a scan hangs together: of a picture, the part that its frame is for.
+#pragma once
+
+#include <span>
+
+#include "core/point_cloud.h"
+
+namespace sfumato {
+
+struct Connected {
+  Bounds box;
+  double share = 0;  ///< of the points
+};
+
+/// Of all that single linkage joins at some distance (in voxels of 2^k, that touch), what has most by the
+/// logarithms of its share of the points and, times `gain`, of how much of a picture of it they close: what
+/// is farther and sparse would make the rest small, and is left out unless it is connected. `usual` is the
+/// box of most.
+Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain);
+
+}  // namespace sfumato
