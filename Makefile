@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan portability soak fuzz format install deb container tarball wheel uninstall clean help
+.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan portability gpu-report soak fuzz format install deb container tarball wheel uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -104,6 +104,10 @@ fuzz:  ## every parser under libFuzzer and sanitizers (clang), FUZZ_SECONDS=60 e
 portability:  ## tests of passes and techniques and golden pictures on every OpenGL 4.5 that this machine can have
 	@$(call configure,test) && cmake --build build/test --target passes_test every_technique_test golden_test sfumato
 	@scripts/portability
+
+gpu-report: all  ## what this machine's OpenGL draws and how fast: tests, pictures, frames, 1e9 points; ARGS="--levels MILLIONS"
+	@$(call configure,test) && cmake --build build/test
+	@scripts/gpu-report $(ARGS)
 
 soak:  ## the window under random input for MINUTES (10), SEED (1); PRESET=asan: under the address sanitizer
 	@$(call configure,$(or $(PRESET),test)) && cmake --build build/$(or $(PRESET),test) --target sfumato_soak
