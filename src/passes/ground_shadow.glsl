@@ -2,6 +2,7 @@
 //   LAYER    the map is one layer of see-through casters: what they let pass is multiplied into `passed`
 //   PASSED   the ground gets what see-through casters let pass
 #include "frame.glsl"
+#include "light_map.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D light_map;
 #ifdef LAYER
@@ -29,8 +30,8 @@ bool filter_pixel(ivec2 pixel) {
   vec2 texel = vec2(light_intrinsics.x * at.x, -light_intrinsics.y * at.y) / (light_orthographic ? 1.0 : depth) +
                light_intrinsics.zw;
   ivec2 size = textureSize(light_map, 0);
-  bool is_seen = t > 0.0 && (light_orthographic || depth > 0.0) && all(greaterThanEqual(texel, vec2(0.0))) &&
-                 all(lessThan(texel, vec2(size)));
+  bool is_seen = t > 0.0 && (light_orthographic || depth > 0.0) &&
+                 is_in_map(at, light_orthographic ? 1.0 : depth, light_intrinsics, vec2(size));
 #ifdef LAYER
   float lit = 1.0;
 #else

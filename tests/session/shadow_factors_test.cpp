@@ -166,7 +166,10 @@ TEST_F(ShadowFactorsTest, WhatHasNoneIsLit) {
   }
   cloud.set_scalar({"shadow", 0, std::vector<float>(cloud.size(), std::nanf(""))});
   show(renderer, cloud, splats_->needs());
-  EXPECT_TRUE(is_equal(picture(renderer, settings, camera), lit));
+  // Other shaders, which a driver may round in another way.
+  const Image<vec4> all_lit = picture(renderer, settings, camera);
+  for (std::size_t i = 0; i < lit.size(); ++i)
+    ASSERT_LE(glm::distance(all_lit.data()[i], lit.data()[i]), 1e-5f) << i;
 }
 
 TEST_F(ShadowFactorsTest, NeedALightThatStandsSomewhere) {
