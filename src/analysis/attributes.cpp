@@ -61,7 +61,8 @@ bool complete_for_all(const std::vector<T>& values) {
 constexpr std::size_t few_neighbors = 8;
 constexpr float line_like = 8;
 /// They are believed when they lie so much better in a plane, and when of the points around at least this
-/// share has a flat neighbourhood of all: among leaves and in noise a few are flat by chance.
+/// share has a neighbourhood of all that lies as much better: among leaves and in noise a few are flat by
+/// chance.
 constexpr float better = 4, flat_around = 0.2f, not_flat = 0.08f;
 constexpr std::size_t around = 64;
 /// How flat such a point is: on a surface, but not clearly in a plane where its disc is large.
@@ -223,12 +224,12 @@ class Completion {
   static void take_near_normals(const tbb::concurrent_vector<NearNormal>& found,
                                 const std::vector<float>& scatter, std::vector<vec3>& normals,
                                 std::vector<float>& flatness) {
-    std::vector<std::uint8_t> flat((scatter.size() + around - 1) / around);  // points of each block
-    for (std::size_t i = 0; i < scatter.size(); ++i) flat[i / around] += is_flat(scatter[i]);
     for (const NearNormal& near : found) {
-      const std::size_t block = near.point / around,
-                        points = std::min(around, scatter.size() - block * around);
-      if (float(flat[block]) < flat_around * float(points)) continue;
+      const std::size_t first = near.point / around * around, end = std::min(first + around, scatter.size());
+      const auto flat =
+          std::count_if(scatter.begin() + std::ptrdiff_t(first), scatter.begin() + std::ptrdiff_t(end),
+                        [&](float other) { return is_flat(other) && better * other < scatter[near.point]; });
+      if (float(flat) < flat_around * float(end - first)) continue;
       if (!missing(near.normal)) normals[near.point] = near.normal;
       if (!flatness.empty()) flatness[near.point] = std::max(flatness[near.point], flat_nearby);
     }

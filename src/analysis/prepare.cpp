@@ -7,6 +7,7 @@
 
 #include "analysis/attributes.h"
 #include "analysis/coincident.h"
+#include "analysis/given_normals.h"
 #include "analysis/morton.h"
 #include "analysis/range_image.h"
 #include "analysis/spacing.h"
@@ -94,6 +95,7 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
   progress.check();
   prepared.noise = surface_noise(tree);
   progress.check();
+  if (are_rough(prepared.cloud.normals, tree, options.neighbors)) prepared.cloud.normals = {};
   complete(prepared, choose(prepared, tree), options, &tree, progress);
   return prepared;
 }

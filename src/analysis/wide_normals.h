@@ -9,6 +9,11 @@
 
 namespace sfumato::analysis {
 
+/// Expected square of the angle between the normal of a plane of least squares and that of the surface,
+/// radians: the scatter over the number of points (an eigenvector's perturbation by noise), for either axis
+/// of the tilt.
+float error2_of_noise(float scatter, float points);
+
 /// Averages each normal (unit, of either side) with those of the planes through the 200 and 1600 points
 /// around it, each by the inverse of its expected square error: that of noise, and for wider planes what
 /// surfaces bend within them. Noise is as thick seen from far as from near; bends and edges are thicker.

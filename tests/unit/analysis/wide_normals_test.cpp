@@ -127,4 +127,26 @@ TEST(WideNormals, GivenNormalsStay) {
   }
 }
 
+// Those that came with a scan may be of too few of its noisy points.
+TEST(WideNormals, GivenNormalsThatAreRougherThanComputedOnesAreComputed) {
+  for (const float degrees : {1.0f, 12.0f}) {
+    std::mt19937 random(3);
+    std::normal_distribution<float> tilt(0, glm::radians(degrees));
+    PointCloud cloud = cloud_of(noisy_square(0.2f));
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      cloud.normals.push_back(glm::normalize(vec3(tilt(random), tilt(random), i % 2 ? 1 : -1)));
+    const PreparedCloud prepared = prepare(cloud, Attribute::normal, {});
+    EXPECT_EQ(prepared.computed.has(Attribute::normal), degrees > 10) << degrees;
+    const std::vector<float> errors = errors_of(prepared.cloud, [](const vec3&) { return vec3(0, 0, 1); });
+    EXPECT_LT(errors[errors.size() / 2], 2) << degrees;
+  }
+}
+
+TEST(WideNormals, GivenNormalsOfWhatBendsStay) {
+  PointCloud cloud = cloud_of(noisy_sphere(2'000, 1, 0));  // 0.08 apart: neighbours turn by 13 degrees
+  for (const vec3& p : cloud.positions) cloud.normals.push_back(glm::normalize(p));
+  const PreparedCloud prepared = prepare(cloud, Attribute::normal, {});
+  EXPECT_FALSE(prepared.computed.has(Attribute::normal));
+}
+
 }  // namespace
