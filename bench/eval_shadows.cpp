@@ -1,6 +1,7 @@
-// The resolution of the light map against the analytic shadow of a sphere over a plane: `make eval-shadows`.
+// What light maps let through, and their resolution against the analytic shadow of a sphere over a plane:
+// `make eval-shadows`.
 //
-//   eval_shadows [PICTURE.png]   the table on standard output; the plane's points from above at three
+//   eval_shadows [PICTURE.png]   the tables on standard output; the plane's points from above at three
 //   resolutions
 //
 // Points are scattered at random. The light shines straight down, so that the shadow is a disc.
@@ -52,14 +53,15 @@ Scene make_scene(double density, bool half, unsigned seed) {
   return scene;
 }
 
-std::vector<float> factors(const PreparedCloud& prepared, double texel, int fills) {
+std::vector<float> factors(const PreparedCloud& prepared, double texel, int fills,
+                           const char* light = "dir:0,0,1") {
   GpuCloud gpu(prepared, std::vector<Rgba8>(prepared.cloud.size()));
   RenderSettings settings;
   settings.shadows = Shadows::hard;
   gl::Timers timers(false);
   ShadowMaps maps;
   maps.set_resolution(texel, fills);
-  maps.update(std::array{&gpu}, settings, Light::parse("dir:0,0,1"), timers, no_progress());
+  maps.update(std::array{&gpu}, settings, Light::parse(light), timers, no_progress());
   std::vector<float> all;
   for (GpuCloud::Chunk& chunk : gpu.chunks()) {
     std::vector<float> values(chunk.count);
@@ -102,6 +104,61 @@ Errors measure(const Scene& scene, double texel, int fills, double density) {
           double(lit_within + dark_beyond) / unit, (double(dark_beyond) - double(lit_within)) / unit};
 }
 
+/// Ground under a caster of random points, lit from above.
+struct Caster {
+  const char* name;
+  double nearness;  ///< of the caster to a point light: its distance by the ground's; 0: parallel light
+  double spacing;   ///< of the caster, by that of the ground
+};
+
+/// Share of the points in shadow that are lit; of those that are not, far from the rim, that are dark.
+std::pair<double, double> leaks(const Caster& caster) {
+  const double spacing = 0.01, rim = caster.nearness > 0 ? 0.8 * caster.nearness : 1;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  PointCloud cloud;
+  auto add = [&](const dvec3& p, const dvec3& n) {
+    cloud.positions.push_back(vec3(p));
+    cloud.normals.push_back(vec3(n));
+  };
+  const double light = 8, above = caster.nearness > 0 ? light * (1 - caster.nearness) : 1;
+  for (int i = 0; i < int(16 / (spacing * spacing)); ++i)
+    add({2 * uniform(random), 2 * uniform(random), 0}, {0, 0, 1});
+  const std::size_t receivers = cloud.size();
+  const double apart = spacing * caster.spacing;
+  const double wide = caster.nearness > 0 ? 3 * caster.nearness : 4;
+  for (int i = 0; i < int(2 * wide * (wide + rim) / (apart * apart)); ++i)
+    add({rim - 0.5 * (wide + rim) * (1 + uniform(random)), wide * uniform(random), above}, {0, 0, 1});
+  const PreparedCloud prepared = analysis::prepare(std::move(cloud), {}, {});
+  const char* from = caster.nearness > 0 ? "0,0,8" : "dir:0,0,1";
+  const std::vector<float> m = factors(prepared, ShadowMaps::texel_spacings, 1, from);
+  std::size_t dark = 0, lit = 0, beside = 0, shadowed = 0;
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    if (prepared.cloud.source_index[i] >= receivers) continue;
+    const double edge = caster.nearness > 0 ? rim / caster.nearness : rim;
+    const double band = 2 * apart / (caster.nearness > 0 ? caster.nearness : 1);
+    const double x = prepared.cloud.positions[i].x + prepared.cloud.origin.x;
+    if (x < edge - band) ++dark, lit += m[i] > 0.5f;
+    if (x > edge + band) ++beside, shadowed += m[i] < 0.5f;
+  }
+  return {double(lit) / double(dark), double(shadowed) / double(std::max<std::size_t>(beside, 1))};
+}
+
+void print_leaks() {
+  std::printf(
+      "| caster | points in its shadow that are lit, goal 1 %% | points beside it that are dark "
+      "|\n|---|---|---|\n");
+  const Caster casters[] = {
+      {"at half the distance to a point light", 0.5, 1}, {"at a third", 1.0 / 3, 1}, {"at a tenth", 0.1, 1},
+      {"twice the spacing, parallel light", 0, 2},       {"five times", 0, 5},       {"ten times", 0, 10}};
+  for (const Caster& caster : casters) {
+    const auto [lit, shadowed] = leaks(caster);
+    std::printf("| %s | %.2f %% | %.2f %% |\n", caster.name, 100 * lit, 100 * shadowed);
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
 /// A corner of the shadow from above: every pixel shows whether the plane's point nearest to it is lit.
 void draw(Image<Rgba8>& picture, int x0, int side, const Scene& scene, const std::vector<float>& m) {
   const double from = 0.12, to = 0.56, pixel = (to - from) / side;
@@ -131,6 +188,7 @@ void draw(Image<Rgba8>& picture, int x0, int side, const Scene& scene, const std
 
 int main(int argc, char** argv) {
   const auto context = gl::Context::create_headless();
+  print_leaks();
   const double density = 40'000;  // spacing 0.005: 200 along the shadow
   const std::vector<double> texels{0.5, 0.75, 1, 1.25, 1.5, 2, 3, 4, 6};
   for (const bool half : {true, false}) {

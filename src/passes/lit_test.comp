@@ -37,8 +37,9 @@ uniform LightView views[MAPS];
 #define VIEW views[k]
 #endif
 
-uniform uint point_count;
 uniform float d_min;   // scene units
+uniform float d_min_spacings;  // of where the point is, if that is more
+uniform float largest_spacing; // scene units
 uniform bool has_normals;
 uniform bool is_first; // what the points were given before does not count
 
@@ -49,10 +50,14 @@ const float c_min = 0.1;
 const float near_texels = 2.0, far_texels = 2.5;
 
 void main() {
-  uint index = gl_GlobalInvocationID.x + group_row() * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  if (index >= point_count) return;
-  int i = int(index);
+  Batch batch = visible_batch(group_row());
+  int in_batch = int(gl_GlobalInvocationID.x);
+  if (in_batch >= batch.count) return;
+  int i = batch.first + in_batch;
   vec4 position = vec4(point_position(i), 1.0);
+  // Where points are sparse, so are those around: their discs in the map reach as far and are off by as much.
+  float spacing = min(spacing_in(group_row(), batch, position.xyz), largest_spacing);
+  float own_gap = max(d_min, d_min_spacings * spacing);
   vec3 normal = has_normals ? point_normal(i) : vec3(0.0);
   bool has_normal = dot(normal, normal) > 0.25;
 
@@ -79,7 +84,7 @@ void main() {
 #endif
     pixel += VIEW.intrinsics.zw;
     // Without a normal, as for a surface tilted by 60 degrees to the light.
-    float offset = d_min / max(has_normal ? cosine : 0.5, c_min);
+    float offset = own_gap / max(has_normal ? cosine : 0.5, c_min);
     ivec2 size = textureSize(light_maps[k], 0);
     bool is_inside = all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)));
     if (is_inside && depth >= VIEW.near_plane) {
@@ -89,14 +94,14 @@ void main() {
       // flatter side of each axis, as an outline has the background on one side. (A loop of none costs nothing on
       // software GL, a branch does.)
       float rise = 0.0;
-      int axes = lit <= 0.0 && !has_normal && depth < map_here + d_min / c_min ? 2 : 0;
+      int axes = lit <= 0.0 && !has_normal && depth < map_here + own_gap / c_min ? 2 : 0;
       for (int axis = 0; axis < axes; ++axis) {
         ivec2 along = ivec2(1 - axis, axis);
         float after = texelFetch(light_maps[k], min(texel + along, size - 1), 0).x;
         float before = texelFetch(light_maps[k], max(texel - along, ivec2(0)), 0).x;
         rise += min(abs(after - map_here), abs(before - map_here));
       }
-      if (rise > 0.0) offset = clamp(d_min + 2.0 * rise, offset, d_min / c_min);
+      if (rise > 0.0) offset = clamp(own_gap + 2.0 * rise, offset, own_gap / c_min);
       lit = depth < map_here + offset ? 1.0 : 0.0;
       // A texel that a caster only touches is dark as a whole. Who stands behind the caster's rim, in the light, has
       // a neighbour in which the light sees the same surface; what else lies behind the rim says nothing about it.

@@ -25,6 +25,7 @@ layout(binding = UNIT_INPUT) uniform sampler2D reference_depth;
 uniform int size_mode;      // 0 adaptive, 1 pixels, 2 world
 uniform float point_size;   // factor, px, scene units
 uniform float largest_spacing;  // scene units; adaptive sizes where points are sparser stay at it
+uniform float single_px;    // what is narrower is the one pixel that it falls into
 uniform float wide_px;      // adaptive sizes above it grow with their fourth root; 0: no
 uniform float min_gap;      // scene units behind the reference
 
@@ -125,15 +126,16 @@ void main() {
     diameter *= min(spacing_in(group_row(), batch, position), largest_spacing) * pixels_at(depth);
   if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = wide_px * sqrt(sqrt(diameter / wide_px));
   if (size_mode == 2) diameter *= pixels_at(depth);
+  bool is_single = diameter < single_px;
 #ifdef ORIENTED
   precise vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
-  if (dot(normal, normal) > 0.25) {
+  if (dot(normal, normal) > 0.25 && !is_single) {
     precise float radius = max(0.5 * min(diameter, max_footprint_px), least_px) / pixels_at(depth);
     cover_oriented(i, eye, normal, radius, diameter < dense_px);
     return;
   }
 #endif
-  if (diameter > 1.0) {
+  if (diameter > 1.0 && !is_single) {
     float radius = 0.5 * min(diameter, max_footprint_px);
     // A disc is a paraboloid as deep as its radius, so that neighbours meet halfway instead of one covering
     // the other (Schuetz 2016, Potree): no edges inside a surface for eye-dome lighting to find.

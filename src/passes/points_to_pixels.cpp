@@ -27,7 +27,9 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
   program.set("size_mode", int(footprint.mode)).set("point_size", footprint.size).set("min_gap", min_gap);
-  program.set("wide_px", footprint.wide_px).set("max_footprint_px", footprint.most_px);
+  program.set("single_px", footprint.single_px)
+      .set("wide_px", footprint.wide_px)
+      .set("max_footprint_px", footprint.most_px);
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   if (lists && !index) program.set("inverse_bin", inverse_bin_);
   if (oriented) program.set("least_px", 0.71f).set("dense_px", 1.5f);

@@ -104,15 +104,15 @@ class ShadowMaps {
   /// (`passed_`) and the ground. `is_first`: nothing has stopped any of it yet.
   void peel(GpuCloud& caster, Clouds clouds, const Camera& light_camera, float d_min, bool is_first,
             gl::Timers& timers, const Catcher* catcher);
-  /// The closed light map of the solid points, whose texels are those of `map_spacing`; the points of a
-  /// sparser cloud cover as many texels more.
-  void draw_map(Clouds clouds, const View& view, float map_spacing, float d_min, gl::Texture& map,
-                gl::Timers& timers);
+  /// The closed light map of the solid points; a point covers as many texels as the spacing around it asks at
+  /// its distance from the light.
+  void draw_map(Clouds clouds, const View& view, float d_min, gl::Texture& map, gl::Timers& timers);
   /// Tests every point of the cloud against all of `maps`: one view each, or layers of one view with their
-  /// opacities bound behind. `is_first`: the points know nothing yet. `elsewhere`: of each view, light that
-  /// falls on what its map does not hold.
+  /// opacities bound behind. A point is dark from `d_min` behind a map, or `spacings` of those around it if
+  /// that is more. `is_first`: the points know nothing yet. `elsewhere`: of each view, light that falls on
+  /// what its map does not hold.
   void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
-                   std::span<const gl::Texture> maps, float d_min, bool is_first,
+                   std::span<const gl::Texture> maps, float d_min, float spacings, bool is_first,
                    std::span<const float> elsewhere = {}, float share = 0);
   /// `elsewhere`: light of the sample that falls on what the map does not hold.
   void test_ground(const Catcher& catcher, bool has_passed, float elsewhere, const View& light_view,

@@ -36,6 +36,20 @@ class ShadowTest : public GlTest {
     return cloud;
   }
 
+  /// As many points as a sheet of `side` has, anywhere on it.
+  static PointCloud random_sheet(int side, float extent, float height, float x_from, float x_to) {
+    PointCloud cloud;
+    std::mt19937 random(12);
+    std::uniform_real_distribution<float> uniform(-extent, extent);
+    for (int i = 0; i < side * side; ++i) {
+      const vec3 p(uniform(random), uniform(random), height);
+      if (p.x < x_from || p.x > x_to) continue;
+      cloud.positions.push_back(p);
+      cloud.normals.push_back({0, 0, 1});
+    }
+    return cloud;
+  }
+
   /// Shadow factor of the ground in a picture of 100 x 100 pixels that sees `across` of it from above.
   Image<float> ground_factor(GpuCloud& gpu, const RenderSettings& settings, double across) {
     const View view(camera_above(4, across, 100), prepared_.cloud.origin);
@@ -240,6 +254,54 @@ TEST_F(ShadowTest, SparseCloudsCastAsWideAsTheirSpacing) {
   const PointCloud patch = sheet(100, 0.1f, 0), roof = sheet(20, 2, 1);
   const std::vector<float> below = factors_of({patch, roof}, hard("dir:0,0,1"))[0];
   EXPECT_GE(std::count(below.begin(), below.end(), 0.0f), std::ptrdiff_t(below.size() * 99 / 100));
+}
+
+// The points of a caster near a point light lie as many texels apart as they are nearer to it.
+TEST_F(ShadowTest, CastersNearALightLetNoneThrough) {
+  for (const double share : {0.5, 1.0 / 3, 0.1}) {  // of the distance from the light to the ground
+    PointCloud cloud = sheet(160, 2, 0);
+    const std::size_t plane = cloud.size();
+    append(cloud, random_sheet(160, 2, float(8 * (1 - share)), float(-share), float(share)));
+    for (const bool has_normals : {true, false}) {
+      if (!has_normals) cloud.normals.clear();
+      const std::vector<float> m = factors(cloud, hard("0,0,8"));
+      std::size_t dark = 0, lit = 0, beside = 0, shadowed = 0;
+      for (std::size_t i = 0; i < plane; ++i) {
+        const vec3 p = cloud.positions[i];
+        if (std::abs(p.x) < 0.8f && std::abs(p.y) < 1.8f) ++dark, lit += m[i] > 0.5f;
+        // A point reaches 1.3 spacings beyond the rim, seen from the light as far as it is nearer.
+        if (std::abs(p.x) > 1 + 2 * 0.025 / share) ++beside, shadowed += m[i] < 0.99f;
+      }
+      EXPECT_GT(dark, 5000u);
+      EXPECT_LE(lit, dark / 100) << share << has_normals;
+      EXPECT_LE(shadowed, beside / 500) << share << has_normals;
+    }
+  }
+}
+
+// A part of a cloud that is sparser than the rest casts the shadow that its surface does.
+TEST_F(ShadowTest, SparsePartsLetNoneThrough) {
+  for (const int times : {2, 5, 10}) {
+    const int side = 600;
+    PointCloud cloud = sheet(side, 2, 0);
+    const std::size_t plane = cloud.size();
+    append(cloud, random_sheet(3 * side / times, 6, 1.5f, -6, 1));
+    const float own = 4.0f / float(side) * float(times);
+    for (const bool has_normals : {true, false}) {
+      if (!has_normals) cloud.normals.clear();
+      const std::vector<float> m = factors(cloud, hard("dir:0,0,1"));
+      std::size_t dark = 0, lit = 0, beside = 0, shadowed = 0;
+      for (std::size_t i = 0; i < plane; ++i) {
+        const vec3 p = cloud.positions[i];
+        if (p.x < 1 - 2 * own) ++dark, lit += m[i] > 0.5f;
+        if (p.x > 1 + 1.4f * own) ++beside, shadowed += m[i] < 0.99f;
+      }
+      EXPECT_GT(dark, 5000u);
+      // Among points ten times as dense its batches have points of both, and spacings in between.
+      EXPECT_LE(lit, dark * (times < 10 ? 1 : 3) / 100) << times << has_normals;
+      EXPECT_LE(shadowed, beside / 500) << times << has_normals;
+    }
+  }
 }
 
 // A wall that is cut off casts nothing, whether shadows were found before or not.

@@ -23,8 +23,8 @@ class LitSideTest : public GlTest {
 
   /// Pixels that are darker with shadows than without by more than 2 % of their light: a sixteenth of a light
   /// sample, or rounding twice to 8 bits.
-  /// `truth`: depths of a perfect picture, if known; where another surface shows through a gap between points
-  /// it may well be in the shadow.
+  /// Where another surface shows through a gap between points it is in the shadow of theirs. `truth` tells
+  /// where, depths of a perfect picture; without one, it shows where nearer pixels surround what is seen.
   static Darkened compare(const RenderOutput& with, const RenderOutput& without, const Image<float>& truth,
                           float same) {
     Darkened result;
@@ -33,9 +33,27 @@ class LitSideTest : public GlTest {
       const vec4 lit = without.color_linear.data()[i], seen = with.color_linear.data()[i];
       if (lit.a < 0.5f) continue;
       ++result.covered;
+      if (truth.empty() && is_through_gap(with.depth, int(i), same)) continue;
       result.darkened += seen.r + seen.g + seen.b < 0.98f * (lit.r + lit.g + lit.b);
     }
     return result;
+  }
+
+  /// The rule of passes/fill.glsl, on rings of up to 8 px: no five pixels of the ring in a row are as far.
+  static bool is_through_gap(const Image<float>& depth, int pixel, float gap) {
+    const ivec2 at(pixel % depth.width(), pixel / depth.width());
+    const ivec2 ring[8] = {{-1, -1}, {0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}};
+    for (int r : {1, 2, 4, 8}) {
+      unsigned far = 0;
+      for (int k = 0; k < 8; ++k) {
+        const ivec2 p = at + r * ring[k];
+        const bool is_inside = p.x >= 0 && p.y >= 0 && p.x < depth.width() && p.y < depth.height();
+        if (!is_inside || !(depth.at(p.x, p.y) < depth.at(at.x, at.y) - gap)) far |= 1u << k;
+      }
+      const unsigned twice = far | far << 8;
+      if (!(twice & twice >> 1 & twice >> 2 & twice >> 3 & twice >> 4 & 0xff)) return true;
+    }
+    return false;
   }
 
   /// The default view of the cloud, parallel or not, and the light that shines along it.
@@ -109,21 +127,21 @@ class LitSideOfScanTest : public LitSideTest, public ::testing::WithParamInterfa
 
 TEST_P(LitSideOfScanTest, IsLit) {
   SFUMATO_NEEDS_REAL_SCAN(GetParam());
-  // Between the discs of `splats`, office1 shows what is far behind its walls, in their shadow. Between the
-  // armadillo's fingers the light map's texels are wider than the gap, and each of the few points that darken
-  // there is a disc of three spacings in `layers`.
+  // Discs of single leaves cover the ground beside them in a survey from the air.
   std::map<std::string, double> missed;
-  if (std::string(GetParam()) == "office1.pcd") missed = {{"splats", 0.004}};
-  if (std::string(GetParam()) == "armadillo.obj") missed = {{"layers", 0.003}};
+  if (std::string(GetParam()) == "FSite7_orig-utm.pcd") missed = {{"pull_push", 0.008}};
   expect_lit(GetParam(), io::read(test::data_folder() / GetParam()).cloud, nullptr, missed);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, LitSideOfScanTest,
                          ::testing::Values("dragon_vrip_res2.ply", "armadillo.obj", "Guanyin.ply",
-                                           "office1.pcd"),
+                                           "office1.pcd", "indoor.laz", "lion_takanawa.copc.laz",
+                                           "FSite7_orig-utm.pcd"),
                          [](const auto& scan) {
-                           const std::string file = scan.param;
-                           return file.substr(0, file.find('.'));
+                           std::string name = scan.param;
+                           name.resize(name.find('.'));
+                           std::erase(name, '-');
+                           return name;
                          });
 
 }  // namespace
