@@ -20,19 +20,34 @@ constexpr float bend = 0.1f, quartiles = 6;
 
 constexpr std::size_t most = 256;
 
-/// A convex polygon around the origin, cut by half planes; remembers which of its edges were there first.
+constexpr std::size_t sides = 12;
+
+/// The corners of a regular polygon around the unit circle.
+struct Ring {
+  std::array<float, sides> x, y;
+};
+const Ring& ring() {
+  static const Ring corners = [] {
+    Ring ring;
+    for (std::size_t k = 0; k < sides; ++k) {
+      const float angle = 2 * std::numbers::pi_v<float> * float(k) / sides;
+      const float reach = 1 / std::cos(std::numbers::pi_v<float> / sides);
+      ring.x[k] = reach * std::cos(angle), ring.y[k] = reach * std::sin(angle);
+    }
+    return ring;
+  }();
+  return corners;
+}
+
+/// A convex polygon around the origin, cut by half planes; remembers which of its edges were there first. One
+/// for every point of a cloud: nothing is written that is not read.
 class Polygon {
  public:
-  /// A regular one around a circle.
-  explicit Polygon(float radius) {
-    constexpr std::size_t corners = 12;
-    const float reach = radius / std::cos(std::numbers::pi_v<float> / corners);
-    for (std::size_t k = 0; k < corners; ++k) {
-      const float angle = 2 * std::numbers::pi_v<float> * float(k) / corners;
-      corners_[k] = {reach * vec2(std::cos(angle), std::sin(angle)), true};
+  explicit Polygon(float radius) : count_(sides) {
+    for (std::size_t k = 0; k < sides; ++k) {
+      corners_[k] = {radius * ring().x[k], radius * ring().y[k], true};
+      reach2_ = std::max(reach2_, corners_[k].x * corners_[k].x + corners_[k].y * corners_[k].y);
     }
-    count_ = corners;
-    reach2_ = reach * reach;
   }
 
   /// Keeps what is nearer to the origin than to `other`.
@@ -40,28 +55,34 @@ class Polygon {
     const float middle = 0.5f * glm::dot(other, other);
     if (!(middle > 0) || middle * middle >= reach2_ * 2 * middle)
       return;  // its bisector is beyond all corners
+    std::array<float, room> beyond;
+    bool is_cut = false;
+    for (std::size_t k = 0; k < count_; ++k) {
+      beyond[k] = corners_[k].x * other.x + corners_[k].y * other.y - middle;
+      is_cut = is_cut || beyond[k] > 0;
+    }
+    if (!is_cut || count_ + 2 > room) return;
     std::array<Corner, room> kept;
     std::size_t count = 0;
     float reach2 = 0;
+    bool is_closed = true;
+    const auto keep = [&](const Corner& place) {
+      kept[count++] = place;
+      is_closed = is_closed && !place.first;
+      reach2 = std::max(reach2, place.x * place.x + place.y * place.y);
+    };
     for (std::size_t k = 0; k < count_; ++k) {
-      const Corner &from = corners_[k], &to = corners_[k + 1 < count_ ? k + 1 : 0];
-      const float a = glm::dot(from.at, other) - middle, b = glm::dot(to.at, other) - middle;
-      if (a <= 0) kept[count++] = from;
-      if ((a <= 0) != (b <= 0)) {
-        const vec2 at = from.at + a / (a - b) * (to.at - from.at);
-        // The edge that begins here: the bisector where the polygon is left, else the rest of the one that
-        // was.
-        kept[count++] = {at, a <= 0 ? false : from.first};
-      }
-      if (count + 2 > room) return;
+      const std::size_t next = k + 1 < count_ ? k + 1 : 0;
+      const Corner &from = corners_[k], &to = corners_[next];
+      const float a = beyond[k], b = beyond[next];
+      if (a <= 0) keep(from);
+      if ((a <= 0) == (b <= 0)) continue;
+      // The edge that begins here: the bisector where the polygon is left, else the rest of the one that was.
+      const float t = a / (a - b);
+      keep({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), a <= 0 ? false : from.first});
     }
     std::copy(kept.begin(), kept.begin() + count, corners_.begin());
-    count_ = count;
-    is_closed_ = true;
-    for (std::size_t k = 0; k < count_; ++k) is_closed_ = is_closed_ && !corners_[k].first;
-    for (std::size_t k = 0; k < count_; ++k)
-      reach2 = std::max(reach2, glm::dot(corners_[k].at, corners_[k].at));
-    reach2_ = reach2;
+    count_ = count, is_closed_ = is_closed, reach2_ = reach2;
   }
 
   /// Nothing is left of its first edges.
@@ -74,10 +95,9 @@ class Polygon {
       const Corner &from = corners_[k], &to = corners_[k + 1 < count_ ? k + 1 : 0],
                    &before = corners_[k > 0 ? k - 1 : count_ - 1];
       if (from.first) {
-        const float across = from.at.x * to.at.y - from.at.y * to.at.x;
-        open += std::abs(std::atan2(across, glm::dot(from.at, to.at)));
+        open += std::abs(std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y));
       } else if (!before.first) {
-        cell.radius = std::max(cell.radius, glm::length(from.at));
+        cell.radius = std::max(cell.radius, std::sqrt(from.x * from.x + from.y * from.y));
       }
     }
     cell.closed = std::max(0.0f, 1 - open / (2 * std::numbers::pi_v<float>));
@@ -87,14 +107,33 @@ class Polygon {
  private:
   static constexpr std::size_t room = 48;
   struct Corner {
-    vec2 at{0};
-    bool first = false;  ///< of the edge from here to the next
+    float x, y;
+    bool first;  ///< of the edge from here to the next
   };
   std::array<Corner, room> corners_;
-  std::size_t count_ = 0;
+  std::size_t count_;
   float reach2_ = 0;
   bool is_closed_ = false;
 };
+
+/// The value that `n` others do not exceed, as std::nth_element finds it; fast for a small n.
+float nth_smallest(std::span<const float> values, std::size_t n) {
+  constexpr std::size_t few = 16;
+  std::array<float, most> least;
+  if (n >= few) {
+    std::copy(values.begin(), values.end(), least.begin());
+    std::nth_element(least.begin(), least.begin() + n, least.begin() + values.size());
+    return least[n];
+  }
+  std::size_t count = 0;
+  for (const float value : values) {
+    if (count > n && !(value < least[n])) continue;
+    std::size_t at = count > n ? n : count++;
+    for (; at > 0 && value < least[at - 1]; --at) least[at] = least[at - 1];
+    least[at] = value;
+  }
+  return least[n];
+}
 
 }  // namespace
 
@@ -107,28 +146,29 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
   if (!(spacing_all > 0)) return {0, 0};
   const vec3 aside = std::abs(normal.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0);
   const vec3 along = glm::normalize(glm::cross(normal, aside)), across = glm::cross(normal, along);
-  std::array<float, most> heights, sorted, distances2;
+  std::array<float, most> heights, distances2;
   float reach2 = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const vec3 way = positions[neighbors[k]] - positions[point];
-    sorted[k] = heights[k] = std::abs(glm::dot(way, normal));
+    heights[k] = std::abs(glm::dot(way, normal));
     distances2[k] = glm::dot(way, way);
     reach2 = std::max(reach2, distances2[k]);
   }
-  std::nth_element(sorted.begin(), sorted.begin() + count / 4, sorted.begin() + count);
-  const float layer = std::max(bend * std::sqrt(reach2), quartiles * sorted[count / 4]);
-  float spacing = spacing_all;
+  const float layer = std::max(bend * std::sqrt(reach2),
+                               quartiles * nth_smallest(std::span(heights).first(count), count / 4));
+  float spacing = spacing_all, near2 = reach2;
   if (count > 8) {
-    std::nth_element(distances2.begin(), distances2.begin() + 7, distances2.begin() + count);
-    spacing = std::min(spacing, std::sqrt(distances2[7] * std::numbers::pi_v<float> / 8));
+    near2 = nth_smallest(std::span(distances2).first(count), 7);
+    spacing = std::min(spacing, std::sqrt(near2 * std::numbers::pi_v<float> / 8));
   }
   Polygon polygon(widest_gap * spacing);
-  // Inside a surface nobody asks how large the cell is.
-  for (std::size_t k = 0; k < count && !polygon.is_closed(); ++k) {
-    if (heights[k] > layer) continue;
-    const vec3 way = positions[neighbors[k]] - positions[point];
-    polygon.cut(vec2(glm::dot(way, along), glm::dot(way, across)));
-  }
+  // The nearest eight first, which mostly close it; inside a surface nobody asks how large the cell is.
+  for (const bool near : {true, false})
+    for (std::size_t k = 0; k < count && !polygon.is_closed(); ++k) {
+      if (heights[k] > layer || (distances2[k] <= near2) != near) continue;
+      const vec3 way = positions[neighbors[k]] - positions[point];
+      polygon.cut(vec2(glm::dot(way, along), glm::dot(way, across)));
+    }
   return polygon.cell();
 }
 
