@@ -58,9 +58,12 @@ void model_row(benchmark::State& state, const char* model, bool every_point = fa
 std::unique_ptr<Technique> all_soft(std::size_t count) {
   Renderer& renderer = tori_renderer(count, Attribute::normal);
   const double area = 4 * std::numbers::pi * std::numbers::pi * (0.45 + 0.30 + 0.15);
-  PreparedCloud& prepared = renderer.prepared();
-  prepared.cloud.radii.assign(prepared.cloud.size(), float(std::sqrt(area / double(count))));
-  prepared.available = prepared.available | Attribute::radius;
+  renderer.complete(
+      0, [](const PreparedCloud&) { return true; },
+      [&](PreparedCloud& prepared) {
+        prepared.cloud.radii.assign(prepared.cloud.size(), float(std::sqrt(area / double(count))));
+        prepared.available = prepared.available | Attribute::radius;
+      });
   auto technique = soft_technique("express");
   set(*technique, "field", "distance");
   set(*technique, "field_threshold", "-1");

@@ -13,10 +13,13 @@ namespace {
 void give_one_radius(std::size_t count) {
   Renderer& renderer = tori_renderer(count, Attribute::normal);
   const double area = 4 * std::numbers::pi * std::numbers::pi * (0.45 + 0.30 + 0.15);
-  PreparedCloud& prepared = renderer.prepared();
-  prepared.cloud.radii.assign(prepared.cloud.size(), float(std::sqrt(area / double(count))));
-  prepared.median_radius = prepared.cloud.radii.empty() ? 0 : prepared.cloud.radii.front();
-  prepared.available = prepared.available | Attribute::radius;
+  renderer.complete(
+      0, [](const PreparedCloud&) { return true; },
+      [&](PreparedCloud& prepared) {
+        prepared.cloud.radii.assign(prepared.cloud.size(), float(std::sqrt(area / double(count))));
+        prepared.median_radius = prepared.cloud.radii.empty() ? 0 : prepared.cloud.radii.front();
+        prepared.available = prepared.available | Attribute::radius;
+      });
 }
 
 void same_radius(benchmark::State& state, const char* blend) {

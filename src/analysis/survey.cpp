@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
 
 #include "analysis/attributes.h"
@@ -120,6 +121,8 @@ float surface_share(const NeighborTree& tree) {
 }
 
 float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) {
+  static std::mutex once;  // several threads may draw one cloud
+  const std::lock_guard lock(once);
   if (prepared.surface_share) return *prepared.surface_share;
   const Attributes all = Attribute::normal | Attribute::radius;
   const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);

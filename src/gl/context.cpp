@@ -84,12 +84,12 @@ struct Context::Egl {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
 
-  bool open(EGLDisplay candidate, const char*& lacks);
+  bool open(EGLDisplay candidate, const char*& lacks, EGLContext shared = EGL_NO_CONTEXT);
   void close();
 };
 
 /// Makes a context of this display current; false, and a reason, when it cannot do what we need.
-bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
+bool Context::Egl::open(EGLDisplay candidate, const char*& lacks, EGLContext shared) {
   // A display is one for the whole process, and stays: the program or another thread may use it, too.
   if (!eglInitialize(candidate, nullptr, nullptr)) return false;
   display = candidate;
@@ -116,7 +116,7 @@ bool Context::Egl::open(EGLDisplay candidate, const char*& lacks) {
   const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
   eglChooseConfig(display, wanted, &config, 1, &configs);
   const auto create = [&] {
-    context = eglCreateContext(display, configs ? config : EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    context = eglCreateContext(display, configs ? config : EGL_NO_CONFIG_KHR, shared, attributes);
     return context != EGL_NO_CONTEXT;
   };
   if (!create()) {
@@ -141,7 +141,7 @@ void Context::Egl::close() {
   context = EGL_NO_CONTEXT;
 }
 
-std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
+std::unique_ptr<Context> Context::create_headless(Preferences preferences, const Context* shared) {
   require_memory();
   // epoxy aborts the process where a library is missing, so look for them first.
   for (const char* library : {"libEGL.so.1", "libOpenGL.so.0"})
@@ -164,7 +164,8 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
   // Devices first: on machines with a GPU the surfaceless platform of Mesa would find only software. A device
   // whose driver is too old is passed over for the next one, software included.
   std::vector<EGLDisplay> displays;
-  if (has_extension(client, "EGL_EXT_platform_device") &&
+  if (shared) displays.push_back(shared->egl_->display);
+  if (!shared && has_extension(client, "EGL_EXT_platform_device") &&
       has_extension(client, "EGL_EXT_device_enumeration")) {
     EGLDeviceEXT devices[16];
     EGLint count = 0;
@@ -172,11 +173,13 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences) {
     for (EGLint i = 0; i < count; ++i)
       displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
   }
-  if (has_extension(client, "EGL_MESA_platform_surfaceless"))
+  if (!shared && has_extension(client, "EGL_MESA_platform_surfaceless"))
     displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
   const char* lacks = "no OpenGL: EGL found no driver";
   for (EGLDisplay display : displays)
-    if (display != EGL_NO_DISPLAY && context->egl_->open(display, lacks)) break;
+    if (display != EGL_NO_DISPLAY &&
+        context->egl_->open(display, lacks, shared ? shared->egl_->context : EGL_NO_CONTEXT))
+      break;
   if (context->egl_->context == EGL_NO_CONTEXT) fail(lacks);
 
   glDebugMessageCallback(on_message, &context->messages_);

@@ -27,7 +27,10 @@ class Context {
  public:
   /// On the first device that offers OpenGL 4.5, else the surfaceless platform. Where another context is
   /// current it stays so, else the new one is. Throws Error(no_gl) with what is missing and what to install.
-  static std::unique_ptr<Context> create_headless(Preferences preferences = Preferences::from_environment());
+  /// `shared`: a context on whose device this one is made and whose buffers and textures it can use, as it
+  /// can use those of this one.
+  static std::unique_ptr<Context> create_headless(Preferences preferences = Preferences::from_environment(),
+                                                  const Context* shared = nullptr);
   /// What the context made goes with it: delete GL objects of yours before, inside a `Use`.
   ~Context();
   Context(const Context&) = delete;

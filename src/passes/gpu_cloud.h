@@ -1,16 +1,8 @@
-// The cloud on the GPU: chunks of attribute buffers within the driver's limits, each holding many batches.
-// Attributes are uploaded on first use.
+// A cloud as one view shows it: a resident cloud that others may share, and beside it what this view says of
+// its points (colours, shadows, which batches are seen, what is cut away).
 #pragma once
 
-#include <cstdint>
-#include <limits>
-#include <memory>
-#include <span>
-#include <string>
-#include <vector>
-
-#include "core/prepared_cloud.h"
-#include "gl/buffer.h"
+#include "passes/resident_cloud.h"
 #include "passes/view.h"
 
 namespace sfumato {
@@ -22,11 +14,13 @@ class GpuCloud {
     std::uint32_t first_batch = 0, batch_count = 0;
     std::uint32_t visible_batches = 0;   ///< set by cull()
     std::uint32_t groups_per_batch = 0;  ///< work groups of 128 that cover the largest visible batch
-    gl::TextureBuffer positions, source_index, colors, normals, radii, shadow, batches;
+    gl::TextureBuffer shadow, batches;
   };
   /// One float for each point, of each chunk. It never changes, so its address says what it is: who keeps one
   /// knows it again.
-  using Values = std::vector<gl::TextureBuffer>;
+  using Values = ResidentCloud::Values;
+  using Shapes = ResidentCloud::Shapes;
+  using Colors = ResidentCloud::Colors;
   /// How much of the light each point stops, 0 to 1.
   struct Casters {
     std::shared_ptr<const Values> opacity;
@@ -34,35 +28,44 @@ class GpuCloud {
     float see_through_spacing = 0;
   };
 
-  /// Keeps a reference to `prepared`. `max_chunk_points` is for tests; 0 means the driver's limit.
+  GpuCloud(std::shared_ptr<const ResidentCloud> cloud, std::shared_ptr<const Colors> colors);
+  /// Of its own; keeps a reference to `prepared`.
   explicit GpuCloud(const PreparedCloud& prepared, std::vector<Rgba8> colors,
                     std::uint32_t max_chunk_points = 0);
 
-  const PreparedCloud& prepared() const { return prepared_; }
-  std::size_t size() const { return prepared_.cloud.size(); }
-  /// Another number for every cloud and after every change of its attributes, never 0: what techniques derive
-  /// from the points is kept under it (core/derived.h).
-  std::uint64_t serial() const { return serial_; }
-  /// The same, and another one after every change of colours or of what is cut away: of what is seen.
+  const PreparedCloud& prepared() const { return resident_->prepared(); }
+  std::size_t size() const { return resident_->size(); }
+  /// ResidentCloud::serial.
+  std::uint64_t serial() const { return resident_->serial(); }
+  /// Of what is seen: another one after every change of the cloud, of colours or of what is cut away.
   std::uint64_t look_serial() const { return look_serial_; }
-  Bounds bounds() const { return bounds_; }  ///< world
-  float median_spacing() const { return prepared_.median_spacing; }
-  /// Largest radius of each batch, scene units; measured on first use.
-  const std::vector<float>& largest_radii();
+  const Bounds& bounds() const { return resident_->bounds(); }
+  float median_spacing() const { return prepared().median_spacing; }
+  /// Largest radius of each batch, scene units.
+  const std::vector<float>& largest_radii() const {
+    return shapes_ ? shapes_->largest_radii : resident_->largest_radii();
+  }
   /// Of all points, scene units; infinite when nobody measured it, so that it limits nothing.
   float median_radius() const {
-    return prepared_.median_radius > 0 ? prepared_.median_radius : std::numeric_limits<float>::infinity();
+    return prepared().median_radius > 0 ? prepared().median_radius : std::numeric_limits<float>::infinity();
   }
   /// What no disc on a surface needs to exceed, scene units: four times the median radius, or more where
   /// radii were computed and a part is sparser than the rest; infinite when nobody measured it.
   float radius_limit() const {
-    return prepared_.radius_limit > 0 ? prepared_.radius_limit : largest_disc * median_radius();
+    return prepared().radius_limit > 0 ? prepared().radius_limit : largest_disc * median_radius();
   }
-  /// What was computed for one technique is not there for another, which so draws the same picture in any
+  /// The points of `cloud`, which are those it has, perhaps with more attributes. What was computed for
+  /// another technique is not there for one that does not ask for it, which so draws the same picture in any
   /// company.
-  void show_to(Attributes needs) { shown_ = needs; }
+  void show(std::shared_ptr<const ResidentCloud> cloud, Attributes needs);
+  /// SharedCloud::complete of the cloud that it shows.
+  template <class Lacks, class Add>
+  void complete(SharedCloud& shared, const Lacks& lacks, const Add& add) {
+    shared.complete(resident_, lacks, add);
+    look_serial_ = ResidentCloud::next_serial();
+  }
   bool has_normals() const {
-    return prepared_.available.without(prepared_.computed.without(shown_)).has(Attribute::normal);
+    return prepared().available.without(prepared().computed.without(shown_)).has(Attribute::normal);
   }
   std::vector<Chunk>& chunks() { return chunks_; }
 
@@ -73,20 +76,21 @@ class GpuCloud {
   static std::uint32_t show(Chunk& chunk, std::span<const glm::uvec2> ranges);
   /// Binds positions, source index, batches; call for each chunk, then bind what the shader reads besides.
   void bind_geometry(const Chunk& chunk) const;
-  void bind_colors(Chunk& chunk);
-  /// Normals, or a buffer of "none" when the cloud has none.
-  void bind_normals(Chunk& chunk);
-  void bind_radii(Chunk& chunk);
+  void bind_colors(const Chunk& chunk) const;
+  void bind_normals(const Chunk& chunk) const;
+  void bind_radii(const Chunk& chunk) const;
   void bind_field(const Chunk& chunk) const;
   /// Shadow factors, or a buffer of ones.
   void bind_shadow(Chunk& chunk);
-  /// Place in the prepared cloud by source index; shared by all chunks.
-  void bind_places();
+  /// ResidentCloud::places.
+  void bind_places() const;
 
-  const std::vector<Rgba8>& colors() const { return colors_; }
-  void set_colors(std::vector<Rgba8> colors);
-  /// One float per point of the prepared cloud, uploaded under that name.
-  std::shared_ptr<const Values> make_values(const std::string& name, std::span<const float> values) const;
+  const std::vector<Rgba8>& colors() const { return colors_->values(); }
+  const std::shared_ptr<const Colors>& shared_colors() const { return colors_; }
+  void set_colors(std::shared_ptr<const Colors> colors);
+  std::shared_ptr<const Values> make_values(const std::string& name, std::span<const float> values) const {
+    return resident_->make_values(name, values);
+  }
   /// What shaders read as `point_field(i)`; of `make_values`.
   void set_field(std::shared_ptr<const Values> field) { field_ = std::move(field); }
   const std::shared_ptr<const Values>& field() const { return field_; }
@@ -108,50 +112,39 @@ class GpuCloud {
   /// Shadow factors from the scalar `shadow`; points without it are lit.
   void set_stored_shadow();
   bool has_stored_shadow() const { return has_stored_shadow_; }
-  /// Normals and radii for part of a picture, uploaded; no normals: the cloud's own.
-  struct Shapes {
-    std::vector<gl::TextureBuffer> normals, radii;  ///< of each chunk; empty: nothing to exchange
-    std::vector<float> largest_radii;
-  };
-  /// One value for each point of the prepared cloud.
-  Shapes make_shapes(std::span<const vec3> normals, std::span<const float> radii) const;
-  /// Puts them in place of those the cloud has, which they then hold: the second time undoes the first.
-  void exchange(Shapes& shapes);
-  /// While it lives the cloud has those.
-  class InPlace {
+  /// Normals and radii for part of a picture.
+  std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals,
+                                            std::span<const float> radii) const {
+    return resident_->make_shapes(normals, radii);
+  }
+  /// While it lives the points have those instead of their own; null: their own.
+  class WithShapes {
    public:
-    InPlace(GpuCloud& cloud, Shapes& shapes) : cloud_(cloud), shapes_(shapes) { cloud_.exchange(shapes_); }
-    ~InPlace() { cloud_.exchange(shapes_); }
-    InPlace(const InPlace&) = delete;
-    InPlace& operator=(const InPlace&) = delete;
+    WithShapes(GpuCloud& cloud, std::shared_ptr<const Shapes> shapes) : cloud_(cloud) {
+      cloud_.shapes_ = std::move(shapes);
+    }
+    ~WithShapes() { cloud_.shapes_.reset(); }
+    WithShapes(const WithShapes&) = delete;
+    WithShapes& operator=(const WithShapes&) = delete;
 
    private:
     GpuCloud& cloud_;
-    Shapes& shapes_;
   };
-  /// Forgets uploaded normals and radii after the prepared cloud was completed or changed.
-  void attributes_changed();
 
  private:
-  const PreparedCloud& prepared_;
-  std::vector<Rgba8> colors_;
-  Bounds bounds_;
+  std::size_t place_of(const Chunk& chunk) const { return std::size_t(&chunk - chunks_.data()); }
+
+  std::shared_ptr<const ResidentCloud> resident_;
+  std::shared_ptr<const Colors> colors_;
   std::vector<Chunk> chunks_;
-  gl::TextureBuffer places_;
   bool has_shadow_ = false, has_stored_shadow_ = false;
   std::shared_ptr<const Values> field_;
   std::shared_ptr<const Casters> casters_;
-  std::uint64_t serial_ = next_serial(), look_serial_ = serial_;
+  std::shared_ptr<const Shapes> shapes_;
+  std::uint64_t look_serial_ = ResidentCloud::next_serial();
   Attributes shown_ = Attribute::normal | Attribute::radius | Attribute::uncertainty | Attribute::cluster;
   std::vector<vec4> cut_;
   gl::Buffer cut_block_;
-  static std::uint64_t next_serial();
-  std::size_t place_of(const Chunk& chunk) const { return std::size_t(&chunk - chunks_.data()); }
-  std::vector<float> largest_radii_;
 };
-
-/// Unit normal as two 16-bit octahedral coordinates; the zero vector becomes (0,0), which no unit normal
-/// uses.
-std::uint32_t encode_normal(const vec3& normal);
 
 }  // namespace sfumato

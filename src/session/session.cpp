@@ -65,13 +65,22 @@ Camera first_view(const Pose& pose, int width, int height) {
   return camera;
 }
 
+namespace {
+
+std::shared_ptr<const std::vector<std::uint32_t>> shared_places(PointCloud& cloud) {
+  if (cloud.source_index.empty()) return nullptr;
+  return std::make_shared<const std::vector<std::uint32_t>>(std::exchange(cloud.source_index, {}));
+}
+
+}  // namespace
+
 // Each part counts its points from 0: tables by their places are as long as the part, not as the files.
 std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::uint32_t>& matches) {
   parts_.clear();
   std::vector<PointCloud> clouds;
   const std::vector<DrawRule>& rules = options_.draw;
   if (rules.empty()) {
-    parts_.push_back({{}, nullptr, nullptr, cloud.size(), std::exchange(cloud.source_index, {})});
+    parts_.push_back({{}, nullptr, nullptr, cloud.size(), shared_places(cloud)});
     clouds.push_back(std::move(cloud));
     return clouds;
   }
@@ -103,7 +112,7 @@ std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::ui
         places.push_back(std::uint32_t(i));
     parts_[k].points = places.size();
     clouds.push_back(select(cloud, places));
-    parts_[k].source_index = std::exchange(clouds.back().source_index, {});
+    parts_[k].source_index = shared_places(clouds.back());
   }
   return clouds;
 }
@@ -210,7 +219,8 @@ std::uint64_t Session::point_bytes() const {
     const PointCloud& points = cloud(k);
     bytes += points.positions.size() * sizeof(vec3) + points.normals.size() * sizeof(vec3) +
              (points.colors.size() + colors(k).size()) * sizeof(Rgba8) + points.radii.size() * sizeof(float) +
-             (points.source_index.size() + parts_[k].source_index.size()) * sizeof(std::uint32_t);
+             points.source_index.size() * sizeof(std::uint32_t);
+    if (parts_[k].source_index) bytes += parts_[k].source_index->size() * sizeof(std::uint32_t);
     for (const ScalarField& field : points.scalars) bytes += field.values.size() * sizeof(float);
   }
   return bytes;
@@ -218,8 +228,8 @@ std::uint64_t Session::point_bytes() const {
 
 std::uint64_t Session::source(std::size_t part, std::size_t i) const {
   const std::uint32_t in_part = cloud(part).source_index[i];
-  const std::vector<std::uint32_t>& of_part = parts_[part].source_index;
-  return of_part.empty() ? in_part : of_part[in_part];
+  const auto& of_part = parts_[part].source_index;
+  return of_part ? (*of_part)[in_part] : in_part;
 }
 
 void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options,
@@ -267,6 +277,25 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   is_empty_ = false;
 }
 
+void Session::share_scene(const Session& other) {
+  is_empty_ = true;
+  renderer_.share_clouds(other.renderer_);
+  options_ = other.options_;
+  file_names_ = other.file_names_, notes_ = other.notes_, overview_ = other.overview_;
+  parts_.clear();
+  for (const Part& each : other.parts_) {
+    Part& part = parts_.emplace_back(Part{each.rules, nullptr, nullptr, each.points, each.source_index});
+    if (!each.rule) continue;
+    part.rule = options_.draw.data() + (each.rule - other.options_.draw.data());
+    part.look = part.rule->look(Look(part.rule->technique));
+  }
+  box_ = other.box_, shadow_box_ = other.shadow_box_, spacing_ = other.spacing_;
+  coloring_ = other.coloring_, palette_ = other.palette_, are_photographed_ = other.are_photographed_;
+  pose_ = other.pose_, left_out_ = other.left_out_;
+  background_ = other.background_, contrasting_ = other.contrasting_;
+  is_empty_ = other.is_empty_;
+}
+
 TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const {
   if (!overview_ || !options_.draw.empty()) return choose_technique(sorted, tree, overview_ != nullptr);
   TechniqueChoice choice;
@@ -284,9 +313,11 @@ void Session::set_color(const ColorSettings& wanted) {
   options_.color = wanted;
   std::vector<const PreparedCloud*> clouds;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    if (wanted.color_by == "normal")
-      analysis::complete(renderer_.prepared(k), Attribute::normal, options_.prepare, no_progress());
-    if (wanted.color_by == analysis::density_name) add_density(renderer_.prepared(k).cloud);
+    if (wanted.color_by == "normal") complete(k, Attribute::normal, no_progress());
+    if (wanted.color_by == analysis::density_name)
+      renderer_.complete(
+          k, [](const PreparedCloud& of) { return !of.cloud.scalar(analysis::density_name); },
+          [](PreparedCloud& of) { add_density(of.cloud); });
     clouds.push_back(&prepared(k));
   }
   std::vector<std::vector<Rgba8>> colors = color(clouds);
@@ -298,16 +329,21 @@ void Session::set_background(const std::optional<vec3>& background) {
   background_ = background.value_or(contrasting_);
 }
 
+void Session::complete(std::size_t part, Attributes needs, Progress& progress) {
+  renderer_.complete(
+      part, [&](const PreparedCloud& of) { return !needs.without(of.available).empty(); },
+      [&](PreparedCloud& of) { analysis::complete(of, needs, options_.prepare, progress); });
+}
+
 void Session::complete(const Look& look, Progress& progress) {
   for (std::size_t k = 0; k < parts_.size(); ++k)
-    analysis::complete(renderer_.prepared(k), (parts_[k].look ? *parts_[k].look : look).technique->needs(),
-                       options_.prepare, progress);
+    complete(k, (parts_[k].look ? *parts_[k].look : look).technique->needs(), progress);
 }
 
 bool Session::complete(Attributes attributes, Progress& progress) {
   if (is_empty_ || parts_.front().rule || attributes.without(renderer_.prepared().available).empty())
     return false;
-  analysis::complete(renderer_.prepared(), attributes, options_.prepare, progress);
+  complete(0, attributes, progress);
   return true;
 }
 
@@ -330,7 +366,7 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
       own.take_over(look, true);
       for (const auto& [name, value] : parts_[k].rule->parameters) own.set(name, value);
     }
-    analysis::complete(renderer_.prepared(k), own.technique->needs(), options_.prepare, progress);
+    complete(k, own.technique->needs(), progress);
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
     // Seen in parallel, a plane has one angle to view and light: a highlight would lift all of its colours.
     const bool has_highlights = coloring_.kind == ColorKind::rgb && !camera.orthographic();

@@ -63,6 +63,9 @@ class Session {
   /// they do not have and Cancelled when `progress` asks for it.
   void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
                  Progress& progress = no_progress());
+  /// The scene of another session, as it is drawn there, in memory once (Renderer::share_clouds); colours and
+  /// background may then become others here. Not while that one is in use.
+  void share_scene(const Session& other);
   /// What suits the points that no rule draws.
   TechniqueChoice suggest() const;
   /// Other colours for the same points. A background that contrasts with them is found anew.
@@ -101,8 +104,8 @@ class Session {
     const DrawRule* rule = nullptr;  ///< the first of them
     std::unique_ptr<Look> look;      ///< by the rule
     std::size_t points = 0;
-    std::vector<std::uint32_t>
-        source_index;  ///< place in the scene of each of the part's points; empty: as they come
+    /// Place in the scene of each of the part's points; null: as they come.
+    std::shared_ptr<const std::vector<std::uint32_t>> source_index;
   };
   const std::vector<Part>& parts() const { return parts_; }
   const PreparedCloud& prepared(std::size_t part = 0) const { return renderer_.prepared(part); }
@@ -126,6 +129,7 @@ class Session {
   /// As `suggest`, of sorted points. Where every view reads points of its own, all have the choice of the
   /// whole.
   TechniqueChoice suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const;
+  void complete(std::size_t part, Attributes needs, Progress& progress);
   /// Makes `parts_`, and a cloud for each, by the rule of each point.
   std::vector<PointCloud> cut(PointCloud cloud, const std::vector<std::uint32_t>& matches);
   /// Colours of all parts together, so that a value has one colour in the whole scene.

@@ -120,12 +120,11 @@ float edl_strength(std::span<const Item> items, bool photographed) {
 }
 
 struct Renderer::State {
-  /// The GPU's part refers to the prepared one.
   struct Cloud {
-    PreparedCloud prepared;
+    std::shared_ptr<SharedCloud> shared;
     Bounds depth_bounds;
     std::unique_ptr<GpuCloud> gpu;
-    Attributes uploaded;
+    const PreparedCloud& prepared() const { return gpu->prepared(); }
   };
 
   gl::Context& context;
@@ -158,7 +157,7 @@ struct Renderer::State {
   /// The largest of the clouds, scene units; 0 where none was measured.
   float surface_noise(std::span<const Item> items) {
     float noise = 0;
-    for (const Item& item : items) noise = std::max(noise, cloud_of(item).prepared.noise);
+    for (const Item& item : items) noise = std::max(noise, cloud_of(item).prepared().noise);
     return noise;
   }
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
@@ -195,11 +194,7 @@ Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked
   bool is_first = true;
   for (const Item& item : items) {
     Cloud& cloud = cloud_of(item);
-    if (!(cloud.uploaded == cloud.prepared.available)) {
-      cloud.gpu->attributes_changed();
-      cloud.uploaded = cloud.prepared.available;
-    }
-    cloud.gpu->show_to(item.technique->needs());
+    cloud.gpu->show(cloud.shared->newest(), item.technique->needs());
     if (!is_first && cloud.gpu->size() == 0) continue;
     const Bounds box = cloud.gpu->bounds(), &depths = cloud.depth_bounds;
     all = is_first ? box : Bounds{glm::min(all.min, box.min), glm::max(all.max, box.max)};
@@ -208,7 +203,7 @@ Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked
   }
   Camera camera = asked;
   std::vector<vec4> cut;
-  const dvec3 origin = clouds.front()->prepared.cloud.origin;
+  const dvec3 origin = clouds.front()->prepared().cloud.origin;
   if (room)
     for (const glm::dvec4& wall : walls_before(*room, camera))
       cut.push_back(vec4(dvec3(wall), wall.w + glm::dot(dvec3(wall), origin)));
@@ -243,7 +238,7 @@ std::uint64_t Renderer::State::points_seen(std::span<const Item> items, const Ca
   std::uint64_t count = 0;
   for (const Item& item : items) {
     Cloud& cloud = cloud_of(item);
-    count += cloud.gpu->cull(View(camera, cloud.prepared.cloud.origin));
+    count += cloud.gpu->cull(View(camera, cloud.prepared().cloud.origin));
   }
   return count;
 }
@@ -260,14 +255,14 @@ int Renderer::State::most_overlap(std::span<const Item> items) {
 }
 
 Ground Renderer::State::ground_below_all() const {
-  if (clouds.size() == 1) return ground_below(clouds.front()->prepared.cloud);
+  if (clouds.size() == 1) return ground_below(clouds.front()->prepared().cloud);
   // The lowest points of the scene, not of an item that may be nothing but a few outliers.
   std::size_t points = 0;
-  for (const auto& cloud : clouds) points += cloud->prepared.cloud.size();
+  for (const auto& cloud : clouds) points += cloud->prepared().cloud.size();
   const std::size_t stride = std::max<std::size_t>(1, points / 1'000'000);
   PointCloud sample;
   for (const auto& cloud : clouds) {
-    const PointCloud& of = cloud->prepared.cloud;
+    const PointCloud& of = cloud->prepared().cloud;
     sample.origin = of.origin, sample.up = of.up;
     for (std::size_t i = 0; i < of.size(); i += stride) sample.positions.push_back(of.positions[i]);
   }
@@ -291,7 +286,7 @@ void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& came
 
 void Renderer::State::draw(Shot& shot, const Camera& camera) {
   const RenderSettings& settings = shot.settings;
-  const PointCloud& first = clouds.front()->prepared.cloud;
+  const PointCloud& first = clouds.front()->prepared().cloud;
   const View view(camera, first.origin);
   std::vector<GpuCloud*> all;
   bool is_empty = true;
@@ -385,11 +380,31 @@ void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_ch
   state_->room.reset();
   for (ColoredCloud& each : clouds) {
     auto& cloud = state_->clouds.emplace_back(std::make_unique<State::Cloud>());
-    cloud->prepared = std::move(each.cloud);
-    cloud->depth_bounds = depth_bounds(cloud->prepared.cloud);
-    cloud->gpu = std::make_unique<GpuCloud>(cloud->prepared, std::move(each.colors), max_chunk_points);
-    cloud->uploaded = cloud->prepared.available;
+    cloud->depth_bounds = depth_bounds(each.cloud.cloud);
+    cloud->shared = std::make_shared<SharedCloud>(std::move(each.cloud), max_chunk_points);
+    cloud->gpu = std::make_unique<GpuCloud>(cloud->shared->newest(),
+                                            std::make_shared<const GpuCloud::Colors>(std::move(each.colors)));
   }
+}
+
+void Renderer::share_clouds(const Renderer& other) {
+  const gl::Context::Use use(state_->context);
+  state_->clouds.clear();
+  state_->room = other.state_->room;
+  for (const auto& each : other.state_->clouds) {
+    auto& cloud = state_->clouds.emplace_back(std::make_unique<State::Cloud>());
+    cloud->shared = each->shared;
+    cloud->depth_bounds = each->depth_bounds;
+    cloud->gpu = std::make_unique<GpuCloud>(cloud->shared->newest(), each->gpu->shared_colors());
+  }
+}
+
+void Renderer::complete(std::size_t cloud, const std::function<bool(const PreparedCloud&)>& lacks,
+                        const std::function<void(PreparedCloud&)>& add) {
+  State::Cloud& own = *state_->clouds.at(cloud);
+  if (!lacks(own.prepared())) return;
+  const gl::Context::Use use(state_->context);
+  own.gpu->complete(*own.shared, lacks, add);
 }
 
 void Renderer::forget_programs() {
@@ -404,16 +419,15 @@ void Renderer::set_room(std::optional<Room> room) { state_->room = std::move(roo
 
 void Renderer::set_colors(std::vector<Rgba8> colors, std::size_t cloud) {
   const gl::Context::Use use(state_->context);
-  state_->clouds.at(cloud)->gpu->set_colors(std::move(colors));
+  state_->clouds.at(cloud)->gpu->set_colors(std::make_shared<const GpuCloud::Colors>(std::move(colors)));
 }
 
 std::size_t Renderer::cloud_count() const { return state_->clouds.size(); }
 const std::vector<Rgba8>& Renderer::colors(std::size_t cloud) const {
   return state_->clouds.at(cloud)->gpu->colors();
 }
-PreparedCloud& Renderer::prepared(std::size_t cloud) { return state_->clouds.at(cloud)->prepared; }
 const PreparedCloud& Renderer::prepared(std::size_t cloud) const {
-  return state_->clouds.at(cloud)->prepared;
+  return state_->clouds.at(cloud)->prepared();
 }
 
 RenderOutput Renderer::render(Technique& technique, const Camera& camera, const RenderSettings& settings,

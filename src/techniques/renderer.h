@@ -67,7 +67,7 @@ class Renderer {
   ~Renderer();
 
   /// Takes the cloud; `colors` (one per point, in the prepared order, sRGB) are what techniques draw.
-  /// The cloud may be completed later through `prepared()` (analysis::complete) for another technique.
+  /// The cloud may be completed later for another technique.
   /// `max_chunk_points` limits the points per GPU buffer (tests); 0 means the driver's limit.
   void set_cloud(PreparedCloud cloud, std::vector<Rgba8> colors, std::uint32_t max_chunk_points = 0);
   /// The clouds of a scene, of one origin. Throws Error(usage) when they have several.
@@ -75,8 +75,15 @@ class Renderer {
   void set_colors(std::vector<Rgba8> colors, std::size_t cloud = 0);
   std::size_t cloud_count() const;
   const std::vector<Rgba8>& colors(std::size_t cloud = 0) const;
-  PreparedCloud& prepared(std::size_t cloud = 0);
+  /// Until the next picture or the next that is completed.
   const PreparedCloud& prepared(std::size_t cloud = 0) const;
+  /// The clouds, colours and room of another renderer on this context, or on one that shares objects with it
+  /// (gl::Context): they stand in memory once, and what either measures later is there for both. Not while
+  /// that one is in use.
+  void share_clouds(const Renderer& other);
+  /// Adds what a cloud still lacks (analysis::complete).
+  void complete(std::size_t cloud, const std::function<bool(const PreparedCloud&)>& lacks,
+                const std::function<void(PreparedCloud&)>& add);
   /// A room is drawn without the walls behind which the camera stands; nothing: all is drawn.
   void set_room(std::optional<Room> room);
   /// Programs are compiled anew from now on (their files changed); those of techniques are theirs.

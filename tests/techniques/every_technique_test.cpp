@@ -363,8 +363,10 @@ TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
   s.describe(params);
   const auto draw = [&]() -> std::optional<RenderOutput> {
     if (!technique->shows(s.shading)) return std::nullopt;
-    if (!technique->needs().without(renderer.prepared().available).empty())
-      analysis::complete(renderer.prepared(), technique->needs(), {}, no_progress());
+    const Attributes needs = technique->needs();
+    renderer.complete(
+        0, [&](const PreparedCloud& of) { return !needs.without(of.available).empty(); },
+        [&](PreparedCloud& of) { analysis::complete(of, needs, {}, no_progress()); });
     try {
       return renderer.render(*technique, front_camera(48, 36), s, {});
     } catch (const Error&) {  // of values that do not go together

@@ -257,7 +257,7 @@ class Soft final : public Technique {
       return;
     }
     shape.part = SplatPart::not_above;
-    const GpuCloud::InPlace in_place(frame.cloud, solid_.shapes());
+    const GpuCloud::WithShapes with_shapes(frame.cloud, solid_.shapes());
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
                   frame.timers);
     if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
@@ -291,7 +291,7 @@ class Soft final : public Technique {
     look.concentric_count = p.concentric_count.user.value_or(0);
     look.concentric_spacing_px = p.concentric_spacing_px;
     look.shape = shape;
-    const GpuCloud::InPlace in_place(frame.cloud, points_.own_radii());
+    const GpuCloud::WithShapes with_shapes(frame.cloud, points_.own_radii());
     {
       auto timing = frame.timers.scope("soft points");
       points_.update(frame, view, look, surface_.nearest_t());

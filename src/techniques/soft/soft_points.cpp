@@ -51,7 +51,7 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
     const float most = 2 * cloud.prepared().median_radius;
     for (std::size_t i = 0; i < shrunk.size(); ++i)
       radii_[i] = std::max(radii_[i], std::min(radii_[i] / shrunk[i], most));
-    own_radii_ = shrunk.empty() ? GpuCloud::Shapes() : cloud.make_shapes({}, radii_);
+    own_radii_ = shrunk.empty() ? nullptr : cloud.make_shapes({}, radii_);
   }
   std::vector<float> radii;
   for (std::uint32_t i : places_) radii.push_back(radii_[i]);

@@ -41,8 +41,8 @@ class SoftPoints {
   /// Of every place of the prepared cloud: what stands for haze is no plate, so what shrank in clutter is as
   /// large as Eq. 20 has it again, up to two medians of the cloud.
   std::span<const float> radii() const { return radii_; }
-  /// The same for `GpuCloud::InPlace`; nothing where none differs from the cloud's.
-  GpuCloud::Shapes& own_radii() { return own_radii_; }
+  /// The same, uploaded; null where none differs from the cloud's.
+  const std::shared_ptr<const GpuCloud::Shapes>& own_radii() const { return own_radii_; }
   /// Radius beyond which a soft point counts as isolated, scene units: twice the median of the soft points,
   /// or what nine in ten of them keep. Not that of all points: uncertain ones lie far apart.
   float radius_limit() const { return radius_limit_; }
@@ -72,7 +72,7 @@ class SoftPoints {
   std::shared_ptr<const GpuCloud::Values> field_;  ///< that was chosen from
   float threshold_ = 0, radius_limit_ = 0;
   std::vector<float> radii_;
-  GpuCloud::Shapes own_radii_;
+  std::shared_ptr<const GpuCloud::Shapes> own_radii_;
   std::vector<std::uint32_t> by_source_;  ///< all places of the cloud by source index: what ties follow
   std::vector<std::uint32_t> places_;     ///< in the prepared cloud, ascending
   std::vector<std::uint32_t> initial_;    ///< slots by source index

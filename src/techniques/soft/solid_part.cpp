@@ -40,7 +40,7 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
   key_.reset();  // nothing is kept when the user stops what follows
   const PreparedCloud& prepared = gpu.prepared();
   spacing_ = prepared.median_spacing;
-  shapes_ = {};
+  shapes_.reset();
   std::vector<std::uint32_t> places;
   for (std::uint32_t i = 0; i < field.size(); ++i)
     if (!(field[i] > threshold)) places.push_back(i);

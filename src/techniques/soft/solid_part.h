@@ -20,8 +20,8 @@ class SolidPart {
               bool clamp, const Nearby* all, Progress& progress);
   /// Spacing of the solid points, scene units; the cloud's unless measured among themselves.
   float spacing() const { return spacing_; }
-  /// Normals and radii of the solid part, for `GpuCloud::InPlace`.
-  GpuCloud::Shapes& shapes() { return shapes_; }
+  /// Normals and radii of the solid part; null: those of the cloud.
+  const std::shared_ptr<const GpuCloud::Shapes>& shapes() const { return shapes_; }
 
  private:
   struct Key {
@@ -33,7 +33,7 @@ class SolidPart {
   };
   std::optional<Key> key_;  ///< what was measured
   float spacing_ = 0;
-  GpuCloud::Shapes shapes_;
+  std::shared_ptr<const GpuCloud::Shapes> shapes_;
 };
 
 }  // namespace sfumato::soft
