@@ -174,7 +174,9 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   const PointCloud& whole = clouds.size() > 1 ? joined : clouds.front()->cloud;
   std::optional<Coloring> of_all;
   const auto color_all = [&] {
-    if (overview_) of_all = coloring_of_overview(*overview_, settings);
+    if (overview_)
+      of_all = color_of_overview_.at({overview_, settings},
+                                     [&] { return coloring_of_overview(*overview_, settings); });
     coloring_ = color_like(of_all, whole, settings);
   };
   color_all();
@@ -298,13 +300,15 @@ void Session::share_scene(const Session& other) {
 
 TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const {
   if (!overview_ || !options_.draw.empty()) return choose_technique(sorted, tree, overview_ != nullptr);
-  TechniqueChoice choice;
-  const auto choose = [&](const PreparedCloud& whole, const analysis::NeighborTree& its_tree) {
-    choice = choose_technique(whole, &its_tree, true);
-    return Attributes();
-  };
-  analysis::prepare_by_shape(*overview_, choose, options_.prepare);
-  return choice;
+  return choice_of_overview_.at(overview_, [&] {
+    TechniqueChoice choice;
+    const auto choose = [&](const PreparedCloud& whole, const analysis::NeighborTree& its_tree) {
+      choice = choose_technique(whole, &its_tree, true);
+      return Attributes();
+    };
+    analysis::prepare_by_shape(*overview_, choose, options_.prepare);
+    return choice;
+  });
 }
 
 TechniqueChoice Session::suggest() const { return suggest(prepared(), nullptr); }

@@ -11,6 +11,7 @@
 #include "analysis/prepare.h"
 #include "analysis/upright.h"
 #include "core/coloring.h"
+#include "core/derived.h"
 #include "core/units.h"
 #include "scene/scene.h"
 #include "session/draw_rule.h"
@@ -143,6 +144,14 @@ class Session {
   SessionOptions options_;
   std::vector<std::string> file_names_, notes_;
   std::shared_ptr<const PointCloud> overview_;  ///< may be null
+  // What was measured of an overview is kept while views of the same files follow each other.
+  struct ColorOfOverview {
+    std::shared_ptr<const PointCloud> overview;
+    ColorSettings settings;
+    bool operator==(const ColorOfOverview&) const = default;
+  };
+  mutable Derived<std::shared_ptr<const PointCloud>, TechniqueChoice> choice_of_overview_;
+  Derived<ColorOfOverview, std::optional<Coloring>> color_of_overview_;
   std::vector<Part> parts_;
   Bounds box_;
   std::optional<Bounds> shadow_box_;  ///< without strays; found with the first shadow
