@@ -97,10 +97,12 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
     drop_unused();
   }
   if (!stand) stand = std::make_shared<Stand>();
-  if (!stand->session) stand->session = std::make_unique<Session>(*context_);
+  stand->sessions.resize(1);
+  Stand::Colored& first = stand->sessions.front();
+  if (!first.session) first.session = std::make_unique<Session>(*context_);
   stand->looks.clear();  // what they hold of the last cloud is of no use for this one
-  stand->color = job.options.color;
-  stand->background = job.options.background;
+  first.color = job.options.color;
+  first.background = job.options.background;
   stand->file_names = job.scene.file_names;
   stand->prepares_ahead = true;
   SceneReady ready;
@@ -115,17 +117,17 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
     return stand->look_of(technique, job.parameters_of(technique)).technique->needs();
   };
   try {
-    stand->session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
+    first.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
   } catch (...) {
     // A session that holds nothing is kept for the next scene; one that was cut off half way may draw what it
     // has.
-    if (!stand->session->empty()) one.stand = stand;
+    if (!first.session->empty()) one.stand = stand;
     throw;
   }
-  ready.points = stand->session->prepared_points();
-  ready.notes = stand->session->notes();
-  ready.left_out = stand->session->left_out();
-  ready.coloring = stand->session->coloring();
+  ready.points = first.session->prepared_points();
+  ready.notes = first.session->notes();
+  ready.left_out = first.session->left_out();
+  ready.coloring = first.session->coloring();
   stand->ready = ready;
   {
     const std::lock_guard lock(mutex);
@@ -152,20 +154,17 @@ Image<float> sampled(const Image<float>& depth, int step) {
 
 }  // namespace
 
+std::size_t PaintThread::painters_of(const Stand& stand) const {
+  const std::lock_guard lock(mutex);
+  return std::size_t(std::count_if(painters_.begin(), painters_.end(),
+                                   [&](const auto& one) { return one->stand.get() == &stand; }));
+}
+
 Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch) {
   Stand& stand = *one.stand;
   const auto asked = Clock::now();
-  Session& session = *stand.session;
   Look& look = stand.look_of(job.technique, job.parameters);
-  if (stand.color != job.color) {
-    stand.color.reset();
-    session.set_color(job.color);
-    stand.color = job.color;
-  }
-  if (stand.background != job.background) {
-    session.set_background(job.background);
-    stand.background = job.background;
-  }
+  Session& session = stand.session_of(job.color, job.background, painters_of(stand), *context_);
   // What is measured once for all pictures is not called off with this one: a hand that moves on would never
   // see its end.
   Watch for_all(*this, &one, watch.kind() == Watch::Kind::kept ? Watch::Kind::kept : Watch::Kind::scene);
@@ -197,7 +196,7 @@ Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch
 /// The nearest of what each part offers: what lies clearly behind another part's point is hidden by it.
 PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
   const Stand& stand = *one.stand;
-  const Session& session = *stand.session;
+  const Session& session = stand.session();
   PickAnswer found{job.id, {}};
   double nearest = 0;
   for (std::size_t k = 0; k < session.parts().size(); ++k) {
@@ -220,12 +219,12 @@ bool PaintThread::prepare_ahead() {
   for (const std::shared_ptr<Wanted>& one : painters_) {
     if (!one->stand || !one->stand->prepares_ahead) continue;
     Stand& stand = *one->stand;
-    if (stand.session->prepared_points() > Stand::most_points_of_looks) continue;
+    if (stand.session().prepared_points() > Stand::most_points_of_looks) continue;
     Watch watch(*this, nullptr, Watch::Kind::idle);
     try {
       const Attributes of_most = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty;
-      if (stand.session->complete(of_most, watch) ||
-          stand.session->complete(of_most | Attribute::cluster, watch))
+      if (stand.session().complete(of_most, watch) ||
+          stand.session().complete(of_most | Attribute::cluster, watch))
         return true;
       stand.prepares_ahead = false;  // it is all there
     } catch (const Cancelled&) {
@@ -238,7 +237,7 @@ bool PaintThread::prepare_ahead() {
 }
 
 Profile PaintThread::do_profile(Wanted& one, const ProfileJob& job) {
-  const Session& session = *one.stand->session;
+  const Session& session = one.stand->session();
   Profile profile;
   profile.id = job.id, profile.line = job.line, profile.width = job.width;
   for (std::size_t k = 0; k < session.parts().size(); ++k)
@@ -353,7 +352,10 @@ void PaintThread::draw() {
     try {
       if (forget_programs.exchange(false))
         for (const auto& each : painters_)
-          if (each->stand) each->stand->looks.clear(), each->stand->session->forget_programs();
+          if (each->stand) {
+            each->stand->looks.clear();
+            for (Stand::Colored& in : each->stand->sessions) in.session->forget_programs();
+          }
       if (scene) {
         do_scene(*one, std::move(*scene), watch);
       } else if (picture) {
@@ -368,7 +370,7 @@ void PaintThread::draw() {
     } catch (...) {
       answer(*one, failure_of(id));
     }
-    if (one->stand) one->point_bytes = one->stand->session->point_bytes();
+    if (one->stand) one->point_bytes = one->stand->session().point_bytes();
     if (is_lost()) break;
     const std::vector<std::string> complaints = context_->take_messages();
     const std::lock_guard lock(mutex);

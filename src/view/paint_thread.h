@@ -15,14 +15,47 @@ namespace sfumato::view {
 struct Stand {
   static constexpr std::size_t most_points_of_looks = 5'000'000;
 
-  std::unique_ptr<Session> session;
+  /// One over the points, and others that share them in other colours where several painters look; the one
+  /// drawn last first.
+  struct Colored {
+    std::unique_ptr<Session> session;
+    std::optional<ColorSettings> color;  ///< nothing: half coloured, where a source was refused
+    std::optional<vec3> background;
+  };
+  std::vector<Colored> sessions;
   /// Those drawn last, newest first: another picture of one needs no programs or tables made anew.
   std::vector<std::unique_ptr<Look>> looks;
-  std::optional<ColorSettings> color;  ///< nothing: half coloured, where a source was refused
-  std::optional<vec3> background;
   std::vector<std::string> file_names;
   SceneReady ready;
   bool prepares_ahead = true;
+
+  Session& session() const { return *sessions.front().session; }
+  /// `most`: as many colours are kept at a time.
+  Session& session_of(const ColorSettings& color, const std::optional<vec3>& background, std::size_t most,
+                      gl::Context& context) {
+    sessions.resize(std::min(sessions.size(), std::max<std::size_t>(1, most)));
+    auto found = std::find_if(sessions.begin(), sessions.end(),
+                              [&](const Colored& each) { return each.color == color; });
+    if (found == sessions.end() && sessions.size() < most) {
+      auto another = std::make_unique<Session>(context);
+      another->share_scene(session());
+      found = sessions.insert(found, {std::move(another), {}, sessions.front().background});
+    } else if (found == sessions.end()) {
+      --found;  // the one that was not drawn for longest
+    }
+    std::rotate(sessions.begin(), found, found + 1);
+    Colored& first = sessions.front();
+    if (first.color != color) {
+      first.color.reset();
+      first.session->set_color(color);
+      first.color = color;
+    }
+    if (first.background != background) {
+      first.session->set_background(background);
+      first.background = background;
+    }
+    return *first.session;
+  }
 
   Look& look_of(const std::string& technique, const NamesAndValues& parameters) {
     const auto found =
@@ -32,7 +65,7 @@ struct Stand {
     else
       std::rotate(looks.begin(), found, found + 1);
     // Of very large clouds the tables of several techniques would not fit beside each other.
-    if (const std::size_t most = session->prepared_points() > most_points_of_looks ? 1 : 3;
+    if (const std::size_t most = session().prepared_points() > most_points_of_looks ? 1 : 3;
         looks.size() > most)
       looks.resize(most);
     Look& look = *looks.front();
@@ -110,6 +143,7 @@ class PaintThread {
   void lose(const Failure& failure);
   bool is_lost();
   Profile do_profile(Wanted& one, const ProfileJob& job);
+  std::size_t painters_of(const Stand& stand) const;
   Picture do_picture(Wanted& one, const PictureJob& job, Watch& watch);
   void drop_unused();
   std::shared_ptr<Wanted> next_waiting();
