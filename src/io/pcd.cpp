@@ -124,7 +124,9 @@ class HeaderParser {
     if (numbers > most_numbers)
       fail("found " + std::to_string(numbers) + " numbers a point, expected at most " +
            std::to_string(most_numbers));
-    if (header_.width == 0 && header_.has_points) header_.width = header_.points;  // v0.5
+    // v0.5 has none, and some programs write 0.
+    if (header_.has_points && (header_.width == 0 || header_.height == 0))
+      header_.width = header_.points, header_.height = 1;
     const std::uint64_t cells = header_.width * header_.height;
     if (!header_.has_points) header_.points = cells;
     if (header_.points != cells)

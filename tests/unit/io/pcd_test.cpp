@@ -123,6 +123,17 @@ TEST(PcdTest, OldVersionsLackWhatLaterOnesAdd) {
   EXPECT_TRUE(result.cloud.scanners.empty());
 }
 
+// Programs that fill in POINTS alone.
+TEST(PcdTest, PointsCountWhereWidthAndHeightAreZero) {
+  for (const char* size : {"WIDTH 0\nHEIGHT 0\n", "WIDTH 0\nHEIGHT 1\n", "WIDTH 2\nHEIGHT 0\n"}) {
+    const std::string file = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n" +
+                             std::string(size) + "POINTS 2\nDATA ascii\n1 2 3\n4 5 6\n";
+    const PointCloud cloud = io::read(write_file("a.pcd", file)).cloud;
+    EXPECT_EQ(cloud.positions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}})) << size;
+    EXPECT_TRUE(cloud.grids.empty());
+  }
+}
+
 TEST(PcdTest, NoPointsIsValid) {
   for (const char* data : {"ascii", "binary", "binary_compressed"})
     EXPECT_EQ(
