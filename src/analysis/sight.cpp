@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "core/order.h"
@@ -10,22 +9,25 @@
 namespace sfumato::analysis {
 namespace {
 
-/// Spearman's, of values of which none is given twice.
-double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const auto ranks = [](const std::vector<double>& values) {
-    std::vector<std::size_t> order(values.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
-    std::vector<double> places(values.size());
-    for (std::size_t k = 0; k < order.size(); ++k) places[order[k]] = double(k);
-    return places;
+/// Of a picture of depths, 1e300 where there is none, between the slopes `low` and `high`.
+double faces_up(const std::vector<double>& depths, int side, const glm::dvec2& low, const glm::dvec2& high) {
+  constexpr double level = 0.7, jump = 1.3;  // cos 45 degrees; of depths side by side, on one surface
+  const auto at = [&](int x, int y) {
+    const glm::dvec2 slope = low + (high - low) * (glm::dvec2(x, y) + 0.5) / double(side);
+    return depths[std::size_t(y * side + x)] * dvec3(slope, 1);
   };
-  const std::vector<double> first = ranks(a), second = ranks(b);
-  double squares = 0;
-  for (std::size_t i = 0; i < first.size(); ++i) squares += (first[i] - second[i]) * (first[i] - second[i]);
-  const double n = double(first.size());
-  return n > 1 ? 1 - 6 * squares / (n * (n * n - 1)) : 0;
+  double up = 0;
+  int all = 0;
+  for (int y = 1; y + 1 < side; ++y)
+    for (int x = 1; x + 1 < side; ++x) {
+      const dvec3 left = at(x - 1, y), right = at(x + 1, y), below = at(x, y - 1), above = at(x, y + 1);
+      const auto [least, most] = std::minmax({left.z, right.z, below.z, above.z});
+      if (!(most < least * jump)) continue;
+      const dvec3 normal = glm::normalize(glm::cross(above - below, right - left));
+      ++all;
+      if (std::abs(normal.y) > level) up += normal.y > 0 ? 1 : -1;
+    }
+  return all > 0 ? up / all : 0;
 }
 
 }  // namespace
@@ -60,7 +62,7 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   const double behind = 1 + 3 * std::max(end - left, top - bottom) / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
-  return {double(seen) / double(depths.size()), rank_correlation(y, depths)};
+  return {double(seen) / double(depths.size()), faces_up(nearest, side, {left, bottom}, {end, top})};
 }
 
 double is_one_picture(const Sight& sight) {

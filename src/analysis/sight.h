@@ -9,7 +9,9 @@ namespace sfumato::analysis {
 
 struct Sight {
   double first = 0;  ///< the share of the points that no other one hides
-  double rises = 0;  ///< rank correlation of their heights in the picture and their depths, -1 to 1
+  /// Of the surfaces seen, what faces up less what faces down, of all, -1 to 1: floors and tables are seen from
+  /// above.
+  double faces_up = 0;
 };
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie

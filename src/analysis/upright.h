@@ -33,12 +33,11 @@ enum class UpEvidence {
   stands,    ///< the columns along it end below on one plane, and all else is above that
   room,      ///< level floor and ceiling across it
   mirrored,  ///< alike above and below, as things are left and right
-  rises,     ///< in the picture of a camera along z, what is farther lies farther along it, as ground does
   count
 };
 
-/// One axis and what speaks for it, each 0 (nothing) to 1; `normals`, `stands` and
-/// `rises` from -1.
+/// One axis and what speaks for it, each 0 (nothing) to 1; `normals` and `stands`
+/// from -1.
 struct UpCandidate {
   UpAxis up;
   std::array<double, std::size_t(UpEvidence::count)> evidence{};

@@ -411,15 +411,16 @@ TEST(Upright, NoWallIsAsHighAsAMapIsWide) {
   EXPECT_EQ(guess_upright(map).up, UpAxis::pos_z);
 }
 
-// Some depth cameras have y up: where the floor, near in the picture's lower half, speaks for that, y down is
-// a guess.
-TEST(Upright, OfACameraTheGroundIsNearerBelow) {
+// Some depth cameras have y up: what is level is seen from above.
+TEST(Upright, OfACameraTheFloorIsSeenFromAbove) {
   PointCloud seen;  // a floor 1 m below the camera, and a wall 4 m before it
   for (int i = -100; i <= 100; ++i)
     for (int j = -75; j <= 75; ++j) {
       const dvec3 ray(0.005 * i, 0.005 * j, 1);
       seen.positions.push_back(vec3(ray * (ray.y < -0.25 ? -1 / ray.y : 4.0)));
     }
+  seen.up = UpAxis::pos_y;
+  EXPECT_EQ(guess_upright(seen).up, UpAxis::pos_y);
   seen.up = UpAxis::pos_z;
   EXPECT_EQ(guess_upright(seen).reason.rfind("guessed: ", 0), 0u) << guess_upright(seen).reason;
   turn(seen, glm::dmat3(-1, 0, 0, 0, -1, 0, 0, 0, 1));
