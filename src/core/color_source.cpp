@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "core/color.h"
 #include "core/coloring.h"
@@ -122,6 +123,14 @@ bool is_land(const PointCloud& cloud) {
   return narrow > 0 && height < 0.4 * narrow;
 }
 
+bool is_label(std::string_view name) {
+  static const std::set<std::string, std::less<>> names{"label",   "labels",   "class",
+                                                        "segment", "instance", "semantic"};
+  std::string plain;
+  for (const char c : name) plain += char(std::tolower(static_cast<unsigned char>(c)));
+  return names.contains(plain.starts_with("scalar_") ? plain.substr(7) : plain);
+}
+
 /// What other programs call what colours come from.
 std::string nearest_source(std::string_view wanted, const std::vector<std::string>& names) {
   static const std::map<std::string, std::string, std::less<>> synonyms = {{"height", "elevation"},
@@ -147,7 +156,33 @@ std::string nearest_source(std::string_view wanted, const std::vector<std::strin
   return nearest_word(wanted, names);
 }
 
+/// The first column of labels that tells points apart.
+const ScalarField* labels_of(const PointCloud& cloud) {
+  const auto found = std::find_if(cloud.scalars.begin(), cloud.scalars.end(), [](const ScalarField& field) {
+    return is_label(field.name) && names_things(field);
+  });
+  return found == cloud.scalars.end() ? nullptr : &*found;
+}
+
 }  // namespace
+
+bool names_things(const ScalarField& field) {
+  static const std::set<std::string, std::less<>> names{
+      "point_source_id", "return_number", "number_of_returns", "scanner_channel", "user_data",
+      "scanner",         "cluster"};
+  const bool is_label_column = is_label(field.name);
+  if (!names.contains(field.name) && !is_label_column) return false;
+  const std::size_t most = is_label_column ? 64 : 8;  // 8 are told apart at a glance, neighbours of 64
+  std::set<float> found;
+  float last = std::numeric_limits<float>::quiet_NaN();
+  for (const float value : field.values) {
+    if (!std::isfinite(value) || value == last) continue;
+    last = value;
+    found.insert(value);
+    if (found.size() > most || value != std::round(value)) return false;
+  }
+  return found.size() > 1;
+}
 
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
   if (color_by == "auto") {
@@ -156,6 +191,7 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
     if (is_land(cloud)) return "elevation";
     if (is_coherent(cloud, cloud.scalar("intensity"))) return "intensity";
     if (is_classified(cloud.scalar("classification"))) return "classification";
+    if (const ScalarField* labels = labels_of(cloud)) return labels->name;
     return colored && !swallows_light(cloud.colors[cloud.size() / 2]) ? "rgb" : "clay";
   }
   if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by))

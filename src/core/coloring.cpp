@@ -155,22 +155,6 @@ void color_files(const ScalarField& field, const ColorSettings& settings, Colori
 
 constexpr std::size_t most_things = 8;  // colours that are told apart at a glance
 
-/// Numbers of LAS that tell things apart instead of measuring them, and are few: a ramp between flight line
-/// 66 and 67 shows nothing.
-bool names_things(const ScalarField& field) {
-  static const std::set<std::string> names{"point_source_id", "return_number", "number_of_returns",
-                                           "scanner_channel", "user_data",     "scanner",
-                                           "cluster"};
-  if (!names.contains(field.name)) return false;
-  std::vector<float> found;
-  for (const float value : field.values) {
-    if (!std::isfinite(value) || std::find(found.begin(), found.end(), value) != found.end()) continue;
-    found.push_back(value);
-    if (found.size() > most_things || value != std::round(value)) return false;
-  }
-  return found.size() > 1;
-}
-
 /// A colour for each of these numbers.
 void color_numbers(const ScalarField& field, Coloring& out) {
   const std::map<long, std::size_t> counts = counts_of(field);

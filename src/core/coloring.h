@@ -57,7 +57,7 @@ struct Coloring {
 
 /// What `color_by` means for this cloud. `auto` is rgb where it tells points apart, then elevation where the
 /// cloud is land (less than 0.4 times as high as wide), then intensity unless it is speckle (Geary 1954),
-/// then the classes if there are several, then rgb of one colour on which light shows, then clay.
+/// then the classes or labels if there are several, then rgb of one colour on which light shows, then clay.
 /// Throws Error(usage) naming the nearest attribute.
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by);
 
@@ -67,6 +67,10 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 /// dark ones by `exposure`, in linear light, the lighter the less, so that hues stay and white stays white.
 /// Categories and scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
+
+/// Numbers that tell things apart instead of measuring them, by their name, and are few: a ramp between flight
+/// line 66 and 67 shows nothing.
+bool names_things(const ScalarField& field);
 
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.
 std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit);

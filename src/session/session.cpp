@@ -146,13 +146,21 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   }
 }
 
-/// Whether the points make too little of a surface, as leaves: light shows no shape of theirs, and height
-/// does. Of prepared clouds.
-bool is_clutter(const std::vector<const PreparedCloud*>& clouds) {
-  const PreparedCloud& largest =
-      **std::max_element(clouds.begin(), clouds.end(),
-                         [](const auto* a, const auto* b) { return a->cloud.size() < b->cloud.size(); });
-  return analysis::surface_share_of(largest) < analysis::enough_surface;
+const PreparedCloud& largest_of(const std::vector<const PreparedCloud*>& clouds) {
+  return **std::max_element(clouds.begin(), clouds.end(),
+                            [](const auto* a, const auto* b) { return a->cloud.size() < b->cloud.size(); });
+}
+
+/// What `auto` takes where the file has no colours and light is another matter than it seemed: height where
+/// the points make too little of a surface, as leaves, for light to show; clay where they have radii of their
+/// own, as of a mesh that is no survey, and light shows each fold.
+std::string without_colors(const std::string& source, const PreparedCloud& cloud) {
+  const bool is_survey = cloud.cloud.las || !cloud.cloud.crs.empty();
+  if (source == "clay" && analysis::surface_share_of(cloud) < analysis::enough_surface) return "elevation";
+  if (source == "elevation" && !is_survey && !cloud.cloud.radii.empty() &&
+      !cloud.computed.has(Attribute::radius))
+    return "clay";
+  return source;
 }
 
 /// Of the points that there are: fewer where they were thinned or a level of detail was read.
@@ -181,10 +189,9 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   };
   color_all();
   // What a sensor saw before it is seen by distance.
-  if (coloring_.source == "clay" && settings.color_by == "auto" && !settings.solid && !pose_.sensor &&
-      is_clutter(clouds)) {
-    settings.color_by = "elevation";
-    color_all();
+  if (settings.color_by == "auto" && !settings.solid && !pose_.sensor) {
+    settings.color_by = without_colors(coloring_.source, largest_of(clouds));
+    if (settings.color_by != coloring_.source) color_all();
   }
   contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
   background_ = options_.background.value_or(contrasting_);

@@ -148,6 +148,17 @@ TEST(Colormap, WrongNameNamesTheNearest) {
   EXPECT_THAT(refusal([] { Colormap::named("virids"); }), ::testing::HasSubstr("did you mean 'viridis'"));
 }
 
+TEST(Coloring, LabelsTellThingsApart) {
+  PointCloud cloud = ramp(4);
+  cloud.set_scalar(field("scalar_Label", {0, 0, 0, 0}));
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay") << "one thing";
+  cloud.set_scalar(field("scalar_Label", {0, 1, 1, 0}));
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "scalar_Label");
+  const Coloring coloring = color_points(cloud, {});
+  EXPECT_EQ(coloring.kind, ColorKind::files);
+  EXPECT_EQ(coloring.swatches.size(), 2u);
+}
+
 TEST(Coloring, AutoFallsFromColourToIntensityToClay) {
   PointCloud cloud = ramp(4);
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay");
