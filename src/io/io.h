@@ -49,6 +49,7 @@ struct ReadReport {
   std::string crs;
   std::vector<std::string> damage;  ///< the parts left out, one line each
   std::vector<std::string> notes;   ///< guesses and choices the user should see, one line each
+  std::vector<std::string> digits;  ///< what is stored more exactly than it is kept: for copies, not pictures
 };
 
 struct ReadResult {

@@ -321,9 +321,9 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
     }
   }
   if (!rounded.empty())
-    result.report.notes.push_back("the " + rounded +
-                                  " coordinates have more digits than a float holds and are rounded, by " +
-                                  short_text(by) + " at most");
+    result.report.digits.push_back("the " + rounded +
+                                   " coordinates have more digits than a float holds and are rounded, by " +
+                                   short_text(by) + " at most");
   const dvec3 scale = header_.scale, shift = header_.offset, origin = cloud.origin;
   parallel_tasks((positions_.size() + pass_size - 1) / pass_size, progress, "placing points",
                  [&](std::size_t task) {
@@ -416,8 +416,8 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
       result.cloud.set_scalar(
           {field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
     if (stats.is_inexact && !field.is_scaled())
-      result.report.notes.push_back(field.name +
-                                    " has more digits than are kept (48 bits around its first value)");
+      result.report.digits.push_back(field.name +
+                                     " has more digits than are kept (48 bits around its first value)");
     column.values = {};
     column.residuals = {};
   }

@@ -206,6 +206,8 @@ int convert_command(const Words& words) {
   wanted.read.every_attribute = wanted.keep_degrees = true;
   scene::Scene scene = scene::read_scene(placed, wanted, console);
   for (const std::string& note : scene.notes) console.say("sfumato: " + note);
+  for (const io::ReadReport& file : scene.files)
+    for (const std::string& note : file.digits) console.say("sfumato: " + file.file.string() + ": " + note);
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));

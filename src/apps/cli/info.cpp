@@ -162,7 +162,8 @@ int info_command(const Words& words) {
         return;
       }
       io::ReadResult result = scene::read_file(files[i], options.read, console);
-      for (const std::string& note : result.report.notes) console.say("sfumato: " + files[i] + ": " + note);
+      for (const auto* notes : {&result.report.notes, &result.report.digits})
+        for (const std::string& note : *notes) console.say("sfumato: " + files[i] + ": " + note);
       for (const std::string& part : result.report.damage)
         console.complain("sfumato: " + part + io::is_left_out);
       is_partial |= !result.report.damage.empty();
