@@ -91,6 +91,13 @@ class HeaderParser {
         fail("found no position, expected 'VIEWPOINT tx ty tz qw qx qy qz'; export it again");
     } else if (key == "DATA") {
       words >> header_.data;
+      // Written without the end of the line: the first point follows at once.
+      if (header_.data.starts_with("ascii") &&
+          header_.data.find_first_of("+-.0123456789") == std::string_view("ascii").size()) {
+        at_ = text_.rfind(header_.data, at_) + std::string_view("ascii").size();
+        header_.data = "ascii";
+        --header_.lines;
+      }
       if (header_.data != "ascii" && header_.data != "binary" && header_.data != "binary_compressed")
         fail("found DATA '" + header_.data.substr(0, 20) + "', expected ascii, binary or binary_compressed");
     } else if (!key.empty() && key[0] != '#' && key != "VERSION") {

@@ -36,6 +36,22 @@ std::string compressed(const std::string& fields_together) {
   return bytes_of(std::uint32_t(packed.size()), std::uint32_t(fields_together.size())) + packed;
 }
 
+TEST(PcdTest, TheFirstPointMayFollowTheWordAsciiAtOnce) {
+  std::string text = header("x y z", "4 4 4", "F F F", "1 1 1", 2, 1, "ascii");
+  text.pop_back();
+  const auto file = write_file("at_once.pcd", text + "-1.5 2 3\n4 5 6\n");
+  const PointCloud cloud = io::read(file).cloud;
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.world(0), dvec3(-1.5, 2, 3));
+  EXPECT_EQ(cloud.world(1), dvec3(4, 5, 6));
+}
+
+TEST(PcdTest, RowsOfNumbersWithoutAHeaderAreText) {
+  const auto file = write_file("rows.pcd", "0.5 1 2\n3 4 5\n6 7 8\n");
+  EXPECT_EQ(io::read(file).report.format, "text");
+  EXPECT_EQ(io::read(file).cloud.size(), 3u);
+}
+
 TEST(PcdTest, EveryEncodingGivesTheSameCloud) {
   const auto head = [](const std::string& data) {
     return header("x _ y z rgb intensity ring hist", "4 1 4 4 4 2 8 4", "F U F F F U F F", "1 3 1 1 1 1 1 2",
