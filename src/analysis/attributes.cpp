@@ -272,7 +272,8 @@ class Completion {
         const float own = small < 1 ? shares.own[i] * shares.in_layer[i] : shares.own[i];
         // Inside a surface as by Eq. 20, at its end no farther than its points are surrounded.
         const float end = overlap * vouched_radius(cells[i]) / radius,
-                    disc = std::lerp(std::min(1.0f, end), 1.0f, surrounded(cells[i]));
+                    inside = std::min(surrounded(cells[i]), enclosed(cells[i])),
+                    disc = std::lerp(std::min(1.0f, end), 1.0f, inside);
         float most = 1;
         if (flatness[i] < 1 || own < 1) most = small;
         // The few points of branches that a scanner saw between leaves are flat by chance, far apart, and

@@ -19,6 +19,7 @@ constexpr float corner = 0.25f;
 constexpr float bend = 0.1f, quartiles = 6;
 
 constexpr std::size_t most = 256;
+constexpr float turn = 2 * std::numbers::pi_v<float>;
 
 constexpr std::size_t sides = 12;
 
@@ -88,8 +89,10 @@ class Polygon {
   /// Nothing is left of its first edges.
   bool is_closed() const { return is_closed_; }
 
-  VoronoiCell cell() const {
-    VoronoiCell cell{0, 0};
+  /// Corners that lie strictly between two angles, from `gap_from` on counter-clockwise by `gap`, do not
+  /// count.
+  VoronoiCell cell(float gap_from, float gap) const {
+    VoronoiCell cell{0, 0, gap};
     float open = 0;
     for (std::size_t k = 0; k < count_; ++k) {
       const Corner &from = corners_[k], &to = corners_[k + 1 < count_ ? k + 1 : 0],
@@ -97,6 +100,9 @@ class Polygon {
       if (from.first) {
         open += std::abs(std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y));
       } else if (!before.first) {
+        float beyond = std::atan2(from.y, from.x) - gap_from;
+        beyond -= turn * std::floor(beyond / turn);
+        if (beyond > 0 && beyond < gap) continue;
         cell.radius = std::max(cell.radius, std::sqrt(from.x * from.x + from.y * from.y));
       }
     }
@@ -169,10 +175,29 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
       const vec3 way = positions[neighbors[k]] - positions[point];
       polygon.cut(vec2(glm::dot(way, along), glm::dot(way, across)));
     }
-  return polygon.cell();
+  if (polygon.is_closed()) return polygon.cell(0, 0);
+  std::array<float, most + 1> angles;
+  std::size_t there = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (heights[k] > layer) continue;
+    const vec3 way = positions[neighbors[k]] - positions[point];
+    angles[there++] = std::atan2(glm::dot(way, across), glm::dot(way, along));
+  }
+  if (there == 0) return polygon.cell(0, turn);
+  std::sort(angles.begin(), angles.begin() + there);
+  angles[there] = angles[0] + turn;
+  std::size_t widest = 0;
+  for (std::size_t k = 1; k < there; ++k)
+    if (angles[k + 1] - angles[k] > angles[widest + 1] - angles[widest]) widest = k;
+  return polygon.cell(angles[widest], angles[widest + 1] - angles[widest]);
 }
 
 float surrounded(const VoronoiCell& cell) { return glm::smoothstep(0.5f, 1.0f, cell.closed); }
+
+float enclosed(const VoronoiCell& cell) {
+  constexpr float quarter = 0.5f * std::numbers::pi_v<float>;
+  return 1 - glm::smoothstep(quarter, 2 * quarter, cell.widest_angle);
+}
 
 float vouched_radius(const VoronoiCell& cell) { return cell.radius * std::min(1.0f, cell.closed / corner); }
 

@@ -24,6 +24,10 @@ struct VoronoiCell {
   float radius = std::numeric_limits<float>::infinity();
   /// Share of the directions in which it is bounded: 1 inside a surface, 1/2 at its border.
   float closed = 1;
+  /// The widest angle between neighbours that follow each other around the point, radians; 0 where the cell
+  /// is closed. A half circle at a straight border, where the cell is a strip that leaves few directions
+  /// open.
+  float widest_angle = 0;
   bool is_measured() const { return radius < std::numeric_limits<float>::infinity(); }
 };
 
@@ -35,6 +39,10 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
 /// How far points surround a cell, so that a disc of the usual size covers no more than they do: 1 inside a
 /// surface, 0 at its straight border.
 float surrounded(const VoronoiCell& cell);
+
+/// The same by the neighbours' directions, from a quarter of a circle without any of them (1) to a half (0):
+/// a disc at the border of a surface.
+float enclosed(const VoronoiCell& cell);
 
 /// The radius of a disc that a cell vouches for, from 0. A disc needs no less of a surface around its point
 /// than the corner of a rectangle has, a quarter; of less, as on a line, it is so much smaller.

@@ -79,7 +79,33 @@ TEST(Support, EdgesAndCornersKeepTheirSize) {
   EXPECT_LT(share_below(shrunk(box), 0.5f), 0.01);
   EXPECT_LT(share_below(shrunk(noisy_box(60, 0)), 0.5f), 0.003);
   EXPECT_LT(share_below(shrunk(noisy_box(20, 0.3f)), 0.9f), 0.05);
-  EXPECT_LT(share_below(shrunk(noisy_box(60, 0.3f)), 0.9f), 0.001);
+  EXPECT_LT(share_below(shrunk(noisy_box(60, 0.3f)), 0.9f), 0.01);
+}
+
+// How far discs reach beyond the last row, drawn 1.5 times as large (splats): of Eq. 20 by two spacings.
+TEST(Support, DiscsEndAtTheBorderOfASheet) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (const float shaken : {0.0f, 0.5f}) {
+    std::vector<vec3> points;
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 80; ++x)
+        points.push_back({float(x) + shaken * unit(random), float(y) + shaken * unit(random), 0});
+    const PreparedCloud prepared = prepare(cloud_of(points), Attribute::radius, {});
+    std::vector<float> beyond(60, 0.0f);  // along the border, from 10 on
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const vec3 p = prepared.cloud.positions[i] + vec3(prepared.cloud.origin);
+      for (std::size_t k = 0; k < beyond.size(); ++k) {
+        const float aside = p.x - float(10 + k), radius = 1.5f * prepared.cloud.radii[i];
+        if (std::abs(aside) < radius)
+          beyond[k] = std::max(beyond[k], std::sqrt(radius * radius - aside * aside) - p.y);
+      }
+    }
+    std::sort(beyond.begin(), beyond.end());
+    EXPECT_LT(beyond[30], 1) << shaken;
+    EXPECT_LT(beyond[54], 1.8f) << shaken;
+    EXPECT_GT(beyond[0], 0) << shaken << ": the last row is closed";
+  }
 }
 
 TEST(Support, BesideAnEdgeTheNearestTellTheDirection) {
@@ -187,10 +213,10 @@ TEST(Support, WiresAboveAFieldAreDotsAndASparseRoofIsClosed) {
       if (prepared.cloud.source_index[i] >= field.size())
         above.push_back(prepared.cloud.radii[i] / prepared.median_radius);
     std::sort(above.begin(), above.end());
-    return std::array{above[above.size() / 20], above.back()};
+    return std::array{above[above.size() / 10], above.back()};
   };
   EXPECT_LE(radii_of(6, 25, 3)[1], 0.6f);
-  // 1.13 spacings of 2.5, with noise: a few at its corners may shrink.
+  // 1.13 spacings of 2.5, with noise: one in fifteen ends at its border.
   EXPECT_GT(radii_of(60, 60, 2.5f)[0], 2.2f);
 }
 
@@ -199,10 +225,14 @@ TEST(Support, FoliageShrinksAndTheGroundDoesNot) {
     const sfumato::testing::Forest forest(density);
     const std::vector<float> ratio = shrunk(forest.cloud.positions);
     double ground = 0, ground_small = 0, leaves = 0, leaves_sum = 0, leaves_large = 0;
+    vec3 low(1e9f), high(-1e9f);
+    for (const vec3& p : forest.cloud.positions) low = glm::min(low, p), high = glm::max(high, p);
+    const float margin = 0.02f * (high.x - low.x);  // where the ground ends its discs do
     for (std::size_t i = 0; i < ratio.size(); ++i) {
       if (forest.on_leaf[i])
         ++leaves, leaves_sum += ratio[i], leaves_large += ratio[i] > 0.6f;
-      else
+      else if (const vec3 p = forest.cloud.positions[i];
+               std::min({p.x - low.x, p.y - low.y, high.x - p.x, high.y - p.y}) > margin)
         ++ground, ground_small += ratio[i] < 0.9f;
     }
     EXPECT_LT(leaves_sum / leaves, 0.55) << density;  // 0.4 if all were recognised
@@ -240,7 +270,7 @@ TEST(Support, FewFlatPointsWithinACrownAreABranch) {
   EXPECT_LT(branch[branch.size() * 9 / 10], 0.6f);  // two medians and more by Eq. 20
   std::sort(land.begin(), land.end());
   // Of 8000 points on 32 x 32: 2 / sqrt(24) sqrt(24 / (7.8 pi)) = 0.4 scene units, less at the border.
-  EXPECT_GT(land[land.size() / 50] * prepared.median_radius, 0.3f);
+  EXPECT_GT(land[land.size() / 20] * prepared.median_radius, 0.3f);
 }
 
 TEST(Support, StraysAreNoDiscs) {
@@ -255,10 +285,10 @@ TEST(Support, StraysAreNoDiscs) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool stray = prepared.cloud.source_index[i] < 200;
     large += stray && prepared.cloud.radii[i] > prepared.median_radius;
-    small_on_plane += !stray && prepared.cloud.radii[i] < 0.5f * prepared.median_radius;
+    small_on_plane += !stray && prepared.cloud.radii[i] < 0.4f * prepared.median_radius;
   }
   EXPECT_LT(large, 30u) << "of 200";
-  EXPECT_LT(small_on_plane, 40u) << "of 40,000";
+  EXPECT_LT(small_on_plane, 80u) << "of 40,000, of which 800 are at its border";
 }
 
 TEST(Support, WhatFileBroughtIsKept) {
