@@ -88,6 +88,8 @@ class Polygon {
 
   /// Nothing is left of its first edges.
   bool is_closed() const { return is_closed_; }
+  /// To the farthest corner.
+  float reach() const { return std::sqrt(reach2_); }
 
   /// Corners that lie strictly between two angles, from `gap_from` on counter-clockwise by `gap`, do not
   /// count.
@@ -175,7 +177,7 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
       const vec3 way = positions[neighbors[k]] - positions[point];
       polygon.cut(vec2(glm::dot(way, along), glm::dot(way, across)));
     }
-  if (polygon.is_closed()) return polygon.cell(0, 0);
+  if (polygon.is_closed()) return {polygon.reach(), 1, 0};
   std::array<float, most + 1> angles;
   std::size_t there = 0;
   for (std::size_t k = 0; k < count; ++k) {
