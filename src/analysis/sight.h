@@ -9,8 +9,8 @@ namespace sfumato::analysis {
 
 struct Sight {
   double first = 0;  ///< the share of the points that no other one hides
-  /// Of the surfaces seen, what faces up less what faces down, of all, -1 to 1: floors and tables are seen from
-  /// above.
+  /// Of the surfaces seen, what faces up less what faces down, of all, -1 to 1: floors and tables are seen
+  /// from above.
   double faces_up = 0;
 };
 

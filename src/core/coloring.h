@@ -68,8 +68,8 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 /// Categories and scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
-/// Numbers that tell things apart instead of measuring them, by their name, and are few: a ramp between flight
-/// line 66 and 67 shows nothing.
+/// Numbers that tell things apart instead of measuring them, by their name, and are few: a ramp between
+/// flight line 66 and 67 shows nothing.
 bool names_things(const ScalarField& field);
 
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.

@@ -27,7 +27,7 @@ struct Footprint {
   float wide_px = 0;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;
-  float most_px = 64;  ///< px; see largest_footprint
+  float most_px = 64;   ///< px; see largest_footprint
   float single_px = 0;  ///< what is narrower is the one pixel that it falls into, whatever its normal; px
 };
 

@@ -106,7 +106,10 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
     const std::vector<Part> parts = components(voxels);
     for (const Part& part : parts) {
       const double share = part.points / double(points.size());
-      if (share < least || (part.low == before.min && part.high == before.max)) continue;
+      // What a pixel of the usual picture holds is a place in it.
+      if (share < least || glm::distance(part.low, part.high) < edge ||
+          (part.low == before.min && part.high == before.max))
+        continue;
       before = {part.low, part.high};
       const double score = std::log(share) + gain * std::log(closed_share(points, before));
       if (score > highest) highest = score, best = {before, share};

@@ -17,9 +17,9 @@ EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height) {
   // Covers of 8, 11, 12, 16 and 24 px between points leave at most 0, 1, 1.4, 4 and 9 % of what eight public
   // scans cover farther than 8 px from all points.
   constexpr float between = 11.0f / 8;
-  // An empty disc of so many spacings is no chance in a random sample (exp(-pi 1.7^2) = 1e-4): beyond lies a
-  // hole.
-  constexpr float widest_gap = 1.7f;
+  // An empty disc of so many spacings is no chance in a random sample (exp(-pi 2.2^2) = 2.5e-7); of 1.7 it is
+  // (1e-4), and as all of it is open, .4 % of a random wall would be.
+  constexpr float widest_gap = 2.2f;
   const float beside = widest_disc_px({}, height);
   return {beside, std::max(between * beside, widest_gap * spacing.median_px)};
 }

@@ -212,6 +212,7 @@ TEST_P(EveryTechnique, OrderOfPointsDoesNotMatter) {
   std::shuffle(order.begin(), order.end(), std::mt19937(7));
   PreparedCloud shuffled = prepared;
   shuffled.cloud = select(prepared.cloud, order);
+  for (std::size_t i = 0; i < shuffled.shrunk.size(); ++i) shuffled.shrunk[i] = prepared.shrunk[order[i]];
   shuffled.batches = batches(3000);
   renderer.set_cloud(shuffled, colors_of(shuffled.cloud), 6000);
   const RenderOutput b = renderer.render(*technique, front_camera(96, 64), settings(), all_outputs());
