@@ -7,6 +7,7 @@
 //   LAYER        the maps are layers of see-through casters: what they let pass is multiplied into `passed`
 //   PASSED       a lit point gets what see-through casters in front of it let pass
 #include "cloud.glsl"
+#include "light_map.glsl"
 #include "work_groups.glsl"
 
 layout(local_size_x = 128) in;
@@ -75,20 +76,19 @@ void main() {
     vec3 eye = (VIEW.eye_from_cloud * position).xyz;
     float depth = -eye.z;
     vec3 normal_eye = mat3(VIEW.eye_from_cloud) * normal;
-    vec2 pixel = vec2(VIEW.intrinsics.x * eye.x, -VIEW.intrinsics.y * eye.y);
 #ifdef ORTHOGRAPHIC
+    const float divisor = 1.0;
     float cosine = abs(normal_eye.z);
 #else
-    pixel /= depth;
-    float cosine = abs(dot(normalize(-eye), normal_eye));
+    float divisor = depth, cosine = abs(dot(normalize(-eye), normal_eye));
 #endif
-    pixel += VIEW.intrinsics.zw;
+    vec2 pixel = vec2(VIEW.intrinsics.x * eye.x, -VIEW.intrinsics.y * eye.y) / divisor + VIEW.intrinsics.zw;
     // Without a normal, as for a surface tilted by 60 degrees to the light.
     float offset = own_gap / max(has_normal ? cosine : 0.5, c_min);
     ivec2 size = textureSize(light_maps[k], 0);
-    bool is_inside = all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(size)));
+    bool is_inside = is_in_map(eye, divisor, VIEW.intrinsics, vec2(size));
     if (is_inside && depth >= VIEW.near_plane) {
-      ivec2 texel = ivec2(pixel);
+      ivec2 texel = min(ivec2(pixel), size - 1);
       float map_here = texelFetch(light_maps[k], texel, 0).x, lit = depth < map_here + offset ? 1.0 : 0.0;
       // Without a normal the map knows where the surface is steeper: by how much it recedes across a texel, on the
       // flatter side of each axis, as an outline has the background on one side. (A loop of none costs nothing on
