@@ -40,9 +40,7 @@ std::optional<Roughness> roughness_at(const std::vector<vec3>& normals, const Ne
   }
   const auto frame = local_frame(positions, at, ids);
   if (!frame || !is_flat(scatter_of(*frame)) || normals[at] == vec3(0)) return std::nullopt;
-  const vec3 aside = std::abs(frame->normal.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0);
-  const vec3 along = glm::normalize(glm::cross(frame->normal, aside)),
-             across = glm::cross(frame->normal, along);
+  const auto [along, across] = tangents_of(frame->normal);
   // Least squares of both tilts of the normals over the place, sign by sign of the point's own.
   ids.push_back(at);
   glm::dmat3 moments(0);

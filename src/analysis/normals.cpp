@@ -78,6 +78,12 @@ std::optional<vec3> widest_direction(const std::vector<vec3>& positions, std::ui
   return solver ? direction_of(*solver, 2) : std::nullopt;
 }
 
+Tangents tangents_of(const vec3& normal) {
+  const vec3 aside = std::abs(normal.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0);
+  const vec3 along = glm::normalize(glm::cross(normal, aside));
+  return {along, glm::cross(normal, along)};
+}
+
 std::optional<dvec3> way_to_scanner(const PointCloud& cloud, const ScalarField* scanner, std::size_t point) {
   std::size_t which = 0;
   if (scanner) {

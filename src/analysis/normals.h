@@ -29,6 +29,12 @@ std::optional<LocalFrame> local_frame(const vec3& squares, const vec3& crossed);
 std::optional<LocalFrame> local_frame(std::span<const vec3> positions, std::uint32_t center,
                                       std::span<const std::uint32_t> neighbors);
 
+/// Two unit vectors in the plane of a unit normal, perpendicular to each other.
+struct Tangents {
+  vec3 along, across;
+};
+Tangents tangents_of(const vec3& normal);
+
 /// The way from a point to the scanner that saw it, world; nothing where nobody knows. `scanner`: the cloud's
 /// scalar of that name, or null.
 std::optional<dvec3> way_to_scanner(const PointCloud& cloud, const ScalarField* scanner, std::size_t point);

@@ -152,8 +152,7 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
   const float spacing_all = std::sqrt(4 * std::numbers::pi_v<float> *
                                       std::sqrt(frame.variance.y * frame.variance.z) / float(count + 1));
   if (!(spacing_all > 0)) return {0, 0};
-  const vec3 aside = std::abs(normal.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0);
-  const vec3 along = glm::normalize(glm::cross(normal, aside)), across = glm::cross(normal, along);
+  const auto [along, across] = tangents_of(normal);
   std::array<float, most> heights, distances2;
   float reach2 = 0;
   for (std::size_t k = 0; k < count; ++k) {
