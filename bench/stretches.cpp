@@ -1,5 +1,6 @@
 // How long a picture keeps those waiting who call it off: the longest stretch between two questions to
-// Progress, on the whole cloud at 1280x720 as the command draws it; one line of JSON for each technique:
+// Progress, while the file is opened (opening_ms and opening_busy_ms, on a line of their own) and on the
+// whole cloud at 1280x720 as the command draws it; one line of JSON for each technique:
 //   first_ms    of the first picture, which compiles shaders and computes what the technique derives
 //   longest_ms  of each of the pictures after it, the camera turning by a degree: the median, and the least
 //               and most of them
@@ -8,7 +9,7 @@
 //   stretches   questions, the median
 //   cpu_ms      processor time of the process for a picture, the median
 //
-// usage: stretches FILE TECHNIQUE[,TECHNIQUE...] [PICTURES] [WIDTH HEIGHT]
+// usage: stretches FILE [TECHNIQUE,...] [PICTURES] [WIDTH HEIGHT]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -95,17 +96,21 @@ void measure(HeadlessRenderer& renderer, const std::string& technique, int pictu
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    fmt::print(stderr, "usage: stretches FILE TECHNIQUE[,TECHNIQUE...] [PICTURES] [WIDTH HEIGHT]\n");
+  if (argc < 2) {
+    fmt::print(stderr, "usage: stretches FILE [TECHNIQUE,...] [PICTURES] [WIDTH HEIGHT]\n");
     return 2;
   }
   const int pictures = argc > 3 ? std::max(1, std::atoi(argv[3])) : 9;
   const int width = argc > 5 ? std::atoi(argv[4]) : 1280, height = argc > 5 ? std::atoi(argv[5]) : 720;
   try {
     HeadlessRenderer renderer;
-    renderer.open({.files = {argv[1]}});
+    Stopwatch watch;
+    watch.start();
+    renderer.open({.files = {argv[1]}}, watch);
+    watch.cancelled();
+    fmt::print("{{\"opening_ms\": {:.1f}, \"opening_busy_ms\": {:.1f}}}\n", watch.longest(), watch.busiest());
     renderer.set_outputs({.color = true, .linear = false, .depth = false, .normal = false});
-    std::istringstream names(argv[2]);
+    std::istringstream names(argc > 2 ? argv[2] : "");
     for (std::string name; std::getline(names, name, ',');) measure(renderer, name, pictures, width, height);
   } catch (const std::exception& error) {
     fmt::print(stderr, "stretches: {}\n", error.what());

@@ -330,7 +330,8 @@ double Sample::stands(int axis, bool positive) const {
 
 }  // namespace
 
-std::vector<UpCandidate> up_candidates(const PointCloud& cloud) {
+std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress) {
+  progress.check();
   const Sample sample(cloud);
   const std::optional<UpAxis> room = sample.up_in_room();
   // Depth cameras look along z with y down, renderers along -z with y up, robots along x with z up. What
@@ -357,9 +358,13 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud) {
   const dvec3 lies(0, is_wall ? 0 : sample.lies(1), sample.lies(2));
   std::vector<UpCandidate> candidates;
   std::array<double, 6> stands{};
-  for (std::size_t i = 0; i < stands.size(); ++i) stands[i] = sample.stands(int(i) / 2, i % 2 == 0);
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    progress.check();
+    stands[i] = sample.stands(int(i) / 2, i % 2 == 0);
+  }
   double all = 0;
   for (int i = 0; i < 6; ++i) {
+    progress.check();
     const UpAxis up = UpAxis(i);
     candidates.push_back({up, {}, 0});
     const int axis = i / 2;
@@ -406,7 +411,7 @@ std::optional<UpAxis> height_of_map_coordinates(const PointCloud& cloud) {
   return {};
 }
 
-Upright guess_upright(const PointCloud& cloud) {
+Upright guess_upright(const PointCloud& cloud, Progress& progress) {
   constexpr std::size_t fewest = 100;
   Upright upright{cloud.up, "the convention of its format"};
   if (cloud.size() < fewest) return upright;
@@ -418,7 +423,7 @@ Upright guess_upright(const PointCloud& cloud) {
   };
   if (!cloud.crs.empty()) return says(UpAxis::pos_z, "heights of its coordinate system");
   if (const auto up = height_of_map_coordinates(cloud)) return says(*up, "heights of map coordinates");
-  const std::vector<UpCandidate> candidates = up_candidates(cloud);
+  const std::vector<UpCandidate> candidates = up_candidates(cloud, progress);
   const UpCandidate &best = candidates[0], &next = candidates[1];
   upright.up = best.up;
   // Why it is not the convention, or not the next.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/point_cloud.h"
+#include "core/progress.h"
 
 namespace sfumato::analysis {
 
@@ -45,10 +46,10 @@ struct UpCandidate {
 };
 
 /// All six axes, the likeliest first; of clouds that are no survey. From a sample of at most 65,536 points.
-std::vector<UpCandidate> up_candidates(const PointCloud& cloud);
+std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress = no_progress());
 
 /// The likeliest of the candidates, of which `cloud.up` is the convention of the file's format; LAS keeps
 /// that, and what is georeferenced otherwise has heights along z.
-Upright guess_upright(const PointCloud& cloud);
+Upright guess_upright(const PointCloud& cloud, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

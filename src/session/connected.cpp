@@ -88,7 +88,7 @@ std::vector<Part> components(const std::vector<Part>& voxels) {
 
 }  // namespace
 
-Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain) {
+Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain, Progress& progress) {
   constexpr double finest = 1024;  // of the usual size: a pixel or two
   constexpr double least = 0.2;    // of the points: of less, no score could make up for it
   const double edge = usual.diagonal() / finest;
@@ -102,9 +102,12 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
   Connected best{usual, 0};
   double highest = -std::numeric_limits<double>::infinity();
   while (true) {
+    progress.check();
     merge(voxels);
+    progress.check();
     const std::vector<Part> parts = components(voxels);
     for (const Part& part : parts) {
+      progress.check();
       const double share = part.points / double(points.size());
       // What a pixel of the usual picture holds is a place in it.
       if (share < least || glm::distance(part.low, part.high) < edge ||

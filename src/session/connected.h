@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/point_cloud.h"
+#include "core/progress.h"
 
 namespace sfumato {
 
@@ -16,6 +17,7 @@ struct Connected {
 /// logarithms of its share of the points and, times `gain`, of how much of a picture of it they close: what
 /// is farther and sparse would make the rest small, and is left out unless it is connected. `usual` is the
 /// box of most.
-Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain);
+Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain,
+                    Progress& progress = no_progress());
 
 }  // namespace sfumato

@@ -242,7 +242,7 @@ std::vector<dvec3> scanners_of(const PointCloud& cloud) {
   return places;
 }
 
-Subject subject_of(const PointCloud& cloud, bool whole) {
+Subject subject_of(const PointCloud& cloud, bool whole, Progress& progress) {
   // Of 16 sweeps, maps and scans with a far background, two streets are strips up to .35, and from .5 on land
   // is cut at its rim. A stray point is worth nothing.
   constexpr double gain = 0.4, gain_whole = 0.01;
@@ -252,7 +252,7 @@ Subject subject_of(const PointCloud& cloud, bool whole) {
   for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.world(i));
   Subject subject{bounds(cloud), {}, {}, {}};
   if (cloud.size() >= each_counts)
-    subject.box = connected(sample, robust_bounds(cloud), whole ? gain_whole : gain).box;
+    subject.box = connected(sample, robust_bounds(cloud), whole ? gain_whole : gain, progress).box;
   const std::vector<dvec3> scanners = scanners_of(cloud);
   const std::size_t thinner = std::max<std::size_t>(1, sample.size() / 50'000);
   for (std::size_t k = 0; k < sample.size(); k += thinner) {

@@ -9,6 +9,7 @@
 
 #include "core/camera.h"
 #include "core/point_cloud.h"
+#include "core/progress.h"
 #include "core/room.h"
 
 namespace sfumato {
@@ -37,7 +38,7 @@ std::vector<dvec3> scanners_of(const PointCloud& cloud);
 
 /// The box of what hangs together and holds most points for its size (connected.h); of what is inside, up to
 /// 50,000 points. `whole`: all but isolated outliers.
-Subject subject_of(const PointCloud& cloud, bool whole = false);
+Subject subject_of(const PointCloud& cloud, bool whole = false, Progress& progress = no_progress());
 
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points
 /// with a margin of 8 %, in which the discs of the outermost have room. Points in one place have no extent to

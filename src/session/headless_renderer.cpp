@@ -101,7 +101,7 @@ void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
   scene.cloud = std::move(cloud);
   state_->opening.reset(), state_->seen.reset();
   // What the caller says is up is up.
-  Pose pose = stand_upright(scene, scene.cloud.up, !state_->whole);
+  Pose pose = stand_upright(scene, scene.cloud.up, !state_->whole, 1, progress);
   state_->options = {{}, coloring, {}};
   state_->show(std::move(scene), std::move(pose), progress);
 }

@@ -18,7 +18,7 @@ Opening::Opening(const Request& request, std::vector<scene::SceneFile> files, Pr
                 "--output-index needs all points in memory, and files are larger: raise --memory or crop");
   scene_ = leveled_ ? leveled_->overview(progress) : scene::read_scene(files, options, progress);
   progress.check();
-  pose_ = stand_upright(scene_, options.up, !request.whole, request.vertical_exaggeration());
+  pose_ = stand_upright(scene_, options.up, !request.whole, request.vertical_exaggeration(), progress);
   progress.check();
   if (!request.furniture.unit.empty()) pose_.unit = unit_named(request.furniture.unit);
   if (request.panorama && !request.view.position && !request.view.start) place_ = place_inside(scene_.cloud);

@@ -29,17 +29,17 @@ void exaggerate(PointCloud& cloud, double factor) {
 }
 
 Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool cutaway,
-                   double vertical_exaggeration) {
+                   double vertical_exaggeration, Progress& progress) {
   analysis::Upright upright;
   if (asked)
     upright = {*asked, "--up"};
   else if (scene.cloud.up_is_known)
     upright = {scene.cloud.up, "the file says so"};
   else
-    upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud);
+    upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud, progress);
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
-  Pose pose{upright, subject_of(scene.cloud, !cutaway), horizontal_unit(scene.cloud.crs)};
+  Pose pose{upright, subject_of(scene.cloud, !cutaway, progress), horizontal_unit(scene.cloud.crs)};
   const auto look_from = [&](double azimuth_deg, double elevation_deg) {
     pose.upright.azimuth_deg = azimuth_deg, pose.upright.elevation_deg = elevation_deg;
   };
@@ -49,7 +49,9 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
     look_from(glm::degrees(compass.azimuth(-sensor->along)), glm::degrees(compass.elevation(-sensor->along)));
     return pose;
   }
+  progress.check();
   if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
+  progress.check();
   const Standpoint from = standpoint_for(pose.subject, upright.up);
   look_from(from.azimuth_deg, from.elevation_deg);
   return pose;

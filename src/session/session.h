@@ -44,7 +44,7 @@ struct Pose {
 /// `vertical_exaggeration`: heights become so many times as large, and the scalar `elevation` keeps the true
 /// ones.
 Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {}, bool cutaway = true,
-                   double vertical_exaggeration = 1);
+                   double vertical_exaggeration = 1, Progress& progress = no_progress());
 /// Heights (world coordinates along the cloud's up axis) times a factor; the scalar `elevation` has the true
 /// ones.
 void exaggerate(PointCloud& cloud, double factor);

@@ -9,11 +9,13 @@
 #include "reference/patience.h"
 
 using namespace sfumato;
-using sfumato::testing::expect_stops_in_time;
+using sfumato::testing::expect_stops;
 
 namespace {
 
 constexpr std::size_t points = 1'500'000;
+constexpr long blocks = points / 65'536;     // after each, Progress is asked
+constexpr std::size_t text_block = 4 << 20;  // bytes of text that are read in one go
 
 PointCloud large_cloud() {
   PointCloud cloud;
@@ -35,14 +37,14 @@ std::filesystem::path file_of(const std::string& extension) {
 
 class Cancel : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(Cancel, ReadingAndWritingStopInTime) {
+TEST_P(Cancel, ReadingAndWritingStop) {
   const std::filesystem::path file = file_of(GetParam());
   const PointCloud cloud = large_cloud();
-  expect_stops_in_time("writes " + std::string(GetParam()), 6,
-                       [&](Progress& progress) { io::write(file, cloud, progress); });
+  expect_stops("writes " + std::string(GetParam()), blocks, 6,
+               [&](Progress& progress) { io::write(file, cloud, progress); });
   io::write(file, cloud);
-  expect_stops_in_time("reads " + std::string(GetParam()), 10,
-                       [&](Progress& progress) { io::read(file, {}, progress); });
+  expect_stops("reads " + std::string(GetParam()), blocks, 10,
+               [&](Progress& progress) { io::read(file, {}, progress); });
   std::filesystem::remove(file);
 }
 
@@ -56,15 +58,15 @@ struct Lines {
 
 class CancelText : public ::testing::TestWithParam<Lines> {};
 
-TEST_P(CancelText, ReadingStopsInTime) {
+TEST_P(CancelText, ReadingStops) {
   std::string text = GetParam().header;
   for (std::size_t i = 0; i < points; ++i)
     text += GetParam().before + std::to_string(i % 1000) + "." + std::to_string(i % 97) + " " +
             std::to_string(i / 1000) + " 0.25\n";
   const std::filesystem::path file = file_of("." + std::string(GetParam().name));
   std::ofstream(file, std::ios::binary) << text;
-  expect_stops_in_time(std::string("reads ") + GetParam().name, 10,
-                       [&](Progress& progress) { io::read(file, {}, progress); });
+  expect_stops(std::string("reads ") + GetParam().name, long(text.size() / text_block), 10,
+               [&](Progress& progress) { io::read(file, {}, progress); });
   std::filesystem::remove(file);
 }
 
