@@ -188,7 +188,7 @@ NodeSelection select_nodes(std::span<const Tree> trees, std::span<const View> vi
     const Candidate next = queue.top();
     queue.pop();
     if (const std::size_t i = places[next.tree][next.key]; i != Places::none) {
-      std::uint64_t count = trees[next.tree].nodes[i].chunk.count;
+      std::uint64_t count = trees[next.tree].nodes[i].points;
       if (share[next.tree] < 1) {
         count = std::max<std::uint64_t>(1, std::uint64_t(share[next.tree] * double(count)));
         selection.wanted[next.tree] = count;
@@ -232,7 +232,7 @@ NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget,
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     std::uint64_t points = 0;
     for (; end < all.size() && all[end].spacing == all[begin].spacing; ++end)
-      points += trees[all[end].tree].nodes[all[end].node].chunk.count;
+      points += trees[all[end].tree].nodes[all[end].node].points;
     if (selection.points > 0 && selection.points + points > budget) break;
     for (std::size_t i = begin; i < end; ++i) selection.nodes[all[i].tree].push_back(all[i].node);
     selection.points += points;
@@ -243,7 +243,7 @@ NodeSelection select_overview(std::span<const Tree> trees, std::uint64_t budget,
     selection.points = 0;
     for (std::size_t t = 0; t < trees.size(); ++t) {
       std::uint64_t points = 0;
-      for (std::size_t i : selection.nodes[t]) points += trees[t].nodes[i].chunk.count;
+      for (std::size_t i : selection.nodes[t]) points += trees[t].nodes[i].points;
       if (points == 0) continue;
       selection.wanted[t] = std::max<std::uint64_t>(1, std::uint64_t(share * double(points)));
       selection.points += selection.wanted[t];

@@ -28,7 +28,7 @@ std::vector<LevelFacts> levels_of(const Tree& tree) {
       levels.push_back({int(levels.size()), 0, 0, tree.spacing_of(int(levels.size()))});
     LevelFacts& level = levels[std::size_t(node.key.level)];
     ++level.nodes;
-    level.points += node.chunk.count;
+    level.points += node.points;
   }
   return levels;
 }
@@ -36,14 +36,38 @@ std::vector<LevelFacts> levels_of(const Tree& tree) {
 bool is_tree(const std::filesystem::path& file) {
   if (io::is_standard_input(file)) return false;  // which can be read once only
   try {
-    return io::is_copc(io::File(file).read_text(0, 512));
+    const std::string head = io::File(file).read_text(0, 4096);
+    return io::is_copc(head) || io::is_tiled(head);
   } catch (const Error&) {
     if (io::is_remote(file)) throw;  // another try would have to wait as long
     return false;
   }
 }
 
-Tree read_tree(const std::filesystem::path& path) {
+namespace {
+
+Tree tree_of_tiles(const std::filesystem::path& path, Progress& progress) {
+  const auto scan = std::make_shared<const io::TiledScan>(io::open_tiled(path, progress));
+  if (!(scan->cube_size > 0) || !(scan->spacing > 0) || !std::isfinite(scan->cube_size + scan->spacing))
+    throw Error(ErrorCode::bad_input, path.string() +
+                                          ": JSON: found no bounds or spacing of the octree above 0, "
+                                          "expected both; convert it again");
+  Tree tree;
+  tree.file = path, tree.format = scan->format;
+  tree.cube = {scan->cube_min, scan->cube_size}, tree.spacing = scan->spacing, tree.bounds = scan->bounds;
+  tree.crs = scan->crs, tree.attributes = scan->attributes;
+  for (const io::Tile& tile : scan->tiles) {
+    tree.nodes.push_back({{tile.level, tile.cell[0], tile.cell[1], tile.cell[2]}, tile.points});
+    tree.points += tile.points;
+  }
+  tree.tiled = scan;
+  return tree;
+}
+
+}  // namespace
+
+Tree read_tree(const std::filesystem::path& path, Progress& progress) {
+  if (io::is_tiled(io::File(path).read_text(0, 4096))) return tree_of_tiles(path, progress);
   const io::las::InputFile file(path);
   const io::las::Header header = io::las::read_header(file);
   const io::las::LazLayout layout = io::las::read_laz_layout(file, header);
@@ -54,10 +78,11 @@ Tree read_tree(const std::filesystem::path& path) {
   tree.file = path;
   tree.points = header.count;
   for (const io::las::CopcNode& node : io::las::read_copc_tree(file, header, layout))
-    tree.nodes.push_back(
-        {{node.level, std::uint32_t(node.x), std::uint32_t(node.y), std::uint32_t(node.z)}, node.chunk});
+    tree.nodes.push_back({{node.level, std::uint32_t(node.x), std::uint32_t(node.y), std::uint32_t(node.z)},
+                          node.chunk.count,
+                          node.chunk});
   std::uint64_t held = 0;
-  for (const TreeNode& node : tree.nodes) held += node.chunk.count;
+  for (const TreeNode& node : tree.nodes) held += node.points;
   if (held != header.count)
     file.fail(247, "found " + std::to_string(header.count) + " points in the header, expected the " +
                        std::to_string(held) + " of the octree; the file is truncated or damaged");
@@ -87,6 +112,11 @@ io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& node
                           const io::KeptChunks& kept) {
   std::vector<std::size_t> in_order = nodes;
   std::sort(in_order.begin(), in_order.end());
+  if (tree.tiled) {
+    std::vector<io::Tile> tiles;
+    for (std::size_t i : in_order) tiles.push_back(tree.tiled->tiles[i]);
+    return tree.tiled->read(tiles, progress);
+  }
   std::vector<io::las::LazChunk> chunks;
   for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);
   return io::read_las_chunks(tree.file, chunks, progress, kept);

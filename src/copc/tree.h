@@ -1,8 +1,10 @@
-// The octree of a COPC file, known from its header and hierarchy: what is where, before any point is read.
+// The octree of a COPC file or of tiles (EPT, Potree 2), known from its header and hierarchy: what is where,
+// before any point is read.
 #pragma once
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,23 +12,27 @@
 #include "copc/octree.h"
 #include "io/io.h"
 #include "io/las.h"
+#include "io/tiles.h"
 
 namespace sfumato::copc {
 
 struct TreeNode {
   Key key;
-  io::las::LazChunk chunk;
+  std::uint64_t points = 0;
+  io::las::LazChunk chunk = {};  ///< of COPC; tiles have the numbers of their nodes
 };
 
 struct Tree {
   std::filesystem::path file;
+  std::string format = "copc";
   std::uint64_t points = 0;
   Cube cube;
   double spacing = 0;           ///< of the root; each level halves it
   Bounds bounds;                ///< what the header says of the points
   std::vector<TreeNode> nodes;  ///< those with points, in file order
   std::string crs;
-  std::vector<std::string> attributes;  ///< names, as the reader gives them
+  std::vector<std::string> attributes;         ///< names, as the reader gives them
+  std::shared_ptr<const io::TiledScan> tiled;  ///< where it is no COPC file
 
   /// The part of the node's cell that can hold points, world.
   Bounds box(const Key& key) const;
@@ -42,11 +48,12 @@ struct LevelFacts {
 /// From the root down.
 std::vector<LevelFacts> levels_of(const Tree& tree);
 
-/// Whether the file is COPC, by its first bytes. False when it cannot be opened, and for standard input.
+/// Whether the file is COPC or describes tiles, by its first bytes. False when it cannot be opened, and for
+/// standard input.
 bool is_tree(const std::filesystem::path& file);
 
 /// Reads header and hierarchy. Throws Error(bad_input) when they are damaged.
-Tree read_tree(const std::filesystem::path& file);
+Tree read_tree(const std::filesystem::path& file, Progress& progress = no_progress());
 
 /// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. Nodes that cannot be
 /// decoded are left out: see the report.

@@ -1,5 +1,7 @@
 // Entwine Point Tiles 1.0 (and 0.0): ept.json, a hierarchy of counts, and a tile a node.
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <deque>
 #include <set>
 
@@ -64,8 +66,8 @@ TileLayout layout_of(const std::filesystem::path& path, const Json& schema) {
   return layout;
 }
 
-/// "2-0-1-3": its level, or nothing.
-std::optional<int> level_of(const std::string& key) {
+/// "2-0-1-3": level and cell.
+std::optional<Tile> tile_of(const std::string& key) {
   std::uint32_t numbers[4] = {};
   const char *at = key.data(), *const end = at + key.size();
   for (int k = 0; k < 4; ++k) {
@@ -73,7 +75,10 @@ std::optional<int> level_of(const std::string& key) {
     if (error != std::errc() || (k < 3 ? next == end || *next != '-' : next != end)) return std::nullopt;
     at = next + 1;
   }
-  return numbers[0] <= 30 ? std::optional(int(numbers[0])) : std::nullopt;
+  if (numbers[0] > 30) return std::nullopt;
+  for (int k = 1; k < 4; ++k)
+    if (numbers[k] >> numbers[0] != 0) return std::nullopt;
+  return Tile{int(numbers[0]), 0, key, 0, 0, {numbers[1], numbers[2], numbers[3]}};
 }
 
 std::vector<Tile> tiles_of(const std::filesystem::path& path, Progress& progress) {
@@ -89,14 +94,15 @@ std::vector<Tile> tiles_of(const std::filesystem::path& path, Progress& progress
     const nlohmann::json counts = nlohmann::json::parse(text, nullptr, false);
     if (!counts.is_object()) bad_input(page, "JSON", "found no counts of points by node; fetch it again");
     for (const auto& [key, value] : counts.items()) {
-      const std::optional<int> level = level_of(key);
-      if (!level || !value.is_number_integer() || value.get<std::int64_t>() < -1)
+      std::optional<Tile> tile = tile_of(key);
+      if (!tile || !value.is_number_integer() || value.get<std::int64_t>() < -1)
         bad_input(page, "JSON", "found '" + key.substr(0, 40) + "', expected counts as \"2-0-1-3\": 1000");
       const auto points = value.get<std::int64_t>();
       if (points == -1) {
         if (seen_pages.insert(key).second) pages.push_back(key);
-      } else if (seen.insert(key).second) {
-        tiles.push_back({*level, std::uint64_t(points), key});
+      } else if (points > 0 && seen.insert(key).second) {
+        tile->points = std::uint64_t(points);
+        tiles.push_back(std::move(*tile));
       }
     }
     pages.pop_front();
@@ -104,11 +110,25 @@ std::vector<Tile> tiles_of(const std::filesystem::path& path, Progress& progress
   return tiles;
 }
 
+/// Six numbers, the least three first; nothing where they are no box.
+std::optional<Bounds> box_in(const Json& ept, const char* key) {
+  if (!ept.contains(key) || !ept[key].is_array() || ept[key].size() != 6) return std::nullopt;
+  Bounds box;
+  for (int k = 0; k < 3; ++k) {
+    const Json &low = ept[key][std::size_t(k)], &high = ept[key][std::size_t(k + 3)];
+    if (!low.is_number() || !high.is_number()) return std::nullopt;
+    box.min[k] = low.get<double>(), box.max[k] = high.get<double>();
+    if (!std::isfinite(box.min[k]) || !std::isfinite(box.max[k]) || !(box.min[k] <= box.max[k]))
+      return std::nullopt;
+  }
+  return box;
+}
+
 }  // namespace
 
 bool is_ept(std::string_view head) { return begins_as_object_with(head, {"hierarchyType", "dataType"}); }
 
-ReadResult read_ept(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+TiledScan open_ept(const std::filesystem::path& path, Progress& progress) {
   const Json ept = load_json(path);
   const auto text = [&](const Json& object, const char* key) {
     return object.is_object() && object.contains(key) && object[key].is_string()
@@ -121,35 +141,53 @@ ReadResult read_ept(const std::filesystem::path& path, const ReadOptions& option
     bad_input(path, "JSON",
               "found tiles of '" + kind.substr(0, 40) + "', expected laszip, binary or zstandard");
   if (!ept.contains("schema")) bad_input(path, "JSON", "found no schema; export it again");
+  TiledScan scan;
+  scan.format = "ept";
   const TileLayout layout = layout_of(path, ept["schema"]);
-  const std::vector<Tile> tiles =
-      tiles_wanted(path, tiles_of(path, progress), 2 * layout.record + 32, options);
-  if (tiles.empty()) bad_input(path, "hierarchy", "found no node with points; fetch it again");
-  const auto file_of = [&](const Tile& tile) {
+  scan.record = layout.record, scan.attributes = names_of(layout);
+  if (const std::optional<Bounds> cube = box_in(ept, "bounds")) {
+    constexpr double usual_span = 128;
+    const Json span = ept.value("span", ept.value("ticks", Json(usual_span)));
+    const dvec3 size = cube->size();
+    scan.cube_min = cube->min, scan.cube_size = std::max({size.x, size.y, size.z});
+    scan.spacing =
+        scan.cube_size / (span.is_number() && span.get<double>() >= 1 ? span.get<double>() : usual_span);
+    scan.bounds = box_in(ept, "boundsConforming").value_or(*cube);
+  }
+  scan.tiles = tiles_of(path, progress);
+  if (scan.tiles.empty()) bad_input(path, "hierarchy", "found no node with points; fetch it again");
+  scan.crs = ept.contains("srs") ? text(ept["srs"], "wkt") : "";
+  const auto file_of = [=](const Tile& tile) {
     return beside(path, "ept-data/" + tile.name + (is_laz ? ".laz" : is_packed ? ".zst" : ".bin"));
   };
-  ReadResult result;
-  if (is_laz) {
-    std::vector<std::filesystem::path> files;
-    for (const Tile& tile : tiles) files.push_back(file_of(tile));
-    result = read_las_tiles(files, progress);
-  } else {
-    result = read_tiles(
-        path, layout, tiles,
-        [&](const Tile& tile) {
-          const std::uint64_t size = tile.points * layout.record;
-          const File file(file_of(tile));
-          if (tile.points > most_tile_bytes / layout.record || file.size() > most_tile_bytes)
-            bad_input(file.path(), "size", "the tile is larger than 256 MB; the hierarchy is damaged");
-          std::vector<std::byte> bytes(std::size_t(file.size()));
-          file.read(0, bytes);
-          return is_packed ? unpack_zstd(file.path(), bytes, std::size_t(size)) : bytes;
-        },
-        progress);
-  }
-  if (const std::string wkt = ept.contains("srs") ? text(ept["srs"], "wkt") : ""; !wkt.empty())
-    result.cloud.crs = result.report.crs = wkt;
-  return result;
+  scan.read = [=, crs = scan.crs](const std::vector<Tile>& tiles, Progress& watch) {
+    ReadResult result;
+    if (is_laz) {
+      std::vector<std::filesystem::path> files;
+      for (const Tile& tile : tiles) files.push_back(file_of(tile));
+      result = read_las_tiles(files, watch);
+    } else {
+      result = read_tiles(
+          path, layout, tiles,
+          [&](const Tile& tile) {
+            const std::uint64_t size = tile.points * layout.record;
+            const File file(file_of(tile));
+            if (tile.points > most_tile_bytes / layout.record || file.size() > most_tile_bytes)
+              bad_input(file.path(), "size", "the tile is larger than 256 MB; the hierarchy is damaged");
+            std::vector<std::byte> bytes(std::size_t(file.size()));
+            file.read(0, bytes);
+            return is_packed ? unpack_zstd(file.path(), bytes, std::size_t(size)) : bytes;
+          },
+          watch);
+    }
+    if (!crs.empty()) result.cloud.crs = result.report.crs = crs;
+    return result;
+  };
+  return scan;
+}
+
+ReadResult read_ept(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+  return read_tiled(path, open_ept(path, progress), options, progress);
 }
 
 }  // namespace sfumato::io

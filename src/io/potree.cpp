@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <deque>
+#include <memory>
 #include <set>
 
 #include "io/bounded_json.h"
@@ -36,6 +37,8 @@ struct Potree {
   bool is_brotli = false;
   std::uint64_t first_page = 0;
   std::string crs;
+  dvec3 cube_min{0};
+  double cube_size = 0, spacing = 0;
 };
 
 std::string potree_name(std::string name) {
@@ -47,12 +50,12 @@ std::string potree_name(std::string name) {
 Potree read_metadata(const std::filesystem::path& path) {
   const Json json = load_json(path);
   const auto refuse = [&](const std::string& what) { bad_input(path, "JSON", what + "; convert it again"); };
-  const auto three = [&](const char* key, double(&out)[3]) {
-    if (!json.contains(key) || !json[key].is_array() || json[key].size() != 3)
+  const auto three_of = [&](const Json& in, const char* key, double(&out)[3]) {
+    if (!in.contains(key) || !in[key].is_array() || in[key].size() != 3)
       refuse(std::string("found no '") + key + "' of three numbers");
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!json[key][k].is_number()) refuse(std::string("found no '") + key + "' of three numbers");
-      out[k] = json[key][k].get<double>();
+      if (!in[key][k].is_number()) refuse(std::string("found no '") + key + "' of three numbers");
+      out[k] = in[key][k].get<double>();
     }
   };
   static const std::pair<const char*, StoredType> types[] = {
@@ -62,7 +65,18 @@ Potree read_metadata(const std::filesystem::path& path) {
       {"double", StoredType::float64}};
   Potree potree{path};
   double scale[3], shift[3];
-  three("scale", scale), three("offset", shift);
+  three_of(json, "scale", scale), three_of(json, "offset", shift);
+  double low[3], high[3];
+  if (json.contains("boundingBox") && json["boundingBox"].is_object()) {
+    const Json& box = json["boundingBox"];
+    three_of(box, "min", low), three_of(box, "max", high);
+    for (int k = 0; k < 3; ++k) {
+      potree.cube_min[k] = low[k];
+      potree.cube_size = std::max(potree.cube_size, high[k] - low[k]);
+    }
+  }
+  if (const Json spacing = json.value("spacing", Json()); spacing.is_number())
+    potree.spacing = spacing.get<double>();
   const std::string encoding = json.value("encoding", std::string("DEFAULT"));
   potree.is_brotli = encoding == "BROTLI";
   if (!potree.is_brotli && encoding != "DEFAULT" && encoding != "UNCOMPRESSED")
@@ -113,6 +127,12 @@ Potree read_metadata(const std::filesystem::path& path) {
   return potree;
 }
 
+/// The child's number has a bit for each axis, x the highest.
+std::array<std::uint32_t, 3> cell_of(const Tile& node, int child) {
+  return {node.cell[0] << 1 | std::uint32_t(child >> 2 & 1),
+          node.cell[1] << 1 | std::uint32_t(child >> 1 & 1), node.cell[2] << 1 | std::uint32_t(child & 1)};
+}
+
 /// Nodes breadth first by pages; the first of a page replaces the proxy that leads to it.
 std::vector<Tile> nodes_of(const Potree& potree, Progress& progress) {
   struct Page {
@@ -154,7 +174,7 @@ std::vector<Tile> nodes_of(const Potree& potree, Progress& progress) {
       if (node.points > 0) tiles.push_back(node);
       for (int child = 0; child < 8; ++child)
         if (children >> child & 1 && node.level < 30)
-          nodes.push_back({node.level + 1, 0, node.name + char('0' + child)});
+          nodes.push_back({node.level + 1, 0, node.name + char('0' + child), 0, 0, cell_of(node, child)});
     }
   }
   return tiles;
@@ -203,37 +223,46 @@ std::vector<std::byte> interleave(const Potree& potree, const std::vector<std::b
 
 bool is_potree(std::string_view head) { return begins_as_object_with(head, {"hierarchy", "firstChunkSize"}); }
 
-ReadResult read_potree(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
-  const Potree potree = read_metadata(path);
-  const TileLayout& layout = potree.layout;
-  std::size_t packed_record = layout.record;
+TiledScan open_potree(const std::filesystem::path& path, Progress& progress) {
+  const auto shared = std::make_shared<const Potree>(read_metadata(path));
+  const Potree& potree = *shared;
+  std::size_t packed_record = potree.layout.record;
   for (const PotreeAttribute& attribute : potree.attributes) {
     if (!potree.is_brotli || !(attribute.is_position || attribute.is_color)) continue;
     if (attribute.size != (attribute.is_position ? 12u : 6u))
       bad_input(path, "JSON", "found packed positions or colours of another size than 12 and 6 bytes");
     packed_record += attribute.is_position ? 4 : 2;
   }
-  const std::vector<Tile> tiles =
-      tiles_wanted(path, nodes_of(potree, progress), 2 * layout.record + 32, options);
-  if (tiles.empty()) bad_input(path, "hierarchy", "found no node with points; convert it again");
-  const File file(beside(path, "octree.bin"));
-  ReadResult result = read_tiles(
-      path, layout, tiles,
-      [&](const Tile& tile) {
-        if (tile.byte > file.size() || tile.size > file.size() - tile.byte ||
-            tile.points > most_tile_bytes / packed_record)
-          bad_input(file.path(), "byte " + std::to_string(tile.byte),
-                    "found a node of " + std::to_string(tile.size) +
-                        " bytes, expected it inside the file; the file is cut short, fetch it again");
-        std::vector<std::byte> bytes(std::size_t(tile.size));
-        file.read(tile.byte, bytes);
-        if (!potree.is_brotli) return bytes;
-        return interleave(potree, unpack_brotli(file.path(), bytes, std::size_t(tile.points) * packed_record),
-                          std::size_t(tile.points));
-      },
-      progress);
-  if (!potree.crs.empty()) result.cloud.crs = result.report.crs = potree.crs;
-  return result;
+  TiledScan scan;
+  scan.format = "potree";
+  scan.cube_min = potree.cube_min, scan.cube_size = potree.cube_size, scan.spacing = potree.spacing;
+  scan.bounds = {potree.cube_min, potree.cube_min + potree.cube_size};
+  scan.crs = potree.crs, scan.record = potree.layout.record, scan.attributes = names_of(potree.layout);
+  scan.tiles = nodes_of(potree, progress);
+  if (scan.tiles.empty()) bad_input(path, "hierarchy", "found no node with points; convert it again");
+  const auto file = std::make_shared<const File>(beside(path, "octree.bin"));
+  const auto load = [=](const Tile& tile) {
+    if (tile.byte > file->size() || tile.size > file->size() - tile.byte ||
+        tile.points > most_tile_bytes / packed_record)
+      bad_input(file->path(), "byte " + std::to_string(tile.byte),
+                "found a node of " + std::to_string(tile.size) +
+                    " bytes, expected it inside the file; the file is cut short, fetch it again");
+    std::vector<std::byte> bytes(std::size_t(tile.size));
+    file->read(tile.byte, bytes);
+    if (!shared->is_brotli) return bytes;
+    return interleave(*shared, unpack_brotli(file->path(), bytes, std::size_t(tile.points) * packed_record),
+                      std::size_t(tile.points));
+  };
+  scan.read = [=](const std::vector<Tile>& tiles, Progress& watch) {
+    ReadResult result = read_tiles(path, shared->layout, tiles, load, watch);
+    if (!shared->crs.empty()) result.cloud.crs = result.report.crs = shared->crs;
+    return result;
+  };
+  return scan;
+}
+
+ReadResult read_potree(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+  return read_tiled(path, open_potree(path, progress), options, progress);
 }
 
 }  // namespace sfumato::io

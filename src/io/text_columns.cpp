@@ -314,6 +314,8 @@ std::vector<std::string> guess_columns(const SampleRows& rows, std::size_t width
     } else if (left == 1 && rows.size() > 1 && (at > 3 || sample.at(at).distinct == 1) &&
                sample.is_label(at, 0, 0)) {  // an intensity that never varies is none
       names.push_back("label");
+    } else if (shifted && left == 4 && sample.at(at).distinct > 1 && sample.is_label(at, at + 1, 3)) {
+      names.push_back("label");
     } else if (!intensity) {
       names.push_back("intensity");
       intensity = true;

@@ -79,11 +79,17 @@ std::filesystem::path beside(const std::filesystem::path& file, const std::strin
   return url.substr(0, url.rfind('/', end) + 1) + name + url.substr(end, query - end);
 }
 
-std::vector<Tile> tiles_wanted(const std::filesystem::path& file, std::vector<Tile> tiles, std::size_t bytes,
-                               const ReadOptions& options) {
+bool is_tiled(std::string_view head) { return is_ept(head) || is_potree(head); }
+
+TiledScan open_tiled(const std::filesystem::path& file, Progress& progress) {
+  return is_ept(File(file).read_text(0, 4096)) ? open_ept(file, progress) : open_potree(file, progress);
+}
+
+ReadResult read_tiled(const std::filesystem::path& file, const TiledScan& scan, const ReadOptions& options,
+                      Progress& progress) {
+  std::vector<Tile> tiles = scan.tiles;
   std::stable_sort(tiles.begin(), tiles.end(),
                    [](const Tile& a, const Tile& b) { return a.level < b.level; });
-  std::erase_if(tiles, [](const Tile& tile) { return tile.points == 0; });
   std::uint64_t points = 0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     const bool is_new_level = i > 0 && tiles[i].level != tiles[i - 1].level;
@@ -93,15 +99,25 @@ std::vector<Tile> tiles_wanted(const std::filesystem::path& file, std::vector<Ti
     }
     points += tiles[i].points;
   }
-  if (points > memory_limit() / bytes)
+  if (points > memory_limit() / (2 * scan.record + 32))
     throw Error(ErrorCode::out_of_memory, file.string() + ": " + std::to_string(points) +
                                               " points do not fit into memory; take fewer (--max-points N)");
-  return tiles;
+  return scan.read(tiles, progress);
+}
+
+std::vector<std::string> names_of(const TileLayout& layout) {
+  std::vector<std::string> names;
+  const Expansion expansion(layout);
+  for (const Column& column : expansion.columns())
+    if (column.role != Role::x && column.role != Role::y && column.role != Role::z)
+      names.push_back(column.name);
+  return names;
 }
 
 ReadResult read_tiles(const std::filesystem::path& file, const TileLayout& layout,
                       const std::vector<Tile>& tiles,
                       const std::function<std::vector<std::byte>(const Tile&)>& load, Progress& progress) {
+  if (tiles.empty()) return {};
   const Expansion expansion(layout);
   for (const Role role : {Role::x, Role::y, Role::z})
     if (column_of(expansion.columns(), role) < 0)

@@ -1,7 +1,9 @@
 // Scans that lie as an octree of tiles beside a file that describes them: EPT, Potree 2.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,16 +32,36 @@ struct Tile {
   int level = 0;
   std::uint64_t points = 0;
   std::string name;
-  std::uint64_t byte = 0, size = 0;  ///< where several lie in one file
+  std::uint64_t byte = 0, size = 0;     ///< where several lie in one file
+  std::array<std::uint32_t, 3> cell{};  ///< of the 2^level along each axis
 };
+
+/// A scan known from its description and hierarchy, before any point is read.
+struct TiledScan {
+  const char* format = "";
+  std::vector<Tile> tiles;  ///< those with points
+  dvec3 cube_min{0};
+  double cube_size = 0, spacing = 0;  ///< between the points of the root; each level halves it
+  Bounds bounds;                      ///< what the description says of the points, else the cube
+  std::string crs;
+  std::vector<std::string> attributes;
+  std::size_t record = 0;  ///< bytes of a point
+  std::function<ReadResult(const std::vector<Tile>&, Progress&)> read;
+};
+bool is_tiled(std::string_view head);
+/// Reads description and hierarchy. Throws Error(bad_input) when they are damaged.
+TiledScan open_tiled(const std::filesystem::path& file, Progress& progress);
+TiledScan open_ept(const std::filesystem::path& file, Progress& progress);
+TiledScan open_potree(const std::filesystem::path& file, Progress& progress);
+/// All of a scan, or its whole levels that `options.max_points` ask for.
+ReadResult read_tiled(const std::filesystem::path& file, const TiledScan& scan, const ReadOptions& options,
+                      Progress& progress);
 
 /// No more than a tile of any builder holds.
 inline constexpr std::uint64_t most_tile_bytes = 1 << 28;
 
-/// The tiles of whole levels from the root down, until they have `options.max_points`; all without. Throws
-/// Error(out_of_memory) where those do not fit at `bytes` a point.
-std::vector<Tile> tiles_wanted(const std::filesystem::path& file, std::vector<Tile> tiles, std::size_t bytes,
-                               const ReadOptions& options);
+/// What the columns of such records are called, without coordinates.
+std::vector<std::string> names_of(const TileLayout& layout);
 
 /// `load` gives the records of a tile; from several threads.
 ReadResult read_tiles(const std::filesystem::path& file, const TileLayout& layout,

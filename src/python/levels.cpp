@@ -112,7 +112,7 @@ std::unique_ptr<Levels> open(const py::list& items, const std::vector<std::strin
       if (!copc::is_tree(file.name))
         throw Error(ErrorCode::usage,
                     file.name +
-                        ": it is no COPC file, which alone can be read in parts; sfumato build "
+                        ": it is no octree (COPC, EPT, Potree 2), which alone can be read in parts; sfumato build "
                         "makes one, sfumato.read reads all of it");
     throw Error(ErrorCode::usage, "files that are moved cannot be read in parts");
   }

@@ -55,7 +55,7 @@ class Point:
         return tuple(round(v, 3) for v in (*place, self.rgb[0] / 257, self.intensity, self.kind, self.time))
 
 
-SCALE, OFFSET = [.001, .001, .002], [500000.0, 4100000.0, 100.0]
+SCALE, OFFSET, SIZE = [.001, .001, .002], [500000.0, 4100000.0, 100.0], 200
 
 
 def write_ept(folder, nodes, kind):
@@ -80,7 +80,7 @@ def write_ept(folder, nodes, kind):
             json.dump(counts, file)
     with open(os.path.join(folder, "ept.json"), "w") as file:
         json.dump({"version": "1.0.0", "dataType": kind, "hierarchyType": "json", "points": sum(map(len, nodes.values())), "span": 128,
-                   "bounds": [0] * 6, "boundsConforming": [0] * 6, "srs": {"wkt": 'LOCAL_CS["somewhere"]'}, "schema": schema}, file)
+                   "bounds": [*OFFSET, *(o + SIZE for o in OFFSET)], "boundsConforming": [*OFFSET, *(o + SIZE for o in OFFSET)], "srs": {"wkt": 'LOCAL_CS["somewhere"]'}, "schema": schema}, file)
 
 
 def write_las(file, points, scale=.001):
@@ -94,7 +94,7 @@ def write_las(file, points, scale=.001):
             las.write(struct.pack("<3iHBBbBHd3H", *p.steps, p.intensity, 9, p.kind, 0, 0, 1, p.time, *p.rgb))
 
 
-def write_potree(folder, nodes, encoding):
+def write_potree(folder, nodes, encoding, hierarchy=None):
     os.makedirs(folder)
     octree, places = b"", {}
     spread = lambda values: sum((value >> bit & 1) << 3 * bit + k for k, value in enumerate(values) for bit in range(16))  # noqa: E731
@@ -110,7 +110,7 @@ def write_potree(folder, nodes, encoding):
         places[name] = (len(points), len(octree), len(body))
         octree += body
     row = lambda kind, children, name: struct.pack("<BBIQQ", kind, children, *places[name])  # noqa: E731
-    pages = row(0, 0b10000001, "r") + struct.pack("<BBIQQ", 2, 0, places["r0"][0], 66, 44) + row(1, 0, "r7") + row(0, 0b10, "r0") + row(1, 0, "r01")
+    pages = hierarchy(places) if hierarchy else row(0, 0b10000001, "r") + struct.pack("<BBIQQ", 2, 0, places["r0"][0], 66, 44) + row(1, 0, "r7") + row(0, 0b10, "r0") + row(1, 0, "r01")
     attributes = [("position", 3, "int32", 4), ("intensity", 1, "uint16", 2), ("classification", 1, "uint8", 1), ("rgb", 3, "uint16", 2),
                   ("gps-time", 1, "double", 8)]
     for name, data in (("octree.bin", octree), ("hierarchy.bin", pages)):
@@ -118,14 +118,42 @@ def write_potree(folder, nodes, encoding):
             file.write(data)
     with open(os.path.join(folder, "metadata.json"), "w") as file:
         json.dump({"version": "2.0", "name": "scan", "points": sum(map(len, nodes.values())), "projection": "", "encoding": encoding,
-                   "hierarchy": {"firstChunkSize": 66, "stepSize": 1, "depth": 2}, "offset": OFFSET, "scale": SCALE, "spacing": 1,
+                   "hierarchy": {"firstChunkSize": len(pages) if hierarchy else 66, "stepSize": 1, "depth": 2}, "offset": OFFSET, "scale": SCALE, "spacing": SIZE / 128,
+                   "boundingBox": {"min": OFFSET, "max": [o + SIZE for o in OFFSET]},
                    "attributes": [{"name": n, "numElements": k, "elementSize": s, "size": k * s, "type": t} for n, k, t, s in attributes]}, file)
 
 
-def serve(folder):
+def plane(rng, deepest):
+    """Nodes of EPT and of Potree of a plane, four times as many in each level, and each node of as many points."""
+    ept, potree = {}, {}
+    for level in range(deepest + 1):
+        for x in range(1 << level):
+            for y in range(1 << level):
+                points = [Point(rng) for _ in range(100)]
+                edge = SIZE / (1 << level)
+                for p in points:
+                    p.steps = [int((k + rng.random()) * edge / s) for k, s in zip((x, y), SCALE)] + [0]
+                ept[f"{level}-{x}-{y}-0"] = points
+                digits = (4 * (x >> bit & 1) + 2 * (y >> bit & 1) for bit in reversed(range(level)))
+                potree["r" + "".join(map(str, digits))] = points
+    return ept, potree
+
+
+def write_potree_in_one_page(folder, nodes):
+    order = sorted(nodes, key=lambda name: (len(name), name))
+    write_potree(folder, {name: nodes[name] for name in order}, "DEFAULT", lambda places: b"".join(
+        struct.pack("<BBIQQ", 0, sum(1 << k for k in range(8) if f"{name}{k}" in nodes), *places[name]) for name in order))
+
+
+def serve(folder, asked=None):
     class Quiet(http.server.SimpleHTTPRequestHandler):
         def log_message(self, *_):
             pass
+
+        def do_GET(self):
+            if asked is not None:
+                asked.append(self.path)
+            super().do_GET()
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     return f"http://127.0.0.1:{server.server_port}/"
@@ -171,6 +199,30 @@ def main():
                 check(f"{kind}, {what}", agree(found, truth), found[:300] if isinstance(found, str) else found[:2])
             coarse = rows_of(at(kind), folder, "--max-points", "60")
             check(f"{kind}, coarse", agree(coarse, sorted(p.row() for p in clouds[0])), coarse[:2])
+        # By view.
+        ept, potree = plane(rng, 5)
+        write_ept(at("wide"), ept, "binary")
+        write_potree_in_one_page(at("deep"), potree)
+        asked = []
+        watched = serve(folder, asked)
+        points = sum(map(len, ept.values()))
+        for what, source, words in (("ept", at("wide"), ["--memory", "5M"]), ("potree", at("deep"), ["--memory", "5M"]),
+                                    ("ept by HTTP", watched + "wide/ept.json", ["--memory", "2M"])):
+            read = {}
+            for view, more in (("whole", []), ("near", ["--zoom", "30"])):
+                done = command(source, "-o", at("view.png"), "--view", "top", "-t", "points", "--resolution", "64x48", "--json", "--quiet", *words, *more)
+                read[view] = json.loads(done.stdout)["levels"] if done.returncode == 0 else done.stderr
+            check(f"{what}: a view reads what it shows", all(
+                isinstance(one, dict) and one["points_in_files"] == points and one["points_read"] == one["points_needed"] < points / 4
+                for one in read.values()), read)
+        tiles = {path for path in asked if "ept-data" in path}
+        check("of the server, few tiles", 1 <= len(tiles) < len(ept) / 4, len(tiles))
+        for what, source in (("ept", at("wide")), ("potree", at("deep"))):
+            done = command("info", source, "--json")
+            levels = json.loads(done.stdout)["levels"]
+            check(f"{what}: levels", [level["nodes"] for level in levels] == [4 ** k for k in range(6)] and levels[0]["points"] == 100
+                  and abs(levels[5]["spacing"] - SIZE / 128 / 32) < 1e-9, levels)
+
         done = command("info", at("binary"))
         check("the coordinate system", 'LOCAL_CS["somewhere"]' in done.stdout, done.stdout)
 
@@ -187,7 +239,7 @@ def main():
         def damaged(what, source, name, change, said):
             shutil.copytree(at(source), at("damaged"))
             change(at("damaged/" + name))
-            done = command("info", at("damaged"))
+            done = command("info", "--stats", at("damaged"))
             check(f"{what}: one line", done.returncode in (2, 5, 6) and said in done.stderr and done.stderr.count("\n") == 1, done)
             shutil.rmtree(at("damaged"))
 

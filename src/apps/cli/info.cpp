@@ -97,11 +97,11 @@ std::string table_row(const io::ReadReport& r, std::optional<double> spacing) {
                      r.points_finite && spacing ? fmt::format("{:.4g}", *spacing) : "-", r.file.string());
 }
 
-/// What header and hierarchy of a COPC file tell, without its points.
+/// What header and hierarchy of a COPC file or of tiles tell, without its points.
 io::ReadReport report_of(const copc::Tree& tree) {
   io::ReadReport report;
   report.file = tree.file;
-  report.format = "copc";
+  report.format = tree.format;
   report.points = report.points_finite = tree.points;
   report.bounds_min = tree.bounds.min, report.bounds_max = tree.bounds.max;
   report.crs = tree.crs;
@@ -133,7 +133,8 @@ int info_command(const Words& words) {
   CommandLine line("sfumato info", "Prints what a point cloud file holds; several files give a table.");
   line.positionals("FILE", files, "point clouds, folders or patterns; - is standard input");
   line.flag("--json", json, "machine-readable");
-  line.flag("--stats", stats, "read all points of COPC files too, for ranges of attributes and the spacing");
+  line.flag("--stats", stats,
+            "read all points of COPC, EPT and Potree too, for ranges of attributes and the spacing");
   line.flag("--strict", options.read.strict,
             "refuse partly damaged files instead of skipping the damaged parts");
   line.text("--columns", columns, "x,y,z,...",

@@ -102,7 +102,7 @@ std::string info_json(const io::ReadReport& report, double median_spacing,
 std::string tree_json(const copc::Tree& tree) {
   Json json;
   json["file"] = tree.file.string();
-  json["format"] = "copc";
+  json["format"] = tree.format;
   json["points"] = tree.points;
   json["points_finite"] = tree.points;
   json["points_dropped"] = 0;

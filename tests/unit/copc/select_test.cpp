@@ -165,7 +165,7 @@ std::vector<Tree> tiles(int count) {
     tree.spacing = 100.0 / 128;
     tree.bounds = {tree.cube.min, tree.cube.min + 100.0};
     tree.nodes = {{{}, {}}, {copc::Key{}.child(0), {}}};
-    for (copc::TreeNode& node : tree.nodes) node.chunk.count = 60'000;
+    for (copc::TreeNode& node : tree.nodes) node.points = 60'000;
     tree.points = 120'000;
     trees.push_back(tree);
   }

@@ -372,6 +372,10 @@ TEST(StrangersKinds, ColumnsByAllOfTheirNumbers) {
               HasSubstr("x,y,z,red,green,blue,label"));
   EXPECT_THAT(columns("1.5 2 3 12 40 40 210\n1 2.5 3 14 160 50 90\n1 2 3.5 200 70 220 80\n"),
               HasSubstr("x,y,z,intensity,red,green,blue"));
+  EXPECT_THAT(columns("1.5 2 3 2 210 40 40\n1 2.5 3 5 140 160 50\n1 2 3.5 2 40 70 220\n"),
+              HasSubstr("x,y,z,label,red,green,blue"));
+  EXPECT_THAT(columns("1.5 2 3 0 210 40 40\n1 2.5 3 0 140 160 50\n1 2 3.5 0 40 70 220\n"),
+              HasSubstr("x,y,z,intensity,red,green,blue"));
   EXPECT_THAT(columns("1.5 2 3 53970 10280 1028\n1 2.5 3 400 4000 50000\n"),
               HasSubstr("x,y,z,red,green,blue"));
   EXPECT_THAT(columns("1.5 2 3 53970 1 2\n1 2.5 3 400 2 2\n"), HasSubstr("x,y,z,intensity,column_5"));
