@@ -30,6 +30,24 @@ double faces_up(const std::vector<double>& depths, int side, const glm::dvec2& l
   return all > 0 ? up / all : 0;
 }
 
+/// Whether values come in a few places only: half of the gaps between neighbours are none, and all the way is
+/// in the others. As of the slopes of an image's points, but not where all lie on one level grid.
+bool is_in_steps(std::vector<double> values, double low, double high) {
+  constexpr double none = 0.01, all = 0.985;  // of the mean gap; of the way
+  std::erase_if(values, [&](double value) { return value < low || value > high; });
+  if (values.size() < 2) return false;
+  std::sort(values.begin(), values.end());
+  const double mean = (values.back() - values.front()) / double(values.size() - 1);
+  std::size_t closed = 0;
+  double open = 0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double gap = values[i] - values[i - 1];
+    closed += gap <= none * mean;
+    open += gap > mean ? gap : 0;
+  }
+  return mean > 0 && 2 * closed > values.size() && open > all * mean * double(values.size() - 1);
+}
+
 }  // namespace
 
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up) {
@@ -62,7 +80,8 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   const double behind = 1 + 3 * std::max(end - left, top - bottom) / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
-  return {double(seen) / double(depths.size()), faces_up(nearest, side, {left, bottom}, {end, top})};
+  return {double(seen) / double(depths.size()), faces_up(nearest, side, {left, bottom}, {end, top}),
+          is_in_steps(x, left, end) && is_in_steps(y, bottom, top)};
 }
 
 double is_one_picture(const Sight& sight) {

@@ -12,6 +12,7 @@ struct Sight {
   /// Of the surfaces seen, what faces up less what faces down, of all, -1 to 1: floors and tables are seen
   /// from above.
   double faces_up = 0;
+  bool of_pixels = false;  ///< the lines of sight are in columns and rows, as those of an image
 };
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie

@@ -87,7 +87,12 @@ struct Sample {
                      std::max({extent.x * extent.y, extent.y * extent.z, extent.z * extent.x}));
   }
 
-  double seen_along(int axis, bool positive, double* floors = nullptr) const;
+  /// How surely all is the picture of a camera at the origin that looked along an axis, and of that what
+  /// speaks for the other sign of y than the custom of such cameras.
+  struct Picture {
+    double seen = 0, turned = 0;
+  };
+  Picture seen_along(int axis, bool positive) const;
 
   /// Of the columns along an axis that hold anything, the shares that reach its ends and that reach both;
   /// `held` those of all columns of the box.
@@ -107,18 +112,23 @@ struct Sample {
   double stands(int axis, bool positive) const;
 };
 
-/// How surely all is the picture of a camera at the origin that looked along `axis`: within 45 degrees of it,
-/// and each line of sight meets one surface only, as of no body or room that was scanned from several sides;
-/// but not land, which any place above it sees so. `floors`: how surely more of what
-/// is level is seen from its side along y than from the other, as floors and tables are; a tenth of all is
-/// sure.
-double Sample::seen_along(int axis, bool positive, double* floors) const {
+/// All is within 45 degrees of the axis, and each line of sight meets one surface only, as of no body or room
+/// that was scanned from several sides; but not land, which any place above it sees so, unless the lines are
+/// those of an image's pixels.
+Sample::Picture Sample::seen_along(int axis, bool positive) const {
+  // The sign of y: of 12 public pictures of pixels the custom holds for all, of 7 others for 4. More of what
+  // is level is seen from its side along y than from the other, as floors and tables are, where a tenth of
+  // all is so surely: where that says the opposite, the convention of the format decides, but a camera that
+  // looks up at a ceiling would see that too.
+  constexpr double not_of_pixels = 0.25, opposed = 0.4, sure_floors = 0.1;
   dvec3 along(0);
   along[axis] = positive ? 1 : -1;
   const Sight sight = sight_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
-  const double seen = is_one_picture(sight) * (1 - lies(axis));
-  if (floors) *floors = std::clamp(10 * sight.faces_up, -1.0, 1.0);
-  return seen;
+  const double seen = is_one_picture(sight) * (sight.of_pixels ? 1 : 1 - lies(axis));
+  const double floors = std::clamp(sight.faces_up / sure_floors, -1.0, 1.0) * (positive ? -1 : 1);
+  const double turned =
+      std::max(-opposed * floors, sight.of_pixels ? 0 : not_of_pixels * std::min(1 - floors, 1.0));
+  return {seen, seen * turned};
 }
 
 Sample::Ends Sample::ends_along(int axis) const {
@@ -144,14 +154,15 @@ Sample::Ends Sample::ends_along(int axis) const {
 }
 
 /// A room, scanned from within, is closed below and above; so are the columns along walls that are in line
-/// with the axes, but a room is lower than wide, and its floor hides behind furniture as no ceiling does, and
-/// more than either wall behind the other. Nothing where floor and walls are alike.
+/// with the axes, but a room is lower than long, and than wide where walls are, and its floor hides behind
+/// furniture as no ceiling does, and more than either wall behind the other. Nothing where floor and walls
+/// are alike.
 std::optional<UpAxis> Sample::up_in_room() const {
   constexpr double open_columns = 0.4, lower = 0.8, bare_ceiling = 0.1, bare_wall = 0.05;
   for (int axis : {1, 2}) {
     const Ends ends = ends_along(axis);
     if (!(ends.both > closed_columns)) continue;
-    bool is_height = true;
+    bool is_height = size()[axis] < std::max(size()[axis == 1 ? 2 : 1], size()[0]);
     for (int other = 0; other < 3; ++other) {
       const Ends walls = ends_along(other);
       if (other == axis || walls.both < open_columns) continue;
@@ -337,20 +348,15 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
   // Depth cameras look along z with y down, renderers along -z with y up, robots along x with z up. What
   // faces -z where the file has normals was seen by a depth camera too: nothing that one walks on faces down.
   std::array<double, 6> camera{};
-  camera[int(UpAxis::pos_z)] = cloud.up == UpAxis::pos_z ? sample.seen_along(0, true) : 0;
-  // The sign of y is that of cameras in 15 of 18 public pictures. Where floors say the opposite the
-  // convention of the format decides; of the other 15 none does, but a camera that looks up at a ceiling
-  // would.
-  constexpr double opposed = 0.4;
-  double before_up = 0, behind_up = 0;
-  const double before =
-                   std::max(sample.seen_along(2, true, &before_up), ramp(-sample.mean_normal.z, 0.4, 0.5)),
-               behind = sample.seen_along(2, false, &behind_up),
-               turned = opposed * (before * std::max(before_up, 0.0) + behind * std::min(behind_up, 0.0));
-  camera[int(UpAxis::pos_y)] = behind + turned;
-  camera[int(UpAxis::neg_y)] = before - turned;
+  const Sample::Picture ahead = cloud.up == UpAxis::pos_z ? sample.seen_along(0, true) : Sample::Picture{};
+  Sample::Picture before = sample.seen_along(2, true);
+  const Sample::Picture behind = sample.seen_along(2, false);
+  before.seen = std::max(before.seen, ramp(-sample.mean_normal.z, 0.4, 0.5));
+  camera[int(UpAxis::pos_z)] = ahead.seen;
+  camera[int(UpAxis::pos_y)] = behind.seen - behind.turned + before.turned;
+  camera[int(UpAxis::neg_y)] = before.seen - before.turned + behind.turned;
   // What a picture shows is cut by its frame and faces the camera: that is no evidence any more.
-  const double whole = 1 - std::max({camera[int(UpAxis::pos_z)], before, behind});
+  const double whole = 1 - std::max({ahead.seen, before.seen, behind.seen});
   // Where Z is the convention, what is thin along y is a wall, unless none is so high: maps of LOAM have y up
   // (Zhang and Singh 2014).
   constexpr double highest_wall = 100;  // metres
@@ -375,7 +381,8 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
     };
     set(UpEvidence::y_for_z, cloud.up == UpAxis::pos_z && up == UpAxis::pos_y);
     set(UpEvidence::z_for_y, cloud.up != UpAxis::pos_z && up == UpAxis::pos_z);
-    set(UpEvidence::down, up == UpAxis::neg_y && cloud.up != up);
+    set(UpEvidence::down,
+        (up == UpAxis::neg_y && cloud.up != up) || (up == UpAxis::pos_y && cloud.up == UpAxis::neg_y));
     set(UpEvidence::rare, (axis == 0 || up == UpAxis::neg_z) && up != cloud.up);
     set(UpEvidence::camera, camera[std::size_t(i)]);
     set(UpEvidence::normals, whole * glm::dot(sample.mean_normal, way));

@@ -399,6 +399,56 @@ TEST(Upright, WhatOneCameraSawIsInItsAxes) {
   EXPECT_FALSE(is_camera_view(whole)) << "both of its sides were seen";
 }
 
+// A toy cut out of a picture is as thin as land; that its points come in columns and rows tells that a camera
+// saw it. Without them a picture's y may be up or down, which is said.
+TEST(Upright, ThePixelsOfACutOutTellThatItIsAPicture) {
+  std::mt19937 random(44);
+  std::uniform_real_distribution<double> unit(-0.5, 0.5);
+  for (const bool has_pixels : {true, false}) {
+    PointCloud seen;
+    for (int x = -90; x <= 90; ++x)
+      for (int y = -10; y <= 160; ++y) {
+        const double a = has_pixels ? x : x + unit(random), b = has_pixels ? y : y + unit(random);
+        const double limb = std::max(0.0, 1 - std::pow((std::abs(a) - 45) / 40, 2));
+        if (limb == 0 && std::abs(b - 60) > 40) continue;
+        seen.positions.push_back(vec3((1.3 - 0.17 * limb) * dvec3(a / 525, b / 525, 1)));
+      }
+    seen.up = UpAxis::pos_z;
+    const Upright guess = guess_upright(seen);
+    EXPECT_EQ(guess.reason.rfind("guessed: ", 0), has_pixels ? std::string::npos : 0u) << guess.reason;
+    if (has_pixels) EXPECT_EQ(guess.up, UpAxis::neg_y) << guess.reason;
+  }
+}
+
+// Models of photographs have y down, as the first camera has: a few points below decide nothing.
+TEST(Upright, ModelsOfPhotographsAreNotTurnedOver) {
+  PointCloud cloud = every(4, house());
+  turn(cloud, y_up);
+  std::mt19937 random(45);
+  std::normal_distribution<float> far(0, 6);
+  for (int i = 0; i < 4'000; ++i) cloud.positions.push_back({far(random), far(random), far(random)});
+  cloud.up = UpAxis::neg_y;
+  const UpCandidate down = up_candidates(cloud)[0];
+  EXPECT_EQ(down.up, UpAxis::neg_y);
+  EXPECT_LT(down.probability, 0.95);
+}
+
+// The fingers and the wrist of a hand are no floor and ceiling.
+TEST(Upright, AShaftIsNoRoom) {
+  std::mt19937 random(46);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_y;
+  for (int i = 0; i < 20'000; ++i) {
+    const float angle = 6.2832f * unit(random), radius = i % 3 ? std::sqrt(unit(random)) : 1;
+    cloud.positions.push_back({0.06f * radius * std::cos(angle),
+                               i % 3 == 0 ? 0.3f * unit(random) : (i % 3 == 1 ? 0 : 0.3f),
+                               0.05f * radius * std::sin(angle)});
+  }
+  for (const UpCandidate& each : up_candidates(cloud))
+    EXPECT_EQ(each.evidence[std::size_t(UpEvidence::room)], 0) << to_string(each.up);
+}
+
 // LOAM has y up, whatever the format's convention; a facade of that shape is lower.
 TEST(Upright, NoWallIsAsHighAsAMapIsWide) {
   PointCloud map;  // streets and blocks
