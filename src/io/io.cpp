@@ -59,6 +59,7 @@ const std::vector<Format>& table() {
        read_colmap_points},
       {"kitti", {".bin"}, "vehicle scans as raw floats: KITTI, nuScenes and similar", nullptr, read_floats},
       {"splat", {".splat"}, "3D Gaussian splats, 32 bytes each", nullptr, read_splat},
+      {"ksplat", {".ksplat"}, "3D Gaussian splats, in sections of buckets", nullptr, read_ksplat},
       {"grid", {".grd"}, "height grids: ESRI ASCII (.asc), GRASS, Surfer", is_height_grid, read_height_grid},
       {"vtk", {".vtk"}, "VTK legacy, points of poly data and grids", is_vtk, read_vtk},
       {"vtp", {".vtp", ".vtu"}, "VTK XML, points of poly data and grids", is_vtk_xml, read_vtk_xml},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <numbers>
 
@@ -176,6 +177,130 @@ ReadResult read_splat(const std::filesystem::path& path, const ReadOptions&, Pro
   result.cloud.up = UpAxis::neg_y;  // of the cameras that they were trained on, as their viewers show them
   const ScalarField* opacity = result.cloud.scalar("opacity");
   leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i) / 255; });
+  return result;
+}
+
+namespace {
+
+/// A part of a .ksplat file: the numbers of splats in its last buckets, the centres of all buckets, the
+/// splats.
+struct SplatSection {
+  std::uint64_t splats = 0, stored = 0, bucket_size = 0, buckets = 0, bucket_bytes = 0, full = 0, partial = 0,
+                record = 0, begin = 0;
+  double step = 0;   ///< of a place
+  double least = 0;  ///< the step that is the centre
+  std::uint64_t first_bucket() const { return begin + 4 * partial; }
+  std::uint64_t first_splat() const { return first_bucket() + bucket_bytes * buckets; }
+  std::uint64_t end() const { return first_splat() + record * stored; }
+};
+
+template <class T>
+T number_in(const std::vector<std::byte>& bytes, std::size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+std::vector<SplatSection> sections_of(const File& file, std::size_t& level) {
+  constexpr std::uint64_t head_bytes = 4096, section_bytes = 1024, most_sections = 4096;
+  const auto refuse = [&](std::uint64_t byte, const std::string& what) {
+    bad_input(file.path(), "byte " + std::to_string(byte),
+              what + "; the file is cut short or of another layout");
+  };
+  if (file.size() < head_bytes) refuse(file.size(), "the file ends inside its header of 4096 bytes");
+  std::vector<std::byte> head(head_bytes);
+  file.read(0, head);
+  const auto most = number_in<std::uint32_t>(head, 4), used = number_in<std::uint32_t>(head, 8);
+  level = number_in<std::uint16_t>(head, 20);
+  if (number_in<std::uint8_t>(head, 0) != 0 || level > 2 || used > most || most > most_sections ||
+      head_bytes + most * section_bytes > file.size())
+    refuse(0, "found no header of version 0, compression 0 to 2 and sections inside the file");
+  std::vector<SplatSection> sections;
+  std::uint64_t begin = head_bytes + most * section_bytes;
+  for (std::uint32_t i = 0; i < used; ++i) {
+    std::vector<std::byte> bytes(section_bytes);
+    const std::uint64_t at = head_bytes + i * section_bytes;
+    file.read(at, bytes);
+    const auto whole = [&](std::size_t k) { return std::uint64_t(number_in<std::uint32_t>(bytes, 4 * k)); };
+    SplatSection section{whole(0), whole(1), whole(2), whole(3), number_in<std::uint16_t>(bytes, 20),
+                         whole(8), whole(9)};
+    // Place, scale, rotation, colour, and the coefficients of three channels.
+    constexpr std::uint64_t of_level[] = {44, 24, 24}, of_coefficient[] = {4, 2, 1},
+                            coefficients[] = {0, 9, 24, 45};
+    const std::uint64_t degree = std::min<std::uint64_t>(number_in<std::uint16_t>(bytes, 40), 3);
+    section.record = of_level[level] + of_coefficient[level] * coefficients[degree];
+    section.begin = begin;
+    const double range = whole(6) ? double(whole(6)) : 32767;
+    section.step = 0.5 * double(number_in<float>(bytes, 16)) / range, section.least = range;
+    if (section.splats > section.stored || section.partial > section.buckets ||
+        section.full > section.buckets ||
+        (level > 0 && section.splats > 0 && (section.bucket_bytes < 12 || section.bucket_size == 0)) ||
+        section.end() > file.size())
+      refuse(at, "found a section of " + std::to_string(section.stored) + " splats that ends at byte " +
+                     std::to_string(section.end()) + " of " + std::to_string(file.size()));
+    begin = section.end();
+    sections.push_back(section);
+  }
+  return sections;
+}
+
+}  // namespace
+
+ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+  const File file(path);
+  std::size_t level = 0;
+  const std::vector<SplatSection> sections = sections_of(file, level);
+  std::size_t rows = 0;
+  for (const SplatSection& section : sections) rows += std::size_t(section.splats);
+  std::vector<Column> columns;
+  for (const char* name : {"x", "y", "z", "red", "green", "blue", "opacity"})
+    columns.push_back({name, StoredType::float32});
+  assign_roles(columns);
+  Table table(std::move(columns), rows);
+  std::size_t row = 0;
+  const std::size_t color_at = level == 0 ? 40 : 20;
+  for (const SplatSection& section : sections) {
+    std::vector<std::byte> head(std::size_t(section.first_splat() - section.begin));
+    file.read(section.begin, head);
+    std::vector<std::uint64_t> ends;  // of the buckets, in splats
+    for (std::uint64_t i = 0; level > 0 && i < section.buckets; ++i) {
+      const std::uint64_t last = i - section.full;
+      ends.push_back((ends.empty() ? 0 : ends.back()) +
+                     (i < section.full         ? section.bucket_size
+                      : last < section.partial ? number_in<std::uint32_t>(head, std::size_t(4 * last))
+                                               : 0));
+    }
+    if (level > 0 && section.splats > 0 && (ends.empty() || ends.back() < section.splats))
+      bad_input(path, "byte " + std::to_string(section.begin),
+                "found more splats than the buckets hold; the file is damaged");
+    std::size_t bucket = 0;
+    constexpr std::uint64_t step = 1 << 14;
+    for (std::uint64_t at = 0; at < section.splats; at += step) {
+      progress.check();
+      const std::uint64_t count = std::min(step, section.splats - at);
+      std::vector<std::byte> records(std::size_t(count * section.record));
+      file.read(section.first_splat() + at * section.record, records);
+      for (std::size_t i = 0; i < count; ++i, ++row) {
+        const std::size_t from = i * std::size_t(section.record);
+        while (level > 0 && at + i >= ends[bucket]) ++bucket;
+        const std::size_t center = std::size_t(4 * section.partial + bucket * section.bucket_bytes);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          table.column(axis)[row] =
+              level == 0
+                  ? number_in<float>(records, from + 4 * axis)
+                  : (number_in<std::uint16_t>(records, from + 2 * axis) - section.least) * section.step +
+                        number_in<float>(head, center + 4 * axis);
+        for (std::size_t k = 0; k < 4; ++k)
+          table.column(3 + k)[row] =
+              double(number_in<std::uint8_t>(records, from + color_at + k)) / (k < 3 ? 1 : 255);
+      }
+    }
+  }
+  ReadResult result;
+  table.build(false, progress, result);
+  result.cloud.up = UpAxis::neg_y;  // as read_splat
+  const ScalarField* opacity = result.cloud.scalar("opacity");
+  leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i); });
   return result;
 }
 

@@ -60,7 +60,7 @@ void read_cloud(std::string_view bytes) {
 constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd",
                obj[] = ".obj", e57[] = ".e57", ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz",
                npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc",
-               colmap[] = ".bin", splat[] = ".splat";
+               colmap[] = ".bin", splat[] = ".splat", ksplat[] = ".ksplat";
 
 void read_mesh(std::string_view bytes) {
   static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj");
@@ -146,6 +146,7 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
                                                         {"grid", read_cloud<grid>},
                                                         {"colmap", read_cloud<colmap>},
                                                         {"splat", read_cloud<splat>},
+                                                        {"ksplat", read_cloud<ksplat>},
                                                         {"npz", read_cloud<npz>},
                                                         {"draco", read_cloud<draco>},
                                                         {"mesh", read_mesh},

@@ -115,6 +115,14 @@ std::vector<Seed> seeds() {
   add("splat", ".splat",
       bytes_of(1.0f, 2.0f, 3.0f, 1.0f, 1.0f, 1.0f, 0xFF102030u, 0u) +
           bytes_of(4.0f, 5.0f, 6.0f, 1.0f, 1.0f, 1.0f, 0xFF405060u, 0u));
+  std::string ksplat = bytes_of(0u, 1u, 1u, 2u, 2u, 1u);
+  ksplat.resize(4096);
+  ksplat += bytes_of(2u, 2u, 2u, 1u, 5.0f, 12u, 32767u, 0u, 1u, 0u, 0u);
+  ksplat.resize(4096 + 1024);
+  ksplat += bytes_of(1.0f, 2.0f, 3.0f);
+  for (const std::uint16_t step : {std::uint16_t(100), std::uint16_t(60000)})
+    ksplat += bytes_of(step, step, step) + std::string(14, '\0') + bytes_of(0xFF405060u);
+  add("ksplat", ".ksplat", ksplat);
   const std::string frame =
       R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
   all.push_back({"depth", ".json", frame, "d.png", png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500})});

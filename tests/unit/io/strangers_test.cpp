@@ -309,6 +309,48 @@ TEST(StrangersKinds, PackedSplats) {
   test::expect_cuts_are_safe("b.ply", ply, 3);
 }
 
+/// Two full buckets of two splats and one that holds one; `level` 0 keeps places as floats.
+std::string ksplat(int level) {
+  const std::vector<vec3> centers{{10, 0, 0}, {0, 20, 0}, {0, 0, -30}};
+  std::string head = test::bytes_of(0u, 1u, 1u, 5u, 5u, std::uint32_t(level), 0.0f, 0.0f, 0.0f);
+  head.resize(4096);
+  std::string section = test::bytes_of(5u, 5u, 2u, 3u, 5.0f, 12u, 1000u, 0u, 2u, 1u, 0u);
+  section.resize(1024);
+  std::string data = test::bytes_of(1u);
+  for (const vec3& center : centers) data += test::bytes_of(center.x, center.y, center.z);
+  for (unsigned i = 0; i < 5; ++i) {
+    const vec3 at = centers[i / 2] + vec3(float(i % 2), -1, 2);
+    if (level == 0) {
+      data += test::bytes_of(at.x, at.y, at.z) + std::string(28, '\0');
+    } else {  // steps of 2.5 / 1000
+      for (int axis = 0; axis < 3; ++axis)
+        data += test::bytes_of(std::uint16_t(1000 + 400 * (at[axis] - centers[i / 2][axis])));
+      data += std::string(14, '\0');
+    }
+    data += test::bytes_of(std::uint8_t(i), std::uint8_t(8), std::uint8_t(7), std::uint8_t(255));
+  }
+  return head + section + data;
+}
+
+TEST(StrangersKinds, SplatsInBuckets) {
+  for (const int level : {0, 1, 2}) {
+    const PointCloud cloud = io::read(write_file("a.ksplat", ksplat(level))).cloud;
+    ASSERT_EQ(cloud.size(), 5u) << level;
+    const dvec3 centers[] = {{10, 0, 0}, {0, 20, 0}, {0, 0, -30}};
+    for (std::size_t i = 0; i < 5; ++i) {
+      EXPECT_LT(glm::distance(cloud.world(i), centers[i / 2] + dvec3(double(i % 2), -1, 2)), 1e-5) << level;
+      EXPECT_EQ(cloud.colors.at(i), (Rgba8{std::uint8_t(i), 8, 7, 255})) << level;
+    }
+    // Half of a splat, of the buckets, of both heads.
+    for (const std::size_t left :
+         {ksplat(level).size() - 9, std::size_t(5130), std::size_t(4500), std::size_t(99)})
+      EXPECT_THROW(io::read(write_file("b.ksplat", ksplat(level).substr(0, left))), Error) << left;
+  }
+  std::string too_many = ksplat(1);
+  too_many[4096 + 8] = 1;  // buckets of one
+  EXPECT_THROW(io::read(write_file("c.ksplat", too_many)), Error);
+}
+
 TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
   std::string points, grid;
   for (int i = 0; i < 40; ++i) points += i % 4 ? "0 0 0 7\n" : std::to_string(i) + ".5 2.5 3 7\n";
