@@ -73,11 +73,6 @@ StageOptions options_of(const std::string& technique, const Settings& parameters
   options.technique = technique;
   options.parameters = parameters;
   options.color = colors_of(wishes);
-  // What was read with these wishes is not selected from again.
-  if (!wishes.contains("is_selected")) {
-    options.selection = selection_of(wishes);
-    if (wishes.contains("max_points")) options.max_points = wishes["max_points"].cast<std::uint64_t>();
-  }
   if (wishes.contains("preset_parameters")) {
     options.preset.parameters = wishes["preset_parameters"].cast<NamesAndValues>();
     options.preset.file = wishes["preset_file"].cast<std::string>();
@@ -86,35 +81,24 @@ StageOptions options_of(const std::string& technique, const Settings& parameters
     options.transparent = true;
   else if (text && text != "auto")
     options.background = parse_color_of("background", *text);
-  options.up = up_axis(text_in(wishes, "up"));
-  if (wishes.contains("whole")) options.whole = wishes["whole"].cast<bool>();
-  if (wishes.contains("vertical_exaggeration"))
-    options.vertical_exaggeration = wishes["vertical_exaggeration"].cast<double>();
-  if (!(options.vertical_exaggeration >= 0.001 && options.vertical_exaggeration <= 1000))
-    throw Error(ErrorCode::usage, "vertical_exaggeration: it is outside [0.001, 1000]");
   if (wishes.contains("draw"))
     for (const py::handle& rule : wishes["draw"])
       options.draw.push_back(DrawRule::parse(rule.cast<std::string>()));
   return options;
 }
 
-std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take,
+/// The cloud is what `opening` gave, and is handed over.
+std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, const Opening& opening,
                                   const std::string& technique, const Settings& parameters,
-                                  const py::dict& wishes, const std::optional<Stand>& stand,
-                                  const py::object& progress) {
-  StageOptions options = options_of(technique, parameters, wishes);
-  if (!options.up) options.up = cloud->up;
-  auto stage = std::make_shared<Stage>(std::move(options));
+                                  const py::dict& wishes, const py::object& progress) {
+  auto stage = std::make_shared<Stage>(options_of(technique, parameters, wishes));
   // Before the work: what is raised after it must free the stage where its context is.
   auto handle = std::make_unique<StageHandle>(stage);
   run_gl(
       [&](gl::Context& context, Progress& reporter) {
         keep_gl(stage);
-        // What nobody else sees is handed over; a cloud of the user is copied, for rendering sorts its
-        // points.
-        scene::Scene scene = take ? std::move(cloud->scene) : cloud->scene;
         try {
-          stage->open(context, std::move(scene), stand, reporter);
+          stage->open(context, std::move(cloud->scene), opening.pose(), reporter);
         } catch (...) {
           stage->clear();
           throw;
@@ -123,6 +107,8 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, bool take
       progress);
   return handle;
 }
+
+}  // namespace
 
 ViewWishes view_wishes(const py::dict& wishes) {
   ViewWishes out;
@@ -180,6 +166,8 @@ ViewWishes view_wishes(const py::dict& wishes) {
                 "width and height");
   return out;
 }
+
+namespace {
 
 py::dict dict_of(const std::vector<Setting>& settings) {
   py::dict out;
@@ -345,44 +333,10 @@ void refuse_name(const std::string& what, const std::string& name, const std::ve
                                                           : ""));
 }
 
-Camera StandMethods::first_view(const Stand& stand, int width, int height) {
-  return sfumato::first_view(stand.pose, width, height);
-}
-Camera StandMethods::first_of_turn(const Stand& stand, int width, int height) {
-  Camera camera = first_view(stand, width, height);
-  step_back(camera, sfumato::up_vector(stand.pose.upright.up), stand.pose.subject);
-  return camera;
-}
-Camera StandMethods::view(const Stand& stand, const py::dict& wishes) {
-  return view_of(stand.pose, view_wishes(wishes));
-}
-Camera StandMethods::inside(const Stand& stand, Camera camera) {
-  const dvec3 direction = camera.direction();
-  camera.position = stand.place;
-  camera.target = camera.position + direction;
-  return camera;
-}
-py::tuple StandMethods::up_vector(const Stand& stand) {
-  const dvec3 up = sfumato::up_vector(stand.pose.upright.up);
-  return py::make_tuple(up.x, up.y, up.z);
-}
-
 void bind_stage(py::module_& module) {
   py::class_<StageHandle>(module, "Stage")
       .def(py::init(&open))
       .def("render", &render)
-      .def("view", [](const StageHandle& self,
-                      const py::dict& wishes) { return StandMethods::view(self.get().stand(), wishes); })
-      .def("first_view",
-           [](const StageHandle& self, int width, int height) {
-             return StandMethods::first_view(self.get().stand(), width, height);
-           })
-      .def("first_of_turn",
-           [](const StageHandle& self, int width, int height) {
-             return StandMethods::first_of_turn(self.get().stand(), width, height);
-           })
-      .def("inside", [](const StageHandle& self,
-                        const Camera& camera) { return StandMethods::inside(self.get().stand(), camera); })
       .def("set_color",
            [](const StageHandle& self, const py::dict& wishes) {
              const ColorSettings color = colors_of(wishes);
@@ -393,10 +347,6 @@ void bind_stage(py::module_& module) {
       .def("close", &StageHandle::close)
       .def_property_readonly(
           "technique", [](const StageHandle& self) { return self.get().choice().techniques.front()->name; })
-      .def_property_readonly(
-          "up", [](const StageHandle& self) { return to_string(self.get().stand().pose.upright.up); })
-      .def_property_readonly(
-          "up_vector", [](const StageHandle& self) { return StandMethods::up_vector(self.get().stand()); })
       .def("__len__", [](const StageHandle& self) { return self.get().points(); });
 
   py::class_<Shot, std::shared_ptr<Shot>>(module, "Shot")

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/param.h"
+#include "session/view_wishes.h"
 
 namespace sfumato::python {
 
@@ -21,6 +22,9 @@ void bind_analysis(py::module_& module);
 void bind_stage(py::module_& module);
 void bind_levels(py::module_& module);
 void bind_looks(py::module_& module);
+
+/// What `Renderer.view` takes. Throws Error(usage).
+ViewWishes view_wishes(const py::dict& wishes);
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 

@@ -193,31 +193,43 @@ std::optional<UpAxis> up_axis(const std::optional<std::string>& text) {
   throw Error(ErrorCode::usage, "up: '" + *text + "' is not one of auto +X -X +Y -Y +Z -Z");
 }
 
-Selection selection_of(const py::dict& wishes) {
-  Selection wanted;
+Request request_of(const py::dict& wishes) {
+  Request request;
+  const auto take = [&](const char* key, auto& to) {
+    if (wishes.contains(key) && !wishes[key].is_none())
+      to = wishes[key].cast<std::remove_reference_t<decltype(to)>>();
+  };
   const auto box = [&](const char* key) -> std::optional<Bounds> {
-    if (!wishes.contains(key)) return std::nullopt;
-    const auto v = wishes[key].cast<std::vector<double>>();
-    if (v.size() != 6 || !(v[0] <= v[3] && v[1] <= v[4] && v[2] <= v[5]))
+    std::optional<std::vector<double>> v;
+    take(key, v);
+    if (!v) return std::nullopt;
+    if (v->size() != 6 || !(v->at(0) <= v->at(3) && v->at(1) <= v->at(4) && v->at(2) <= v->at(5)))
       throw Error(ErrorCode::usage,
                   std::string(key) + ": give six numbers X0, Y0, Z0, X1, Y1, Z1, the smaller ones first");
-    return Bounds{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+    return Bounds{{v->at(0), v->at(1), v->at(2)}, {v->at(3), v->at(4), v->at(5)}};
   };
-  wanted.crop = box("crop");
-  wanted.crop_share = box("crop_relative");
-  if (wishes.contains("show_classes")) wanted.show_classes = wishes["show_classes"].cast<std::vector<int>>();
-  if (wishes.contains("hide_classes")) {
-    // Noise is left out unless somebody wants to see just that.
-    for (int id : wishes["hide_classes"].cast<std::vector<int>>()) {
-      wanted.hide_withheld = true;
-      if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), id) == wanted.show_classes.end())
-        wanted.hide_classes.push_back(id);
-    }
-  }
-  if (wishes.contains("filters"))
-    for (const std::string& text : wishes["filters"].cast<std::vector<std::string>>())
-      wanted.filters.push_back(parse_filter(text));
-  return wanted;
+  io::ReadOptions& read = request.points.read;
+  take("columns", read.columns), take("max_points", read.max_points), take("strict", read.strict);
+  take("every_attribute", read.every_attribute), take("vertices", request.vertices);
+  take("memory", request.memory);
+  Selection& wanted = request.points.selection;
+  wanted.crop = box("crop"), wanted.crop_share = box("crop_relative");
+  if (wanted.crop && wanted.crop_share)
+    throw Error(ErrorCode::usage, "crop and crop_relative contradict each other: give one of them");
+  take("show_classes", wanted.show_classes);
+  request.hide_classes.clear();
+  take("hide_classes", request.hide_classes);
+  std::vector<std::string> filters;
+  take("filters", filters);
+  for (const std::string& text : filters) wanted.filters.push_back(parse_filter(text));
+  std::optional<std::string> up;
+  take("up", up);
+  request.points.up = up_axis(up);
+  take("whole", request.whole);
+  take("vertical_exaggeration", request.exaggeration);
+  if (const double by = request.vertical_exaggeration(); !(by >= 0.001 && by <= 1000))
+    throw Error(ErrorCode::usage, "vertical_exaggeration: it is outside [0.001, 1000]");
+  return request;
 }
 
 void bind_cloud(py::module_& module) {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud.h"
 #include "core/error.h"
 #include "run.h"
 #include "scene/assemble.h"
-#include "session/standpoint.h"
+#include "session/opening.h"
 
 namespace sfumato::python {
 namespace {
@@ -44,20 +45,6 @@ Sources sources_of(const py::list& items) {
   return sources;
 }
 
-scene::SceneOptions options_of(const std::vector<std::string>& columns,
-                               const std::optional<std::uint64_t>& max_points,
-                               const std::optional<std::string>& up, const py::dict& wishes,
-                               bool every_attribute, bool strict) {
-  scene::SceneOptions options;
-  options.read.columns = columns;
-  options.read.max_points = max_points;
-  options.read.every_attribute = every_attribute;
-  options.read.strict = strict;
-  options.selection = selection_of(wishes);
-  options.up = up_axis(up);
-  return options;
-}
-
 /// A copy of a cloud as if it had been read.
 io::ReadResult result_of(const Cloud& cloud, const std::string& name) {
   io::ReadResult result;
@@ -69,55 +56,75 @@ io::ReadResult result_of(const Cloud& cloud, const std::string& name) {
   return result;
 }
 
-CloudPtr read(const py::list& items, const std::vector<std::string>& columns,
-              const std::optional<std::uint64_t>& max_points, const std::optional<std::string>& up,
-              const py::dict& wishes, bool every_attribute, bool strict, bool vertices,
-              const py::object& progress) {
-  scene::SceneOptions options = options_of(columns, max_points, up, wishes, every_attribute, strict);
-  options.read.samples_faces = !vertices;
+/// All that is wanted of sources that are read whole.
+scene::Scene scene_of(const Sources& sources, const scene::SceneOptions& options, Progress& progress) {
+  if (sources.only_files()) return scene::read_scene(sources.files, options, progress);
+  io::ReadOptions each = options.read;
+  each.max_points.reset();  // holds for all together
+  const auto read_one = [&](std::size_t i) {
+    return sources.clouds[i] ? result_of(*sources.clouds[i], sources.files[i].name)
+                             : scene::read_file(sources.files[i].name, each, progress);
+  };
+  return scene::assemble(sources.files, options, read_one);
+}
+
+CloudPtr read(const py::list& items, const py::dict& wishes, const py::object& progress) {
+  const scene::SceneOptions options = request_of(wishes).scene_options();
   const Sources sources = sources_of(items);
   auto cloud = std::make_shared<Cloud>();
   cloud->up = options.up;
   if (!sources.clouds.front()) cloud->file = sources.files.front().name;
-  run(
-      [&](Progress& reporter) {
-        if (sources.only_files()) {
-          cloud->scene = scene::read_scene(sources.files, options, reporter);
-          return;
-        }
-        io::ReadOptions each = options.read;
-        each.max_points.reset();  // holds for all together
-        const auto read_one = [&](std::size_t i) {
-          return sources.clouds[i] ? result_of(*sources.clouds[i], sources.files[i].name)
-                                   : scene::read_file(sources.files[i].name, each, reporter);
-        };
-        cloud->scene = scene::assemble(sources.files, options, read_one);
-      },
-      progress);
+  run([&](Progress& reporter) { cloud->scene = scene_of(sources, options, reporter); }, progress);
   return cloud;
 }
 
-/// Nothing where the files are to be read whole, unless `always`.
-std::unique_ptr<Levels> open(const py::list& items, const std::vector<std::string>& columns,
-                             const std::optional<std::uint64_t>& max_points,
-                             const std::optional<std::uint64_t>& memory, const std::optional<std::string>& up,
-                             const py::dict& wishes, bool always, bool strict) {
-  const scene::SceneOptions options = options_of(columns, max_points, up, wishes, false, strict);
+std::unique_ptr<Levels> open_levels(const py::list& items, const py::dict& wishes) {
+  const Request request = request_of(wishes);
   const Sources sources = sources_of(items);
-  if (!sources.only_files()) return nullptr;
-  auto found =
-      scene::LeveledScene::open(sources.files, options, memory.value_or(scene::default_memory), always);
-  if (!found && always) {
-    for (const scene::SceneFile& file : sources.files)
-      if (!copc::is_tree(file.name))
-        throw Error(ErrorCode::usage,
-                    file.name +
-                        ": it is no octree (COPC, EPT, Potree 2), which alone can be read in parts; sfumato build "
-                        "makes one, sfumato.read reads all of it");
-    throw Error(ErrorCode::usage, "files that are moved cannot be read in parts");
-  }
-  if (!found) return nullptr;
-  return std::make_unique<Levels>(Levels{std::move(*found), sources.files.front().name});
+  auto found = scene::LeveledScene::open(sources.files, request.scene_options(), request.memory, true);
+  if (found) return std::make_unique<Levels>(Levels{std::move(*found), sources.files.front().name});
+  for (const scene::SceneFile& file : sources.files)
+    if (!copc::is_tree(file.name))
+      throw Error(ErrorCode::usage,
+                  file.name +
+                      ": it is no octree (COPC, EPT, Potree 2), which alone can be read in parts; sfumato "
+                      "build makes one, sfumato.read reads all of it");
+  throw Error(ErrorCode::usage, "files that are moved cannot be read in parts");
+}
+
+std::unique_ptr<Opening> opened(const std::function<Opening(Progress&)>& open, const py::object& progress) {
+  std::unique_ptr<Opening> opening;
+  run([&](Progress& reporter) { opening = std::make_unique<Opening>(open(reporter)); }, progress);
+  return opening;
+}
+
+std::unique_ptr<Opening> open_files(const py::list& items, const py::dict& wishes,
+                                    const py::object& progress) {
+  const Request request = request_of(wishes);
+  const Sources sources = sources_of(items);
+  return opened(
+      [&](Progress& reporter) {
+        return sources.only_files()
+                   ? Opening(request, sources.files, reporter)
+                   : Opening(request, scene_of(sources, request.scene_options(), reporter), reporter);
+      },
+      progress);
+}
+
+/// `own`: a cloud of the user is copied, for rendering sorts its points.
+std::unique_ptr<Opening> open_cloud(const CloudPtr& cloud, bool own, const py::dict& wishes,
+                                    const py::object& progress) {
+  Request request = request_of(wishes);
+  if (!request.points.up) request.points.up = cloud->up;
+  return opened(
+      [&](Progress& reporter) {
+        if (cloud->scene.cloud.empty())
+          throw Error(ErrorCode::bad_input, "the cloud has no points to render");
+        scene::Scene scene = own ? cloud->scene : std::move(cloud->scene);
+        scene::narrow(scene, {}, request.scene_options());
+        return Opening(request, std::move(scene), reporter);
+      },
+      progress);
 }
 
 py::tuple bounds_of(const Levels& self) {
@@ -133,12 +140,23 @@ py::list levels(const Levels& self) {
   return rows;
 }
 
-CloudPtr cloud_of(const Levels& self, const std::function<scene::Scene(Progress&)>& read_it,
-                  const py::object& progress) {
+CloudPtr cloud_of(const std::function<scene::Scene(Progress&)>& read_it, const py::object& progress,
+                  const std::string& file = {}) {
   auto cloud = std::make_shared<Cloud>();
-  cloud->file = self.file;
+  cloud->file = file;
   run([&](Progress& reporter) { cloud->scene = read_it(reporter); }, progress);
   return cloud;
+}
+
+Camera first_view_of(const Opening& self, int width, int height) {
+  return first_view(self.pose(), width, height);
+}
+
+/// The same, as far back as a turn needs.
+Camera first_of_turn(const Opening& self, int width, int height) {
+  Camera camera = first_view_of(self, width, height);
+  step_back(camera, up_vector(self.pose().upright.up), self.pose().subject);
+  return camera;
 }
 
 }  // namespace
@@ -157,52 +175,58 @@ dmat4 transform_of(const std::vector<double>& rows) {
 }
 
 void bind_levels(py::module_& module) {
-  py::class_<Stand>(module, "Stand")
-      .def("first_view", &StandMethods::first_view)
-      .def("first_of_turn", &StandMethods::first_of_turn)
-      .def("view", &StandMethods::view)
-      .def("inside", &StandMethods::inside)
-      .def_property_readonly("up", [](const Stand& self) { return to_string(self.pose.upright.up); })
-      .def_property_readonly("up_vector", &StandMethods::up_vector);
   py::class_<Levels>(module, "Levels")
+      .def(py::init(&open_levels))
       .def("__len__", [](const Levels& self) { return self.scene.points(); })
       .def_property_readonly("bounds", &bounds_of)
       .def_property_readonly("levels", &levels)
       .def_property_readonly("crs", [](const Levels& self) { return self.scene.trees().front().crs; })
       .def_property_readonly("file", [](const Levels& self) { return self.file; })
-      // From the coarse levels, as the command does.
-      .def("stand",
-           [](Levels& self, const std::optional<std::string>& up, bool whole, const py::object& progress) {
-             const std::optional<UpAxis> asked = up_axis(up);
-             Stand stand;
-             run(
-                 [&](Progress& reporter) {
-                   scene::Scene scene = self.scene.overview(reporter);
-                   stand.pose = stand_upright(scene, asked, !whole);
-                   stand.place = place_inside(scene.cloud);
-                 },
-                 progress);
-             return stand;
-           })
       .def("coarse",
            [](const Levels& self, std::uint64_t count, const py::object& progress) {
-             return cloud_of(
-                 self, [&](Progress& reporter) { return self.scene.coarse(count, reporter); }, progress);
+             return cloud_of([&](Progress& reporter) { return self.scene.coarse(count, reporter); }, progress,
+                             self.file);
            })
-      .def("read",
-           [](const Levels& self, const std::vector<Camera>& cameras, bool panorama, bool has_shadows,
-              const py::object& progress) {
-             const std::vector<copc::View> views = copc::views_of(cameras, panorama);
-             return cloud_of(
-                 self, [&](Progress& reporter) { return self.scene.read(views, has_shadows, reporter); },
-                 progress);
-           })
+      .def("read", [](const Levels& self, const std::vector<Camera>& cameras, bool panorama, bool has_shadows,
+                      const py::object& progress) {
+        const std::vector<copc::View> views = copc::views_of(cameras, panorama);
+        return cloud_of([&](Progress& reporter) { return self.scene.read(views, has_shadows, reporter); },
+                        progress, self.file);
+      });
+  py::class_<Opening>(module, "Opening")
+      .def(py::init(&open_files))
+      .def(py::init(&open_cloud))
+      .def(py::init([](const Levels& levels, const py::dict& wishes, const py::object& progress) {
+        const Request request = request_of(wishes);
+        return opened([&](Progress& reporter) { return Opening(request, levels.scene, reporter); }, progress);
+      }))
+      .def_property_readonly("has_levels", &Opening::has_levels)
+      .def("first_view", &first_view_of)
+      .def("first_of_turn", &first_of_turn)
+      .def("view", [](const Opening& self,
+                      const py::dict& wishes) { return view_of(self.pose(), view_wishes(wishes)); })
+      .def("inside", &Opening::inside)
+      .def_property_readonly("up", [](const Opening& self) { return to_string(self.pose().upright.up); })
+      .def_property_readonly("up_vector",
+                             [](const Opening& self) {
+                               const dvec3 up = up_vector(self.pose().upright.up);
+                               return py::make_tuple(up.x, up.y, up.z);
+                             })
       // Whether one cloud within the budget holds what all of these cameras show.
-      .def("holds", [](const Levels& self, const std::vector<Camera>& cameras, bool has_shadows) {
-        return self.scene.select(copc::views_of(cameras), has_shadows).is_complete();
+      .def("holds", [](const Opening& self, const std::vector<Camera>& cameras,
+                       bool has_shadows) { return self.holds(cameras, has_shadows); })
+      .def("take",
+           [](Opening& self) {
+             auto cloud = std::make_shared<Cloud>();
+             cloud->scene = self.take();
+             return cloud;
+           })
+      .def("read", [](const Opening& self, const std::vector<Camera>& cameras, bool panorama,
+                      bool has_shadows, const py::object& progress) {
+        const auto nodes = self.levels().select(copc::views_of(cameras, panorama), has_shadows);
+        return cloud_of([&](Progress& reporter) { return self.read(nodes, reporter); }, progress);
       });
   module.def("read", &read);
-  module.def("open", &open);
 }
 
 }  // namespace sfumato::python

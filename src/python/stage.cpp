@@ -7,7 +7,6 @@
 #include "passes/shadows.h"
 #include "session/notes.h"
 #include "session/point_index.h"
-#include "session/standpoint.h"
 
 namespace sfumato::python {
 namespace {
@@ -65,17 +64,9 @@ Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(optio
   for (const auto& look : choice_.techniques) look->check();
 }
 
-void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<Stand>& stand,
-                 Progress& progress) {
-  if (scene.cloud.empty()) throw Error(ErrorCode::bad_input, "the cloud has no points to render");
+void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Progress& progress) {
   notes_ = scene.notes;
   has_all_points_ = !scene.levels;
-  if (options_.selection) {
-    scene.selected = apply(*options_.selection, scene.cloud);
-    notes_.insert(notes_.end(), scene.selected.notes.begin(), scene.selected.notes.end());
-    if (options_.max_points && scene.cloud.size() > *options_.max_points)
-      scene.cloud = subsample(scene.cloud, std::size_t(*options_.max_points));
-  }
   notes_.insert(notes_.end(), scene.damage.begin(), scene.damage.end());
   if (scene.levels && !scene.levels->is_complete())
     notes_.push_back(std::to_string(scene.levels->points_needed - scene.levels->points) + " of " +
@@ -85,14 +76,6 @@ void Stage::open(gl::Context& context, scene::Scene scene, const std::optional<S
     notes_.push_back(std::to_string(scene.selected.hidden) +
                      " points are withheld or of a hidden class (hide_classes=() shows them)");
   crs_ = scene.cloud.crs;
-  if (stand) {
-    stand_ = *stand;
-    scene.cloud.up = stand_.pose.upright.up;
-  } else {
-    stand_.pose = stand_upright(scene, options_.up, !options_.whole, options_.vertical_exaggeration);
-    stand_.place = place_inside(scene.cloud);
-  }
-  const Pose& pose = stand_.pose;
   const Camera first = sfumato::first_view(pose, 1280, 720);
   for (const Note& note : notes_on(pose, {&first, 1})) notes_.push_back(for_python(note));
   session_ = std::make_unique<Session>(context);
@@ -173,7 +156,8 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
 void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
   if (!session_) throw Error(ErrorCode::usage, "the renderer is closed");
   ChosenTechnique& look = look_for(request);
-  shot.camera = request.camera.value_or(first_view(stand_.pose, request.width, request.height));
+  const UpAxis up = session_->pose().upright.up;
+  shot.camera = request.camera.value_or(session_->first_view(request.width, request.height));
   if (request.panorama && shot.camera.width != 2 * shot.camera.height)
     throw Error(ErrorCode::usage, "size: a panorama is twice as wide as high: (" +
                                       std::to_string(2 * shot.camera.height) + ", " +
@@ -188,14 +172,14 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
     throw Error(ErrorCode::usage, request.panorama
                                       ? "index: it is of one view, not of a panorama"
                                       : "index: it needs all points in memory: give more memory");
-  labels::check(request.furniture, shot.camera, stand_.pose.upright.up, request.panorama);
-  if (request.light_from) fix_light(look.settings, *request.light_from, stand_.pose.upright.up);
+  labels::check(request.furniture, shot.camera, up, request.panorama);
+  if (request.light_from) fix_light(look.settings, *request.light_from, up);
   progress.update(0, "rendering " + look.name);
   shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)
                                  : session_->render(look, shot.camera, request.wants, progress);
   if (request.index) shot.index = PointIndex(*session_).of(shot.camera, shot.images.depth);
   shot.transparent = options_.transparent;
-  shot.up = stand_.pose.upright.up, shot.crs = crs_;
+  shot.up = up, shot.crs = crs_;
   shot.technique = look.name;
   shot.reason = look.reason;
   shot.color_by = session_->coloring().source;
@@ -208,9 +192,8 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
     shot.notes.push_back("legend has no effect: the points are coloured by " + shot.coloring.source +
                          ", which explains itself");
   if (!shot.images.rgba8.empty())
-    labels::draw_furniture(
-        shot.images.rgba8, request.furniture,
-        {shot.camera, stand_.pose.upright.up, crs_, shot.coloring, shot.background, request.panorama});
+    labels::draw_furniture(shot.images.rgba8, request.furniture,
+                           {shot.camera, up, crs_, shot.coloring, shot.background, request.panorama});
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
   shot.parameters = resolved(look.parameters);
   shot.analysis_parameters = resolved(choice_.prepare_parameters);

@@ -9,12 +9,11 @@
 
 #include "cloud.h"
 #include "labels/furniture.h"
-#include "levels.h"
 #include "run.h"
 #include "session/choice.h"
 #include "session/preset.h"
 #include "session/session.h"
-#include "session/view_wishes.h"
+#include "session/opening.h"
 
 namespace sfumato::python {
 
@@ -24,11 +23,6 @@ struct StageOptions {
   ColorSettings color;
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
   bool transparent = false;
-  std::optional<UpAxis> up;
-  double vertical_exaggeration = 1;
-  bool whole = false;                       ///< rooms with the walls that hide them from outside
-  std::optional<Selection> selection;       ///< nothing: the cloud was read with what is wanted
-  std::optional<std::uint64_t> max_points;  ///< of what is selected
   std::vector<DrawRule> draw = {};
   Preset preset = {};  ///< its parameters hold where the technique has them
 };
@@ -70,14 +64,11 @@ class Stage final : public OnGl {
   explicit Stage(StageOptions options);
 
   // All of these on the thread of the context.
-  /// `stand`: how the scene presents itself, where that is known already.
-  void open(gl::Context& context, scene::Scene scene, const std::optional<Stand>& stand, Progress& progress);
+  void open(gl::Context& context, scene::Scene scene, const Pose& pose, Progress& progress);
   void set_color(const ColorSettings& color);
   void clear() override;
   void render(const ShotRequest& request, Shot& shot, Progress& progress);
 
-  /// The cloud's; once `open`.
-  const Stand& stand() const { return stand_; }
   /// Whether anything is drawn with shadows, with these parameters on top.
   bool has_shadows(const Settings& parameters) const;
   std::size_t points() const { return points_; }
@@ -92,7 +83,6 @@ class Stage final : public OnGl {
   Choice choice_;
   std::map<std::string, std::unique_ptr<ChosenTechnique>> looks_;  ///< of the techniques that were asked for
   std::unique_ptr<Session> session_;
-  Stand stand_;
   std::vector<std::string> notes_;  ///< of reading and selecting
   std::size_t points_ = 0;
   bool has_all_points_ = true;  ///< else those that a view shows

@@ -100,10 +100,12 @@ void HeadlessRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
   scene::Scene scene;
   scene.cloud = std::move(cloud);
   state_->opening.reset(), state_->seen.reset();
-  // What the caller says is up is up.
-  Pose pose = stand_upright(scene, scene.cloud.up, !state_->whole, 1, progress);
+  Request wanted;
+  wanted.points.up = scene.cloud.up;  // what the caller says
+  wanted.whole = state_->whole;
   state_->options = {{}, coloring, {}};
-  state_->show(std::move(scene), std::move(pose), progress);
+  Opening opening(wanted, std::move(scene), progress);
+  state_->show(opening.take(), opening.pose(), progress);
 }
 
 Camera HeadlessRenderer::first_view(int width, int height) const {

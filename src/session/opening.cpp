@@ -5,23 +5,54 @@
 
 namespace sfumato {
 
-Opening::Opening(const Request& request, std::vector<scene::SceneFile> files, Progress& progress)
+Opening::Opening(const Request& request, const std::vector<scene::SceneFile>& files, Progress& progress,
+                 OpeningSteps steps)
     : request_(request) {
-  const scene::SceneOptions options = request.scene_options();
-  leveled_ = scene::LeveledScene::open(files, options, request.memory);
-  if (leveled_ && request.vertical_exaggeration() != 1)
-    throw Error(
-        ErrorCode::usage,
-        "--vertical-exaggeration needs all points in memory, and files are larger: raise --memory or crop");
-  if (leveled_ && !request.output_index.empty())
-    throw Error(ErrorCode::usage,
-                "--output-index needs all points in memory, and files are larger: raise --memory or crop");
-  scene_ = leveled_ ? leveled_->overview(progress) : scene::read_scene(files, options, progress);
+  scene::SceneOptions options = request.scene_options();
+  if (!steps.all) leveled_ = scene::LeveledScene::open(files, options, request.memory);
+  if (leveled_) {
+    read_overview(std::move(steps), progress);
+    return;
+  }
+  if (steps.before_reading && !steps.all) steps.before_reading(options.read);
+  scene_ = steps.all ? std::move(*steps.all) : scene::read_all(files, options, progress);
+  if (steps.see_all) steps.see_all(scene_);
+  scene::narrow(scene_, files, options);
+  stand(progress);
+}
+
+Opening::Opening(const Request& request, scene::LeveledScene files, Progress& progress)
+    : request_(request), leveled_(std::move(files)) {
+  read_overview({}, progress);
+}
+
+Opening::Opening(const Request& request, scene::Scene scene, Progress& progress)
+    : request_(request), scene_(std::move(scene)) {
+  stand(progress);
+}
+
+void Opening::read_overview(OpeningSteps steps, Progress& progress) {
+  for (const auto& [option, given] :
+       {std::pair("vertical exaggeration", request_.vertical_exaggeration() != 1),
+        {"an index picture", !request_.output_index.empty()}})
+    if (given)
+      throw Error(ErrorCode::usage, std::string(option) +
+                                        " needs all points in memory, and files are larger: give more "
+                                        "memory or crop");
+  if (steps.nodes) leveled_->keep_nodes(std::move(steps.nodes));
+  if (steps.see_levels || !steps.pose) scene_ = leveled_->overview(progress, steps.see_levels);
+  if (!steps.pose) return stand(progress);
+  leveled_->set_overview(std::move(steps.overview));
+  pose_ = std::move(*steps.pose);
+}
+
+void Opening::stand(Progress& progress) {
   progress.check();
-  pose_ = stand_upright(scene_, options.up, !request.whole, request.vertical_exaggeration(), progress);
+  pose_ =
+      stand_upright(scene_, request_.points.up, !request_.whole, request_.vertical_exaggeration(), progress);
   progress.check();
-  if (!request.furniture.unit.empty()) pose_.unit = unit_named(request.furniture.unit);
-  if (request.panorama && !request.view.position && !request.view.start) place_ = place_inside(scene_.cloud);
+  if (!request_.furniture.unit.empty()) pose_.unit = unit_named(request_.furniture.unit);
+  place_ = sfumato::place_inside(scene_.cloud);
   request_.points.metres = scene_.metres;
 }
 
@@ -32,9 +63,12 @@ void Opening::keep_nodes() {
 
 Camera Opening::camera() const {
   Camera camera = view_of(pose_, request_.view);
-  if (!place_) return camera;
+  return request_.panorama && !request_.view.position && !request_.view.start ? inside(camera) : camera;
+}
+
+Camera Opening::inside(Camera camera) const {
   const dvec3 direction = camera.direction();
-  camera.position = *place_;
+  camera.position = place_;
   camera.target = camera.position + direction;
   return camera;
 }
@@ -43,10 +77,14 @@ bool Opening::holds(std::span<const Camera> cameras, bool has_shadows) const {
   return !leveled_ || leveled_->select(copc::views_of(cameras, request_.panorama), has_shadows).is_complete();
 }
 
-scene::Scene Opening::read(std::span<const Camera> cameras, bool has_shadows, Progress& progress) const {
-  scene::Scene scene = leveled_->read(copc::views_of(cameras, request_.panorama), has_shadows, progress);
+scene::Scene Opening::read(const copc::NodeSelection& nodes, Progress& progress) const {
+  scene::Scene scene = leveled_->read(nodes, progress);
   scene.cloud.up = pose_.upright.up;
   return scene;
+}
+
+scene::Scene Opening::read(std::span<const Camera> cameras, bool has_shadows, Progress& progress) const {
+  return read(leveled_->select(copc::views_of(cameras, request_.panorama), has_shadows), progress);
 }
 
 scene::Scene Opening::read_next(const std::vector<scene::SceneFile>& files, const Camera& camera,

@@ -2,6 +2,8 @@
 // those that a view needs; which way is up; and from where to look.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,17 +13,39 @@
 
 namespace sfumato {
 
+/// What is known before the files are opened, and who follows their reading. Nothing and nobody by default.
+struct OpeningSteps {
+  // Of files with levels whose pose is known, only what views need is read.
+  std::optional<Pose> pose;
+  std::shared_ptr<const PointCloud> overview;
+  std::shared_ptr<io::ChunkCache> nodes;  ///< what was decoded of them
+  /// Their coarse levels, whatever is selected; then these are read in any case.
+  std::function<void(const PointCloud&)> see_levels;
+  // Of files that are read whole.
+  std::optional<scene::Scene> all;  ///< their points, as an earlier `see_all` was given them
+  std::function<void(io::ReadOptions&)> before_reading;
+  std::function<void(const scene::Scene&)> see_all;  ///< their points, whatever is selected
+};
+
 class Opening {
  public:
   /// Reads the files, or the coarse levels of files with levels that are larger than the request's memory.
   /// Throws as scene::read_scene does, and Error(usage) where heights are exaggerated of the latter.
-  Opening(const Request& request, std::vector<scene::SceneFile> files, Progress& progress = no_progress());
+  Opening(const Request& request, const std::vector<scene::SceneFile>& files,
+          Progress& progress = no_progress(), OpeningSteps steps = {});
+  /// Files with levels, however large they are.
+  Opening(const Request& request, scene::LeveledScene files, Progress& progress = no_progress());
+  /// What is in memory, and selected.
+  Opening(const Request& request, scene::Scene scene, Progress& progress = no_progress());
 
   const Pose& pose() const { return pose_; }
-  /// Where the request stands. A panorama without a place stands where a scanner stood, else in the middle.
+  /// Where the request stands. A panorama without a place stands inside.
   Camera camera() const;
+  /// The same direction from where a scanner stood, else from the middle.
+  Camera inside(Camera camera) const;
   /// Each view has points of its own.
   bool has_levels() const { return leveled_.has_value(); }
+  const scene::LeveledScene& levels() const { return *leveled_; }
   /// Whether the points of all these views have room together.
   bool holds(std::span<const Camera> cameras, bool has_shadows) const;
   /// What is decoded for one view is not decoded again for the next.
@@ -31,16 +55,20 @@ class Opening {
   /// What these views show of files with levels, standing as they do.
   scene::Scene read(std::span<const Camera> cameras, bool has_shadows,
                     Progress& progress = no_progress()) const;
+  scene::Scene read(const copc::NodeSelection& nodes, Progress& progress = no_progress()) const;
   /// Other files that are seen as these are, as the frames of a sequence.
   scene::Scene read_next(const std::vector<scene::SceneFile>& files, const Camera& camera, bool has_shadows,
                          Progress& progress = no_progress()) const;
 
  private:
+  void read_overview(OpeningSteps steps, Progress& progress);
+  void stand(Progress& progress);
+
   Request request_;
   std::optional<scene::LeveledScene> leveled_;
   scene::Scene scene_;
   Pose pose_;
-  std::optional<dvec3> place_;  ///< of a panorama that was given none
+  dvec3 place_{0};
 };
 
 }  // namespace sfumato

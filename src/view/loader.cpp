@@ -38,10 +38,11 @@ std::string key_of(const LoadJob& job) {
     key += file.name + '\n';
     if (file.transform) key.append(reinterpret_cast<const char*>(&*file.transform), sizeof *file.transform);
   }
-  for (const std::string& column : job.options.read.columns) key += column + ',';
-  key += job.options.read.max_points ? std::to_string(*job.options.read.max_points) : "all";
-  key += job.options.read.samples_faces ? "faces" : "vertices";
-  key += job.options.up ? to_string(*job.options.up) : "auto";
+  const scene::SceneOptions& points = job.request.points;
+  for (const std::string& column : points.read.columns) key += column + ',';
+  key += points.read.max_points ? std::to_string(*points.read.max_points) : "all";
+  key += job.request.vertices ? "vertices" : "faces";
+  key += points.up ? to_string(*points.up) : "auto";
   return key;
 }
 
@@ -81,7 +82,8 @@ class Loader::Work {
   class Watch;
   void serve();
   Loaded read(const LoadJob& job, Watch& watch);
-  Loaded read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch);
+  Loaded read_levels(const LoadJob& job, Opening& opening, Watch& watch);
+  void begin_whole(const LoadJob& job, io::ReadOptions& options, Watch& watch);
   void give_sample(const LoadJob& job, Watch& watch);
   void give_more(const LoadJob& job);
   Loaded sample_of(const LoadJob& job, scene::Scene scene);
@@ -192,11 +194,13 @@ Loaded Loader::Work::sample_of(const LoadJob& job, scene::Scene scene) {
   out.id = job.id;
   out.is_sample = true;
   out.is_first = !sample_up_;
-  // Later samples stand as the first does.
-  out.pose = stand_upright(scene, sample_up_ ? sample_up_ : job.options.up, job.cutaway);
-  sample_up_ = out.pose.upright.up;
+  Request request = job.request;
+  if (sample_up_) request.points.up = sample_up_;  // later samples stand as the first does
   scene.levels.reset();
-  out = finish(std::move(scene), std::move(out));
+  Opening opening(request, std::move(scene));
+  out.pose = opening.pose();
+  sample_up_ = out.pose.upright.up;
+  out = finish(opening.take(), std::move(out));
   out.whole = {};
   out.points_shown = out.sample.cloud.size();
   out.notes.clear();  // those of the whole will say it
@@ -204,7 +208,8 @@ Loaded Loader::Work::sample_of(const LoadJob& job, scene::Scene scene) {
 }
 
 void Loader::Work::give_sample(const LoadJob& job, Watch& watch) {
-  std::optional<scene::Scene> sample = scene::read_sample(job.files, job.options, most_sample, watch);
+  std::optional<scene::Scene> sample =
+      scene::read_sample(job.files, job.request.scene_options(), most_sample, watch);
   if (!sample) return;
   first_sample_ = subsample(sample->cloud, most_sample / 4);  // room for what comes by
   Loaded out = sample_of(job, std::move(*sample));
@@ -217,9 +222,8 @@ void Loader::Work::give_more(const LoadJob& job) {
   try {
     std::optional<io::ReadResult> more = tap_->so_far();
     if (!more) return;
-    scene::SceneOptions options = job.options;
-    options.read.tap = nullptr;
-    scene::Scene scene = scene::assemble(job.files, options, [&](std::size_t) { return std::move(*more); });
+    scene::Scene scene = scene::assemble(job.files, job.request.scene_options(),
+                                         [&](std::size_t) { return std::move(*more); });
     append(scene.cloud, first_sample_);
     Loaded out = sample_of(job, std::move(scene));
     give(std::move(out));
@@ -228,40 +232,17 @@ void Loader::Work::give_more(const LoadJob& job) {
   }
 }
 
-/// Too much to hold: what a view needs, the coarse levels before there is one. What was decoded for the last
-/// views is not decoded again.
-Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, Watch& watch) {
-  const std::string key = key_of(job) + stamp_of(job.files);
-  const bool is_new = job.anew || !nodes_ || nodes_key_ != key;
-  if (is_new) nodes_ = std::make_shared<io::ChunkCache>(job.memory / scene::share_of_kept_nodes);
-  files.keep_nodes(nodes_);
-  if (is_new) nodes_key_.clear();  // until the classes are known: this may be called off
-  // What is selected is not all that there is to select from.
-  const auto see_classes = [&](const PointCloud& cloud) {
-    classes_ = classes_of(cloud);
-    for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
-    nodes_key_ = key;
-  };
+/// Too much to hold: what a view needs, the coarse levels before there is one.
+Loaded Loader::Work::read_levels(const LoadJob& job, Opening& opening, Watch& watch) {
   Loaded known;
   known.id = job.id;
   known.follows_view = true;
   known.is_first = !job.seen;
-  known.box = files.bounds();
-  scene::Scene overview;
-  if (is_new)
-    overview = files.overview(watch, see_classes);
-  else if (!job.pose)
-    overview = files.overview(watch);
-  if (job.pose) {
-    files.set_overview(job.overview);
-    known.pose = *job.pose;
-    known.overview = job.overview;
-  } else {
-    known.overview = overview.overview;
-    known.pose = stand_upright(overview, job.options.up, job.cutaway);
-  }
+  known.box = opening.levels().bounds();
+  known.pose = opening.pose();
+  scene::Scene overview = opening.take();
+  known.overview = job.pose ? job.overview : overview.overview;
   const auto with = [&](scene::Scene scene, const copc::NodeSelection& nodes, bool is_coarse) {
-    scene.cloud.up = known.pose.upright.up;
     Loaded out = known;
     out.nodes = nodes;
     out.is_coarse = is_coarse;
@@ -277,56 +258,67 @@ Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene files, 
   if (!job.seen) return with(std::move(overview), {}, true);
   overview = {};
   const std::vector<copc::View> views{{*job.seen, false}};
-  const copc::NodeSelection fine = files.select(views, job.has_shadows),
-                            coarse = files.select(views, job.has_shadows, coarse_px);
+  const copc::NodeSelection fine = opening.levels().select(views, job.has_shadows),
+                            coarse = opening.levels().select(views, job.has_shadows, coarse_px);
   if (job.shown && fine.reads_like(*job.shown)) {
     known.is_shown = true;
     return known;
   }
   if (fine.points > least_coarse && coarse.points < fine.points / 2)
-    give(with(files.read(coarse, watch), coarse, true));
-  return with(files.read(fine, watch), fine, false);
+    give(with(opening.read(coarse, watch), coarse, true));
+  return with(opening.read(fine, watch), fine, false);
+}
+
+/// A file that is read whole shows a sample of itself meanwhile.
+void Loader::Work::begin_whole(const LoadJob& job, io::ReadOptions& options, Watch& watch) {
+  for (const scene::SceneFile& file : job.files)
+    if (file.name == "-" && !standard_input_) standard_input_ = scene::StandardInput::get();
+  if (job.sample_first) give_sample(job, watch);
+  watch.update(0, "reading");
+  if (!job.sample_first || job.files.size() != 1) return;
+  tap_ = std::make_unique<io::RecordTap>(most_sample);
+  options.tap = tap_.get();
+  watch.on_more = [&] { give_more(job); };
 }
 
 Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was called off
   Loaded out;
   out.id = job.id;
-  const std::string key = key_of(job);
-  scene::Scene scene;
-  if (!job.anew && kept_ && key == kept_key_) {
-    scene = *kept_;
-  } else {
-    kept_.reset();
-    watch.update(0, "reading");
-    if (auto leveled = scene::LeveledScene::open(job.files, job.options, job.memory))
-      return read_levels(job, std::move(*leveled), watch);
-    for (const scene::SceneFile& file : job.files)
-      if (file.name == "-" && !standard_input_) standard_input_ = scene::StandardInput::get();
-    if (job.sample_first) give_sample(job, watch);
-    watch.update(0, "reading");
-    scene::SceneOptions options = job.options;
-    if (job.sample_first && job.files.size() == 1) {
-      tap_ = std::make_unique<io::RecordTap>(most_sample);
-      options.read.tap = tap_.get();
-      watch.on_more = [&] { give_more(job); };
-    }
-    scene = scene::read_all(job.files, options, watch);
+  const std::string key = key_of(job), levels_key = key + stamp_of(job.files);
+  const bool is_kept = !job.anew && kept_ && key == kept_key_;
+  if (!is_kept) kept_.reset(), watch.update(0, "reading");
+  OpeningSteps steps;
+  steps.all = kept_;
+  steps.pose = job.pose, steps.overview = job.overview;
+  // What was decoded for the last views is not decoded again.
+  if (job.anew || !nodes_ || nodes_key_ != levels_key) {
+    nodes_ = std::make_shared<io::ChunkCache>(job.request.memory / scene::share_of_kept_nodes);
+    nodes_key_.clear();  // until the classes are known: this may be called off
+    // What is selected is not all that there is to select from.
+    steps.see_levels = [&](const PointCloud& cloud) {
+      classes_ = classes_of(cloud);
+      for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
+      nodes_key_ = levels_key;
+    };
+  }
+  steps.nodes = nodes_;
+  steps.before_reading = [&](io::ReadOptions& options) { begin_whole(job, options, watch); };
+  steps.see_all = [&](const scene::Scene& all) {
     watch.on_more = nullptr;
     tap_.reset();
     first_sample_ = {};
+    out.classes = classes_of(all.cloud);
+    out.box = bounds(all.cloud);
     // A subsample of nothing selected is not what a selection starts from.
-    if (scene.cloud.size() <= most_kept && !job.options.read.max_points) {
-      kept_ = scene;
-      kept_key_ = key;
-    }
-  }
-  out.classes = classes_of(scene.cloud);
-  out.box = bounds(scene.cloud);
-  scene::narrow(scene, job.files, job.options);
-  out.pose = stand_upright(scene, job.options.up, job.cutaway);
-  watch.check();
-  return finish(std::move(scene), std::move(out));
+    if (is_kept || all.cloud.size() > most_kept || job.request.points.read.max_points) return;
+    kept_ = all;
+    kept_key_ = key;
+  };
+  Opening opening(job.request, job.files, watch, std::move(steps));
+  if (opening.has_levels()) return read_levels(job, opening, watch);
+  out.pose = opening.pose();
+  return finish(opening.take(), std::move(out));
 }
 
 Loaded Loader::Work::finish(scene::Scene scene, Loaded out) {

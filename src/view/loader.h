@@ -8,20 +8,17 @@
 #include <thread>
 #include <vector>
 
-#include "scene/leveled_scene.h"
-#include "session/session.h"
+#include "session/opening.h"
 #include "view/painter.h"
 
 namespace sfumato::view {
 
 struct LoadJob {
   std::uint64_t id = 0;
+  Request request;
   std::vector<scene::SceneFile> files;
-  scene::SceneOptions options;
-  bool cutaway = true;                           ///< rooms are seen without the walls before them
-  std::uint64_t memory = scene::default_memory;  ///< of the points of COPC files
-  bool anew = false;                             ///< the files changed on the disk
-  bool sample_first = false;                     ///< gives a sample of large files before they are read
+  bool anew = false;          ///< the files changed on the disk
+  bool sample_first = false;  ///< gives a sample of large files before they are read
   /// What files with levels are read for; nothing: their coarsest levels.
   std::optional<Camera> seen;
   bool has_shadows = false;  ///< then what is out of view counts too

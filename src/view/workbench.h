@@ -198,6 +198,7 @@ class Workbench {
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
   void amend(const std::function<void(Wishes&)>& edit);
   void paint_shot(int width, int height);
+  LoadJob load_job(const Wishes& wishes) const;
   void send_scene(Loaded& loaded, bool is_another_view);
   PictureJob job_for(const Quality& quality, int width, int height) const;
   void ask();

@@ -13,6 +13,14 @@ bool Workbench::is_loading_wishes() const {
   return loading_ || (!whole_ready_ && !follows_view()) || wishes_.scene_key() != loaded_key_;
 }
 
+LoadJob Workbench::load_job(const Wishes& wishes) const {
+  LoadJob job{load_id_, wishes, wishes.scene_files()};
+  job.request.memory = start_.memory;
+  // Windows show heights as they are.
+  job.request.exaggeration.reset(), job.request.output_index.clear(), job.request.panorama = false;
+  return job;
+}
+
 void Workbench::load(bool anew) {
   load_id_ = next_id_++;
   loading_ = true;
@@ -29,9 +37,7 @@ void Workbench::load(bool anew) {
     if (!has_sample || !has_whole) known_.reset();
     if (known_) return loader_->call_off();
   }
-  LoadJob job{load_id_, wishes_.scene_files(), wishes_.scene_options()};
-  job.cutaway = !wishes_.whole;
-  job.memory = start_.memory;
+  LoadJob job = load_job(wishes_);
   job.anew = anew;
   job.sample_first = wishes_.frame_on_load && !anew;  // else something better is on the screen
   reading_view_ = false;
@@ -85,9 +91,7 @@ void Workbench::follow_view() {
   reading_view_ = true;
   load_id_ = next_id_++;
   const Wishes& wishes = wishes_of_view();
-  LoadJob job{load_id_, wishes.scene_files(), wishes.scene_options()};
-  job.cutaway = !wishes.whole;
-  job.memory = start_.memory;
+  LoadJob job = load_job(wishes);
   job.seen = wanted.camera.to_camera(wanted.width, wanted.height);
   job.has_shadows = wanted.has_shadows;
   job.pose = scene_->pose;

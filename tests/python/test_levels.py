@@ -56,6 +56,11 @@ def test_a_path_reads_what_its_frames_show(command, tmp_path, leveled, memory):
             equal(picture, read_png(tmp_path / f"f{n}.png"))
 
 
+def test_heights_of_levels_are_not_exaggerated(leveled):
+    with pytest.raises(sfumato.Error, match="vertical exaggeration needs all points in memory"):
+        sfumato.Renderer(leveled, max_points=30_000, vertical_exaggeration=2)
+
+
 def test_open_reads_parts(leveled):
     levels = sfumato.open(leveled, max_points=50_000)
     whole = sfumato.read(leveled)

@@ -33,6 +33,7 @@ XYZ = np.random.default_rng(1).uniform(size=(100, 3)).astype(np.float32)
     ({"outputs": ["dept"]}, "did you mean 'depth'?"),
     ({"up": "Q"}, "not one of auto"),
     ({"color": "red", "color_by": "rgb"}, "contradict each other"),
+    ({"crop": (0, 0, 0, 1, 1, 1), "crop_relative": (0, 0, 0, 1, 1, 1)}, "crop and crop_relative contradict each other"),
     ({"ground": True}, "add --shadows soft"),
     ({"technique": "points,soft"}, "names several"),
     ({"normals": XYZ[:5]}, r"normals: found an array of shape \(5, 3\), expected \(100, 3\)"),

@@ -275,8 +275,9 @@ def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=Non
     Raises `Error`: "io" when a file cannot be opened, "bad_input" when it is damaged or holds no points, "usage".
     """
     wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
-    engine = _engine.read(items_of(_words_of(files, more)), list(columns), count_of("max_points", max_points), up, wishes,
-                          every_attribute, bool(strict), bool(vertices), _progress.callback(progress))
+    wishes.update(columns=list(columns), max_points=count_of("max_points", max_points), up=up, every_attribute=bool(every_attribute),
+                  strict=bool(strict), vertices=bool(vertices))
+    engine = _engine.read(items_of(_words_of(files, more)), wishes, _progress.callback(progress))
     warn_of_damage(engine)
     return Cloud._of(engine)
 
@@ -358,8 +359,8 @@ def open(files, *more, max_points=None, memory=None, crop=None, crop_relative=No
     Returns `Levels`. Raises `Error`: "usage" for files that are not COPC, "io", "bad_input".
     """
     wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
-    return Levels(_engine.open(items_of(_words_of(files, more)), [], count_of("max_points", max_points), count_of("memory", memory), up,
-                               wishes, True, bool(strict)))
+    wishes.update(max_points=count_of("max_points", max_points), memory=count_of("memory", memory), up=up, strict=bool(strict))
+    return Levels(_engine.Levels(items_of(_words_of(files, more)), wishes))
 
 
 def _words_of(files, more=()):

@@ -10,6 +10,7 @@ from ._scene import Scene
 from ._techniques import settings_of
 
 ALL_OUTPUTS = ("rgba", "linear", "depth", "normal")
+_COLORS = ("color", "color_by", "colormap", "range", "exposure", "class_colors")
 _KEYWORDS = ("colors", "camera", "size", "normals", "scalars", "radii", "memory", "strict", "preset", "outputs", "panorama", "progress", *KEYWORDS)
 
 
@@ -204,77 +205,63 @@ class Renderer:
         self._furniture = {name: wanted[name] for name in FURNITURE}
         self.legend = wanted["legend"] in (True, "true")
 
-        wishes = _color_wishes(*(wanted[name] for name in ("color", "color_by", "colormap", "range", "exposure", "class_colors")))
-        selection = selection_of(wanted["crop"], wanted["crop_relative"], wanted["show_classes"], wanted["hide_classes"], wanted["filters"])
+        wishes = self._wishes = _color_wishes(*(wanted[name] for name in _COLORS))
         wishes["background"] = _color_text("background", wanted["background"]) or "auto"
-        wishes["up"] = wanted["up"]
-        wishes["whole"] = bool(wanted["whole"])
-        if wanted["vertical_exaggeration"] is not None:
-            wishes["vertical_exaggeration"] = float(wanted["vertical_exaggeration"])
         wishes["draw"] = wanted["draw"]
         if self._preset_parameters:
             wishes["preset_parameters"] = self._preset_parameters
             wishes["preset_file"] = preset.file or look.file
-        max_points = count_of("max_points", wanted["max_points"])
+        request = selection_of(wanted["crop"], wanted["crop_relative"], wanted["show_classes"], wanted["hide_classes"], wanted["filters"])
+        request.update(columns=list(wanted["columns"]), max_points=count_of("max_points", wanted["max_points"]), up=wanted["up"],
+                       memory=count_of("memory", memory), strict=bool(strict), vertices=bool(wanted["vertices"]), whole=bool(wanted["whole"]))
+        if wanted["vertical_exaggeration"] is not None:
+            request["vertical_exaggeration"] = float(wanted["vertical_exaggeration"])
 
-        brings = any(each is not None for each in (colors, normals, scalars, radii))
-        self._levels = self._opened = self._key = self._sources = None
+        sources = None
         if isinstance(points, (str, os.PathLike)):
-            self._sources = [(os.fspath(points), None)]
+            sources = [(os.fspath(points), None)]
         elif isinstance(points, (list, tuple)) and points and all(isinstance(each, (str, os.PathLike)) for each in points):
-            self._sources = [(os.fspath(each), None) for each in points]
+            sources = [(os.fspath(each), None) for each in points]
         elif isinstance(points, Scene):
-            self._sources = points._sources()
-        if brings and (self._sources or isinstance(points, (Cloud, Levels))):
+            sources = points._sources()
+        if any(each is not None for each in (colors, normals, scalars, radii)) and (sources or isinstance(points, (Cloud, Levels))):
             raise Error("a Cloud, a file or a scene brings its own colours, normals, scalars and radii; set them there")
+        _engine.has_shadows(wanted["technique"], settings, wishes, [])  # what is wrong is said before anything is read
+        self._drawn = self._key = None
         if isinstance(points, Levels):
-            self._levels = points._engine
-        elif self._sources:
-            self._levels = _engine.open(self._sources, list(wanted["columns"]), max_points, count_of("memory", memory), wanted["up"],
-                                        selection, False, bool(strict))
-        if self._levels:
-            wishes["is_selected"] = True
-            self._wishes = wishes
-            _engine.has_shadows(wanted["technique"], settings, wishes, [])  # what is wrong is said before anything is read
-            self._stand = self._levels.stand(wanted["up"], bool(wanted["whole"]), self._progress)
-            return
-        own = False
-        if self._sources:
-            _engine.has_shadows(wanted["technique"], settings, wishes, [])
-            cloud = _engine.read(self._sources, list(wanted["columns"]), max_points, wanted["up"], selection, False, bool(strict),
-                                 bool(wanted["vertices"]), self._progress)
-            warn_of_damage(cloud)
-            wishes["is_selected"] = True
+            self._opening = _engine.Opening(points._engine, request, self._progress)
+        elif sources:
+            self._opening = _engine.Opening(sources, request, self._progress)
         else:
             own = isinstance(points, Cloud)
-            cloud = (points if own else Cloud(points, colors, normals, scalars, radii, progress=progress))._engine
-            wishes.update(selection)
-            if max_points is not None:
-                wishes["max_points"] = max_points
-        # A cloud that nobody else sees is handed over.
-        self._opened = self._stand = _engine.Stage(cloud, not own, wanted["technique"], settings, wishes, None, self._progress)
+            cloud = points if own else Cloud(points, colors, normals, scalars, radii, progress=progress)
+            self._opening = _engine.Opening(cloud._engine, own, request, self._progress)
+        if not self._opening.has_levels:
+            self._show(self._opening.take(), bool(sources))
+
+    def _show(self, cloud, is_read=True):
+        if is_read:
+            warn_of_damage(cloud)
+        self._drawn = _engine.Stage(cloud, self._opening, self._wanted["technique"], self._settings, self._wishes, self._progress)
 
     @property
     def _stage(self):
         """Of files that are read in parts, with what the last picture needed, or the first view."""
-        if self._opened is None:
-            self._read([self._stand.first_view(1280, 720)], False, [])
-        return self._opened
+        if self._drawn is None:
+            self._read([self._opening.first_view(1280, 720)], False, [])
+        return self._drawn
 
     def _read(self, cameras, panorama, settings):
         """Reads what these views need of files that are read in parts."""
-        if self._levels is None:
+        if not self._opening.has_levels:
             return
         shadows = _engine.has_shadows(self._wanted["technique"], self._settings, self._wishes, settings)
         key = tuple(camera.to_json() for camera in cameras), panorama, shadows
         if key == self._key:
             return
         self._key = None
-        if self._opened is not None:
-            self._opened.close()  # room for what comes
-        cloud = self._levels.read(cameras, panorama, shadows, self._progress)
-        warn_of_damage(cloud)
-        self._opened = _engine.Stage(cloud, True, self._wanted["technique"], self._settings, self._wishes, self._stand, self._progress)
+        self.close()  # room for what comes
+        self._show(self._opening.read(cameras, panorama, shadows, self._progress))
         self._key = key
 
     def render(self, camera=None, size=None, technique=None, outputs=ALL_OUTPUTS, progress=None, panorama=False, legend=None,
@@ -286,7 +273,7 @@ class Renderer:
             furniture["legend"] = bool(legend)
         settings = settings_of(parameters, _KEYWORDS)
         camera = self._panorama(camera, size) if panorama else self._camera(camera, size)
-        self._read([camera or self._stand.first_view(*_size(size or (1280, 720)))], panorama, settings)
+        self._read([camera or self._opening.first_view(*_size(size or (1280, 720)))], panorama, settings)
         return self._render(camera, size, technique, outputs, None, progress, settings, panorama, furniture)
 
     def _render(self, camera, size, technique, outputs, light_from, progress, settings, panorama=False, furniture=()):
@@ -325,8 +312,8 @@ class Renderer:
         stands = stands or isinstance(camera, dict) and camera.get("position") is not None
         stands = stands or isinstance(camera, (str, os.PathLike)) and os.fspath(camera).endswith(".json")
         stands = stands or camera is None and "position" in self._first
-        found = self._camera(camera, size, (2048, 1024)) or self._stand.first_view(*_size(size or (2048, 1024)))
-        return found if stands else self._stand.inside(found)
+        found = self._camera(camera, size, (2048, 1024)) or self._opening.first_view(*_size(size or (2048, 1024)))
+        return found if stands else self._opening.inside(found)
 
     def save_preset(self, file, camera=None):
         """Writes technique, parameters, colours and selection as JSON, for ``preset=`` and ``sfumato --preset``; with a `Camera`
@@ -387,15 +374,15 @@ class Renderer:
         for name, value in (("look_at", look_at), ("position", position), ("direction", direction), ("view_up", view_up)):
             if value is not None:
                 wishes[name] = tuple(float(v) for v in value)
-        camera = Camera._of(self._stand.view(wishes))
+        camera = Camera._of(self._opening.view(wishes))
         if scale is not None:
             camera._paper = (("print-scale", repr(_scale(scale))), ("dpi", repr(float(dpi))))
         return camera
 
     def orbit(self, frames=120, degrees=360.0, start=None, size=None):
         """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view, from as far away as the other sides need."""
-        camera = self._camera(start, size) or self._stand.first_of_turn(*_size(size or (1280, 720)))
-        return orbit(camera, frames, degrees, self._stand.up_vector)
+        camera = self._camera(start, size) or self._opening.first_of_turn(*_size(size or (1280, 720)))
+        return orbit(camera, frames, degrees, self._opening.up_vector)
 
     def frames(self, cameras, technique=None, outputs=("rgba",), progress=None, **parameters):
         """Yields a `Picture` for each camera. The light stays where it is for the first.
@@ -406,14 +393,14 @@ class Renderer:
         report = _progress.callback(progress)
         total = len(cameras) if hasattr(cameras, "__len__") else None
         first, at_once = None, True
-        if self._levels is not None:  # read once for all of them, as far as memory holds that
-            cameras = [self._camera(camera, None) or self._stand.first_view(1280, 720) for camera in cameras]
+        if self._opening.has_levels:  # read once for all of them, as far as memory holds that
+            cameras = [self._camera(camera, None) or self._opening.first_view(1280, 720) for camera in cameras]
             shadows = _engine.has_shadows(self._wanted["technique"], self._settings, self._wishes, settings)
-            at_once = len(cameras) == 1 or self._levels.holds(cameras, shadows)
+            at_once = len(cameras) == 1 or self._opening.holds(cameras, shadows)
             if at_once:
                 self._read(cameras, False, settings)
         for number, camera in enumerate(cameras):
-            camera = self._camera(camera, None) or self._stand.first_view(1280, 720)
+            camera = self._camera(camera, None) or self._opening.first_view(1280, 720)
             if not at_once:
                 self._read([camera], False, settings)
             # A single picture has the light of single pictures.
@@ -472,8 +459,8 @@ class Renderer:
         self._stage.set_color(wishes)
         self._wanted.update(color=color, color_by=color_by, colormap=colormap, range=range, exposure=exposure,
                             class_colors=class_colors)
-        if self._levels is not None:  # also for what is read next
-            for name in ("color", "color_by", "colormap", "range", "exposure", "class_colors"):
+        if self._opening.has_levels:  # also for what is read next
+            for name in _COLORS:
                 self._wishes.pop(name, None)
             self._wishes.update(wishes)
 
@@ -485,15 +472,15 @@ class Renderer:
     @property
     def up(self):
         """The axis that is up: what "auto" became."""
-        return self._stand.up
+        return self._opening.up
 
     def __len__(self):
         return len(self._stage)
 
     def close(self):
         """Frees the GPU's memory; so does deleting the renderer."""
-        if self._opened is not None:
-            self._opened.close()
+        if self._drawn is not None:
+            self._drawn.close()
 
     def __enter__(self):
         return self
