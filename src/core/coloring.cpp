@@ -169,6 +169,29 @@ void color_numbers(const ScalarField& field, Coloring& out) {
   color_names(field, counts, swatch_of, out);
 }
 
+/// A colour for each of so many groups that nobody reads their numbers: neighbours in number, which are so in
+/// space, differ. Hues are a golden section of the circle apart, and three lightnesses take turns.
+void color_groups(const ScalarField& field, Coloring& out) {
+  out.kind = ColorKind::files;
+  out.colors.reserve(field.values.size());
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    if (!std::isfinite(field.values[i])) {
+      out.colors.push_back(unknown_gray);
+      continue;
+    }
+    const long number = std::abs(number_of(field, i));
+    const double hue = 6 * std::fmod(double(number) * 0.6180339887498949, 1);
+    const double value = 0.95 - 0.15 * double(number % 3);
+    std::array<std::uint8_t, 3> code;
+    for (int k = 0; k < 3; ++k) {  // HSV of saturation 0.6
+      const double turn = std::fmod(hue + std::array{5.0, 3.0, 1.0}[std::size_t(k)], 6);
+      code[std::size_t(k)] =
+          std::uint8_t(std::lround(255 * value * (1 - 0.6 * std::clamp(std::min(turn, 4 - turn), 0.0, 1.0))));
+    }
+    out.colors.push_back({code[0], code[1], code[2], 255});
+  }
+}
+
 void color_normals(const PointCloud& cloud, Coloring& out) {
   if (cloud.normals.empty())
     throw Error(ErrorCode::usage, "cannot colour by normal: the cloud has no normals");
@@ -287,6 +310,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   } else if (const ScalarField* field = cloud.scalar(out.source);
              field && settings.colormap.empty() && !settings.range && names_things(*field)) {
     color_numbers(*field, out);
+  } else if (out.source == "cluster" && settings.colormap.empty() && !settings.range) {
+    color_groups(*cloud.scalar(out.source), out);
   } else {
     color_scalar(out.source == "elevation" && !cloud.scalar("elevation") ? elevation(cloud)
                                                                          : *cloud.scalar(out.source),

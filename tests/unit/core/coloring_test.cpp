@@ -455,4 +455,24 @@ TEST(Coloring, FewNumbersThatNameThingsAreSwatches) {
   EXPECT_TRUE(color_points(cloud, settings).swatches.empty()) << "more than colours tell apart";
 }
 
+TEST(Coloring, ManyClustersAreToldApart) {
+  PointCloud cloud;
+  cloud.positions.resize(3000);
+  ScalarField field{"cluster", 0, {}};
+  for (std::size_t i = 0; i < cloud.size(); ++i) field.values.push_back(float(i / 10));
+  cloud.set_scalar(field);
+  ColorSettings settings;
+  settings.color_by = "cluster";
+  const Coloring coloring = color_points(cloud, settings);
+  EXPECT_TRUE(coloring.swatches.empty());
+  for (std::size_t i = 10; i < cloud.size(); i += 10) {
+    const Rgba8 a = coloring.colors[i - 10], b = coloring.colors[i];
+    EXPECT_EQ(coloring.colors[i + 9], b);
+    EXPECT_GT(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 60) << i;
+    EXPECT_GT(std::max({b.r, b.g, b.b}) - std::min({b.r, b.g, b.b}), 60) << "colourful, unlike no label";
+  }
+  settings.colormap = "viridis";
+  EXPECT_EQ(color_points(cloud, settings).kind, ColorKind::scalar) << "a ramp that is asked for";
+}
+
 }  // namespace
