@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-surface asan tsan portability gpu-report soak fuzz format install deb container tarball wheel uninstall clean help
+.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-shadows eval-soft eval-strokes eval-surface asan tsan portability gpu-report soak fuzz format install deb container tarball wheel uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -72,6 +72,14 @@ eval-normals: all  ## computed normals against those of the surfaces that were s
 eval-shadows: all  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows
 	@build/release/bin/eval_shadows out/shadow_resolution.png
+
+eval-soft: all  ## soft against its closed forms, and its share of points by density
+	@cmake --build build/release --target eval_soft
+	@build/release/bin/eval_soft $(ARGS)
+
+eval-strokes: all  ## strokes of a wall that stands still, measured anew in every frame
+	@cmake --build build/release --target eval_strokes
+	@build/release/bin/eval_strokes --part still
 
 paper-figures: all  ## every figure and table of the papers (docs/papers.md) into docs/images and out/paper-figures
 	@cmake --build build/release --target eval_denoise eval_strokes eval_shadows eval_surface gen_isosurface sfumato_benchmarks

@@ -1,15 +1,19 @@
 // Strokes against strokes painted over a picture (dos Anjos 2017, Figure 6), and how calm both are in motion:
 //
 //   eval_strokes CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]
+//   eval_strokes --part still   a wall that stands still, measured anew in every frame: `make eval-strokes`
 //
 // `likeness`: what each style keeps of the unpainted picture, that of `splats` without light
 // (bench/likeness.h). Writes {points,image,strokes}_{all,40000}.png at the size of the camera, and prints the
 // mean change of a pixel from frame to frame (bench/frame_difference.h) along a slow orbit.
+#include <cmath>
 #include <cstdio>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "analysis/prepare.h"
+#include "analysis/still.h"
 #include "core/coloring.h"
 #include "core/error.h"
 #include "frame_difference.h"
@@ -98,6 +102,58 @@ void coherence(Renderer& renderer, const PointCloud& cloud, Camera camera, int f
   }
 }
 
+/// A wall of random points in patches of colour, with noise of so many spacings towards the camera and, half
+/// as much, within the wall; colours too have the noise of a camera, two levels, where `colors`.
+PointCloud wall(double noise, bool colors, unsigned frame) {
+  constexpr double spacing = 0.01;
+  std::mt19937 places(1), random(100 + frame);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> normal(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < int(3.2 * 1.8 / (spacing * spacing)); ++i) {
+    const double x = 1.6 * uniform(places), z = 0.9 * uniform(places), step = noise * spacing;
+    cloud.positions.push_back(
+        vec3(dvec3(x + 0.5 * step * normal(random), step * normal(random), z + 0.5 * step * normal(random))));
+    const double patch = std::fmod(std::floor(4 * x) + std::floor(4 * z) + 100, 2);
+    auto level = [&](double v) {
+      return std::uint8_t(std::clamp(v + (colors ? 2 * normal(random) : 0), 0.0, 255.0));
+    };
+    const std::uint8_t r = level(120 + 60 * std::sin(3 * x) * std::cos(4 * z)), g = level(110 + 80 * patch),
+                       b = level(90 + 50 * std::cos(5 * x + 2 * z));
+    cloud.colors.push_back({r, g, b, 255});
+  }
+  return cloud;
+}
+
+/// How much changes where nothing moves.
+void stillness(Renderer& renderer) {
+  std::printf(
+      "| noise, spacings | splats | strokes, each frame for itself | strokes in a sequence |\n"
+      "|---|---|---|---|\n");
+  for (const auto& [noise, colors] :
+       {std::pair(0.05, false), {0.1, false}, {0.2, false}, {0.5, false}, {0.05, true}}) {
+    double mean[3] = {};
+    for (int way = 0; way < 3; ++way) {
+      const auto technique = made(way == 0 ? "splats" : "strokes", "", "");
+      analysis::StillPoints still;
+      bench::FrameDifferenceMeter meter;
+      Camera camera;
+      camera.position = dvec3(0, -2.2, 0), camera.target = dvec3(0), camera.up = dvec3(0, 0, 1);
+      camera.width = 640, camera.height = 360;
+      for (unsigned n = 0; n < 6; ++n) {
+        PointCloud cloud = wall(noise, colors, n);
+        if (way == 2) still.hold(cloud, analysis::ClusterOptions{}.point_threshold);
+        show(renderer, cloud);
+        meter.add(renderer.render(*technique, camera, RenderSettings{}).rgba8);
+      }
+      mean[way] = meter.result().mean;
+    }
+    std::printf("| %g%s | %.2f | %.2f | %.2f |\n", noise, colors ? ", colours too" : "", mean[0], mean[1],
+                mean[2]);
+    std::fflush(stdout);
+  }
+}
+
 /// Every style against the unpainted picture, at the scale of a stroke of the default style; of headlights
 /// neither knows.
 void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& camera) {
@@ -132,10 +188,15 @@ void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& c
 int main(int count, char** words) try {
   std::string part = "all";
   const std::vector<std::string> files = bench::Options().value("part", part).parse(count, words);
-  if (files.size() != 3)
-    throw Error(ErrorCode::usage, "CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness]");
+  if (files.size() != (part == "still" ? 0 : 3))
+    throw Error(ErrorCode::usage,
+                "CLOUD CAMERA.json OUT_DIR [--part figure6|coherence|likeness], or --part still");
   auto context = gl::Context::create_headless();
   Renderer renderer(*context);
+  if (part == "still") {
+    stillness(renderer);
+    return 0;
+  }
   const PointCloud cloud = io::read(files[0]).cloud;
   const Camera camera = io::read_camera(files[1]);
   if (part == "figure6" || part == "all") figure_6(renderer, cloud, camera, files[2]);

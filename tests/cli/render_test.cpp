@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <sstream>
 
 #include "cli/command.h"
@@ -410,12 +411,38 @@ TEST_F(RenderTest, AFrameOfASequenceIsThePictureOfItsFile) {
     std::vector<std::string> sequence{"a.ply", "b.ply", "--sequence", "-o", "f_{n}.png"},
         alone{"b.ply", "-o", "b.png"};
     sequence.insert(sequence.end(), look.begin(), look.end());
+    // What stands still is held where it was, which is another cloud.
+    if (technique == std::string("strokes")) sequence.insert(sequence.end(), {"--hold-still", "false"});
     alone.insert(alone.end(), look.begin(), look.end());
     run_json(sequence);
     run_json(alone);
     const Image<Rgba8> frame = read_png("f_1.png"), picture = read_png("b.png");
     EXPECT_TRUE(std::equal(frame.begin(), frame.end(), picture.begin()));
   }
+}
+
+// A wall measured twice, with noise of a twentieth of its spacing.
+TEST_F(RenderTest, NoiseOfASequenceMovesNoStrokes) {
+  for (int file = 0; file < 2; ++file) {
+    std::mt19937 random(unsigned(file + 1));
+    std::uniform_real_distribution<double> noise(-0.001, 0.001);
+    std::ostringstream text;
+    for (int i = 0; i < 3600; ++i)
+      text << 0.02 * (i % 60) << " " << noise(random) << " " << 0.02 * (i / 60) << " " << 60 + 3 * (i % 60)
+           << " " << i / 600 % 2 * 120 + 60 << " 90\n";
+    write(file == 0 ? "a.xyz" : "b.xyz", text.str());
+  }
+  write("camera.json", R"({"position": [0.6, -2, 0.6], "target": [0.6, 0, 0.6]})");
+  auto change = [&](const char* hold) {
+    run_json({"a.xyz", "b.xyz", "--sequence", "-t", "strokes", "--hold-still", hold, "--camera",
+              "camera.json", "--resolution", "160x120", "-o", "f_{n}.png", "--json"});
+    const Image<Rgba8> a = read_png("f_0.png"), b = read_png("f_1.png");
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a.data()[i].g - b.data()[i].g);
+    return sum / double(a.size());
+  };
+  EXPECT_LT(change("true"), 0.1);
+  EXPECT_GT(change("false"), 0.5);
 }
 
 TEST_F(RenderTest, OrbitWritesOnePictureAFrame) {

@@ -333,6 +333,7 @@ const std::map<std::string, std::string> shows_nothing{
     {"strokes.refine", "says what is shown on the way to the final picture"},
     {"strokes.min_sorted", "says what is shown on the way to the final picture"},
     {"strokes.sort_steps", "says what is shown on the way to the final picture"},
+    {"strokes.hold_still", "of sequences"},
     {"strokes.fragment_memory", "what does not fit comes in turns"},
     {"strokes.specular", "gloss takes its place"},
 };

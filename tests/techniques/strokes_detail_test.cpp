@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/still.h"
 #include "reference/stroke_scenes.h"
 #include "techniques/strokes/stroke_data.h"
 
@@ -91,6 +92,40 @@ TEST_F(StrokesDetailTest, ColoursStayThoseOfTheScan) {
       EXPECT_NEAR(sum[k] / covered, expected, (style[0] == 'o' || style[0] == 'f' ? 0.04 : 0.2) * expected)
           << style << k;
     }
+  }
+}
+
+// A wall that stands still, measured anew for each frame: strokes followed every twentieth of a spacing.
+TEST_F(StrokesDetailTest, NoiseDoesNotMoveAStillWall) {
+  auto frame = [](unsigned seed) {
+    PointCloud cloud;
+    std::mt19937 places(5), random(seed);
+    std::uniform_real_distribution<float> uniform(-2, 2);
+    std::normal_distribution<float> noise(0, 0.05f * 0.02f);
+    for (int i = 0; i < 40'000; ++i) {
+      const float x = uniform(places), z = uniform(places);
+      cloud.positions.push_back({x, noise(random), z});
+      cloud.colors.push_back({std::uint8_t(120 + 60 * std::sin(3 * x)), std::uint8_t(z > 0 ? 90 : 180), 70});
+    }
+    return cloud;
+  };
+  analysis::StillPoints still;
+  Renderer renderer(context());
+  auto technique = find_technique("strokes").create();
+  EXPECT_TRUE(technique->holds_still());
+  Image<Rgba8> before;
+  for (unsigned n = 0; n < 3; ++n) {
+    PointCloud cloud = frame(n + 1);
+    still.hold(cloud, 6);
+    show(renderer, std::move(cloud), technique->needs());
+    const Image<Rgba8> now = renderer.render(*technique, front_camera(320, 240), RenderSettings{}).rgba8;
+    double change = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const Rgba8 a = before.data()[i], b = now.data()[i];
+      change += std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+    }
+    EXPECT_LT(change / double(now.size()), 0.1) << n;
+    before = now;
   }
 }
 

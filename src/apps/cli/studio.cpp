@@ -65,6 +65,10 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
     return needs;
   };
   crs_ = scene.cloud.crs;
+  const bool holds_still =
+      options_.sequence && std::all_of(choice_.techniques.begin(), choice_.techniques.end(),
+                                       [](const auto& each) { return each->technique->holds_still(); });
+  if (holds_still) still_.hold(scene.cloud, choice_.prepare.strokes.clusters.point_threshold, console_);
   SessionOptions wanted{choice_.prepare, options_.color, {}, options_.draw};
   wanted.background = options_.background;
   session_.set_scene(std::move(scene), std::move(pose), wanted, needs_of, console_);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/still.h"
 #include "console.h"
 #include "io/georeference.h"
 #include "io/image_png.h"
@@ -72,6 +73,7 @@ class Studio {
   std::unique_ptr<Video> video_;  ///< of -o NAME.mp4, from the first frame on
   std::unique_ptr<gl::Context> context_;
   Session session_;
+  analysis::StillPoints still_;      ///< of --sequence
   std::optional<PointIndex> index_;  ///< for --output-index
   bool tells_unit_ = false;          ///< whether it was said that depths are taken for metres
   std::string crs_;                  ///< of the points that are drawn

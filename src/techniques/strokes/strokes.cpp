@@ -52,6 +52,7 @@ class Strokes final : public Technique {
 
   Attributes needs() const override { return Attribute::normal | Attribute::cluster; }
   bool has_soft_edges() const override { return true; }  // of brushes
+  bool holds_still() const override { return parameters_.hold_still; }
 
   int reach_px(const GpuCloud&, const Camera& camera) const override {
     // underpaint.glsl twice, then the wider ring of medium.glsl, or blur.glsl.

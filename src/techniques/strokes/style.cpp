@@ -111,6 +111,10 @@ void Parameters::describe(ParamList& p) {
       .help(
           "positions are rounded to this step to seed a stroke's random numbers (auto: a power of two near a "
           "16th of the cloud's spacing; set it for sequences whose spacing varies)");
+  p.add("hold_still", hold_still)
+      .help(
+          "in a sequence, points that noise moved by less than half their spacing stay where they were, and "
+          "keep their colour while it changes by less than `cluster_color_step`");
   p.add("gloss", gloss).range(0, 1).help("strength of highlights on lit paint, in place of `specular`");
   p.add("underpainting", underpainting)
       .help("paints what strokes leave open within a surface (sorted pictures)");

@@ -51,6 +51,7 @@ struct Parameters {
   Lighting lighting = Lighting::automatic;
   float gloss = 0;
   Auto<float> seed_step;
+  bool hold_still = true;
   bool underpainting = true;
   bool two_layers = true;
   BlendMode blend = BlendMode::a_buffer;
