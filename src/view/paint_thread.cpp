@@ -154,6 +154,12 @@ Image<float> sampled(const Image<float>& depth, int step) {
 
 }  // namespace
 
+/// As they are now: others come at any time.
+std::vector<std::shared_ptr<Painter::Wanted>> PaintThread::painters() const {
+  const std::lock_guard lock(mutex);
+  return painters_;
+}
+
 std::size_t PaintThread::painters_of(const Stand& stand) const {
   const std::lock_guard lock(mutex);
   return std::size_t(std::count_if(painters_.begin(), painters_.end(),
@@ -216,7 +222,7 @@ PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
 /// While nothing is asked for: measures what other techniques will want, so that the first switch to one does
 /// not wait for it. False when there is nothing to do.
 bool PaintThread::prepare_ahead() {
-  for (const std::shared_ptr<Wanted>& one : painters_) {
+  for (const std::shared_ptr<Wanted>& one : painters()) {
     if (!one->stand || !one->stand->prepares_ahead) continue;
     Stand& stand = *one->stand;
     if (stand.session().prepared_points() > Stand::most_points_of_looks) continue;
@@ -351,7 +357,7 @@ void PaintThread::draw() {
     Watch watch(*this, one.get(), kind);
     try {
       if (forget_programs.exchange(false))
-        for (const auto& each : painters_)
+        for (const auto& each : painters())
           if (each->stand) {
             each->stand->looks.clear();
             for (Stand::Colored& in : each->stand->sessions) in.session->forget_programs();
@@ -401,7 +407,7 @@ void PaintThread::run() {
   draw();
   // What is on the GPU goes before its context does.
   shared_.clear();
-  for (const auto& one : painters_) one->stand.reset();
+  for (const auto& one : painters()) one->stand.reset();
   context_.reset();
 }
 

@@ -143,6 +143,7 @@ class PaintThread {
   void lose(const Failure& failure);
   bool is_lost();
   Profile do_profile(Wanted& one, const ProfileJob& job);
+  std::vector<std::shared_ptr<Wanted>> painters() const;
   std::size_t painters_of(const Stand& stand) const;
   Picture do_picture(Wanted& one, const PictureJob& job, Watch& watch);
   void drop_unused();
@@ -150,7 +151,7 @@ class PaintThread {
 
   std::shared_ptr<Painter::Gate> gate_;
   std::unique_ptr<gl::Context> context_;
-  std::vector<std::shared_ptr<Wanted>> painters_;
+  std::vector<std::shared_ptr<Wanted>> painters_;  ///< with the lock
   std::size_t turn_ = 0;  ///< whose wish was met last: each gets a picture in turn
   std::map<std::string, std::shared_ptr<Stand>> shared_;
   std::optional<Failure> lost_;

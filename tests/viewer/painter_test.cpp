@@ -82,6 +82,17 @@ TEST_F(PainterTest, FinishesPicturesForKeepsBeforeTheNextScene) {
   EXPECT_EQ(std::get<SceneReady>(shown).points, 2000u);
 }
 
+// While nothing is asked for the thread goes through its painters: for `make tsan`.
+TEST(PaintThreadTest, PaintersComeWhileItMeasuresAhead) {
+  const auto thread = Painter::make_thread(std::make_shared<Painter::Gate>(1));
+  std::vector<std::unique_ptr<Painter>> painters;
+  for (int i = 0; i < 2500; ++i) {
+    painters.push_back(std::make_unique<Painter>(thread, [] {}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_FALSE(painters.back()->renderer_name().empty());
+}
+
 TEST_F(PainterTest, SaysThatGraphicsMemoryIsFullAndGoesOn) {
   ASSERT_TRUE(std::holds_alternative<Picture>(paint(2, 200)));
   const auto real = epoxy_glGetError;
