@@ -1,6 +1,7 @@
 // What light maps let through, and their resolution against the analytic shadow of a sphere over a plane:
 // `make eval-shadows`.
 //
+//   eval_shadows penumbra        its table alone
 //   eval_shadows [PICTURE.png]   the tables on standard output; the plane's points from above at three
 //   resolutions
 //
@@ -53,11 +54,14 @@ Scene make_scene(double density, bool half, unsigned seed) {
   return scene;
 }
 
+/// `light_size` > 0: soft shadows of a disc of that diameter.
 std::vector<float> factors(const PreparedCloud& prepared, double texel, int fills,
-                           const char* light = "dir:0,0,1") {
+                           const char* light = "dir:0,0,1", double light_size = 0) {
   GpuCloud gpu(prepared, std::vector<Rgba8>(prepared.cloud.size()));
   RenderSettings settings;
-  settings.shadows = Shadows::hard;
+  settings.shadows = light_size > 0 ? Shadows::soft : Shadows::hard;
+  if (light_size > 0) settings.light_size.user = float(light_size);
+  resolve_shadow_sizes(settings, bounds(prepared.cloud), prepared.median_spacing);
   gl::Timers timers(false);
   ShadowMaps maps;
   maps.set_resolution(texel, fills);
@@ -159,6 +163,56 @@ void print_leaks() {
   std::printf("\n");
 }
 
+/// The edge of a half plane in the light of a disc: from where a tenth of the light arrives to where nine
+/// tenths do, against the share of the disc that the edge leaves.
+void print_penumbra() {
+  std::printf(
+      "| penumbra by its optics, spacings | measured, of that | shifted, spacings |\n|---|---|---|\n");
+  const double spacing = 0.015, light = 8;
+  for (const auto& [above, size] :
+       {std::pair(1.0, 0.5), {1.0, 1.0}, {2.0, 0.5}, {2.0, 1.0}, {4.0, 0.5}, {4.0, 1.0}}) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    PointCloud cloud;
+    const auto add = [&](double x, double y, double z) {
+      cloud.positions.push_back(vec3(dvec3(x, y, z)));
+      cloud.normals.push_back({0, 0, 1});
+    };
+    const int count = int(16 / (spacing * spacing));
+    for (int i = 0; i < count; ++i) add(2 * uniform(random), 2 * uniform(random), 0);
+    for (int i = 0; i < count / 2; ++i) add(-1 + uniform(random), 2 * uniform(random), above);
+    const PreparedCloud prepared = analysis::prepare(std::move(cloud), {}, {});
+    const std::vector<float> m = factors(prepared, ShadowMaps::texel_spacings, 1, "0,0,8", size);
+    // Within the middle of the edge, light by the distance from it.
+    constexpr int bins = 400;
+    std::array<double, bins> sum{}, number{};
+    for (std::size_t i = 0; i < m.size(); ++i) {
+      const dvec3 p = prepared.cloud.world(i);
+      if (prepared.cloud.source_index[i] >= std::uint32_t(count) || std::abs(p.y) > 1) continue;
+      const int bin = int((p.x + 1) / 2 * bins);
+      if (bin >= 0 && bin < bins) sum[std::size_t(bin)] += double(m[i]), ++number[std::size_t(bin)];
+    }
+    const auto crossing = [&](double share) {  // of the mean over three bins, interpolated
+      double before = 0;
+      for (std::size_t k = 1; k + 1 < bins; ++k) {
+        const double now =
+            (sum[k - 1] + sum[k] + sum[k + 1]) / std::max(number[k - 1] + number[k] + number[k + 1], 1.0);
+        if (k > 1 && before < share && now >= share)
+          return -1 + 2 * (double(k) - (now - share) / (now - before) + 0.5) / bins;
+        before = now;
+      }
+      return 0.0;
+    };
+    // .5 + (asin(2u) + 2u sqrt(1 - 4u^2)) / pi is 0.9 at u = 0.3436 of the diameter.
+    const double width = size * above / (light - above), expected = 2 * 0.3436 * width;
+    const double low = crossing(0.1), high = crossing(0.9);
+    std::printf("| %.1f | %.2f | %+.1f |\n", width / spacing, (high - low) / expected,
+                0.5 * (low + high) / spacing);
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
 /// A corner of the shadow from above: every pixel shows whether the plane's point nearest to it is lit.
 void draw(Image<Rgba8>& picture, int x0, int side, const Scene& scene, const std::vector<float>& m) {
   const double from = 0.12, to = 0.56, pixel = (to - from) / side;
@@ -188,7 +242,10 @@ void draw(Image<Rgba8>& picture, int x0, int side, const Scene& scene, const std
 
 int main(int argc, char** argv) {
   const auto context = gl::Context::create_headless();
-  print_leaks();
+  std::string part = argc > 1 ? argv[1] : "";
+  if (part != "penumbra") print_leaks();
+  print_penumbra();
+  if (part == "penumbra") return 0;
   const double density = 40'000;  // spacing 0.005: 200 along the shadow
   const std::vector<double> texels{0.5, 0.75, 1, 1.25, 1.5, 2, 3, 4, 6};
   for (const bool half : {true, false}) {
