@@ -2,6 +2,7 @@
 // come, unless commas are decimal. The columns are named by a header line or guessed from the first lines;
 // the guess is a note of the report.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -168,6 +169,14 @@ std::vector<double> numbers_at_end(const File& file, const Dialect& dialect) {
   return numbers;
 }
 
+/// BEGIN, END: one word of letters.
+bool is_mark(std::string_view line) {
+  const char *at = skip_blanks(line.data(), line.data() + line.size()), *end = line.data() + line.size();
+  const char* const first = at;
+  while (at < end && std::isalpha(static_cast<unsigned char>(*at))) ++at;
+  return at > first && skip_blanks(at, end) == end;
+}
+
 /// The columns of a line by name; `_` is passed over.
 class PointLines final : public LineGrammar {
  public:
@@ -205,6 +214,8 @@ class PointLines final : public LineGrammar {
         const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
         if (!wanted_[k])
           behind = word_end(at, end);
+        else if (k == 0 && is_mark(line))
+          return false;
         else if (!whole)
           throw LineError("found '" + std::string(at, word_end(at, std::min(end, at + 20))) +
                           "', expected a number in column " + std::to_string(k + 1));

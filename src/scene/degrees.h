@@ -1,4 +1,5 @@
-// Points whose x and y are degrees: drawn in metres, by the scale at their middle.
+// Points whose x and y are degrees, or whose places are counted from the centre of the Earth: drawn in metres
+// around their middle, with heights upwards.
 #pragma once
 
 #include <optional>
@@ -8,12 +9,14 @@
 
 namespace sfumato::scene {
 
-/// Metres east and north of a middle in degrees.
+/// Metres east and north of a middle in degrees or from the centre of the Earth, on the ellipsoid of WGS 84.
 struct LocalMetres {
   double longitude = 0, latitude = 0;  ///< of the middle, degrees
-  double east = 1, north = 1;          ///< metres a degree there, on the ellipsoid of WGS 84
+  double east = 1, north = 1;          ///< metres a degree there
   bool latitude_first = false;         ///< x is the latitude
-  bool by_values = false;              ///< nothing but the numbers says that they are degrees
+  bool by_values = false;              ///< nothing but the numbers says so
+  bool geocentric = false;             ///< places are metres from the centre of the Earth
+  double height = 0;                   ///< of the middle, where they are
 
   dvec3 moved(const dvec3& degrees) const;
   Bounds moved(const Bounds& degrees) const;
@@ -27,6 +30,11 @@ struct LocalMetres {
 /// are more than a thousand times thinner in plan than in height, as no scan in metres is. `middle`: most of
 /// the points.
 std::optional<LocalMetres> degrees_of(const std::string& crs, const Bounds& box, const Bounds& middle);
-std::optional<LocalMetres> degrees_of(const PointCloud& cloud);
+/// Where the coordinate system is geocentric, or where none is named, all three coordinates are beyond any
+/// height on land and the middle is as high as land or those who scan it may be.
+std::optional<LocalMetres> geocentric_of(const std::string& crs, const Bounds& middle);
+/// One of both.
+std::optional<LocalMetres> local_metres_of(const std::string& crs, const Bounds& box, const Bounds& middle);
+std::optional<LocalMetres> local_metres_of(const PointCloud& cloud);
 
 }  // namespace sfumato::scene

@@ -28,7 +28,7 @@ std::optional<LeveledScene> LeveledScene::open(const std::vector<SceneFile>& fil
   // Views are measured in metres.
   if (!options.keep_degrees)
     for (const copc::Tree& tree : scene.trees_)
-      if (degrees_of(tree.crs, tree.bounds, tree.bounds)) return std::nullopt;
+      if (local_metres_of(tree.crs, tree.bounds, tree.bounds)) return std::nullopt;
   const bool is_far =
       std::any_of(files.begin(), files.end(), [](const SceneFile& file) { return io::is_remote(file.name); });
   if (scene.points() <= scene.budget_ && !always && !is_far) return std::nullopt;

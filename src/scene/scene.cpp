@@ -96,7 +96,7 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
     throw Error(
         ErrorCode::bad_input,
         files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
-  if (!options.keep_degrees) scene.metres = options.metres ? options.metres : degrees_of(scene.cloud);
+  if (!options.keep_degrees) scene.metres = options.metres ? options.metres : local_metres_of(scene.cloud);
   if (scene.metres) {
     scene.metres->apply(scene.cloud);
     scene.notes.push_back((files.size() == 1 ? files[0].name + ": " : std::string()) + scene.metres->note());

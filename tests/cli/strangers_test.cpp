@@ -3,6 +3,8 @@
 #include <cmath>
 #include <fstream>
 
+#include <glm/glm.hpp>
+
 #include "cli/command.h"
 
 namespace sfumato::testing {
@@ -47,6 +49,43 @@ class StrangersCommand : public CommandTest {
     return std::filesystem::exists(file) ? std::optional(file.string()) : std::nullopt;
   }
 };
+
+/// Around the station WTZR (EPN): X, Y, Z of its log file and the directions there, by finite differences of
+/// nothing but the sphere's: up is off by 0.2 degrees at most (the ellipsoid's normal).
+TEST_F(StrangersCommand, PlacesFromTheCentreOfTheEarthStandUpright) {
+  const glm::dvec3 station(4075580.3, 931853.9, 4801568.2), up = glm::normalize(station),
+                                                            east = glm::normalize(glm::dvec3(-up.y, up.x, 0)),
+                                                            north = glm::cross(up, east);
+  std::string rows, map;
+  char line[80];
+  for (int x = -40; x <= 40; ++x)
+    for (int y = -30; y <= 30; ++y) {
+      const bool is_mast = std::abs(x) < 2 && std::abs(y) < 2;
+      for (int z = 0; z <= (is_mast ? 20 : 0); ++z) {
+        const glm::dvec3 p = station + double(x) * east + double(y) * north + double(z) * up;
+        std::snprintf(line, sizeof line, "v %.3f %.3f %.3f\n", p.x, p.y, p.z);
+        rows += line;
+        // The northings of a map are as far from 0.
+        std::snprintf(line, sizeof line, "%d %d %d\n", 500'000 + x, 6'372'000 + y, z);
+        map += line;
+      }
+    }
+  write("earth.obj", rows);
+  const nlohmann::json drawn =
+      run_json({"earth.obj", "-o", "a.png", "-t", "points", "--resolution", "64x64", "--json"});
+  EXPECT_EQ(drawn["up"], "+Z");
+  const Outcome said = run({"earth.obj", "-o", "a.png", "-t", "points", "--resolution", "64x64"});
+  EXPECT_THAT(said.err, HasSubstr("centre of the Earth"));
+  EXPECT_THAT(said.err, HasSubstr("49.144"));
+  EXPECT_THAT(said.err, HasSubstr("12.878"));
+  // The station is 666 m above the ellipsoid: half of the mast is above 675.5 m.
+  const nlohmann::json top = run_json({"earth.obj", "-o", "b.png", "-t", "points", "--resolution", "64x64",
+                                       "--filter", "z 675.5..", "--json"});
+  EXPECT_EQ(top["points_rendered"], 9 * 11);
+  write("map.xyz", map);
+  EXPECT_THAT(run({"map.xyz", "-o", "c.png", "-t", "points", "--resolution", "64x64"}).err,
+              Not(HasSubstr("centre of the Earth")));
+}
 
 TEST_F(StrangersCommand, DegreesAreDrawnInMetresAndSaid) {
   write_hill("degrees.txt", 13.38, 52.51, 0.0003, 6, 34);

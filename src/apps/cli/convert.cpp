@@ -106,7 +106,7 @@ class DistanceOptions {
     const scene::Scene other = scene::read_scene(scene::expand_inputs({reference_}), whole, console);
     for (const std::string& part : other.damage) console.complain("sfumato: " + part);
     for (const PointCloud* cloud : {&std::as_const(scene.cloud), &other.cloud})
-      if (scene::degrees_of(*cloud))
+      if (const auto metres = scene::local_metres_of(*cloud); metres && !metres->geocentric)
         throw Error(ErrorCode::usage,
                     "--distance-to: x and y are degrees; bring both clouds into metres first");
     if (!scene.cloud.crs.empty() && !other.cloud.crs.empty() && scene.cloud.crs != other.cloud.crs)

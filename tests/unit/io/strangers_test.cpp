@@ -402,7 +402,8 @@ TEST(StrangersKinds, WordsAnywhereArePassedOver) {
   for (const char* text :
        {"1.5 2.5 3.5 GRD\n4.5 5.5 6.5 BLD\n", "1.5,2.5,3.5,tall tree,9\n4.5,5.5,6.5,wall,8\n",
         "P1;1.5;2.5;3.5;top of kerb\nP2;4.5;5.5;6.5;x\n", "A 7,1.5,2.5,3.5\nB 8,4.5,5.5,6.5\n",
-        "2024-05-01T10:00:00,1.5,2.5,3.5\n2024-05-01T10:00:01,4.5,5.5,6.5\n"})
+        "2024-05-01T10:00:00,1.5,2.5,3.5\n2024-05-01T10:00:01,4.5,5.5,6.5\n",
+        "BEGIN\n1.5 2.5 3.5\n4.5 5.5 6.5\nEND\n", "BEGIN\n1.5 2.5 3.5\nEND\nBEGIN\n4.5 5.5 6.5\nEND\n"})
     EXPECT_EQ(read_text(text).cloud.positions, (std::vector<vec3>{{1.5, 2.5, 3.5}, {4.5, 5.5, 6.5}})) << text;
   // Empty cells between tabs.
   EXPECT_EQ(read_text("x\ty\tz\ti\tj\n1\t2\t3\t\t5\n").cloud.scalar("j")->value(0), 5);
