@@ -18,13 +18,15 @@ constexpr double lies = 0.35, stands = 0.8;
 constexpr double elevation_lying = 32, elevation_standing = 14, elevation_amid = 50, elevation_room = 55;
 /// A view's score is the share of a picture of 16 to 9 that it fills, and twice the logarithm of what it
 /// shows of the area, less twice the share of that which faces away, what it costs to look at what stands
-/// from another side than the custom one (most from the opposite one), and to look from farther above. By the
-/// labels of 54 public scans (good sides, whether from above) 43 are right, 44 by the custom alone; half and
-/// twice each weight give 41 to 45. The picture is filled to 47 % in the mean where the custom fills 41.
+/// from another side than the front (most from the opposite one), and to look from farther above, unless more
+/// relief is seen from there, as in an open room, by its logarithm. By the labels of 48 public scans (good
+/// sides, whether from above) 42 are right; half and twice each weight give 41 to 43.
 constexpr double weight_seen = 2, weight_high = 0.35;
 /// The share of the surface that a cutaway must reveal, which no view from outside shows: rooms have 0.6 to 8
 /// %, closed bodies none.
 constexpr double revealed_least = 0.005;
+
+constexpr double nothing = -1e300;
 
 double height_over_width(const Bounds& box, UpAxis up) {
   const dvec3 size = box.size(), axis = glm::abs(up_vector(up));
@@ -153,15 +155,93 @@ Standpoint into_room(const Area& area, UpAxis up, const Room& room) {
   return best;
 }
 
-/// Degrees; a little from the left by custom, and where one side faces, as of a wall, a mask or what one
-/// scanner saw, from there: the normals of a closed surface cancel, those of half a sphere have a mean of .5.
-double front_of(const Area& area, UpAxis up) {
+/// Of a square depth picture the sum of the angles, in radians, between the normals of cells that are side by
+/// side on one surface. Where nothing is seen it holds `nothing`.
+double curvature_of(const std::vector<double>& depths, std::size_t across, double cell) {
+  const auto joined = [&](std::size_t a, std::size_t b) {
+    return std::abs(depths[a] - depths[b]) < 3 * cell;
+  };
+  const auto slope = [&](std::size_t here, std::size_t step) {
+    const std::size_t before = joined(here, here - step) ? here - step : here,
+                      after = joined(here, here + step) ? here + step : here;
+    return before == after ? nothing
+                           : (depths[after] - depths[before]) / (cell * double((after - before) / step));
+  };
+  std::vector<dvec3> normals(depths.size(), dvec3(0));
+  double sum = 0;
+  for (std::size_t y = 1; y + 1 < across; ++y)
+    for (std::size_t x = 1; x + 1 < across; ++x) {
+      const std::size_t here = y * across + x;
+      if (depths[here] == nothing) continue;
+      const double along_x = slope(here, 1), along_y = slope(here, across);
+      if (along_x == nothing || along_y == nothing) continue;
+      normals[here] = glm::normalize(dvec3(-along_x, -along_y, 1));
+      for (const std::size_t other : {here - 1, here - across})
+        if (normals[other] != dvec3(0) && joined(here, other))
+          sum += std::acos(std::clamp(glm::dot(normals[other], normals[here]), -1.0, 1.0));
+    }
+  return sum;
+}
+
+/// How much relief the points show to who looks from there: the curvature of a depth picture in which eight
+/// of a square as wide as the scan fall in a cell.
+double relief_of(const Subject& subject, UpAxis up, const Standpoint& from) {
+  const double cell =
+      subject.box.diagonal() / std::clamp(std::sqrt(double(subject.points.size()) / 8), 8.0, 128.0);
+  const Camera camera = frame(subject.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg),
+                              glm::radians(from.elevation_deg));
+  const dmat4 to_eye = camera.view();
+  const std::size_t across = std::size_t(subject.box.diagonal() / cell) + 4;
+  std::vector<double> nearest(across * across, nothing), sums(nearest.size(), 0), counts(nearest.size(), 0);
+  std::vector<std::pair<std::size_t, double>> depths;
+  depths.reserve(subject.points.size());
+  for (const dvec3& world : subject.points) {
+    const dvec3 p(to_eye * glm::dvec4(world, 1));
+    const glm::dvec2 at = glm::clamp(glm::dvec2(p) / cell + 0.5 * double(across), 0.0, double(across - 1));
+    depths.emplace_back(std::size_t(at.y) * across + std::size_t(at.x), p.z);
+    nearest[depths.back().first] = std::max(nearest[depths.back().first], p.z);
+  }
+  for (const auto& [here, depth] : depths)  // the mean of what is no farther: noise is no relief
+    if (depth > nearest[here] - 2 * cell) sums[here] += depth, ++counts[here];
+  for (std::size_t i = 0; i < nearest.size(); ++i)
+    if (counts[i] > 0) nearest[i] = sums[i] / counts[i];
+  return curvature_of(nearest, across, cell);
+}
+
+/// Relief seen from all around at an elevation.
+struct Around {
+  dvec3 side{0};  ///< of most: the first harmonic over the mean
+  double mean = 0;
+};
+
+Around relief_around(const Subject& subject, UpAxis up, double elevation_deg) {
+  constexpr int turns = 12;
+  const Compass compass(up);
+  Around around;
+  for (double azimuth_deg = 0; azimuth_deg < 360; azimuth_deg += 360 / turns) {
+    const double seen = relief_of(subject, up, {azimuth_deg, elevation_deg});
+    around.mean += seen / turns;
+    around.side += 2 * seen / turns * compass.from(glm::radians(azimuth_deg), 0);
+  }
+  if (around.mean > 0) around.side /= around.mean;
+  return around;
+}
+
+/// Degrees. Where one side faces, as of a wall, a mask or what one scanner saw, from there: the normals of a
+/// closed surface cancel, those of half a sphere have a mean of .5. Else from where clearly more relief is
+/// seen, as of a face or an open arcade, and half as far to the left of that as by custom.
+double front_of(const Area& area, UpAxis up, const dvec3& relief) {
+  // Noise has up to .09. Of 48 labelled scans 42 are seen from a good side with anything from .04 to .14, 40
+  // without.
+  constexpr double clearly = 0.1, custom = glm::radians(-30.0);
   const Compass compass(up);
   dvec3 mean(0);
   for (const dvec3& facing : area.facing) mean += facing / double(area.facing.size());
   mean -= glm::dot(mean, compass.up) * compass.up;
+  const double guess =
+      glm::length(relief) > clearly ? compass.azimuth(glm::normalize(relief)) + 0.5 * custom : custom;
   const double doubt = std::max(0.0, 0.5 - glm::length(mean));
-  return glm::degrees(compass.azimuth(mean + doubt * compass.from(glm::radians(-30.0), 0)));
+  return glm::degrees(compass.azimuth(mean + doubt * compass.from(guess, 0)));
 }
 
 }  // namespace
@@ -175,7 +255,14 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
     subject.room.reset();
   }
   const double usual = std::lerp(elevation_lying, elevation_standing, upright);
-  const double front = front_of(area, up);
+  Around around;  // land has no front
+  double gain_high = 0;
+  if (upright > 0) {
+    around = relief_around(subject, up, usual);
+    if (upright < 1 && around.mean > 0)
+      gain_high = (1 - upright) * std::log(relief_around(subject, up, elevation_amid).mean / around.mean);
+  }
+  const double front = front_of(area, up, around.side);
   Standpoint best;
   double most = -1e300;
   for (const double elevation : {usual, elevation_amid})
@@ -183,7 +270,7 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
       const Standpoint from{std::remainder(front + 30 * turn, 360), elevation};
       const double score = score_of(shown_of(area, up, from, next_edges)) -
                            upright * (1 - std::cos(glm::radians(30.0 * turn))) -
-                           (elevation > usual ? weight_high : 0);
+                           (elevation > usual ? weight_high - gain_high : 0);
       if (score > most + 1e-9) most = score, best = from;
     }
   return best;

@@ -257,6 +257,30 @@ TEST(FirstView, WhatFacesOneSideIsSeenFromThere) {
   }
 }
 
+// The back of a head is smooth.
+TEST(FirstView, AFaceIsSeenNotTheBackOfTheHead) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  for (const double face_deg : {90.0, 170.0, 260.0}) {
+    PointCloud head;
+    const dvec3 face(std::cos(glm::radians(face_deg)), std::sin(glm::radians(face_deg)), 0);
+    const dvec3 aside(-face.y, face.x, 0);
+    const auto bump = [&](const dvec3& way, double x, double z, double wide) {
+      const double a = glm::dot(way, aside) - x, b = way.z - z;
+      return glm::dot(way, face) > 0 ? std::exp(-(a * a + b * b) / (wide * wide)) : 0;
+    };
+    for (int i = 0; i < 60'000; ++i) {
+      const dvec3 way = glm::normalize(dvec3(normal(random), normal(random), normal(random)));
+      const double relief = 0.25 * bump(way, 0, -0.1, 0.15) - 0.12 * bump(way, 0.3, 0.2, 0.12) -
+                            0.12 * bump(way, -0.3, 0.2, 0.12) + 0.06 * bump(way, 0, -0.5, 0.15);
+      head.positions.push_back(vec3(way * dvec3(1, 1, 1.4) * (1 + relief)));
+    }
+    const dvec3 from = -first_view(pose_of(head), 1280, 720).direction();
+    EXPECT_GT(glm::dot(from, face), 0.6) << face_deg;
+  }
+  EXPECT_NEAR(pose_of(box_of({1, 1, 2})).upright.azimuth_deg, -30, 1e-9) << "alike on all sides";
+}
+
 // A face as a mask, open behind: nobody looks at it from inside.
 TEST(FirstView, AnOpenSurfaceIsSeenFromOutside) {
   std::mt19937 random(8);
