@@ -14,7 +14,7 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_place = std::numeric_limits<std::uint32_t>::max();
 
 struct Pair {
   float distance2;
@@ -22,7 +22,7 @@ struct Pair {
   auto operator<=>(const Pair&) const = default;
 };
 
-/// Of each place the place before that it stands still at, or `none`: of all pairs nearer than half the
+/// Of each place the place before that it stands still at, or `no_place`: of all pairs nearer than half the
 /// spacing around the place before, the nearest first.
 std::vector<std::uint32_t> matches(const std::vector<vec3>& now, const NeighborTree& before,
                                    Progress& progress) {
@@ -36,7 +36,7 @@ std::vector<std::uint32_t> matches(const std::vector<vec3>& now, const NeighborT
                         std::vector<Pair>& mine = found.local();
                         KNearest few(4), eight(8);
                         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                          few.start(none);
+                          few.start(no_place);
                           before.search(now[i], few);
                           for (const std::uint64_t key : few.heap()) {
                             const std::uint32_t j = id_of(key);
@@ -53,10 +53,10 @@ std::vector<std::uint32_t> matches(const std::vector<vec3>& now, const NeighborT
   std::vector<Pair> pairs;
   for (const std::vector<Pair>& some : found) pairs.insert(pairs.end(), some.begin(), some.end());
   tbb::parallel_sort(pairs.begin(), pairs.end());
-  std::vector<std::uint32_t> held(now.size(), none);
+  std::vector<std::uint32_t> held(now.size(), no_place);
   std::vector<bool> taken(before.positions().size());
   for (const Pair& pair : pairs)
-    if (held[pair.now] == none && !taken[pair.before])
+    if (held[pair.now] == no_place && !taken[pair.before])
       held[pair.now] = pair.before, taken[pair.before] = true;
   return held;
 }
@@ -75,12 +75,12 @@ void StillPoints::hold(PointCloud& cloud, float color_step, Progress& progress) 
     std::vector<vec3> now(cloud.size());
     for (std::size_t i = 0; i < now.size(); ++i) now[i] = vec3(cloud.world(order[i]) - before_.origin);
     const std::vector<std::uint32_t> held = matches(now, NeighborTree(before_.positions), progress);
-    if (std::any_of(held.begin(), held.end(), [](std::uint32_t j) { return j != none; })) {
+    if (std::any_of(held.begin(), held.end(), [](std::uint32_t j) { return j != no_place; })) {
       cloud.origin = before_.origin;  // so that places are the same in every bit
       for (std::size_t i = 0; i < now.size(); ++i) {
         const std::uint32_t at = order[i], j = held[i];
-        cloud.positions[at] = j == none ? now[i] : before_.positions[j];
-        if (j == none) continue;
+        cloud.positions[at] = j == no_place ? now[i] : before_.positions[j];
+        if (j == no_place) continue;
         if (!cloud.colors.empty() && !before_.colors.empty() &&
             alike(cloud.colors[at], before_.colors[j], color_step))
           cloud.colors[at] = before_.colors[j];

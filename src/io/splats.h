@@ -17,8 +17,8 @@ ReadResult read_packed_splats(const File& file, const PlyHeader& header, Progres
 /// 32 bytes a splat: place and scale as floats, colour and opacity as bytes, rotation as bytes.
 ReadResult read_splat(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
 
-/// GaussianSplats3D's .ksplat: sections of splats, whose places are floats (level 0) or steps of 16 bits around
-/// the centres of buckets (levels 1 and 2).
+/// GaussianSplats3D's .ksplat: sections of splats, whose places are floats (level 0) or steps of 16 bits
+/// around the centres of buckets (levels 1 and 2).
 ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
 
 }  // namespace sfumato::io

@@ -36,7 +36,8 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   else if (scene.cloud.up_is_known)
     upright = {scene.cloud.up, "the file says so"};
   else
-    upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud, progress);
+    upright =
+        analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud, progress);
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
   Pose pose{upright, subject_of(scene.cloud, !cutaway, progress), horizontal_unit(scene.cloud.crs)};

@@ -152,7 +152,7 @@ class PaintThread {
   std::shared_ptr<Painter::Gate> gate_;
   std::unique_ptr<gl::Context> context_;
   std::vector<std::shared_ptr<Wanted>> painters_;  ///< with the lock
-  std::size_t turn_ = 0;  ///< whose wish was met last: each gets a picture in turn
+  std::size_t turn_ = 0;                           ///< whose wish was met last: each gets a picture in turn
   std::map<std::string, std::shared_ptr<Stand>> shared_;
   std::optional<Failure> lost_;
   std::atomic<bool> stop_{false};
