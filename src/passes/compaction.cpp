@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "gl/commands.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
@@ -20,11 +21,11 @@ void Compaction::bind_flags(unsigned groups_per_batch, unsigned batches, std::si
   gl::grow(offsets_, "offsets of groups", group_count_ * sizeof(std::uint32_t));
   gl::grow(sums_, "offsets of blocks", blocks(group_count_) * sizeof(std::uint32_t));
   gl::grow(command_, "draw command of flagged points", 4 * sizeof(std::uint32_t));
-  glBindImageTexture(0, flags_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  gl::bind_image(0, flags_, GL_WRITE_ONLY, GL_R8UI);
 }
 
 void Compaction::run() {
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   flags_.bind(binding::input);
   offsets_.bind_storage(0);
   sums_.bind_storage(1);
@@ -36,9 +37,9 @@ void Compaction::run() {
     if (!program) program = gl::Program::compute("passes/compact.comp", {"STAGE " + std::to_string(stage)});
     program.set("group_count", group_count_).set("groups_per_batch", groups_per_batch_);
     program.dispatch((threads[stage] + 31) / 32);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
   }
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 }  // namespace sfumato

@@ -4,6 +4,7 @@
 #include <bit>
 #include <numeric>
 
+#include "gl/commands.h"
 #include "gl/pace.h"
 
 namespace sfumato {
@@ -89,12 +90,12 @@ void DepthSort::run_on_gpu(const gl::Buffer& keys, std::uint32_t count) {
       to->bind_storage(2);
       counts_.bind_storage(3);
       step->set("place_count", count).set("block_count", blocks).set("digit_shift", shift).dispatch(blocks);
-      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+      gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
       if (step == &count_) prefix_sum_.run(counts_, 16 * blocks);
     }
     from = to;
   }
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 }  // namespace sfumato

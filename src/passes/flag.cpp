@@ -1,4 +1,5 @@
 #include "passes/flag.h"
+#include "gl/commands.h"
 
 #include <cstdint>
 
@@ -11,7 +12,7 @@ void Flag::arm() {
 }
 
 bool Flag::is_set() {
-  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
   return word_.download<std::uint32_t>().at(0, 0) != 0;
 }
 

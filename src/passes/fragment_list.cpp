@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
 
@@ -27,7 +28,7 @@ std::uint64_t FragmentList::allocate(const std::string& who) {
   counts_.bind(binding::input);
   offsets_.buffer().bind_storage(0);
   to_words_.set("size", ivec2(width, height)).dispatch(unsigned(width + 127) / 128, unsigned(height));
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
   prefix_sum_.run(offsets_.buffer(), std::uint32_t(width) * std::uint32_t(height));
   const std::uint64_t total = prefix_sum_.total();
   if (total > most_records())
@@ -44,12 +45,12 @@ std::uint64_t FragmentList::allocate(const std::string& who) {
 
 void FragmentList::bind_store() const {
   offsets_.bind(binding::fragment_offsets);
-  glBindImageTexture(binding::fragment_cursor_image, stored_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
-  glBindImageTexture(binding::fragment_image, records_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
+  stored_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
+  gl::bind_image(binding::fragment_image, records_, GL_READ_WRITE, GL_RG32UI);
 }
 
 void FragmentList::finish_store() const {
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 void FragmentList::bind_read() const {

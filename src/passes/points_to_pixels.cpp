@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "gl/commands.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
@@ -44,7 +45,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     if (casters) cloud.bind_casters(chunk);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,

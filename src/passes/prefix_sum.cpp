@@ -1,4 +1,5 @@
 #include "passes/prefix_sum.h"
+#include "gl/commands.h"
 
 namespace sfumato {
 
@@ -14,11 +15,11 @@ void PrefixSum::run(const gl::Buffer& buffer, std::uint32_t count) {
   buffer.bind_storage(0);
   sums_.bind_storage(1);
   sum_blocks_.set("word_count", count).set("block_count", blocks_).dispatch_rows(blocks_);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
   scan_sums_.set("block_count", blocks_).dispatch(1);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
   scan_blocks_.set("word_count", count).set("block_count", blocks_).dispatch_rows(blocks_);
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 std::uint32_t PrefixSum::total() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/commands.h"
 #include "gl/context.h"
 
 namespace sfumato {
@@ -57,7 +58,7 @@ void Relief::find_openness(const View& view, const Options& options, const gl::T
   occlusion_.set("point_noise", options.noise);
   // Squares of 32 px that something covers.
   constexpr int tile_level = 4;
-  if (gl::limits().software) glFinish();  // see Tiles
+  if (gl::limits().software) gl::finish();  // see Tiles
   occlusion_.run({views_[tile_level], 1 << (tile_level - finest)}, {&pyramid_}, {&openness_},
                  {vec4(1, 0, 0, 0)});
 }

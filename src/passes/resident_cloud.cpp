@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "gl/commands.h"
 #include "gl/context.h"
 
 namespace sfumato {
@@ -48,7 +49,7 @@ const ResidentCloud::Values& made_once(std::mutex& mutex, ResidentCloud::Values&
   const std::lock_guard lock(mutex);
   if (values.size() < chunks) {
     values = make();
-    glFinish();
+    gl::finish();
   }
   return values;
 }
@@ -133,7 +134,7 @@ const gl::TextureBuffer& ResidentCloud::places() const {
     std::vector<std::uint32_t> places(count, 0);
     for (std::size_t i = 0; i < source.size(); ++i) places[source[i]] = std::uint32_t(i);
     geometry_->places = gl::TextureBuffer("places", GL_R32UI, std::span<const std::uint32_t>(places));
-    glFinish();
+    gl::finish();
   }
   return geometry_->places;
 }
@@ -166,7 +167,7 @@ std::uint64_t ResidentCloud::next_serial() {
 SharedCloud::SharedCloud(PreparedCloud cloud, std::uint32_t max_chunk_points)
     : cloud_(std::make_shared<PreparedCloud>(std::move(cloud))),
       newest_(std::make_shared<const ResidentCloud>(cloud_, max_chunk_points)) {
-  glFinish();  // for who shares it on another context
+  gl::finish();  // for who shares it on another context
 }
 
 std::shared_ptr<const ResidentCloud> SharedCloud::newest() const {

@@ -1,6 +1,7 @@
 #include "passes/screen_pass.h"
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"
 #include "gl/state.h"
@@ -115,8 +116,8 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
     for (const gl::Texture* output : outputs) output->bind_image(image++, GL_WRITE_ONLY);
     const gl::Texture& first = **outputs.begin();
     program_.dispatch(unsigned(first.width() + 15) / 16, unsigned(first.height() + 7) / 8);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
-                    GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
     return;
   }
 
@@ -126,13 +127,13 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
   program_.use();
   if (!tiles) {
     const gl::Texture& first = **outputs.begin();
-    gl::draw_rectangles(program_, first.width(), first.height(), [] { glDrawArrays(GL_TRIANGLES, 0, 3); });
+    gl::draw_rectangles(program_, first.width(), first.height(), gl::draw_screen);
     return;
   }
   int attachment = 0;
-  for (const vec4& value : elsewhere) glClearBufferfv(GL_COLOR, attachment++, &value.x);
+  for (const vec4& value : elsewhere) gl::clear_color(attachment++, value);
   const int columns = tiles->on.width(), rows = tiles->on.height();
-  glViewport(-tiles->offset.x, -tiles->offset.y, columns * tiles->size, rows * tiles->size);
+  gl::set_viewport(-tiles->offset, ivec2(columns, rows) * tiles->size);
   gl::draw_rows(program_, rows, columns, double(tiles->size) * tiles->size);
 }
 

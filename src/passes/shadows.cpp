@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
 
@@ -445,12 +446,11 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
     GpuCloud::Chunk& chunk = cloud.chunks()[c];
     cloud.bind_geometry(chunk);
     cloud.bind_normals(chunk);
-    glBindImageTexture(0, chunk.shadow.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
-    if (kind != LitTest::solid)
-      glBindImageTexture(1, passed_.at(&cloud)[c].texture(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+    gl::bind_image(0, chunk.shadow, GL_READ_WRITE, GL_R32F);
+    if (kind != LitTest::solid) gl::bind_image(1, passed_.at(&cloud)[c], GL_READ_WRITE, GL_R32F);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
 void ShadowMaps::test_ground(const Catcher& catcher, bool has_passed, float elsewhere, const View& light_view,

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"
 #include "gl/pace.h"
@@ -157,9 +158,7 @@ void SplatRaster::draw_ranges(const gl::Program& program, const SplatBatches::Ra
   first_.clear();
   count_.clear();
   const auto submit = [&] {
-    if (!first_.empty())
-      glMultiDrawArrays(quads ? GL_TRIANGLES : GL_POINTS, first_.data(), count_.data(),
-                        GLsizei(first_.size()));
+    if (!first_.empty()) gl::draw_ranges(quads ? GL_TRIANGLES : GL_POINTS, first_, count_);
     first_.clear();
     count_.clear();
   };
@@ -206,8 +205,7 @@ void SplatRaster::draw_list(GpuCloud& cloud, std::size_t chunk, const View& view
     gl::draw_items(used, GL_POINTS, 0, count, 1);
     return;
   }
-  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command.id());
-  glDrawArraysIndirect(GL_POINTS, nullptr);
+  gl::draw_indirect(GL_POINTS, command);
 }
 
 }  // namespace sfumato

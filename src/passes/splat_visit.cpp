@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gl/commands.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
@@ -50,12 +51,11 @@ gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
 void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
                               const SplatBatches& batches, const SplatShift& shift,
                               const gl::Texture& nearest_t) {
-  glBindImageTexture(0, nearest_t.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  nearest_t.bind_image(0, GL_READ_WRITE);
   gl::Program& nearest = program(false, shape);
   shift.set(nearest, shape);
   visit_small(cloud, view, batches, nearest);
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                  GL_FRAMEBUFFER_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
 }
 
 void SplatVisit::measure_farthest(const View& view, const gl::Texture& nearest_t) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/pace.h"
 #include "passes/finish.h"
 #include "passes/ground.h"
@@ -562,7 +563,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
 
   RenderOutput out;
   gl::Timers timers(wants.timings);
-  glFinish();
+  gl::finish();
   const auto start = std::chrono::steady_clock::now();
   const int samples = std::max(1, settings.samples);
   if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
@@ -597,7 +598,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
     auto timing = timers.scope("finish");
     s.finish.run(settings, color, s.rgba8);
   }
-  glFinish();
+  gl::finish();
   out.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   for (auto& [name, ms] : timers.results()) out.timings.push_back({name, ms});
 

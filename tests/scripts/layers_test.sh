@@ -1,5 +1,5 @@
 #!/bin/sh
-# Files include what docs/pipeline.md says their layer sees, and nothing above: layers_test.sh SOURCE
+# Files include what docs/pipeline.md says their layer sees, and nothing above; OpenGL is called in src/gl: layers_test.sh SOURCE
 set -eu
 cd "$1"
 fail() { echo "layers_test: $1" >&2; exit 1; }
@@ -22,4 +22,7 @@ for room in $rooms; do
     esac
   done
 done
+if grep -rnE '\bgl[A-Z][A-Za-z0-9]*\(' src --include=*.cpp --include=*.h | grep -vE '^src/(gl|apps)/'; then
+  fail "a library other than src/gl calls OpenGL: gl/commands.h and gl/draw.h do"
+fi
 if grep -rnE '#include "(\.\./)*apps|#include "\.\./(cli|viewer)' src/view src/session; then fail "a library includes a front end"; fi

@@ -1,5 +1,6 @@
 #include "techniques/denoise/bins.h"
 
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
 
@@ -10,7 +11,7 @@ namespace {
 void bind_after(int textures, const gl::TextureBuffer& buffer) { buffer.bind(binding::input + textures); }
 
 void bind_image(int unit, const gl::TextureBuffer& buffer, GLenum format) {
-  glBindImageTexture(GLuint(unit), buffer.texture(), 0, GL_FALSE, 0, GL_READ_WRITE, format);
+  gl::bind_image(unit, buffer, GL_READ_WRITE, format);
 }
 
 void resize(gl::TextureBuffer& buffer, const char* label, GLenum format, std::size_t words) {
@@ -27,8 +28,8 @@ std::size_t most_slots(const View& view) {
 }
 
 void finish_atomics() {
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                  GL_FRAMEBUFFER_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT |
+              GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
 }  // namespace

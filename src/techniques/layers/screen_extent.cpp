@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "gl/commands.h"
 #include "passes/points_to_pixels.h"
 
 namespace sfumato::layers {
@@ -52,8 +53,7 @@ void ScreenExtent::copy(const gl::Texture& part, const gl::Texture& picture) con
   const int x1 = std::min(x + part.width(), picture.width()),
             y1 = std::min(y + part.height(), picture.height());
   if (x1 <= x0 || y1 <= y0) return;
-  glCopyImageSubData(part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y, 0, picture.id(), GL_TEXTURE_2D, 0, x0, y0,
-                     0, x1 - x0, y1 - y0, 1);
+  gl::copy(part, ivec2(x0 - x, y0 - y), picture, ivec2(x0, y0), ivec2(x1 - x0, y1 - y0));
 }
 
 void ScreenExtent::take(const gl::Texture& picture, gl::Texture& part) const {
@@ -62,8 +62,7 @@ void ScreenExtent::take(const gl::Texture& picture, gl::Texture& part) const {
   const int x1 = std::min(x + part.width(), picture.width()),
             y1 = std::min(y + part.height(), picture.height());
   if (x1 <= x0 || y1 <= y0) return;
-  glCopyImageSubData(picture.id(), GL_TEXTURE_2D, 0, x0, y0, 0, part.id(), GL_TEXTURE_2D, 0, x0 - x, y0 - y,
-                     0, x1 - x0, y1 - y0, 1);
+  gl::copy(picture, ivec2(x0, y0), part, ivec2(x0 - x, y0 - y), ivec2(x1 - x0, y1 - y0));
 }
 
 }  // namespace sfumato::layers

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
 
@@ -63,15 +64,13 @@ void Express::draw(SoftPoints& points, const View& view, const gl::Texture& soli
   sum_.clear(vec4(0));
   for (int axis = 0; axis < 3; ++axis) {
     if (shares[axis] == 0) continue;
-    glCopyImageSubData(color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, one_order_.id(), GL_TEXTURE_2D, 0, 0, 0, 0,
-                       width, height, 1);
+    gl::copy(color, ivec2(0), one_order_, ivec2(0), ivec2(width, height));
     blend(points, points.along_axis(axis, direction[axis] > 0), view, solid_t, one_order_, as_quads);
     mix_.set("share", shares[axis]);
     mix_.run({&sum_, &one_order_}, {&mixed_});
     std::swap(sum_, mixed_);
   }
-  glCopyImageSubData(sum_.id(), GL_TEXTURE_2D, 0, 0, 0, 0, color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width,
-                     height, 1);
+  gl::copy(sum_, ivec2(0), color, ivec2(0), ivec2(width, height));
 }
 
 }  // namespace sfumato::soft

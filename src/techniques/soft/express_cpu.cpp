@@ -9,6 +9,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "gl/commands.h"
 #include "gl/pace.h"
 
 namespace sfumato::soft {
@@ -112,7 +113,7 @@ void ExpressCpu::blend_band(std::uint32_t band, const View& view, const Image<fl
 void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& view,
                       const gl::Texture& solid_t, gl::Texture& color) {
   if (order.count == 0) return;
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
   boxes_.resize(points.count());
   shapes_.resize(points.count());
   looks_.resize(points.count());

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "passes/bindings.h"
 
 namespace sfumato::soft {
@@ -89,7 +90,7 @@ void Interior::resolve(SoftPoints& points, const gl::Texture& solid_t, const gl:
         .set("shell_bits", shell_bits)
         .set("visit_rounds", settings.concentric ? settings.most_shells + 1 : 65);
     pass.run({}, {&result});
-    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     const std::uint32_t before = unfinished;
     counts_.download(&unfinished, sizeof unfinished);
     return unfinished > before;
@@ -97,7 +98,7 @@ void Interior::resolve(SoftPoints& points, const gl::Texture& solid_t, const gl:
   if (!run(false)) return;
   gl::ensure(progress_, "progress in long lists", GL_R32UI, result.width(), result.height());
   progress_.clear_uint(0);
-  glBindImageTexture(binding::progress_image, progress_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  progress_.bind_image(binding::progress_image, GL_READ_WRITE);
   while (run(true)) {
   }
 }

@@ -6,6 +6,7 @@
 
 #include "analysis/quantiles.h"
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"
 #include "passes/bindings.h"
@@ -114,7 +115,7 @@ void SoftPoints::update(Frame& frame, const View& view, const Look& look, const 
     fill_.dispatch_rows((points + 127) / 128);
     slot += points;
   }
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
 Order SoftPoints::far_to_near(const View& view) {

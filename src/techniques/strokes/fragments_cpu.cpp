@@ -10,6 +10,7 @@
 #include <limits>
 #include <tuple>
 
+#include "gl/commands.h"
 #include "gl/pace.h"
 
 namespace sfumato::strokes {
@@ -49,7 +50,7 @@ struct FragmentsCpu::Pages {
 };
 
 void FragmentsCpu::begin(const View& view, const StrokeSet& strokes, const BrushPicture& brush) {
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   brush_ = &brush;
   gl::end_stretch();
   order_strokes(strokes);

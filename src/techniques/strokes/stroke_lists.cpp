@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/pace.h"
 #include "gl/state.h"
@@ -85,8 +86,7 @@ void StrokeLists::find_opaque(const View& view, StrokeSet& strokes, const BrushP
   gl::Framebuffer framebuffer({}, &opaque_depth_);
   framebuffer.bind();
   gl::State{.depth = gl::State::Depth::test_and_write}.apply();
-  const float farthest = 1;
-  glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &farthest);
+  gl::clear_depth(framebuffer);
   strokes.draw(made(opaque_[int(order_)], "STROKE_OPAQUE", order_), brush, opaque_alpha);
   if (order_ == StrokeOrder::stroke) strokes.hide(view, opaque_depth_);
 }
@@ -110,7 +110,7 @@ std::vector<std::uint32_t> StrokeLists::count(const View& view, const StrokeSet&
   counts_.bind(binding::input);
   row_counts_.bind_storage(0);
   count_rows_.set("size", ivec2(width, height)).dispatch(unsigned(height + 15) / 16);
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   std::vector<std::uint32_t> rows(static_cast<std::size_t>(height));
   row_counts_.download(rows.data(), row_bytes);
   return rows;
@@ -160,18 +160,11 @@ void StrokeLists::cut_bands(const std::vector<std::uint32_t>& rows, std::uint64_
 std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, const BrushPicture& brush,
                                  const Band& band) {
   if (on_cpu_) {
-    const GLuint buffer = fragments_.buffer().id();
-    void* const fragments = glMapNamedBufferRange(buffer, 0, GLsizeiptr(fragments_.buffer().bytes()),
-                                                  GL_MAP_WRITE_BIT | GL_MAP_READ_BIT);
-    gl::require(fragments != nullptr, "strokes: listing fragments", "a buffer that can be mapped");
-    struct Mapped {  // also where the picture is called off
-      GLuint buffer;
-      ~Mapped() { glUnmapNamedBuffer(buffer); }
-    };
     std::uint64_t found = 0;
     {
-      const Mapped mapped{buffer};
-      found = cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments), room());
+      const gl::Mapped fragments(fragments_.buffer());
+      gl::require(fragments.data() != nullptr, "strokes: listing fragments", "a buffer that can be mapped");
+      found = cpu_.list(band.first_row, band.last_row, static_cast<glm::uvec4*>(fragments.data()), room());
     }
     heads_.upload(cpu_.heads());
     gl::end_stretch();
@@ -190,13 +183,12 @@ std::uint64_t StrokeLists::store(const View& view, const StrokeSet& strokes, con
   before_opaque_state(gl::State::Blend::off).apply();
   opaque_depth_.bind(binding::input + 2);
   heads_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
-  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                     GL_RGBA32UI);
+  gl::bind_image(binding::fragment_image, fragments_, GL_WRITE_ONLY, GL_RGBA32UI);
   gl::Program& program = made(store_[int(order_)], "STROKE_STORE", order_);
   program.set("rows", ivec2(band.first_row, band.last_row)).set("fragment_room", unsigned(room()));
   draw(strokes, program, brush);
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                  GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+              GL_BUFFER_UPDATE_BARRIER_BIT);
   std::uint32_t stored = 0;
   stored_.download(&stored, 4);
   return stored;
@@ -210,8 +202,7 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   view.bind();
   unfinished_.bind_storage(0);
   heads_.bind_image(binding::fragment_cursor_image, GL_READ_WRITE);
-  glBindImageTexture(binding::fragment_image, fragments_.texture(), 0, GL_FALSE, 0, GL_READ_WRITE,
-                     GL_RGBA32UI);
+  gl::bind_image(binding::fragment_image, fragments_, GL_READ_WRITE, GL_RGBA32UI);
   strokes.records().bind(binding::input);
   const Sums& before = sums_[current_];
   Sums& after = sums_[1 - current_];
@@ -221,8 +212,8 @@ bool StrokeLists::sort(const View& view, const StrokeSet& strokes, float relief,
   before.normal.bind(binding::input + 4);
   before.rest.bind(binding::input + 5);
   sort_.run({}, {&after.color, &after.normal, &after.rest});
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
-                  GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+              GL_TEXTURE_FETCH_BARRIER_BIT);
   std::uint32_t unfinished = 0;
   unfinished_.download(&unfinished, 4);
   return unfinished == 0;

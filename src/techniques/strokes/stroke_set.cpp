@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"
 #include "gl/state.h"
@@ -57,7 +58,7 @@ void BrushPicture::update(const Brush& brush) {
       .set("tile_size", tile_size);
   paint_.run({}, {&plain_});
   slopes_.run({&plain_}, {&picture_});
-  glGenerateTextureMipmap(picture_.id());
+  gl::make_mipmap(picture_);
   measure();
   share_ = covered_share(brush);
   made_ = brush;
@@ -142,11 +143,9 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
                 "larger texture buffers (or a larger --stroke-length, or --max-points)");
     if (records_.buffer().bytes() < bytes) {
       gl::TextureBuffer larger("strokes", GL_RGBA32UI, bytes + bytes / 3);
-      if (count_ > 0)
-        glCopyNamedBufferSubData(records_.buffer().id(), larger.buffer().id(), 0, 0,
-                                 GLsizeiptr(count_ * record_texels * 16));
+      if (count_ > 0) gl::copy(records_.buffer(), larger.buffer(), count_ * record_texels * 16);
       gl::Buffer more_keys("distances of strokes", larger.buffer().bytes() / (record_texels * 16) * 4);
-      if (count_ > 0) glCopyNamedBufferSubData(keys_.id(), more_keys.id(), 0, 0, GLsizeiptr(count_ * 4));
+      if (count_ > 0) gl::copy(keys_, more_keys, count_ * 4);
       records_ = std::move(larger);
       keys_ = std::move(more_keys);
     }
@@ -171,7 +170,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
     setup_.set("has_shadow", cloud.has_shadow());
     setup_.set("is_one_place", !(cloud.bounds().diagonal() > 0));
     setup_.dispatch_rows((count + 63) / 64);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     count_ += count;
   }
   if (count_ == 0) return;
@@ -181,7 +180,7 @@ void StrokeSet::update(GpuCloud& cloud, const StrokeData& data, const View& view
   depth_sort_.order().bind(binding::list);
   elements_.bind_storage(0);
   arrange_.set("stroke_count", int(count_)).dispatch_rows((count_ + 63) / 64);
-  glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
+  gl::barrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
 }
 
 void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
@@ -200,7 +199,7 @@ void StrokeSet::hide(const View& view, const gl::Texture& opaque_depth) {
   depth_sort_.order().bind(binding::list);
   visible_elements_.bind_storage(0);
   hide_.set("stroke_count", int(count_)).dispatch_rows((count_ + 63) / 64);
-  glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
+  gl::barrier(GL_ELEMENT_ARRAY_BARRIER_BIT);
 }
 
 void StrokeSet::draw(gl::Program& program, const BrushPicture& brush, float least_alpha,
@@ -211,7 +210,7 @@ void StrokeSet::draw(gl::Program& program, const BrushPicture& brush, float leas
   brush.texture().bind(binding::input + 1);
   program.set("reach_along", reach.along).set("reach_across", reach.across);
   program.use();
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements.id());
+  gl::bind_elements(elements);
   gl::draw_indexed_items(program, GL_TRIANGLES, count_, 6);
 }
 

@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "core/derived.h"
+#include "gl/commands.h"
 #include "gl/state.h"
 #include "passes/bindings.h"
 #include "passes/shade.h"
@@ -221,10 +222,9 @@ class Strokes final : public Technique {
       }
       view.bind();
       gl::Framebuffer framebuffer({&nearest_}, &nearest_depth_);
-      const float one = 1;
       framebuffer.bind();
       gl::State{.depth = gl::State::Depth::test_and_write}.apply();
-      glClearNamedFramebufferfv(framebuffer.id(), GL_DEPTH, 0, &one);
+      gl::clear_depth(framebuffer);
       strokes_.draw(program, brush_, 0.5f);
     }
     if (!finish_nearest_)

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"
 #include "gl/state.h"
@@ -47,10 +48,10 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
     coarser_.set("width_px", float(2 << l));
     coarser_.run({&clusters_[l - 1], &about_[l - 1]}, {&clusters_[l], &about_[l]});
   }
-  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+  gl::barrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
   for (int l = 0, y = 0; l<levels; y += l> 0 ? height >> l : 0, ++l)
-    glCopyImageSubData(clusters_[std::size_t(l)].id(), GL_TEXTURE_2D, 0, 0, 0, 0, all_clusters_.id(),
-                       GL_TEXTURE_2D, 0, l > 0 ? width : 0, y, 0, width >> l, height >> l, 1);
+    gl::copy(clusters_[std::size_t(l)], ivec2(0), all_clusters_, ivec2(l > 0 ? width : 0, y),
+             ivec2(width >> l, height >> l));
   planes_.set("normal_scale", options.normal_scale)
       .set("disc_scale", options.disc_scale)
       .set("levels", levels);
@@ -67,7 +68,7 @@ void Discs::draw(const View& view, const Options& options) {
   nearest_t_.clear(vec4(std::numeric_limits<float>::infinity()));
   color_sum_.clear(vec4(0));
   normal_sum_.clear(vec4(0));
-  if (gl::limits().software) glFinish();  // compute does not wait for fragment passes there
+  if (gl::limits().software) gl::finish();  // compute does not wait for fragment passes there
 
   const gl::Defines defines{"SPLAT_PREFILTER", "SPLAT_PREFILTER_OWN"};
   if (!draw_nearest_) draw_nearest_ = gl::Program::compute("techniques/surface/disc_nearest.comp", defines);
@@ -79,10 +80,9 @@ void Discs::draw(const View& view, const Options& options) {
     ends_.bind(binding::input + 4);
   };
   bind();
-  glBindImageTexture(0, nearest_t_.id(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  nearest_t_.bind_image(0, GL_READ_WRITE);
   draw_nearest_.dispatch(unsigned(columns + 15) / 16, unsigned(rows + 7) / 8);
-  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                  GL_FRAMEBUFFER_BARRIER_BIT);
+  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
 
   gl::Program& program = accumulate_[options.with_shadow ? 1 : 0];
   if (!program) {

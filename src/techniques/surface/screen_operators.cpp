@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "gl/commands.h"
 #include "gl/context.h"
 
 namespace sfumato::surface {
@@ -43,7 +44,7 @@ void HiddenPoints::run(const gl::Texture& points, const gl::Texture& coarse, int
   find_tiles_.set("gap_level", gap_level)
       .set("window_level", window ? std::log2(float(options.window_radius)) : 0);
   find_tiles_.run({&points, &level_}, {&tiles_});
-  if (gl::limits().software) glFinish();  // see Tiles::on
+  if (gl::limits().software) gl::finish();  // see Tiles::on
 
   ScreenPass& pass = removal_[(window ? 1 : 0) + (options.count_fetches ? 2 : 0) + (options.holes ? 4 : 0)];
   if (!pass) {
