@@ -38,9 +38,6 @@ bool vary(const std::vector<Rgba8>& colors) {
   return 100 * others > seen;
 }
 
-/// One colour for all on which neither light nor shadow shows.
-bool swallows_light(const Rgba8& c) { return luma(c) < 24 || luma(c) > 231; }
-
 bool varies(const ScalarField* field) {
   if (!field || field->values.empty()) return false;
   const float first = field->values[0];
@@ -48,19 +45,6 @@ bool varies(const ScalarField* field) {
                      [&](float v) { return std::isfinite(v) && v != first; });
 }
 
-/// Whether classes tell points apart: 0 and 1 both say that a point has none, and more than one point in a
-/// hundred is not of the commonest.
-bool is_classified(const ScalarField* field) {
-  if (!field) return false;
-  std::map<long, std::size_t> counts;
-  std::size_t most = 0, all = 0;
-  for (std::size_t i = 0; i < field->values.size(); ++i) {
-    if (!std::isfinite(field->values[i])) continue;
-    const long id = std::lround(std::clamp(field->value(i), 1.0, 1e6));
-    most = std::max(most, ++counts[id]), ++all;
-  }
-  return 100 * (all - most) > all;
-}
 
 /// Geary's contiguity ratio (Geary 1954, "The Contiguity Ratio and Statistical Mapping") of points that
 /// follow each other and are near: what neighbours differ by over what any two do, 1 for values without
@@ -100,6 +84,27 @@ double contiguity_ratio(const PointCloud& cloud, const ScalarField& field) {
 /// neighbours.
 bool is_coherent(const PointCloud& cloud, const ScalarField* field) {
   return varies(field) && contiguity_ratio(cloud, *field) < 0.5;
+}
+
+/// Whether classes tell points apart: 0 and 1 both say that a point has none, more than one point in a hundred
+/// is not of the commonest, and points that follow each other on the curve differ in class less than half as
+/// often as any two (a join count, Moran 1948): classes of single returns mottle a crown.
+bool is_classified(const ScalarField* field) {
+  if (!field) return false;
+  std::map<long, std::size_t> counts;
+  std::size_t most = 0, all = 0, pairs = 0, joins = 0;
+  long last = -1;
+  for (std::size_t i = 0; i < field->values.size(); ++i) {
+    if (!std::isfinite(field->values[i])) continue;
+    const long id = std::lround(std::clamp(field->value(i), 1.0, 1e6));
+    most = std::max(most, ++counts[id]), ++all;
+    if (last >= 0) ++pairs, joins += id != last;
+    last = id;
+  }
+  double alike = 0;
+  for (const auto& [id, count] : counts) alike += double(count) * double(count) / (double(all) * double(all));
+  const bool is_mottled = pairs >= 100 && double(joins) >= 0.5 * (1 - alike) * double(pairs);
+  return 100 * (all - most) > all && !is_mottled;
 }
 
 /// Whether colours show the place. Grey ones are one channel three times: they are asked what intensities
@@ -192,7 +197,7 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
     if (is_coherent(cloud, cloud.scalar("intensity"))) return "intensity";
     if (is_classified(cloud.scalar("classification"))) return "classification";
     if (const ScalarField* labels = labels_of(cloud)) return labels->name;
-    return colored && !swallows_light(cloud.colors[cloud.size() / 2]) ? "rgb" : "clay";
+    return "clay";  // one colour for all tells no more, and light shows less on it
   }
   if (color_by == "elevation" || color_by == "normal" || color_by == "clay" || cloud.scalar(color_by))
     return std::string(color_by);

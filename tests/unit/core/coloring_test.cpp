@@ -178,8 +178,8 @@ TEST(Coloring, AutoFallsFromColourToIntensityToClay) {
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb");
 }
 
-// White, or black: neither light nor shadow shows on it, and a statue of it is a hole in the page.
-TEST(Coloring, OneColourOnWhichNothingShowsIsNotDrawn) {
+// Light shows more on clay.
+TEST(Coloring, OneColourForAllIsNotDrawn) {
   PointCloud cloud;
   for (int i = 0; i < 1000; ++i)
     cloud.positions.push_back({float(i % 10), float(i / 10 % 10), float(i / 100)});
@@ -191,7 +191,7 @@ TEST(Coloring, OneColourOnWhichNothingShowsIsNotDrawn) {
     EXPECT_EQ(resolve_color_by(cloud, "rgb"), "rgb") << "asked for by name";
   }
   cloud.colors.assign(1000, {180, 40, 40, 255});
-  EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb") << "red, and lit";
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "clay") << "one red for all shows less";
 }
 
 // Intensities that change from point to point by as much as over the whole cloud are noise.
@@ -214,6 +214,25 @@ TEST(Coloring, SpeckleIsNotDrawn) {
   EXPECT_EQ(fill(1, 3), "intensity") << "a variance of 33 between places, of 9 between neighbours";
   EXPECT_EQ(fill(1, 12), "clay");
   EXPECT_EQ(fill(0, 1), "clay");
+}
+
+// Returns of one crown that are called vegetation and unknown by turns.
+TEST(Coloring, ClassesThatMottleAreNotDrawn) {
+  std::mt19937 random(6);
+  PointCloud cloud;
+  ScalarField classes = field("classification", {});
+  const auto source_of = [&](float speckle) {
+    cloud.positions.clear(), classes.values.clear();
+    std::uniform_real_distribution<float> unit(0, 1);
+    for (int i = 0; i < 4000; ++i) {
+      cloud.positions.push_back({float(i % 20), float(i / 20 % 10), float(i / 200)});
+      classes.values.push_back((unit(random) < speckle ? unit(random) < 0.5f : i < 2000) ? 5 : 2);
+    }
+    cloud.set_scalar(classes);
+    return resolve_color_by(cloud, "auto");
+  };
+  EXPECT_EQ(source_of(0.2f), "classification");
+  EXPECT_EQ(source_of(1), "clay");
 }
 
 TEST(Coloring, GreyThatIsSpeckleIsNoPhotograph) {
@@ -388,14 +407,14 @@ TEST(Coloring, DarkColoursOfAFileAreRaisedAndOthersAreKept) {
   PointCloud cloud = ramp(10);
   const std::vector<Rgba8> light(10, Rgba8{40, 140, 90, 255});
   cloud.colors = light;
-  EXPECT_EQ(color_points(cloud, {}).colors, light);
+  EXPECT_EQ(color_points(cloud, {"rgb"}).colors, light);
   // A twentieth darker than that: 1.05 times as bright would be seen by nobody, and said to everybody.
   cloud.colors.assign(10, Rgba8{40, 132, 90, 255});
-  EXPECT_EQ(color_points(cloud, {}).colors, cloud.colors);
-  EXPECT_TRUE(color_points(cloud, {}).notes.empty());
+  EXPECT_EQ(color_points(cloud, {"rgb"}).colors, cloud.colors);
+  EXPECT_TRUE(color_points(cloud, {"rgb"}).notes.empty());
   cloud.colors.assign(10, Rgba8{26, 80, 52, 255});
   cloud.colors[0] = {255, 255, 255, 255}, cloud.colors[1] = {0, 0, 0, 255};
-  const Coloring raised = color_points(cloud, {});
+  const Coloring raised = color_points(cloud, {"rgb"});
   EXPECT_NEAR(raised.colors[5].g, 134, 3) << "0.24 in linear light, which is what a tenth should exceed";
   EXPECT_EQ(raised.colors[0], cloud.colors[0]) << "white stays white";
   EXPECT_EQ(raised.colors[1], cloud.colors[1]);
