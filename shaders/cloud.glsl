@@ -29,6 +29,7 @@ uint point_source_index(int i) { return texelFetch(cloud_source_index, i).x; }
 vec3 point_color(int i) { return linear_from_srgb(texelFetch(cloud_colors, i).rgb); }
 float point_radius(int i) { return texelFetch(cloud_radii, i).x; }
 float point_field(int i) { return texelFetch(cloud_field, i).x; }
+vec2 point_fields(int i) { return texelFetch(cloud_field, i).xy; }  // of two
 float point_shadow(int i) { return texelFetch(cloud_shadow, i).x; }
 float caster_opacity(int i) { return texelFetch(cloud_casters, i).x; }
 

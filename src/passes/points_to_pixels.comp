@@ -3,6 +3,7 @@
 // bit (`precise`).
 //   CUT           the cloud has half spaces that are left out: asking costs a tenth of a visit
 //   ORIENTED      points with a normal are discs in its plane, at the depths at which rays meet it
+//   DOTS          the cloud's field holds spacing and share of a surface (analysis/dots.h)
 //   CASTERS       only points that stop a share of the light within `caster_range`
 //   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked
 //                 downwards
@@ -27,6 +28,12 @@ uniform float point_size;   // factor, px, scene units
 uniform float largest_spacing;  // scene units; adaptive sizes where points are sparser stay at it
 uniform float single_px;    // what is narrower is the one pixel that it falls into
 uniform float wide_px;      // adaptive sizes above it grow with their fourth root; 0: no
+#ifdef DOTS
+uniform float median_spacing;
+uniform float dot_share;      // of the size that closes a surface, where there is none
+uniform vec2 dot_limits_px;
+const vec2 closing = vec2(2.0, 3.0);  // in wide_px: points that far apart are no surface to whoever looks
+#endif
 uniform float min_gap;      // scene units behind the reference
 
 #ifdef ORIENTED
@@ -122,9 +129,21 @@ void main() {
 
 #ifndef SINGLE_PIXEL
   float diameter = point_size;
-  if (size_mode == 0)
-    diameter *= min(spacing_in(group_row(), batch, position), largest_spacing) * pixels_at(depth);
+#ifdef DOTS
+  vec2 own = point_fields(i);
+  float spacing = own.x * median_spacing;
+#else
+  float spacing = spacing_in(group_row(), batch, position);
+#endif
+  if (size_mode == 0) diameter *= min(spacing, largest_spacing) * pixels_at(depth);
+#ifdef DOTS
+  float as_dot = clamp(dot_share * diameter, dot_limits_px.x, dot_limits_px.y);
+  own.y *= 1.0 - smoothstep(closing.x, closing.y, diameter / wide_px);
+#endif
   if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = wide_px * sqrt(sqrt(diameter / wide_px));
+#ifdef DOTS
+  diameter = mix(as_dot, diameter, own.y);
+#endif
   if (size_mode == 2) diameter *= pixels_at(depth);
   bool is_single = diameter < single_px;
 #ifdef ORIENTED

@@ -13,9 +13,10 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
   const bool oriented = footprint.oriented && cloud.has_normals() && !single;
   const bool cut = !cloud.cut().empty();
+  const bool dots = footprint.dot_share > 0 && footprint.mode == SizeMode::adaptive;
   gl::Program& program =
       programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0) +
-                (casters ? 16 : 0) + (oriented ? 32 : 0) + (cut ? 64 : 0)];
+                (casters ? 16 : 0) + (oriented ? 32 : 0) + (cut ? 64 : 0) + (dots ? 128 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
@@ -24,6 +25,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     if (casters) defines.push_back("CASTERS");
     if (oriented) defines.push_back("ORIENTED");
     if (cut) defines.push_back("CUT");
+    if (dots) defines.push_back("DOTS");
     if (lists) defines.push_back("LIST_LENGTH " + std::to_string(list_length));
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
@@ -33,6 +35,10 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
       .set("max_footprint_px", footprint.most_px);
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   if (lists && !index) program.set("inverse_bin", inverse_bin_);
+  if (dots)
+    program.set("median_spacing", cloud.median_spacing())
+        .set("dot_share", footprint.dot_share)
+        .set("dot_limits_px", vec2(footprint.least_dot_px, footprint.most_dot_px));
   if (oriented) program.set("least_px", 0.71f).set("dense_px", 1.5f);
   if (casters) program.set("caster_range", vec2(casters->from, casters->below));
   view.bind();
@@ -42,6 +48,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   for (GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
     if (oriented) cloud.bind_normals(chunk);
+    if (dots) cloud.bind_field(chunk);
     if (casters) cloud.bind_casters(chunk);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }

@@ -25,6 +25,11 @@ struct Footprint {
   /// Discs wider than this grow with the fourth root of what they would be; 0: no. Points that far apart are
   /// no surface any more to whoever looks, and discs that close it would hide what shape there is. px
   float wide_px = 0;
+  /// Adaptive: the cloud's field holds spacing (in medians) and share of a surface of every point
+  /// (analysis/dots.h). Where
+  /// there is none, points are this share of the size that would close it, within these limits, px; 0: no
+  /// such field.
+  float dot_share = 0, least_dot_px = 1, most_dot_px = 1;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;
   float most_px = 64;   ///< px; see largest_footprint
@@ -96,7 +101,7 @@ class PointsToPixels {
   void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap, const CasterRange* casters,
              bool lists = false);
-  gl::Program programs_[128];
+  gl::Program programs_[256];
   float inverse_bin_ = 0;
   /// Runs a resolve once for each chunk; binds its geometry and colours.
   void for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,

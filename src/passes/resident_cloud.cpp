@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <glm/gtc/packing.hpp>
 
 #include "gl/commands.h"
 #include "gl/context.h"
@@ -147,6 +148,14 @@ const ResidentCloud::Values& ResidentCloud::Colors::buffers(const ResidentCloud&
 std::shared_ptr<const ResidentCloud::Values> ResidentCloud::make_values(const std::string& name,
                                                                         std::span<const float> values) const {
   return std::make_shared<const Values>(upload(chunks(), name, GL_R32F, values));
+}
+
+std::shared_ptr<const ResidentCloud::Values> ResidentCloud::make_values(const std::string& name,
+                                                                        std::span<const vec2> values) const {
+  std::vector<std::uint32_t> halves(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) halves[i] = glm::packHalf2x16(values[i]);
+  return std::make_shared<const Values>(
+      upload(chunks(), name, GL_RG16F, std::span<const std::uint32_t>(halves)));
 }
 
 std::shared_ptr<const ResidentCloud::Shapes> ResidentCloud::make_shapes(std::span<const vec3> normals,

@@ -65,6 +65,8 @@ class ResidentCloud {
 
   /// One float per point, uploaded under that name.
   std::shared_ptr<const Values> make_values(const std::string& name, std::span<const float> values) const;
+  /// Two, as halves.
+  std::shared_ptr<const Values> make_values(const std::string& name, std::span<const vec2> values) const;
   std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals,
                                             std::span<const float> radii) const;
 

@@ -67,4 +67,15 @@ TEST_F(Foliage, CrownsAreNotFatAndTheGroundIsClosed) {
   }
 }
 
+TEST_F(Foliage, DotsShowLeavesAndTheGroundIsClosed) {
+  for (double density : {8.0, 30.0}) {
+    const Forest forest(density);
+    const Image<int> truth = forest.truth(forest_camera());
+    const Cover dots = cover_of("points", forest, truth, 1);
+    EXPECT_LE(dots.crowns, 1.3) << density;
+    EXPECT_GE(dots.crowns, 0.6) << density;
+    EXPECT_GE(dots.ground, density > 20 ? 0.95 : 0.7) << "points 7 px apart are not closed by dots";
+  }
+}
+
 }  // namespace

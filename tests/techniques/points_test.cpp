@@ -29,13 +29,10 @@ double diameter_px(double apart_px) {
 }
 
 TEST(Points, DotsFarApartStayDots) {
-  // R_8 of a square grid is sqrt(2) steps, its spacing sqrt(2) sqrt(pi / 8) = 0.886 steps (docs/analysis.md),
-  // a dot two of those: 1.77 steps wide. Above 8 px it grows with the fourth root. 0.7: half a pixel each
-  // side of a disc of few pixels, and the plane that batches put through their spacings.
-  for (double apart : {20.0, 40.0}) {
-    const double whole = 1.772 * apart, expected = 8 * std::pow(whole / 8, 0.25);
-    EXPECT_NEAR(diameter_px(apart), expected, 0.7) << apart;
-  }
+  // A dot is two spacings wide, and 5 px where those are more than 22 px; 0.7: half a pixel each side.
+  for (double apart : {20.0, 40.0}) EXPECT_NEAR(diameter_px(apart), 5, 0.7) << apart;
+  // What covers 9 x 9 places as a whole: nothing between them is open.
+  EXPECT_NEAR(diameter_px(5), 5 * 2 / std::sqrt(std::acos(-1.0)), 0.7);
 }
 
 // A picture looks the same in every size, also where points are more than 64 px wide.

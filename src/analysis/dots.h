@@ -1,0 +1,16 @@
+// How large a point is where it is drawn as itself, neither a disc of a surface nor a part of anything.
+#pragma once
+
+#include <vector>
+
+#include "core/prepared_cloud.h"
+#include "core/progress.h"
+
+namespace sfumato::analysis {
+
+/// Of every point the spacing around it, in median spacings, and how far what is there is a surface whose
+/// points lie on all sides, from 0 to 1. Measured at 8,192 places, one in the middle of each of equal runs of
+/// the curve, and averaged over 25 of them: neighbours have nearly the same size.
+std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress = no_progress());
+
+}  // namespace sfumato::analysis

@@ -1,0 +1,60 @@
+// How far points are apart, and on surfaces, where they are drawn as themselves.
+#include "analysis/dots.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis/prepare.h"
+#include "clouds.h"
+
+using namespace sfumato;
+using namespace sfumato::analysis;
+using namespace sfumato::test;
+
+namespace {
+
+/// A level square and a ball of random points above it, as many each; the ball's have z > 1.
+PointCloud square_and_ball(std::size_t each) {
+  PointCloud cloud;
+  cloud.positions = uniform_square(each);
+  for (const vec3& p : uniform_cube(4 * each, 5))
+    if (glm::distance(p, vec3(0.5f)) < 0.5f && cloud.positions.size() < 2 * each)
+      cloud.positions.push_back(p + vec3(0, 0, 1.5f));
+  return cloud;
+}
+
+TEST(Dots, SurfacesAreToldFromWhatFillsSpace) {
+  for (const std::size_t each : {4'000u, 40'000u}) {
+    const PreparedCloud prepared = prepare(square_and_ball(each), {}, {});
+    const std::vector<vec2> dots = dots_of(prepared);
+    ASSERT_EQ(dots.size(), prepared.cloud.size());
+    double surface = 0, filled = 0;
+    std::size_t on = 0, in = 0;
+    for (std::size_t i = 0; i < dots.size(); ++i) {
+      const bool is_ball = prepared.cloud.positions[i].z + float(prepared.cloud.origin.z) > 1;
+      (is_ball ? filled : surface) += double(dots[i].y), ++(is_ball ? in : on);
+    }
+    EXPECT_GT(surface / double(on), 0.95) << each;
+    EXPECT_LT(filled / double(in), 0.02) << each;
+  }
+}
+
+// What is near each other has one size, whatever 8 neighbours happen to be.
+TEST(Dots, NeighboursAreAlike) {
+  const PreparedCloud prepared = prepare(square_and_ball(4'000), {}, {});
+  const std::vector<vec2> dots = dots_of(prepared);
+  std::size_t jumps = 0, pairs = 0;
+  for (std::size_t i = 1; i < dots.size(); ++i) {
+    if (glm::distance(prepared.cloud.positions[i], prepared.cloud.positions[i - 1]) > 0.05f) continue;
+    ++pairs, jumps += std::abs(std::log2(dots[i].x / dots[i - 1].x)) > 0.2f;
+  }
+  EXPECT_LT(double(jumps), 0.03 * double(pairs));
+}
+
+// Too few to tell.
+TEST(Dots, FewPointsAreClosed) {
+  PointCloud cloud;
+  cloud.positions = uniform_cube(100);
+  for (const vec2& dot : dots_of(prepare(cloud, {}, {}))) EXPECT_EQ(dot, vec2(1));
+}
+
+}  // namespace
