@@ -470,6 +470,28 @@ TEST_F(RenderTest, PathGoesThroughItsCameras) {
   EXPECT_EQ(Json::parse(text("c_2.json"))["position"], (Json{3.5, 3.0, 0.5}));
 }
 
+// Blurred while the camera moves, sorted on while it stands still (dos Anjos 2017, Alg. 2).
+TEST_F(RenderTest, StrokesOfAPathAreSortedWhileTheCameraStandsStill) {
+  write("path.json", R"({"cameras": [{"position": [0.5, -3, 0.5], "target": [0.5, 0, 0.5]},
+                                     {"position": [0.5, -3, 0.5], "target": [0.5, 0, 0.5]}]})");
+  write("camera.json", R"({"position": [0.5, -3, 0.5], "target": [0.5, 0, 0.5]})");
+  const std::vector<std::string> look{"cube.ply", "-t", "strokes", "--resolution", "96x64", "--json"};
+  auto shoot = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), look.begin(), look.end());
+    run_json(words);
+  };
+  shoot({"--camera", "camera.json", "-o", "sorted.png"});
+  shoot({"--camera", "camera.json", "--blend", "blur", "-o", "blurred.png"});
+  shoot({"--path", "path.json", "--frames", "6", "--refine", "per_frame", "--min-sorted", "0", "--sort-steps",
+         "64", "-o", "f_{n}.png"});
+  const auto same = [](const Image<Rgba8>& a, const Image<Rgba8>& b) {
+    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+  };
+  EXPECT_TRUE(same(read_png("f_0.png"), read_png("blurred.png")));
+  EXPECT_TRUE(same(read_png("f_5.png"), read_png("sorted.png")));
+  EXPECT_FALSE(same(read_png("f_0.png"), read_png("sorted.png")));
+}
+
 TEST_F(RenderTest, PresetReproducesThePicture) {
   write_front_camera();
   ASSERT_EQ(run({"cube.ply",

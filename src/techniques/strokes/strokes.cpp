@@ -29,6 +29,8 @@ namespace {
 
 using namespace strokes;
 
+const char* const unsorted_note = "not sorted to the end: the next picture of this view sorts on";
+
 /// Whether `drawn` are a scan's own colours, as they are or with another exposure: each channel then follows
 /// from itself and the strongest (core/coloring.h).
 bool are_own(const std::vector<Rgba8>& own, const std::vector<Rgba8>& drawn) {
@@ -64,7 +66,10 @@ class Strokes final : public Technique {
   bool render(Frame& frame) override {
     const View view(frame.camera, frame.cloud.prepared().cloud.origin);
     notes_.clear();
-    if (refining_ && same_frame(frame)) return refine(frame, view);
+    if (refining_ && same_frame(frame)) {
+      refine(frame, view);
+      return true;
+    }
     refining_ = false;
     {
       auto timing = frame.timers.scope("set up strokes");
@@ -97,7 +102,8 @@ class Strokes final : public Technique {
     // The frame that builds the lists shows the blurred picture; sorting starts with the next.
     remember(frame);
     show_listed(frame, view);
-    return false;
+    notes_.push_back(unsorted_note);
+    return true;
   }
 
   std::vector<std::string> notes() const override { return notes_; }
@@ -125,13 +131,17 @@ class Strokes final : public Technique {
                        std::to_string(lists_.bands()) + " bands, none left out");
   }
 
-  bool refine(Frame& frame, const View& view) {
+  /// Sorts on where the last picture of the same view stopped (dos Anjos 2017, Alg. 2).
+  void refine(Frame& frame, const View& view) {
     auto timing = frame.timers.scope("sort and mix");
-    const bool done = lists_.sort_some(view, strokes_, look_.relief, parameters_.sort_steps);
+    notes_.push_back(std::to_string(strokes_.count()) + " strokes");
+    const bool is_sorted = lists_.sort_some(view, strokes_, look_.relief, parameters_.sort_steps);
     steps_ += parameters_.sort_steps;
-    if (done || steps_ >= parameters_.min_sorted) finish(frame, view, done);
-    refining_ = !done;
-    return done;
+    if (!is_sorted) notes_.push_back(unsorted_note);
+    if (is_sorted || steps_ >= parameters_.min_sorted)
+      finish(frame, view, is_sorted);
+    else
+      draw_nearest(frame, view, true);  // the lists begin behind what was mixed
   }
 
   /// The picture so far: sums to a surface, lit.

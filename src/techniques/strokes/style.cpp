@@ -127,7 +127,10 @@ void Parameters::describe(ParamList& p) {
   p.add("stroke_order", stroke_order, {"stroke", "fragment"})
       .help("what lies on top: whole strokes in one order, or what is nearer in each pixel (the paper)");
   p.add("refine", refine, {"at_once", "per_frame"})
-      .help("sort everything in one frame, or some steps a frame; the same picture in the end");
+      .help(
+          "sort everything in one picture, or show it blurred and sort some steps on in each picture of the "
+          "same view that follows on a path; the same in the end")
+      .paper("dos Anjos 2017, Sec. 3.3");
   p.add("min_sorted", min_sorted)
       .range(0, 64)
       .help("per_frame: steps before the sorted picture replaces the blurred one");
