@@ -94,6 +94,9 @@ std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
     std::fill(dots.begin() + std::ptrdiff_t(k * each),
               dots.begin() + std::ptrdiff_t(std::min(n, (k + 1) * each)), means[k]);
   });
+  // Which of coincident points comes first is chance.
+  for (std::size_t i = 1; i < n; ++i)
+    if (positions[i] == positions[i - 1]) dots[i] = dots[i - 1];
   return dots;
 }
 

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <random>
+
 #include "analysis/prepare.h"
 #include "clouds.h"
 
@@ -55,6 +59,30 @@ TEST(Dots, FewPointsAreClosed) {
   PointCloud cloud;
   cloud.positions = uniform_cube(100);
   for (const vec2& dot : dots_of(prepare(cloud, {}, {}))) EXPECT_EQ(dot, vec2(1));
+}
+
+/// Whatever the order of the points, of which some lie in one place: as many as a run has, and more.
+TEST(Dots, AreThoseOfPlacesNotOfTheOrder) {
+  PointCloud cloud = square_and_ball(10'000);
+  for (std::size_t i = 0; i < 300; ++i) cloud.positions[i] = cloud.positions[i % 40 + 1'000];
+  const auto by_place = [](const PointCloud& of) {
+    const PreparedCloud prepared = prepare(of, {}, {});
+    const std::vector<vec2> dots = dots_of(prepared);
+    std::vector<std::array<double, 5>> rows;
+    for (std::size_t i = 0; i < dots.size(); ++i) {
+      const dvec3 p = prepared.cloud.world(i);
+      rows.push_back({p.x, p.y, p.z, dots[i].x, dots[i].y});
+    }
+    std::sort(rows.begin(), rows.end());
+    return rows;
+  };
+  PointCloud shuffled = cloud;
+  std::shuffle(shuffled.positions.begin(), shuffled.positions.end(), std::mt19937(3));
+  const auto rows = by_place(cloud);
+  EXPECT_TRUE(rows == by_place(shuffled));
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (std::equal(rows[i].begin(), rows[i].begin() + 3, rows[i - 1].begin()))
+      EXPECT_EQ(rows[i], rows[i - 1]) << "which of them is drawn is chance";
 }
 
 }  // namespace
