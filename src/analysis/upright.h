@@ -34,11 +34,15 @@ enum class UpEvidence {
   stands,    ///< the columns along it end below on one plane, and all else is above that
   room,      ///< level floor and ceiling across it
   mirrored,  ///< alike above and below, as things are left and right
+  level,     ///< surfaces lie across it
+  plumb,     ///< surfaces lie across or along it
+  faces_up,  ///< by the normals of the file what lies across it faces there
+  reaches,   ///< one column, a stem or a wall, holds points at all its heights
   count
 };
 
-/// One axis and what speaks for it, each 0 (nothing) to 1; `normals` and `stands`
-/// from -1.
+/// One axis and what speaks for it, each 0 (nothing) to 1; `normals`, `stands` and
+/// `faces_up` from -1.
 struct UpCandidate {
   UpAxis up;
   std::array<double, std::size_t(UpEvidence::count)> evidence{};

@@ -449,6 +449,26 @@ TEST(Upright, AShaftIsNoRoom) {
     EXPECT_EQ(each.evidence[std::size_t(UpEvidence::room)], 0) << to_string(each.up);
 }
 
+// Shelves are level whichever way they are turned: their back is in line with no axis.
+TEST(Upright, LevelSurfacesTellWithoutAFloor) {
+  std::mt19937 random(47);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (const bool with_normals : {false, true}) {
+    PointCloud shelves;  // y up: six boards, seen from above where there are normals, and their back
+    for (int i = 0; i < 40'000; ++i) {
+      const int board = i % 7;
+      const float aside = 2 * unit(random) - 1, depth = 0.8f * unit(random);
+      shelves.positions.push_back(board == 6 ? vec3(aside, 2 * unit(random), 0)
+                                             : vec3(aside, 0.15f + 0.3f * float(board), depth));
+      if (with_normals) shelves.normals.push_back(board == 6 ? vec3(0, 0, 1) : vec3(0, 1, 0));
+    }
+    turn(shelves, glm::dmat3(glm::rotate(dmat4(1), 0.6, dvec3(0, 1, 0))));
+    shelves.up = UpAxis::pos_z;
+    const Upright guess = guess_upright(shelves);
+    EXPECT_EQ(guess.up, UpAxis::pos_y) << guess.reason;
+  }
+}
+
 // LOAM has y up, whatever the format's convention; a facade of that shape is lower.
 TEST(Upright, NoWallIsAsHighAsAMapIsWide) {
   PointCloud map;  // streets and blocks
