@@ -45,7 +45,6 @@ bool varies(const ScalarField* field) {
                      [&](float v) { return std::isfinite(v) && v != first; });
 }
 
-
 /// Geary's contiguity ratio (Geary 1954, "The Contiguity Ratio and Statistical Mapping") of points that
 /// follow each other and are near: what neighbours differ by over what any two do, 1 for values without
 /// regard to place, 0 where they do not change between neighbours. Prepared clouds follow a Morton curve; 0
@@ -86,9 +85,9 @@ bool is_coherent(const PointCloud& cloud, const ScalarField* field) {
   return varies(field) && contiguity_ratio(cloud, *field) < 0.5;
 }
 
-/// Whether classes tell points apart: 0 and 1 both say that a point has none, more than one point in a hundred
-/// is not of the commonest, and points that follow each other on the curve differ in class less than half as
-/// often as any two (a join count, Moran 1948): classes of single returns mottle a crown.
+/// Whether classes tell points apart: 0 and 1 both say that a point has none, more than one point in a
+/// hundred is not of the commonest, and points that follow each other on the curve differ in class less than
+/// half as often as any two (a join count, Moran 1948): classes of single returns mottle a crown.
 bool is_classified(const ScalarField* field) {
   if (!field) return false;
   std::map<long, std::size_t> counts;

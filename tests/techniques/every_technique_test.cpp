@@ -190,7 +190,8 @@ TEST_P(EveryTechnique, OrderOfPointsDoesNotMatter) {
   auto technique = make();
   ParamList params;
   technique->describe(params);
-  // Adaptive sizes are measured in runs of the order that `prepare` gives (tests/unit/analysis/dots_test.cpp).
+  // Adaptive sizes are measured in runs of the order that `prepare` gives
+  // (tests/unit/analysis/dots_test.cpp).
   if (Param* mode = params.find("size_mode")) mode->set("world");
   PointCloud cloud = sphere_cloud(20000);
   for (std::size_t i = 0; i < 500; ++i)
