@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <optional>
 
 #include "analysis/attributes.h"
 #include "analysis/quantiles.h"
@@ -121,15 +119,12 @@ float surface_share(const NeighborTree& tree) {
 }
 
 float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) {
-  static std::mutex once;  // several threads may draw one cloud
-  const std::lock_guard lock(once);
-  if (prepared.surface_share) return *prepared.surface_share;
-  const Attributes all = Attribute::normal | Attribute::radius;
-  const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
-  if (all.without(of_file).empty()) return prepared.surface_share.emplace(1.0f);
-  std::optional<NeighborTree> own;
-  if (!tree) tree = &own.emplace(prepared.cloud.positions);
-  return prepared.surface_share.emplace(surface_share(*tree));
+  return prepared.surface_share.get([&] {
+    const Attributes all = Attribute::normal | Attribute::radius;
+    const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
+    if (all.without(of_file).empty()) return 1.0f;
+    return tree ? surface_share(*tree) : surface_share(NeighborTree(prepared.cloud.positions));
+  });
 }
 
 float plane_residual(std::span<const vec3> positions) {

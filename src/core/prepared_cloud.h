@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
+#include "core/made_once.h"
 #include "core/point_cloud.h"
 
 namespace sfumato {
@@ -87,8 +87,9 @@ struct PreparedCloud {
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
   std::vector<float>
       shrunk;  ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
-  int neighbors = 24;                          ///< that computed attributes were measured from
-  mutable std::optional<float> surface_share;  ///< kept by the first who asks (analysis::surface_share_of)
+  int neighbors = 24;  ///< that computed attributes were measured from
+  /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
+  MadeOnce<float> surface_share;
   ViewPlaces views;  ///< empty unless normals or radii may still come from RGB-D views
 };
 

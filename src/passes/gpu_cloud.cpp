@@ -12,9 +12,7 @@ GpuCloud::GpuCloud(std::shared_ptr<const ResidentCloud> cloud, std::shared_ptr<c
     : resident_(std::move(cloud)), colors_(std::move(colors)) {
   set_cut({});
   for (const ResidentCloud::Chunk& of : resident_->chunks()) {
-    Chunk& chunk = chunks_.emplace_back();
-    chunk.first = of.first, chunk.count = of.count;
-    chunk.first_batch = of.first_batch, chunk.batch_count = of.batch_count;
+    Chunk& chunk = chunks_.emplace_back(Chunk{of});
     chunk.batches = gl::TextureBuffer("batches", GL_RGBA32UI, chunk.batch_count * 32);
   }
 }

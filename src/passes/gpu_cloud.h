@@ -9,9 +9,7 @@ namespace sfumato {
 
 class GpuCloud {
  public:
-  struct Chunk {
-    std::uint32_t first = 0, count = 0;  ///< points [first, first + count) of the prepared cloud
-    std::uint32_t first_batch = 0, batch_count = 0;
+  struct Chunk : ResidentCloud::Range {
     std::uint32_t visible_batches = 0;   ///< set by cull()
     std::uint32_t groups_per_batch = 0;  ///< work groups of 128 that cover the largest visible batch
     gl::TextureBuffer shadow, batches;

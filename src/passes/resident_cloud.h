@@ -18,9 +18,11 @@ namespace sfumato {
 
 class ResidentCloud {
  public:
-  struct Chunk {
+  struct Range {
     std::uint32_t first = 0, count = 0;  ///< points [first, first + count) of the prepared cloud
     std::uint32_t first_batch = 0, batch_count = 0;
+  };
+  struct Chunk : Range {
     gl::TextureBuffer positions, source_index;
   };
   /// A value for each point, of each chunk.

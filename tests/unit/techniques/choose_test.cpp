@@ -152,11 +152,14 @@ TEST(Choose, PointsOnFacesAreOnSurfacesAndNobodyMeasures) {
 TEST(Choose, IsMeasuredOnce) {
   prepare_by_shape(scan("courtyard", synth::Sampling::scanners, 20'000),
                    [&](const PreparedCloud& prepared, const NeighborTree& tree) {
-                     EXPECT_FALSE(prepared.surface_share.has_value());
+                     EXPECT_FALSE(prepared.surface_share.is_made());
                      const float share = choose_technique(prepared, &tree).surface_share;
-                     EXPECT_EQ(prepared.surface_share.value(), share);
-                     prepared.surface_share = 0.8125f;  // the next one reads what is kept
-                     EXPECT_EQ(choose_technique(prepared, nullptr).surface_share, 0.8125f);
+                     EXPECT_TRUE(prepared.surface_share.is_made());
+                     PreparedCloud other = prepared;  // a copy reads what is kept
+                     EXPECT_EQ(other.surface_share.get([] { return 0.0f; }), share);
+                     other.surface_share = {};
+                     other.surface_share.get([] { return 0.8125f; });
+                     EXPECT_EQ(choose_technique(other, nullptr).surface_share, 0.8125f);
                      return Attributes();
                    },
                    {});
