@@ -15,8 +15,8 @@ struct Connected {
 
 /// Of all that single linkage joins at some distance (in voxels of 2^k, that touch), what has most by the
 /// logarithms of its share of the points and, times `gain`, of how much of a picture of it they close: what
-/// is farther and sparse would make the rest small, and is left out unless it is connected. `usual` is the
-/// box of most.
+/// is farther and sparse would make the rest small, and is left out unless it is connected, or a tenth of all
+/// or more and without gaps that a picture shows. `usual` is the box of most.
 Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain,
                     Progress& progress = no_progress());
 

@@ -154,6 +154,20 @@ TEST(FirstView, StraysFarOffMoveNothingAndThinTopsStay) {
   EXPECT_NEAR(pose_of(two).subject.box.max.y, 1.6, 1e-6);
 }
 
+// A crown closes its picture far better than with the long trunk below, which is in one piece with it.
+TEST(FirstView, TheTrunkBelowACrownIsNotCut) {
+  std::mt19937 random(12);
+  std::normal_distribution<float> normal;
+  PointCloud tree;
+  for (int i = 0; i < 12'000; ++i) {
+    const vec3 way(normal(random), normal(random), normal(random));
+    tree.positions.push_back(vec3(0, 0, 60) + 1.5f * std::cbrt(float(i) / 12'000) * glm::normalize(way));
+  }
+  for (int i = 0; i < 8000; ++i)
+    tree.positions.push_back({0.02f * normal(random), 0.02f * normal(random), 58.2f / 8000 * float(i)});
+  EXPECT_LT(pose_of(tree).subject.box.min.z, 1);
+}
+
 /// The share of a picture of 16 to 9 in 32 x 18 cells that hold a point.
 double filled(const Pose& pose) {
   const Camera camera = first_view(pose, 1280, 720);
