@@ -23,11 +23,11 @@ std::filesystem::path place_of(const std::string& name) {
          (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + "_" + name);
 }
 
-/// A sheet of points 1 high and 2 deep, as a binary PLY, and a last point far above it.
-std::string write_sheet(const std::string& name, std::size_t points) {
+/// Points 12 wide, 2 deep and `height` high, as a binary PLY.
+std::string write_sheet(const std::string& name, std::size_t points, float height = 1) {
   std::vector<float> numbers;
   for (std::size_t i = 0; i < points; ++i)
-    for (const float value : {float(i) * 1e-5f, float(i % 1000) * 1e-3f, float(i % 777) / 777 * 2})
+    for (const float value : {float(i) * 1e-5f, float(i % 1000) * 1e-3f * height, float(i % 777) / 777 * 2})
       numbers.push_back(value);
   std::ofstream out(place_of(name), std::ios::binary);
   out << "ply\nformat binary_little_endian 1.0\nelement vertex " << points
@@ -41,6 +41,7 @@ LoadJob job_of(const std::string& file, bool sample_first) {
   job.id = 7;
   job.files = {{file, {}}};
   job.sample_first = sample_first;
+  job.request.hide_classes.clear();  // nothing is left out
   return job;
 }
 
@@ -58,7 +59,8 @@ std::vector<Loaded> all_of(LoadJob job) {
 }
 
 TEST(Loader, GivesASampleOfALargeFileAndThenTheWhole) {
-  const std::vector<Loaded> all = all_of(job_of(write_sheet("a.ply", many), true));
+  // Flat, so that there is no doubt which way is up.
+  const std::vector<Loaded> all = all_of(job_of(write_sheet("a.ply", many, 0.05f), true));
   ASSERT_EQ(all.size(), 2u);
   const Loaded &sample = all[0], &whole = all[1];
   EXPECT_TRUE(sample.is_sample);
@@ -106,12 +108,12 @@ TEST(Loader, SaysBehindTheSampleWhatIsWrongWithTheRest) {
 
 TEST(Loader, AppliesTheSelectionToTheSample) {
   LoadJob job = job_of(write_sheet("a.ply", many), true);
-  job.options.selection.crop = Bounds{dvec3(0, 0, 0), dvec3(6, 1, 2)};
+  job.request.points.selection.crop = Bounds{dvec3(0, 0, 0), dvec3(6, 1, 2)};
   const std::vector<Loaded> all = all_of(job);
   ASSERT_EQ(all.size(), 2u);
   for (const Loaded& each : all) EXPECT_LE(each.near->world(each.near->size() - 1).x, 6.0);
   // A box that leaves nothing of the sample leaves no sample.
-  job.options.selection.crop = Bounds{dvec3(100, 100, 100), dvec3(101, 101, 101)};
+  job.request.points.selection.crop = Bounds{dvec3(100, 100, 100), dvec3(101, 101, 101)};
   const std::vector<Loaded> none = all_of(job);
   ASSERT_EQ(none.size(), 1u);
   EXPECT_TRUE(none[0].failure);
@@ -156,7 +158,7 @@ std::string build_scan(const std::string& name, const PointCloud& cloud) {
 
 LoadJob job_of_levels(const std::string& file) {
   LoadJob job = job_of(file, false);
-  job.memory = 100'000 * scene::memory_of_point;  // fewer than there are
+  job.request.memory = 100'000 * scene::memory_of_point;  // fewer than there are
   return job;
 }
 
@@ -166,8 +168,8 @@ TEST(Loader, KnowsOfFilesWithLevelsAlsoWhatIsLeftOut) {
   const Bounds all = bounds(cloud);
   Loader loader([] {});
   LoadJob job = job_of_levels(file);
-  job.options.selection.hide_classes = {6};
-  job.options.selection.crop = Bounds{all.min, all.min + 0.5 * all.size()};
+  job.request.points.selection.hide_classes = {6};
+  job.request.points.selection.crop = Bounds{all.min, all.min + 0.5 * all.size()};
   const Loaded loaded = whole_of(loader, job);
   ASSERT_FALSE(loaded.failure) << loaded.failure->message;
   EXPECT_TRUE(loaded.follows_view);
@@ -207,7 +209,7 @@ TEST(Loader, LooksAtTheWholeWhereTheCoarseLevelsHoldNothingOfTheSelection) {
   for (ScalarField& field : cloud.scalars)
     if (field.name == "classification") field.values.at(rare) = 17;
   LoadJob job = job_of_levels(build_scan("b.copc.laz", cloud));
-  job.options.selection.show_classes = {17};
+  job.request.points.selection.show_classes = {17};
   const Loaded first = whole_of(loader, job);
   ASSERT_FALSE(first.failure) << first.failure->message;
   EXPECT_GT(first.whole.cloud.size(), 1000u);
