@@ -8,7 +8,7 @@
 namespace sfumato::analysis {
 namespace {
 
-struct Cell {
+struct PlaneCell {
   int count = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -25,12 +25,12 @@ Facets::Facets(std::span<const dvec3> points, std::span<const vec3> normals, con
   const double longest = std::max({size.x, size.y, size.z});
   if (!(longest > 0)) return;
   const int side = std::clamp(int(std::sqrt(double(points.size()) / points_each)), fewest_cells, most_cells);
-  std::unordered_map<int, Cell> cells;
+  std::unordered_map<int, PlaneCell> cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (glm::any(glm::lessThan(points[i], low)) || glm::any(glm::greaterThan(points[i], high))) continue;
     const dvec3 at = (points[i] - low) / longest * double(side);
     const glm::ivec3 place = glm::min(glm::ivec3(at), side - 1);
-    Cell& cell = cells[(place.z * side + place.y) * side + place.x];
+    PlaneCell& cell = cells[(place.z * side + place.y) * side + place.x];
     const dvec3 inside = at - dvec3(place);
     const Eigen::Vector3d p(inside.x, inside.y, inside.z);
     ++cell.count, cell.sum += p, cell.squares += p * p.transpose();

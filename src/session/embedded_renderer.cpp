@@ -128,7 +128,10 @@ EmbeddedRenderer::~EmbeddedRenderer() {
 void EmbeddedRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring) {
   {
     const std::lock_guard lock(state_->mutex);
+    // What a host coloured keeps its colours, also where all points have one.
+    const bool is_colored = coloring.color_by == "auto" && !cloud.colors.empty();
     state_->cloud = {std::move(cloud), coloring};
+    if (is_colored) state_->cloud->coloring.color_by = "rgb";
     state_->failure = nullptr;
     state_->call_off_picture.is_up = state_->call_off_cloud.is_up = true;
     // The last request holds for the new points.
