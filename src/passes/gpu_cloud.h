@@ -92,6 +92,10 @@ class GpuCloud {
   std::shared_ptr<const Values> make_values(const std::string& name, std::span<const vec2> values) const {
     return resident_->make_values(name, values);
   }
+  template <class Make>
+  std::shared_ptr<const Values> dots(const Make& make) const {
+    return resident_->dots(make);
+  }
   /// What shaders read as `point_field(i)`; of `make_values`.
   void set_field(std::shared_ptr<const Values> field) { field_ = std::move(field); }
   const std::shared_ptr<const Values>& field() const { return field_; }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
-#include "gl/commands.h"
 #include "gl/context.h"
 
 namespace sfumato {

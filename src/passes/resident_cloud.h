@@ -11,8 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "core/made_once.h"
 #include "core/prepared_cloud.h"
 #include "gl/buffer.h"
+#include "gl/commands.h"
 
 namespace sfumato {
 
@@ -71,6 +73,16 @@ class ResidentCloud {
   std::shared_ptr<const Values> make_values(const std::string& name, std::span<const vec2> values) const;
   std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals,
                                             std::span<const float> radii) const;
+  /// Sizes of dots, which follow from places alone (analysis/dots.h): `make` gives the values, once for all
+  /// views.
+  template <class Make>
+  std::shared_ptr<const Values> dots(const Make& make) const {
+    return geometry_->dots.get([&] {
+      auto values = make_values("dots", std::span<const vec2>(make()));
+      gl::finish();  // for other contexts
+      return values;
+    });
+  }
 
   /// For what changes with a view as well: the next number.
   static std::uint64_t next_serial();
@@ -81,6 +93,7 @@ class ResidentCloud {
     std::vector<Chunk> chunks;
     std::mutex mutex;
     gl::TextureBuffer places;
+    MadeOnce<std::shared_ptr<const Values>> dots;
   };
   Values upload_normals(std::span<const vec3> normals) const;
 

@@ -9,7 +9,6 @@
 #include <cmath>
 
 #include "analysis/dots.h"
-#include "core/derived.h"
 #include "passes/points_to_pixels.h"
 #include "passes/shade.h"
 #include "techniques/technique.h"
@@ -50,10 +49,7 @@ class Points final : public Technique {
     footprint_.wide_px = std::max(4.0f, float(frame.camera.whole_height()) / 90);
     footprint_.most_px = largest_footprint(frame.camera.whole_height());
     if (footprint_.mode == SizeMode::adaptive) {
-      frame.cloud.set_field(dots_.at(frame.cloud.serial(), [&] {
-        return frame.cloud.make_values("dots",
-                                       std::span<const vec2>(analysis::dots_of(frame.cloud.prepared())));
-      }));
+      frame.cloud.set_field(frame.cloud.dots([&] { return analysis::dots_of(frame.cloud.prepared()); }));
       const float scale = 0.5f * footprint_.size * std::max(0.5f, float(frame.camera.whole_height()) / 720);
       footprint_.dot_share = dot_share;
       footprint_.least_dot_px = scale * least_dot_px, footprint_.most_dot_px = scale * most_dot_px;
@@ -93,7 +89,6 @@ class Points final : public Technique {
   static bool evenly_lit(const Phong& phong) { return phong.ambient.value() + phong.diffuse.value() == 1; }
 
   Footprint footprint_{SizeMode::adaptive, 2, 2};
-  Derived<std::uint64_t, std::shared_ptr<const GpuCloud::Values>> dots_;
   PointsToPixels to_pixels_;
   PixelLayer layer_;
   Shade shade_;
