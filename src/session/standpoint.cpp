@@ -218,6 +218,7 @@ Around relief_around(const Subject& subject, UpAxis up, double elevation_deg) {
   constexpr int turns = 12;
   const Compass compass(up);
   Around around;
+  if (!(subject.box.diagonal() > 0)) return around;  // all in one place
   for (double azimuth_deg = 0; azimuth_deg < 360; azimuth_deg += 360 / turns) {
     const double seen = relief_of(subject, up, {azimuth_deg, elevation_deg});
     around.mean += seen / turns;
