@@ -122,8 +122,8 @@ def test_other_threads_run_while_one_renders():
     stop.set()
     thread.join()
     inside = [t for t in ticks if start < t < end]
-    # With the interpreter's lock held, none would run; on a busy machine many come late.
-    assert len(inside) > 0.1 * (end - start) / 0.005
+    # With the interpreter's lock held, none would run but one at each end; how many do is the machine's.
+    assert len(inside) > 2
 
 
 def test_progress_is_told(sphere):
