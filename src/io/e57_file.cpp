@@ -6,19 +6,13 @@
 #include <cstring>
 
 #include "io/format.h"
+#include "io/number_at.h"
 
 namespace sfumato::io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "E57 is read as the memory has it");
 constexpr std::uint64_t header_size = 48, checksum_size = 4, largest_xml = 64 << 20;
-
-template <class T>
-T get(const std::byte* at) {
-  T value;
-  std::memcpy(&value, at, sizeof value);
-  return value;
-}
 
 /// Tables for eight bytes at a time (Intel, "slicing by 8"), of the Castagnoli polynomial, bits reversed.
 const std::array<std::array<std::uint32_t, 256>, 8>& tables() {
@@ -42,7 +36,8 @@ std::uint32_t crc32c(const std::byte* bytes, std::size_t size) {
   const auto& t = tables();
   std::uint32_t crc = ~0u;
   for (; size >= 8; bytes += 8, size -= 8) {
-    const std::uint32_t low = get<std::uint32_t>(bytes) ^ crc, high = get<std::uint32_t>(bytes + 4);
+    const std::uint32_t low = number_at<std::uint32_t>(bytes) ^ crc,
+                        high = number_at<std::uint32_t>(bytes + 4);
     crc = t[7][low & 255] ^ t[6][low >> 8 & 255] ^ t[5][low >> 16 & 255] ^ t[4][low >> 24] ^
           t[3][high & 255] ^ t[2][high >> 8 & 255] ^ t[1][high >> 16 & 255] ^ t[0][high >> 24];
   }
@@ -56,11 +51,11 @@ E57File::E57File(const std::filesystem::path& path) : file_(path) {
     fail(file_.size(), "the file ends here, expected a header of 48 bytes; fetch it again");
   file_.read(0, head);
   if (std::memcmp(head, "ASTM-E57", 8) != 0) fail(0, "found no ASTM-E57, expected an E57 file");
-  if (const auto major = get<std::uint32_t>(head + 8); major != 1)
+  if (const auto major = number_at<std::uint32_t>(head + 8); major != 1)
     fail(8, "found E57 version " + std::to_string(major) + ", expected 1; convert the file");
-  const auto length = get<std::uint64_t>(head + 16), xml_at = get<std::uint64_t>(head + 24),
-             xml_size = get<std::uint64_t>(head + 32);
-  page_size_ = get<std::uint64_t>(head + 40);
+  const auto length = number_at<std::uint64_t>(head + 16), xml_at = number_at<std::uint64_t>(head + 24),
+             xml_size = number_at<std::uint64_t>(head + 32);
+  page_size_ = number_at<std::uint64_t>(head + 40);
   if (page_size_ < 64 || page_size_ > (1 << 20) || page_size_ % 4 != 0)
     fail(40, "found pages of " + std::to_string(page_size_) + " bytes, expected 1024; the file is damaged");
   if (length > file_.size())
@@ -99,7 +94,7 @@ std::vector<std::byte> E57File::read(std::uint64_t physical, std::uint64_t logic
     file_.read(page * page_size_, pages);
     for (std::uint64_t i = 0; i < count && done < logical_size; ++i, ++page) {
       const std::byte* bytes = pages.data() + i * page_size_;
-      const std::uint32_t stored = __builtin_bswap32(get<std::uint32_t>(bytes + payload));
+      const std::uint32_t stored = __builtin_bswap32(number_at<std::uint32_t>(bytes + payload));
       if (crc32c(bytes, payload) != stored)
         fail(page * page_size_,
              "found a wrong checksum of the page here; the file is damaged, fetch it again");

@@ -8,6 +8,7 @@
 #include "io/bounded_json.h"
 #include "io/file.h"
 #include "io/format.h"
+#include "io/number_at.h"
 #include "io/tiles.h"
 
 namespace sfumato::io {
@@ -17,13 +18,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t node_size = 22;
 constexpr std::uint8_t proxy = 2;
-
-template <class T>
-T number_at(const std::byte* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
 
 struct PotreeAttribute {
   std::size_t offset = 0, size = 0;

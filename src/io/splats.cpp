@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <numbers>
 
 #include "core/counted.h"
 #include "io/flat_records.h"
 #include "io/format.h"
+#include "io/number_at.h"
 #include "io/table.h"
 
 namespace sfumato::io {
@@ -194,13 +194,6 @@ struct SplatSection {
   std::uint64_t end() const { return first_splat() + record * stored; }
 };
 
-template <class T>
-T number_in(const std::vector<std::byte>& bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
 std::vector<SplatSection> sections_of(const File& file, std::size_t& level) {
   constexpr std::uint64_t head_bytes = 4096, section_bytes = 1024, most_sections = 4096;
   const auto refuse = [&](std::uint64_t byte, const std::string& what) {
@@ -210,9 +203,10 @@ std::vector<SplatSection> sections_of(const File& file, std::size_t& level) {
   if (file.size() < head_bytes) refuse(file.size(), "the file ends inside its header of 4096 bytes");
   std::vector<std::byte> head(head_bytes);
   file.read(0, head);
-  const auto most = number_in<std::uint32_t>(head, 4), used = number_in<std::uint32_t>(head, 8);
-  level = number_in<std::uint16_t>(head, 20);
-  if (number_in<std::uint8_t>(head, 0) != 0 || level > 2 || used > most || most > most_sections ||
+  const auto most = number_at<std::uint32_t>(head.data() + 4),
+             used = number_at<std::uint32_t>(head.data() + 8);
+  level = number_at<std::uint16_t>(head.data() + 20);
+  if (number_at<std::uint8_t>(head.data()) != 0 || level > 2 || used > most || most > most_sections ||
       head_bytes + most * section_bytes > file.size())
     refuse(0, "found no header of version 0, compression 0 to 2 and sections inside the file");
   std::vector<SplatSection> sections;
@@ -221,17 +215,19 @@ std::vector<SplatSection> sections_of(const File& file, std::size_t& level) {
     std::vector<std::byte> bytes(section_bytes);
     const std::uint64_t at = head_bytes + i * section_bytes;
     file.read(at, bytes);
-    const auto whole = [&](std::size_t k) { return std::uint64_t(number_in<std::uint32_t>(bytes, 4 * k)); };
-    SplatSection section{whole(0), whole(1), whole(2), whole(3), number_in<std::uint16_t>(bytes, 20),
+    const auto whole = [&](std::size_t k) {
+      return std::uint64_t(number_at<std::uint32_t>(bytes.data() + 4 * k));
+    };
+    SplatSection section{whole(0), whole(1), whole(2), whole(3), number_at<std::uint16_t>(bytes.data() + 20),
                          whole(8), whole(9)};
     // Place, scale, rotation, colour, and the coefficients of three channels.
     constexpr std::uint64_t of_level[] = {44, 24, 24}, of_coefficient[] = {4, 2, 1},
                             coefficients[] = {0, 9, 24, 45};
-    const std::uint64_t degree = std::min<std::uint64_t>(number_in<std::uint16_t>(bytes, 40), 3);
+    const std::uint64_t degree = std::min<std::uint64_t>(number_at<std::uint16_t>(bytes.data() + 40), 3);
     section.record = of_level[level] + of_coefficient[level] * coefficients[degree];
     section.begin = begin;
     const double range = whole(6) ? double(whole(6)) : 32767;
-    section.step = 0.5 * double(number_in<float>(bytes, 16)) / range, section.least = range;
+    section.step = 0.5 * double(number_at<float>(bytes.data() + 16)) / range, section.least = range;
     if (section.splats > section.stored || section.partial > section.buckets ||
         section.full > section.buckets ||
         (level > 0 && section.splats > 0 && (section.bucket_bytes < 12 || section.bucket_size == 0)) ||
@@ -267,7 +263,7 @@ ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions&, Pr
       const std::uint64_t last = i - section.full;
       ends.push_back((ends.empty() ? 0 : ends.back()) +
                      (i < section.full         ? section.bucket_size
-                      : last < section.partial ? number_in<std::uint32_t>(head, std::size_t(4 * last))
+                      : last < section.partial ? number_at<std::uint32_t>(head.data() + std::size_t(4 * last))
                                                : 0));
     }
     if (level > 0 && section.splats > 0 && (ends.empty() || ends.back() < section.splats))
@@ -286,13 +282,13 @@ ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions&, Pr
         const std::size_t center = std::size_t(4 * section.partial + bucket * section.bucket_bytes);
         for (std::size_t axis = 0; axis < 3; ++axis)
           table.column(axis)[row] =
-              level == 0
-                  ? number_in<float>(records, from + 4 * axis)
-                  : (number_in<std::uint16_t>(records, from + 2 * axis) - section.least) * section.step +
-                        number_in<float>(head, center + 4 * axis);
+              level == 0 ? number_at<float>(records.data() + from + 4 * axis)
+                         : (number_at<std::uint16_t>(records.data() + from + 2 * axis) - section.least) *
+                                   section.step +
+                               number_at<float>(head.data() + center + 4 * axis);
         for (std::size_t k = 0; k < 4; ++k)
           table.column(3 + k)[row] =
-              double(number_in<std::uint8_t>(records, from + color_at + k)) / (k < 3 ? 1 : 255);
+              double(number_at<std::uint8_t>(records.data() + from + color_at + k)) / (k < 3 ? 1 : 255);
       }
     }
   }

@@ -26,9 +26,8 @@ struct Footprint {
   /// no surface any more to whoever looks, and discs that close it would hide what shape there is. px
   float wide_px = 0;
   /// Adaptive: the cloud's field holds spacing (in medians) and share of a surface of every point
-  /// (analysis/dots.h). Where
-  /// there is none, points are this share of the size that would close it, within these limits, px; 0: no
-  /// such field.
+  /// (analysis/dots.h). Where there is none, points are this share of the size that would close it, within
+  /// these limits, px; 0: no such field.
   float dot_share = 0, least_dot_px = 1, most_dot_px = 1;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;

@@ -39,16 +39,17 @@ bool is_geocentric(const std::string& crs) {
          ((has("GEODCRS") || has("GEODETICCRS")) && has("Cartesian"));
 }
 
-/// EPSG numbers geographic systems 4000 to 4999, but for the geocentric ones of the same datums.
+/// EPSG numbers geographic systems 4000 to 4999, and the geocentric ones of the same datums.
 bool is_geographic(const std::string& crs) {
+  if (is_geocentric(crs)) return false;
   const auto has = [&](const char* word) { return crs.find(word) != std::string::npos; };
   if (has("GEOGCS") || has("GEOGCRS") || has("GEODCRS") || has("GEODETICCRS"))
-    return !has("PROJCS") && !has("PROJCRS") && !has("PROJECTEDCRS") && !has("GEOCCS") && !has("Cartesian");
+    return !has("PROJCS") && !has("PROJCRS") && !has("PROJECTEDCRS") && !has("Cartesian");
   constexpr std::string_view prefix = "EPSG:";
   if (!crs.starts_with(prefix)) return false;
   int code = 0;
   std::from_chars(crs.data() + prefix.size(), crs.data() + crs.size(), code);
-  return code >= 4000 && code < 5000 && code != 4978 && code != 4936;
+  return code >= 4000 && code < 5000;
 }
 
 }  // namespace
