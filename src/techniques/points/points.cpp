@@ -17,7 +17,7 @@ namespace sfumato {
 namespace {
 
 /// Of two spacings, which close a random sample of a surface but for exp(-pi) = 4 %. Discs of 1.4 close a
-/// square grid and no more; the curve: docs/techniques/points.md.
+/// square grid and no more; the curve: docs/measurements/dots.md.
 constexpr float dot_share = 0.7f;
 /// At 720 lines: from what viewers of points draw them as, to what still tells leaves apart.
 constexpr float least_dot_px = 2, most_dot_px = 5;
