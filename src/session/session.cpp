@@ -155,11 +155,14 @@ const PreparedCloud& largest_of(const std::vector<const PreparedCloud*>& clouds)
 }
 
 /// What `auto` takes where the file has no colours and light is another matter than it seemed: height where
-/// the points make too little of a surface, as leaves, for light to show; clay where they have radii of their
-/// own, as of a mesh that is no survey, and light shows each fold.
+/// the points make too little of a surface, as leaves, for light to show, and intensity is that of the part
+/// of a pulse that each leaf stopped; clay where they have radii of their own, as of a mesh that is no
+/// survey, and light shows each fold.
 std::string without_colors(const std::string& source, const PreparedCloud& cloud) {
   const bool is_survey = cloud.cloud.las || !cloud.cloud.crs.empty();
-  if (source == "clay" && analysis::surface_share_of(cloud) < analysis::enough_surface) return "elevation";
+  if ((source == "clay" || source == "intensity") &&
+      analysis::surface_share_of(cloud) < analysis::enough_surface)
+    return "elevation";
   if (source == "elevation" && !is_survey && !cloud.cloud.radii.empty() &&
       !cloud.computed.has(Attribute::radius))
     return "clay";

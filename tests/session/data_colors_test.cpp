@@ -137,4 +137,31 @@ TEST_F(DataColorsTest, HighlightsAreForThingsAndNotForData) {
   EXPECT_EQ(look.settings.phong.specular.value(), 0.4f);
 }
 
+/// A crown, of leaves in all of it or of bark around it, that is lighter to one side.
+PointCloud crown(bool is_full) {
+  PointCloud cloud;
+  std::mt19937 random(11);
+  std::normal_distribution<float> along(0, 1);
+  std::uniform_real_distribution<float> unit(0, 1);
+  ScalarField intensity{"intensity", 0, {}, StoredType::float32};
+  for (int i = 0; i < 20'000; ++i) {
+    const vec3 way = glm::normalize(vec3(along(random), along(random), along(random)));
+    cloud.positions.push_back((is_full ? std::cbrt(unit(random)) : 1.0f) * way);
+    intensity.values.push_back(100 + 50 * cloud.positions.back().x);
+  }
+  cloud.scalars.push_back(std::move(intensity));
+  return cloud;
+}
+
+TEST_F(DataColorsTest, LeavesAreSeenByTheirHeightAndSurfacesByWhatTheyReflect) {
+  for (const bool is_full : {true, false}) {
+    Session session(context());
+    scene::Scene scene;
+    scene.cloud = crown(is_full);
+    const Look look("points");
+    session.set_scene(std::move(scene), {}, {}, [&](const auto&) { return look.technique->needs(); });
+    EXPECT_EQ(session.coloring().source, is_full ? "elevation" : "intensity");
+  }
+}
+
 }  // namespace
