@@ -26,12 +26,12 @@ const std::vector<Table>& tables() {
       {"viridis",
        {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21908c, 0x1f9f88,
         0x27ad81, 0x3ebc74, 0x5cc863, 0x82d34d, 0xaadc32, 0xd5e21a, 0xfde725}},
-      // viridis without its dark third, its lightness (CIE L*) 60 to 90: where the headlight meets level
+      // viridis without its dark third, its lightness (CIE L*) 60 to 84: where the headlight meets level
       // ground from the usual 32 degrees, 60 is drawn as 50, the middle, and shades show on all of it, as on
-      // the tints of maps (Imhof 1965).
+      // the tints of maps (Imhof 1965); beyond 84 the contrast with a white page would fall below 1.5.
       {"land",
-       {0x6994c1, 0x60a0be, 0x57acb8, 0x51b6b2, 0x4cc1a9, 0x4dcb9d, 0x5ad58b, 0x71dc75, 0x91e25b, 0xb4e63d,
-        0xdae723, 0xfde725}},
+       {0x6994c1, 0x5e9ebc, 0x54a9b5, 0x4bb1ad, 0x44baa2, 0x43c295, 0x4eca81, 0x64d06a, 0x83d44e, 0xa4d62b,
+        0xc8d500, 0xe8d400}},
       {"plasma",
        {0x0d0887, 0x310597, 0x4c02a1, 0x6600a7, 0x7e03a8, 0x9511a1, 0xa92395, 0xbc3587, 0xcc4678, 0xd9596a,
         0xe56b5d, 0xf07f4f, 0xf89441, 0xfdab33, 0xfdc328, 0xf9dd25, 0xf0f921}},

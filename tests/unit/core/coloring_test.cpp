@@ -256,7 +256,7 @@ TEST(Coloring, GreyThatIsSpeckleIsNoPhotograph) {
   EXPECT_EQ(source_of(0, 1, 5), "rgb") << "speckle in colour is a photograph of leaves or gravel";
 }
 
-TEST(Coloring, TheRampOfHeightsStartsLight) {
+TEST(Coloring, TheRampOfHeightsShowsShadesAndContrastsWithThePage) {
   const Colormap land = Colormap::named("land");
   for (int i = 0; i <= 100; ++i) {
     const Rgba8 c = land.at(i / 100.0);
@@ -264,6 +264,7 @@ TEST(Coloring, TheRampOfHeightsStartsLight) {
                              0.0722 * double(linear_from_srgb(c.b));
     // Ambient light of 0.3 and 0.7 from 32 degrees leave the middle of lightness.
     EXPECT_GT(luminance * (0.3 + 0.7 * std::sin(glm::radians(32.0))), 0.184) << i;  // viridis: 0.009 at 0
+    EXPECT_GT(1.05 / (luminance + 0.05), 1.5) << i;  // with white (WCAG 2.2); viridis: 1.27 at 1
   }
 }
 
