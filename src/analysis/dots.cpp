@@ -1,11 +1,14 @@
 #include "analysis/dots.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
@@ -15,8 +18,7 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t most_places = 8'192;
-constexpr int around_dot = 24;
+constexpr int around_dot = int(around_dot_place) - 1;
 /// The disc through the 8th neighbour holds 8 points' worth of area (analysis/spacing.h).
 constexpr std::size_t eighth = 7;
 /// Cosine of 30 degrees: discs that are tilted by more against each other do not meet.
@@ -31,6 +33,26 @@ struct Places {
   std::vector<vec3> normals;
   std::vector<float> surface, log2_spacing;
 };
+
+/// `neighbors`: from near to far.
+void measure_place(std::span<const vec3> positions, std::uint32_t at,
+                   std::span<const std::uint32_t> neighbors, float median_spacing, Places& places,
+                   std::size_t k) {
+  const auto frame = local_frame(positions, at, neighbors);
+  if (!frame) return;
+  const auto distance2 = [&](std::size_t nth) {
+    const vec3 d = positions[neighbors[nth]] - positions[at];
+    return d.x * d.x + d.y * d.y + d.z * d.z;
+  };
+  const std::size_t last = std::min(eighth, neighbors.size() - 1);
+  if (const float farthest2 = distance2(last); farthest2 > 0)
+    places.log2_spacing[k] =
+        0.5f * std::log2(farthest2 * std::numbers::pi_v<float> / float(last + 1)) - std::log2(median_spacing);
+  const VoronoiCell cell = cell_of(positions, at, neighbors, *frame, frame->normal);
+  places.normals[k] = frame->normal;
+  places.surface[k] = surrounded(cell) * flatness_of(positions, at, neighbors, *frame,
+                                                     std::sqrt(distance2(neighbors.size() - 1)));
+}
 
 Places measure_places(const std::vector<vec3>& positions, std::size_t each, float median_spacing,
                       Progress& progress) {
@@ -51,30 +73,13 @@ Places measure_places(const std::vector<vec3>& positions, std::size_t each, floa
     std::sort(keys.begin(), keys.begin() + std::ptrdiff_t(found));
     std::array<std::uint32_t, around_dot> ids;
     std::transform(keys.begin(), keys.begin() + std::ptrdiff_t(found), ids.begin(), id_of);
-    const std::span<const std::uint32_t> neighbors(ids.data(), found);
-    const auto frame = local_frame(positions, std::uint32_t(at), neighbors);
-    if (!frame) return;
-    const std::size_t last = std::min(eighth, found - 1);
-    if (const float farthest2 = distance2_of(keys[last]); farthest2 > 0)
-      places.log2_spacing[k] = 0.5f * std::log2(farthest2 * std::numbers::pi_v<float> / float(last + 1)) -
-                               std::log2(median_spacing);
-    const VoronoiCell cell = cell_of(positions, std::uint32_t(at), neighbors, *frame, frame->normal);
-    places.normals[k] = frame->normal;
-    places.surface[k] = surrounded(cell) * flatness_of(positions, std::uint32_t(at), neighbors, *frame,
-                                                       std::sqrt(distance2_of(keys[found - 1])));
+    measure_place(positions, std::uint32_t(at), std::span<const std::uint32_t>(ids.data(), found),
+                  median_spacing, places, k);
   });
   return places;
 }
 
-}  // namespace
-
-std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
-  const std::vector<vec3>& positions = prepared.cloud.positions;
-  const std::size_t n = positions.size();
-  std::vector<vec2> dots(n, vec2(1));
-  if (!tells_clutter(n, around_dot)) return dots;
-  const std::size_t each = (n + most_places - 1) / most_places;
-  const Places places = measure_places(positions, each, prepared.median_spacing, progress);
+std::vector<vec2> means_of(const Places& places, Progress& progress) {
   const std::size_t count = places.positions.size();
   std::vector<vec2> means(count);
   const NeighborTree tree(places.positions);
@@ -90,6 +95,53 @@ std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
         means[k] = vec2(std::exp2(sum.x), glm::smoothstep(crown_share, ground_share, sum.y));
       },
       "dots", progress);
+  return means;
+}
+
+std::vector<vec2> dots_of_part(const PointCloud& part, const WholeCloud& whole) {
+  std::vector<vec2> dots(part.size(), vec2(1));
+  if (whole.places.empty()) return dots;
+  const NeighborTree tree(whole.places);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size()), [&](const auto& range) {
+    KNearest nearest(1);
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      nearest.start(std::numeric_limits<std::uint32_t>::max());
+      tree.search(part.positions[i], nearest);
+      dots[i] = whole.dots[id_of(nearest.heap().front())];
+    }
+  });
+  return dots;
+}
+
+}  // namespace
+
+std::vector<vec2> dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
+                          float median_spacing, Progress& progress) {
+  const std::size_t count = around.places.size();
+  if (!tells_clutter(points, around_dot)) return std::vector<vec2>(count, vec2(1));
+  Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
+                std::vector<float>(count, 0.0f)};
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
+    places.positions[k] = vec3(around.places[k] - origin);
+    std::vector<vec3> near;
+    for (const dvec3& at : around.nearest[k]) near.emplace_back(at - around.places[k]);
+    std::vector<std::uint32_t> others(near.size() - 1);
+    std::iota(others.begin(), others.end(), 1u);
+    if (!others.empty()) measure_place(near, 0, others, median_spacing, places, k);
+  });
+  return means_of(places, progress);
+}
+
+std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
+  const std::vector<vec3>& positions = prepared.cloud.positions;
+  const std::size_t n = positions.size();
+  if (prepared.whole) return dots_of_part(prepared.cloud, *prepared.whole);
+  std::vector<vec2> dots(n, vec2(1));
+  if (!tells_clutter(n, around_dot)) return dots;
+  const std::size_t each = (n + most_dot_places - 1) / most_dot_places;
+  const Places places = measure_places(positions, each, prepared.median_spacing, progress);
+  const std::size_t count = places.positions.size();
+  const std::vector<vec2> means = means_of(places, progress);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
     std::fill(dots.begin() + std::ptrdiff_t(k * each),
               dots.begin() + std::ptrdiff_t(std::min(n, (k + 1) * each)), means[k]);

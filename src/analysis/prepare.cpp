@@ -13,6 +13,7 @@
 #include "analysis/spacing.h"
 #include "analysis/surface_noise.h"
 #include "analysis/survey.h"
+#include "core/error.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -79,9 +80,12 @@ PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& 
 }
 
 PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,
-                               Progress& progress) {
+                               Progress& progress, std::shared_ptr<const WholeCloud> whole) {
+  if (whole && !cloud.empty() && cloud.origin != whole->origin)
+    throw Error(ErrorCode::usage, "the parts of a cloud have one origin: move them to that of the whole");
   PreparedCloud prepared;
   prepared.cloud = std::move(cloud);
+  prepared.whole = std::move(whole);
   if (prepared.cloud.normals.empty() || prepared.cloud.radii.empty()) recover_grid(prepared.cloud);
   keep_viewpoints(prepared.cloud);
   std::vector<std::uint32_t> order = morton_order(prepared.cloud, progress);
@@ -93,9 +97,14 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
   const NeighborTree tree(prepared.cloud.positions);
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
   progress.check();
-  prepared.noise = surface_noise(tree);
+  if (prepared.whole) {
+    prepared.median_spacing = prepared.whole->median_spacing, prepared.noise = prepared.whole->noise;
+    if (!prepared.whole->has_normals) prepared.cloud.normals = {};
+  } else {
+    prepared.noise = surface_noise(tree);
+    if (are_rough(prepared.cloud.normals, tree, options.neighbors)) prepared.cloud.normals = {};
+  }
   progress.check();
-  if (are_rough(prepared.cloud.normals, tree, options.neighbors)) prepared.cloud.normals = {};
   complete(prepared, choose(prepared, tree), options, &tree, progress);
   return prepared;
 }

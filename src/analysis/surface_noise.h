@@ -1,6 +1,7 @@
 // How far points lie off the surfaces that they were measured on.
 #pragma once
 
+#include "analysis/cloud_facts.h"
 #include "analysis/neighbors.h"
 
 namespace sfumato::analysis {
@@ -11,5 +12,9 @@ namespace sfumato::analysis {
 /// widest plane (through 1536, 384 or 96 points) that is hardly thicker than the next one, and 0 where none
 /// is.
 float surface_noise(const NeighborTree& tree);
+
+inline constexpr std::size_t noise_places = 128, around_noise_place = 1536;
+/// The same of places of which all parts of a cloud know what is around them.
+float noise_of(const Neighborhoods& around);
 
 }  // namespace sfumato::analysis

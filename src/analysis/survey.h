@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 
 #include "analysis/neighbors.h"
@@ -25,8 +26,10 @@ float plane_residual(std::span<const vec3> positions);
 /// What a cloud that is sorted and measured needs besides, when only its shape tells; the tree is over its
 /// positions.
 using ChooseNeeds = std::function<Attributes(const PreparedCloud&, const NeighborTree&)>;
-/// As `prepare`, with needs that follow from the sorted cloud.
+/// As `prepare`, with needs that follow from the sorted cloud. Of a part of a cloud what decides is that of
+/// `whole`. Throws Error(usage) where the part has another origin.
 PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,
-                               Progress& progress = no_progress());
+                               Progress& progress = no_progress(),
+                               std::shared_ptr<const WholeCloud> whole = nullptr);
 
 }  // namespace sfumato::analysis

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/made_once.h"
@@ -73,6 +74,19 @@ struct ViewPlaces {
 /// smaller than this by themselves (analysis/attributes.cpp).
 constexpr float largest_disc = 4;
 
+/// What decides how points are drawn and follows from all points of a cloud of which only a part is here: the
+/// same for every part (analysis/whole.h).
+struct WholeCloud {
+  dvec3 origin{0};  ///< of every part
+  std::uint64_t points = 0;
+  Bounds box, usual_box;  ///< world; usual: robust_bounds
+  float median_spacing = 1, noise = 0;
+  bool has_normals = false;  ///< which its files brought, and which are used
+  std::vector<vec3> places;  ///< relative to the origin
+  std::vector<vec2> dots;    ///< at the places (analysis/dots.h)
+  PointCloud sample;
+};
+
 struct PreparedCloud {
   PointCloud cloud;  ///< Morton order, stable; `source_index` always filled
   std::vector<Batch> batches;
@@ -90,7 +104,8 @@ struct PreparedCloud {
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
   MadeOnce<float> surface_share;
-  ViewPlaces views;  ///< empty unless normals or radii may still come from RGB-D views
+  std::shared_ptr<const WholeCloud> whole;  ///< of which this is a part; null: this is all of it
+  ViewPlaces views;                         ///< empty unless normals or radii may still come from RGB-D views
 };
 
 }  // namespace sfumato

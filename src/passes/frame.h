@@ -9,6 +9,7 @@
 #include "gl/timer.h"
 #include "passes/gpu_cloud.h"
 #include "passes/light.h"
+#include "passes/visible_points.h"
 
 namespace sfumato {
 
@@ -42,6 +43,11 @@ struct Frame {
   /// (Technique::transparency): they blend over it and show nothing that lies behind it. Null: there is
   /// nothing.
   const Target* behind = nullptr;
+  /// Of a cloud of which this is a part (Technique::merges): not null, the technique stops when it knows what
+  /// each pixel shows, and hands it out here.
+  VisiblePoints* visible = nullptr;
+  /// Or it goes on from what the pixels of all parts show; null: from its own.
+  const VisiblePoints* merged = nullptr;
 };
 
 }  // namespace sfumato

@@ -59,7 +59,7 @@ const ResidentCloud::Values& made_once(std::mutex& mutex, ResidentCloud::Values&
 ResidentCloud::ResidentCloud(std::shared_ptr<const PreparedCloud> prepared, std::uint32_t max_chunk_points)
     : prepared_(std::move(prepared)), geometry_(std::make_shared<Geometry>()) {
   const PointCloud& cloud = prepared_->cloud;
-  geometry_->bounds = sfumato::bounds(cloud);
+  geometry_->bounds = prepared_->whole ? prepared_->whole->box : sfumato::bounds(cloud);
   if (max_chunk_points == 0) {
     // 3 GiB of positions is what llvmpipe was seen to accept in one buffer.
     const std::uint64_t bytes_limit = (std::uint64_t(3) << 30) / sizeof(vec3);

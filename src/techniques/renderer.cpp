@@ -27,6 +27,8 @@ struct Shot {
   Relief::Options relief;
   bool with_smooth_outlines;
   bool wants_normal = false;
+  VisiblePoints* visible = nullptr;       ///< Frame::visible
+  const VisiblePoints* merged = nullptr;  ///< Frame::merged
   bool may_finish = false;   ///< nobody reads the target: the technique may write the finished picture itself
   bool is_finished = false;  ///< it did
 };
@@ -60,8 +62,10 @@ bool is_shaded(const RenderSettings& settings) {
 
 /// What depth is resolved for: everything within a hundred diagonals of most points, so that one stray point
 /// a billion times farther out costs nobody else.
-Bounds depth_bounds(const PointCloud& cloud) {
-  const Bounds all = bounds(cloud), most = robust_bounds(cloud);
+Bounds depth_bounds(const PreparedCloud& prepared) {
+  const WholeCloud* whole = prepared.whole.get();
+  const Bounds all = whole ? whole->box : bounds(prepared.cloud),
+               most = whole ? whole->usual_box : robust_bounds(prepared.cloud);
   const double reach = 100 * most.diagonal();
   if (reach == 0) return all;  // most points in one place have no size to measure by
   return {glm::max(all.min, most.min - reach), glm::min(all.max, most.max + reach)};
@@ -103,6 +107,13 @@ void paste(const RenderOutput& part, int from_x, int from_y, int width, int heig
   paste(part.color_linear, from_x, from_y, width, height, picture.color_linear, x, y);
   paste(part.depth, from_x, from_y, width, height, picture.depth, x, y);
   paste(part.normal, from_x, from_y, width, height, picture.normal, x, y);
+}
+
+void require_merging(bool merges) {
+  if (!merges)
+    throw Error(ErrorCode::usage,
+                "this picture of a part cannot be merged with those of others (shadows, samples, tiles, or a "
+                "technique that cannot): draw the whole cloud, or another technique");
 }
 
 /// Side of what all of them can draw in one go, px.
@@ -164,6 +175,10 @@ struct Renderer::State {
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
   Camera prepare(std::span<const Item> items, const Camera& asked);
   Ground ground_below_all() const;
+  void make_target(const Camera& camera) {
+    if (!target.color || target.color.width() != camera.width || target.color.height() != camera.height)
+      target = Target(camera.width, camera.height);
+  }
   /// One picture through pixel centres (of a camera that may be jittered) into `target`.
   void draw(Shot& shot, const Camera& camera);
   /// One item into `into`; `behind`: what it lets through.
@@ -281,6 +296,7 @@ void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& came
   const Camera whole = camera.whole_picture();
   frame.views = together.empty() ? std::span(&whole, 1) : std::span<const Camera>(together);
   if (shot.may_finish) frame.finished = &rgba8;
+  frame.visible = shot.visible, frame.merged = shot.merged;
   while (!item.technique->render(frame)) shot.progress.check();
   shot.is_finished = frame.is_finished;
 }
@@ -321,6 +337,7 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   const bool is_followed = shot.relief.any() || shot.with_smooth_outlines || has_ground;
   shot.may_finish = shot.may_finish && !is_followed && shot.items.size() == 1;
   draw_item(shot, shot.items.front(), camera, light, target, nullptr);
+  if (shot.visible) return;
   for (const Item& item : std::span(shot.items).subspan(1)) {
     if (cloud_of(item).gpu->size() == 0) continue;
     gl::ensure(item_target.color, "item color", GL_RGBA32F, camera.width, camera.height);
@@ -381,7 +398,7 @@ void Renderer::set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_ch
   state_->room.reset();
   for (ColoredCloud& each : clouds) {
     auto& cloud = state_->clouds.emplace_back(std::make_unique<State::Cloud>());
-    cloud->depth_bounds = depth_bounds(each.cloud.cloud);
+    cloud->depth_bounds = depth_bounds(each.cloud);
     cloud->shared = std::make_shared<SharedCloud>(std::move(each.cloud), max_chunk_points);
     cloud->gpu = std::make_unique<GpuCloud>(cloud->shared->newest(),
                                             std::make_shared<const GpuCloud::Colors>(std::move(each.colors)));
@@ -546,9 +563,41 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
   return out;
 }
 
+bool Renderer::merges(const Technique& technique, const Camera& camera,
+                      const RenderSettings& settings) const {
+  const Item item{0, const_cast<Technique*>(&technique), &settings};
+  return technique.merges() && state_->clouds.size() == 1 && settings.samples <= 1 &&
+         settings.shadows == Shadows::off && !is_tiled({&item, 1}, camera);
+}
+
+VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const RenderSettings& settings,
+                                Progress& progress) {
+  require_merging(merges(technique, asked, settings));
+  State& s = *state_;
+  const gl::Context::Use use(s.context);
+  const gl::Pace pace(progress);
+  const Item item{0, &technique, &settings};
+  const Camera camera = s.prepare({&item, 1}, asked);
+  s.make_target(camera);
+  gl::Timers timers(false);
+  Shot shot{{item}, settings, timers, progress, {}, false};
+  VisiblePoints visible;
+  shot.visible = &visible;
+  s.draw(shot, camera);
+  return visible;
+}
+
+RenderOutput Renderer::render_merged(const VisiblePoints& merged, Technique& technique, const Camera& camera,
+                                     const RenderSettings& settings, const RenderWants& wants,
+                                     Progress& progress) {
+  require_merging(merges(technique, camera, settings));
+  const Item item{0, &technique, &settings};
+  return render_at_once({&item, 1}, camera, settings, wants, progress, &merged);
+}
+
 RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera& asked,
                                       const RenderSettings& settings, const RenderWants& wants,
-                                      Progress& progress) {
+                                      Progress& progress, const VisiblePoints* merged) {
   State& s = *state_;
   const gl::Context::Use use(s.context);
   const gl::Pace pace(progress);
@@ -558,8 +607,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
                   "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
                   "to denoise; use that technique, or another shading");
   const Camera camera = s.prepare(items, asked);
-  if (!s.target.color || s.target.color.width() != camera.width || s.target.color.height() != camera.height)
-    s.target = Target(camera.width, camera.height);
+  s.make_target(camera);
 
   RenderOutput out;
   gl::Timers timers(wants.timings);
@@ -575,6 +623,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
             progress,
             relief_options(items, settings),
             settings.smooth_outlines.value() && is_shaded(settings)};
+  shot.merged = merged;
   std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();
   });

@@ -92,6 +92,16 @@ class Renderer {
   /// Renders until the technique says the image is final. The camera's near and far planes are fitted here.
   RenderOutput render(Technique& technique, const Camera& camera, const RenderSettings& settings,
                       const RenderWants& wants = {}, Progress& progress = no_progress());
+  /// The same of a cloud of which only a part is here (PreparedCloud::whole): what its points show of the
+  /// picture. Merged with that of the other parts, it is drawn by `render_merged`, for which any part will
+  /// do, be it without points. Both throw Error(usage) where `merges` is false.
+  VisiblePoints visible(Technique& technique, const Camera& camera, const RenderSettings& settings,
+                        Progress& progress = no_progress());
+  RenderOutput render_merged(const VisiblePoints& merged, Technique& technique, const Camera& camera,
+                             const RenderSettings& settings, const RenderWants& wants = {},
+                             Progress& progress = no_progress());
+  /// Not with shadows, which fall from one part on another, nor of several samples or in tiles.
+  bool merges(const Technique& technique, const Camera& camera, const RenderSettings& settings) const;
   /// Several clouds in one picture: opaque items meet by depth, see-through ones are blended over them.
   /// Light, shadows, ground, eye-dome lighting, outlines, samples and background are those of `settings`;
   /// shadows fall from every item on every other. An item without points draws nothing.
@@ -120,7 +130,8 @@ class Renderer {
 
  private:
   RenderOutput render_at_once(std::span<const Item> items, const Camera& camera,
-                              const RenderSettings& settings, const RenderWants& wants, Progress& progress);
+                              const RenderSettings& settings, const RenderWants& wants, Progress& progress,
+                              const VisiblePoints* merged = nullptr);
   struct State;
   std::unique_ptr<State> state_;
 };

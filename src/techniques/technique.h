@@ -46,6 +46,8 @@ class Technique {
   /// How much of the light each point stops (techniques/casters.h), asked before shadows are found. Null: all
   /// of it, unless a technique draws points less than opaque, or not at all.
   virtual std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud&, Progress&) { return nullptr; }
+  /// Whether parts of a cloud can be drawn by themselves and put together pixel by pixel (Frame::visible).
+  virtual bool merges() const { return false; }
   /// Draws into `frame.target`: linear premultiplied colour (coverage in alpha, no background), eye depth and
   /// world normal. Returns true when the image is final; false asks to be called again with the same frame.
   virtual bool render(Frame& frame) = 0;

@@ -35,6 +35,7 @@ class Points final : public Technique {
             "more");
   }
 
+  bool merges() const override { return true; }
   bool closes_depth() const override { return false; }
   float edl_strength(bool) const override { return RenderSettings::usual_edl; }
 
@@ -54,17 +55,27 @@ class Points final : public Technique {
       footprint_.dot_share = dot_share;
       footprint_.least_dot_px = scale * least_dot_px, footprint_.most_dot_px = scale * most_dot_px;
     }
-    to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
+    if (!frame.merged) to_pixels_.draw(frame.cloud, view, footprint_, layer_, frame.timers);
+    if (frame.visible) {
+      to_pixels_.resolve(frame.cloud, view, layer_, frame.timers, frame.cloud.has_normals());
+      *frame.visible = {layer_.depth_bits.download<std::uint32_t>(),
+                        layer_.index.download<std::uint32_t>(),
+                        layer_.albedo.download<vec4>(),
+                        {}};
+      if (frame.cloud.has_normals()) frame.visible->normals = layer_.normal.download<vec4>();
+      return true;
+    }
 
     // Resolve straight into the target; only what has to be shaded takes the way through another texture.
     // Points without normals and shadows are lit evenly: their colour is their albedo.
     const Shading shading = frame.settings.shading;
-    const bool has_light = (frame.cloud.has_normals() && (frame.settings.phong.diffuse.value() > 0 ||
-                                                          frame.settings.phong.specular.value() > 0)) ||
+    const bool has_normals = frame.merged ? !frame.merged->normals.empty() : frame.cloud.has_normals();
+    const bool has_light = (has_normals && (frame.settings.phong.diffuse.value() > 0 ||
+                                            frame.settings.phong.specular.value() > 0)) ||
                            frame.cloud.has_shadow();
     const bool shade =
         shading == Shading::lit ? has_light || !evenly_lit(frame.settings.phong) : shading != Shading::albedo;
-    if (!shade && frame.finished && !frame.cloud.chunks().empty()) {
+    if (!shade && frame.finished && !frame.merged && !frame.cloud.chunks().empty()) {
       to_pixels_.resolve_finished(frame.cloud, view, layer_, frame.settings.background,
                                   frame.settings.transparent, *frame.finished, frame.timers);
       return frame.is_finished = true;
@@ -72,7 +83,10 @@ class Points final : public Technique {
     std::swap(layer_.depth, frame.target.depth);
     std::swap(layer_.normal, frame.target.normal);
     if (!shade) std::swap(layer_.albedo, frame.target.color);
-    to_pixels_.resolve(frame.cloud, view, layer_, frame.timers, shade || frame.wants_normal);
+    if (frame.merged)
+      take_up(*frame.merged);
+    else
+      to_pixels_.resolve(frame.cloud, view, layer_, frame.timers, shade || frame.wants_normal);
     std::swap(layer_.depth, frame.target.depth);
     std::swap(layer_.normal, frame.target.normal);
     if (!shade) {
@@ -86,6 +100,17 @@ class Points final : public Technique {
   }
 
  private:
+  /// What `resolve` would leave.
+  void take_up(const VisiblePoints& merged) {
+    const int width = merged.colors.width(), height = merged.colors.height();
+    gl::ensure(layer_.albedo, "albedo", GL_RGBA32F, width, height);
+    layer_.albedo.upload(merged.colors);
+    layer_.depth.upload(merged.depth());
+    if (merged.normals.empty())
+      layer_.normal.clear(vec4(0, 0, 0, 1));
+    else
+      layer_.normal.upload(merged.normals);
+  }
   static bool evenly_lit(const Phong& phong) { return phong.ambient.value() + phong.diffuse.value() == 1; }
 
   Footprint footprint_{SizeMode::adaptive, 2, 2};

@@ -1,0 +1,29 @@
+// What a part of a cloud has to know of the whole to be drawn as in a picture of all of it: facts that merge
+// (cloud_facts.h), in two rounds, because places are chosen before anybody looks around them.
+//
+//   CloudFacts facts = facts_of(part);                          merge those of all parts
+//   Surroundings around = surroundings_of(part, facts);         merge those of all parts
+//   prepare_by_shape(part, ..., whole_of(facts, around, origin))
+#pragma once
+
+#include <memory>
+
+#include "analysis/cloud_facts.h"
+#include "core/prepared_cloud.h"
+
+namespace sfumato::analysis {
+
+struct Surroundings {
+  Neighborhoods dots, noise;  ///< of places of the sample, for what is named so
+  bool operator==(const Surroundings&) const = default;
+};
+
+/// Of a part, in any order, at the places of the whole.
+Surroundings surroundings_of(const PointCloud& part, const CloudFacts& whole);
+void merge(Surroundings& into, const Surroundings& of);
+
+/// `origin`: that of all parts.
+std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surroundings& around,
+                                           const dvec3& origin);
+
+}  // namespace sfumato::analysis

@@ -1,0 +1,25 @@
+// What a view shows of the points of one part of a cloud, before anything looks at more than one pixel: of
+// several parts, drawn by different processes, it merges to that of the whole.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "core/image.h"
+
+namespace sfumato {
+
+struct VisiblePoints {
+  static constexpr std::uint32_t nothing = std::numeric_limits<std::uint32_t>::max();
+  /// Of the nearest point of each pixel: eye depth as the bits of a float, number among all points of the
+  /// cloud, linear colour, and world normal with shadow factor, of which there may be none (all 0 0 0 1).
+  Image<std::uint32_t> depth_bits, number;
+  Image<vec4> colors, normals;
+  Image<float> depth() const;  ///< +inf where nothing
+};
+
+/// Of each pixel the nearer point; at one depth that of the lower number. Associative and commutative, bit
+/// for bit. Of one size.
+void merge(VisiblePoints& into, const VisiblePoints& of);
+
+}  // namespace sfumato
