@@ -3,7 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "analysis/attributes.h"
 #include "analysis/quantiles.h"
@@ -29,27 +31,28 @@ constexpr float parallel = 0.866f;
 class Nearest {
  public:
   static constexpr bool merges_coincident = true;
-  explicit Nearest(std::span<const vec3> positions) : positions_(positions) {}
-  float limit() const {
-    return count_ < neighbors ? std::numeric_limits<float>::infinity() : distance2_[neighbors - 1];
+  explicit Nearest(std::span<const vec3> positions) : positions_(positions) {
+    distance2_.fill(std::numeric_limits<float>::infinity());
   }
+  float limit() const { return distance2_[neighbors - 1]; }
   void add(std::uint32_t id, float distance2) {
-    for (int i = count_; i-- > 0 && distance2_[i] >= distance2;)
-      if (distance2_[i] == distance2 && positions_[id_[i]] == positions_[id]) return;
-    if (count_ < neighbors) ++count_;
-    int at = count_ - 1;
-    for (; at > 0 && distance2_[at - 1] > distance2; --at)
-      distance2_[at] = distance2_[at - 1], id_[at] = id_[at - 1];
+    int at = 0;
+    for (const float other : distance2_) at += other <= distance2;
+    for (int i = at; i-- > 0 && distance2_[i] == distance2;)
+      if (positions_[id_[i]] == positions_[id]) return;
+    count_ = std::min(count_ + 1, neighbors);
+    std::copy_backward(distance2_.begin() + at, distance2_.end() - 1, distance2_.end());
+    std::copy_backward(id_.begin() + at, id_.end() - 1, id_.end());
     distance2_[at] = distance2, id_[at] = id;
   }
-  std::span<const std::uint32_t> ids() const { return {id_, std::size_t(count_)}; }
+  std::span<const std::uint32_t> ids() const { return {id_.data(), std::size_t(count_)}; }
   float reach2() const { return count_ > 0 ? distance2_[count_ - 1] : 0; }
 
  private:
   std::span<const vec3> positions_;
   int count_ = 0;
-  float distance2_[neighbors];
-  std::uint32_t id_[neighbors];
+  std::array<float, neighbors> distance2_;  ///< infinite where there is none yet
+  std::array<std::uint32_t, neighbors> id_;
 };
 
 struct Seen {

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
-#include "core/order.h"
+#include "analysis/wide.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -23,15 +24,19 @@ constexpr float turn = 2 * std::numbers::pi_v<float>;
 
 constexpr std::size_t sides = 12;
 
-/// The corners of a regular polygon around the unit circle.
+using Eight = float __attribute__((vector_size(32)));
+using EightInts = std::int32_t __attribute__((vector_size(32)));
+
+/// The corners of a regular polygon around the unit circle, then the first ones again: the ends of two eights
+/// of edges.
 struct Ring {
-  std::array<float, sides> x, y;
+  std::array<float, 17> x, y;
 };
 const Ring& ring() {
   static const Ring corners = [] {
     Ring ring;
-    for (std::size_t k = 0; k < sides; ++k) {
-      const float angle = 2 * std::numbers::pi_v<float> * float(k) / sides;
+    for (std::size_t k = 0; k < ring.x.size(); ++k) {
+      const float angle = 2 * std::numbers::pi_v<float> * float(k % sides) / sides;
       const float reach = 1 / std::cos(std::numbers::pi_v<float> / sides);
       ring.x[k] = reach * std::cos(angle), ring.y[k] = reach * std::sin(angle);
     }
@@ -124,23 +129,43 @@ class Polygon {
   bool is_closed_ = false;
 };
 
-/// The value that `n` others do not exceed, as std::nth_element finds it; fast for a small n.
-float nth_smallest(std::span<const float> values, std::size_t n) {
-  constexpr std::size_t few = 16;
-  std::array<float, most> least;
-  if (n >= few) {
-    std::copy(values.begin(), values.end(), least.begin());
-    std::nth_element(least.begin(), least.begin() + n, least.begin() + values.size());
-    return least[n];
+/// The value that `n` of `count` others do not exceed, as std::nth_element finds it, by the ranks of all.
+/// They fill whole eights with infinity.
+SFUMATO_WIDE float nth_smallest(const float* values, std::size_t count, int n) {
+  Eight most_of = {};
+  for (std::size_t first = 0; first < count; first += 8) {
+    Eight own;
+    std::memcpy(&own, values + first, sizeof own);
+    EightInts less = {};
+    for (std::size_t k = 0; k < count; ++k) less -= values[k] < own;
+    own = less <= n ? own : Eight{};
+    most_of = own > most_of ? own : most_of;
   }
-  std::size_t count = 0;
-  for (const float value : values) {
-    if (count > n && !(value < least[n])) continue;
-    std::size_t at = count > n ? n : count++;
-    for (; at > 0 && value < least[at - 1]; --at) least[at] = least[at - 1];
-    least[at] = value;
+  float nth = 0;
+  for (int k = 0; k < 8; ++k) nth = std::max(nth, most_of[k]);
+  return nth;
+}
+
+/// Whether nothing would be left of the first edges of a polygon of this radius: each lies beyond one
+/// bisector whole, and by more than rounding, which is so nearly everywhere inside a surface.
+SFUMATO_WIDE bool closes(const std::uint16_t* which, std::size_t count, const vec2* ways, float radius) {
+  const Ring& corners = ring();
+  Eight from_x[2], from_y[2], to_x[2], to_y[2];
+  std::memcpy(from_x, corners.x.data(), sizeof from_x), std::memcpy(from_y, corners.y.data(), sizeof from_y);
+  std::memcpy(to_x, corners.x.data() + 1, sizeof to_x), std::memcpy(to_y, corners.y.data() + 1, sizeof to_y);
+  EightInts closed[2] = {};
+  bool all = false;
+  for (std::size_t k = 0; k < count && !all; ++k) {
+    const vec2 way = ways[which[k]] / radius;
+    const float middle = 0.5001f * glm::dot(way, way);
+    for (int half = 0; half < 2; ++half)
+      closed[half] |= (from_x[half] * way.x + from_y[half] * way.y > middle) &
+                      (to_x[half] * way.x + to_y[half] * way.y > middle);
+    if (k % 4 != 3 && k + 1 < count) continue;
+    all = true;
+    for (int lane = 0; lane < 8; ++lane) all &= (closed[0] & closed[1])[lane] != 0;
   }
-  return least[n];
+  return all;
 }
 
 }  // namespace
@@ -154,36 +179,40 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
   if (!(spacing_all > 0)) return {0, 0};
   const auto [along, across] = tangents_of(normal);
   std::array<float, most> heights, distances2;
+  std::array<vec2, most> ways;
   float reach2 = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const vec3 way = positions[neighbors[k]] - positions[point];
     heights[k] = std::abs(glm::dot(way, normal));
     distances2[k] = glm::dot(way, way);
+    ways[k] = vec2(glm::dot(way, along), glm::dot(way, across));
     reach2 = std::max(reach2, distances2[k]);
   }
-  const float layer = std::max(bend * std::sqrt(reach2),
-                               quartiles * nth_smallest(std::span(heights).first(count), count / 4));
+  for (std::size_t k = count; k % 8 != 0; ++k)
+    heights[k] = distances2[k] = std::numeric_limits<float>::infinity();
+  const float layer =
+      std::max(bend * std::sqrt(reach2), quartiles * nth_smallest(heights.data(), count, int(count / 4)));
   float spacing = spacing_all, near2 = reach2;
   if (count > 8) {
-    near2 = nth_smallest(std::span(distances2).first(count), 7);
+    near2 = nth_smallest(distances2.data(), count, 7);
     spacing = std::min(spacing, std::sqrt(near2 * std::numbers::pi_v<float> / 8));
   }
-  Polygon polygon(widest_gap * spacing);
   // The nearest eight first, which mostly close it; inside a surface nobody asks how large the cell is.
-  for (const bool near : {true, false})
-    for (std::size_t k = 0; k < count && !polygon.is_closed(); ++k) {
-      if (heights[k] > layer || (distances2[k] <= near2) != near) continue;
-      const vec3 way = positions[neighbors[k]] - positions[point];
-      polygon.cut(vec2(glm::dot(way, along), glm::dot(way, across)));
-    }
+  std::array<std::uint16_t, most + 1> order, farther;
+  std::size_t there = 0, farther_there = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool counts = heights[k] <= layer, is_near = distances2[k] <= near2;
+    order[there] = farther[farther_there] = std::uint16_t(k);
+    there += counts && is_near, farther_there += counts && !is_near;
+  }
+  std::copy(farther.begin(), farther.begin() + farther_there, order.begin() + there);
+  there += farther_there;
+  Polygon polygon(widest_gap * spacing);
+  if (closes(order.data(), there, ways.data(), widest_gap * spacing)) return {polygon.reach(), 1, 0};
+  for (std::size_t k = 0; k < there && !polygon.is_closed(); ++k) polygon.cut(ways[order[k]]);
   if (polygon.is_closed()) return {polygon.reach(), 1, 0};
   std::array<float, most + 1> angles;
-  std::size_t there = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (heights[k] > layer) continue;
-    const vec3 way = positions[neighbors[k]] - positions[point];
-    angles[there++] = std::atan2(glm::dot(way, across), glm::dot(way, along));
-  }
+  for (std::size_t k = 0; k < there; ++k) angles[k] = std::atan2(ways[order[k]].y, ways[order[k]].x);
   if (there == 0) return polygon.cell(0, turn);
   std::sort(angles.begin(), angles.begin() + there);
   angles[there] = angles[0] + turn;
