@@ -1,6 +1,7 @@
 #include "session/connected.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -58,27 +59,28 @@ double closed_share(std::span<const dvec3> points, const Bounds& box) {
   return (double(closed) + 0.5) / (side * side);
 }
 
-/// Of voxels, what touches by a side, an edge or a corner.
+/// Of voxels, whose keys ascend, what touches by a side, an edge or a corner.
 std::vector<Part> components(const std::vector<Part>& voxels) {
-  std::unordered_map<std::uint64_t, std::uint32_t> places;
-  places.reserve(voxels.size());
   std::vector<std::uint32_t> root(voxels.size());
   std::iota(root.begin(), root.end(), 0u);
   const auto find = [&](std::uint32_t i) {
     while (root[i] != i) i = root[i] = root[root[i]];
     return i;
   };
+  // The neighbours that come earlier: as the keys ascend, so do theirs, each by its own place.
+  std::array<std::uint32_t, 13> places{};
   for (std::uint32_t i = 0; i < voxels.size(); ++i) {
     const std::uint64_t key = voxels[i].key;
-    // Those that come earlier; a step below 0 comes out at the far side, where nothing is.
-    for (int step = 0; step < 13; ++step) {
-      const std::uint64_t x = (key >> 42) + std::uint64_t(step / 9 - 1),
-                          y = (key >> 21 & axis_mask) + std::uint64_t(step / 3 % 3 - 1),
-                          z = (key & axis_mask) + std::uint64_t(step % 3 - 1);
-      const auto other = places.find(key_of(x & axis_mask, y & axis_mask, z & axis_mask));
-      if (other != places.end()) root[find(i)] = find(other->second);
+    for (std::size_t step = 0; step < places.size(); ++step) {
+      const std::uint64_t x = (key >> 42) + std::uint64_t(step / 9) - 1,
+                          y = (key >> 21 & axis_mask) + std::uint64_t(step / 3 % 3) - 1,
+                          z = (key & axis_mask) + std::uint64_t(step % 3) - 1;
+      if (x > axis_mask || y > axis_mask || z > axis_mask) continue;
+      const std::uint64_t other = key_of(x, y, z);
+      std::uint32_t& place = places[step];
+      while (voxels[place].key < other) ++place;
+      if (voxels[place].key == other) root[find(i)] = find(place);
     }
-    places.emplace(key, i);
   }
   std::vector<Part> parts(voxels.size());
   for (std::uint32_t i = 0; i < voxels.size(); ++i) parts[find(i)].add(voxels[i]);
