@@ -27,7 +27,7 @@ const std::vector<Table>& tables() {
        {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21908c, 0x1f9f88,
         0x27ad81, 0x3ebc74, 0x5cc863, 0x82d34d, 0xaadc32, 0xd5e21a, 0xfde725}},
       // viridis without its dark third, its lightness (CIE L*) 60 to 84: where the headlight meets level
-      // ground from the usual 32 degrees, 60 is drawn as 50, the middle, and shades show on all of it, as on
+      // ground from 32 degrees, 60 is drawn as 50, the middle, and shades show on all of it, as on
       // the tints of maps (Imhof 1965); beyond 84 the contrast with a white page would fall below 1.5.
       {"land",
        {0x6994c1, 0x5e9ebc, 0x54a9b5, 0x4bb1ad, 0x44baa2, 0x43c295, 0x4eca81, 0x64d06a, 0x83d44e, 0xa4d62b,

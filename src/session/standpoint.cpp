@@ -15,13 +15,14 @@ namespace {
 /// Height over the side of a square of the same ground: below the first all lies flat, above the second it
 /// stands.
 constexpr double lies = 0.35, stands = 0.8;
-constexpr double elevation_lying = 32, elevation_standing = 14, elevation_amid = 50, elevation_room = 55;
-/// A view's score is the share of a picture of 16 to 9 that it fills, and twice the logarithm of what it
-/// shows of the area, less twice the share of that which faces away, what it costs to look at what stands
-/// from another side than the front (most from the opposite one), and to look from farther above, unless more
-/// relief is seen from there, as in an open room, by its logarithm. By the labels of 48 public scans (good
-/// sides, whether from above) 42 are right; half and twice each weight give 41 to 43.
-constexpr double weight_seen = 2, weight_high = 0.35;
+/// Of land what is seen grows with the elevation up to 45 degrees, and no more beyond.
+constexpr double elevation_lying = 45, elevation_standing = 14;
+/// A view's score is half the logarithm of the share of a page of 16 to 9 that it fills, and twice that of
+/// what it shows of the area, less twice the share of that which faces away, less, for what stands, what it
+/// costs to look from another side than the front (most from the opposite one) or from farther above, as into
+/// an open room. By the labels of public scans (good sides, whether from above) half and twice each weight
+/// are as good.
+constexpr double weight_seen = 2, weight_into = 0.3;
 /// The share of the surface that a cutaway must reveal, which no view from outside shows: rooms have 0.6 to 8
 /// %, closed bodies none.
 constexpr double revealed_least = 0.005;
@@ -66,91 +67,92 @@ Area area_of(const Subject& subject) {
   return area;
 }
 
-/// What of an area a small depth picture from far off shows; of a room, through the walls before it.
-struct Shown {
-  std::vector<bool> voxels;   ///< that no other one hides
-  double seen = 1, away = 0;  ///< shares: of all voxels those, and of those what faces away
-  double filled = 0;          ///< of a picture of 16 to 9
-};
+Camera camera_at(const Bounds& box, UpAxis up, const Standpoint& from) {
+  return frame(box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg), glm::radians(from.elevation_deg));
+}
 
-Shown shown_of(const Area& area, UpAxis up, const Standpoint& from, double cell_edges,
-               const Room* room = nullptr) {
-  constexpr int columns = 32, rows = 18;  // coarse enough for a few thousand points to fill
-  constexpr double edge_on = 0.1;         // sine of 6 degrees, which normals are not sure to
-  Shown shown;
-  if (area.voxels.empty()) return shown;
-  const Camera camera =
-      frame(area.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg), glm::radians(from.elevation_deg));
+/// Which voxels no other one hides in a small depth picture from far off; of a room, through the walls before
+/// it.
+std::vector<bool> seen_of(const Area& area, const Camera& camera, double cell_edges,
+                          const Room* room = nullptr) {
   const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
   const dmat4 to_eye = camera.view();
   // As deep as a surface that is seen aslant is in a cell.
   const double cell = cell_edges * area.edge, behind = 3 * area.edge;
   const int across = int(area.box.diagonal() / cell) + 3;
-  std::vector<double> nearest(std::size_t(across) * std::size_t(across), -1e300);
+  std::vector<double> nearest(std::size_t(across) * std::size_t(across), nothing);
   const auto place = [&](const dvec3& p) {
     return std::size_t(std::clamp(int(p.y / cell + across / 2.0), 0, across - 1)) * std::size_t(across) +
            std::size_t(std::clamp(int(p.x / cell + across / 2.0), 0, across - 1));
   };
-  const auto on_screen = [](const dvec3& p) { return glm::dvec2(p) / -p.z; };
   std::vector<dvec3> at;
-  glm::dvec2 low(1e300), high(-1e300);
   for (const dvec3& world : area.voxels) {
-    at.push_back(is_behind(walls, world) ? dvec3(0, 0, -1e301) : dvec3(to_eye * glm::dvec4(world, 1)));
-    if (at.back().z < -1e300) continue;
+    at.push_back(is_behind(walls, world) ? dvec3(0, 0, 2 * nothing) : dvec3(to_eye * glm::dvec4(world, 1)));
     double& here = nearest[place(at.back())];
     here = std::max(here, at.back().z);
-    low = glm::min(low, on_screen(at.back())), high = glm::max(high, on_screen(at.back()));
   }
-  const double scale = std::max({(high.x - low.x) / columns, (high.y - low.y) / rows, 1e-300});
+  std::vector<bool> seen;
+  for (const dvec3& p : at) seen.push_back(p.z > std::max(nothing, nearest[place(p)] - behind));
+  return seen;
+}
+
+double score_of(const Area& area, UpAxis up, const Standpoint& from, const Room* room) {
+  constexpr int columns = 32, rows = 18;  // coarse enough for a few thousand points to fill
+  constexpr double edge_on = 0.1;         // sine of 6 degrees, which normals are not sure to
+  constexpr double next_edges = 1.2;      // wider than a voxel
+  Camera camera = camera_at(area.box, up, from);
+  const std::vector<bool> seen = seen_of(area, camera, next_edges, room);
+  std::vector<dvec3> shown;
+  std::size_t away = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i]) continue;
+    shown.push_back(area.voxels[i]);
+    away += glm::dot(area.facing[i], camera.direction()) > edge_on;
+  }
+  if (shown.empty()) return nothing;
+  fit(camera, shown);
+  const dmat4 to_page = camera.projection_matrix() * camera.view();
   std::bitset<std::size_t(columns * rows)> cells;
-  std::size_t seen = 0, away = 0;
-  shown.voxels.resize(at.size());
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    if (at[i].z < -1e300) continue;
-    const glm::dvec2 in_picture = (on_screen(at[i]) - 0.5 * (low + high)) / scale;
-    cells.set(std::size_t(std::clamp(int(in_picture.y + 0.5 * rows), 0, rows - 1) * columns +
-                          std::clamp(int(in_picture.x + 0.5 * columns), 0, columns - 1)));
-    if (!(at[i].z > nearest[place(at[i])] - behind)) continue;
-    shown.voxels[i] = true;
-    ++seen, away += glm::dot(area.facing[i], camera.direction()) > edge_on;
+  for (const dvec3& world : shown) {
+    const glm::dvec4 p = to_page * glm::dvec4(world, 1);
+    cells.set(std::size_t(std::clamp(int((p.y / p.w + 1) * rows / 2), 0, rows - 1) * columns +
+                          std::clamp(int((p.x / p.w + 1) * columns / 2), 0, columns - 1)));
   }
-  shown.seen = double(seen) / double(at.size());
-  shown.away = seen > 0 ? double(away) / double(seen) : 0;
-  shown.filled = double(cells.count()) / (columns * rows);
-  return shown;
+  const double count = double(shown.size());
+  return 0.5 * std::log(double(cells.count()) / (columns * rows)) +
+         weight_seen * (std::log(count / double(seen.size())) - double(away) / count);
 }
 
-double score_of(const Shown& shown) {
-  return shown.filled + weight_seen * (std::log(std::max(shown.seen, 1e-3)) - shown.away);
-}
-
-constexpr double next_edges = 1.2;  // wider than a voxel
 /// A lattice leaves no circle of 0.71 edges empty, so walls have no gaps.
 constexpr double closed_edges = 1.5;
 
 /// Whether a cutaway shows what no view from outside does, from above or below. Of a closed body it shows
 /// none: the inside of what is seen from the other side.
 bool reveals(const Area& area, UpAxis up, const Standpoint& into, const Room& room) {
-  std::vector<bool> hidden = shown_of(area, up, into, closed_edges, &room).voxels;
-  for (const double elevation : {-elevation_amid, elevation_lying, elevation_amid})
+  const auto seen_from = [&](const Standpoint& from, const Room* through) {
+    return seen_of(area, camera_at(area.box, up, from), closed_edges, through);
+  };
+  std::vector<bool> hidden = seen_from(into, &room);
+  for (const double elevation : {-elevation_lying, elevation_standing, elevation_lying})
     for (int side = 0; side < 12; ++side) {
-      const std::vector<bool> seen = shown_of(area, up, {30.0 * side, elevation}, closed_edges).voxels;
+      const std::vector<bool> seen = seen_from({30.0 * side, elevation}, nullptr);
       for (std::size_t i = 0; i < seen.size(); ++i) hidden[i] = hidden[i] && !seen[i];
     }
   return double(std::count(hidden.begin(), hidden.end(), true)) > revealed_least * double(hidden.size());
 }
 
-/// Over the corner of two walls that leave most to be seen.
-Standpoint into_room(const Area& area, UpAxis up, const Room& room) {
-  double first = -30;
-  if (room.outside.size() > 1) first += glm::degrees(Compass(up).azimuth(dvec3(room.outside[1])));
-  Standpoint best{first, elevation_room};
-  double most = -1e300;
-  for (int side = 0; side < 4; ++side)
-    for (double corner : {0.0, 60.0}) {
-      const Standpoint from{std::remainder(first + 90 * side + corner, 360), elevation_room};
-      const double score = score_of(shown_of(area, up, from, next_edges, &room));
-      if (score > most) most = score, best = from;
+/// From one of twelve sides, at one of the elevations: a front that stands `upright` is not left for little.
+Standpoint best_of(const Area& area, UpAxis up, const std::vector<double>& elevations, double front,
+                   double upright, const Room* room = nullptr) {
+  Standpoint best;
+  double most = nothing;
+  for (const double elevation : elevations)
+    for (int turn = 0; turn < 12; ++turn) {
+      const Standpoint from{std::remainder(front + 30 * turn, 360), elevation};
+      const double score =
+          score_of(area, up, from, room) - upright * (1 - std::cos(glm::radians(30.0 * turn)) +
+                                                      (elevation > elevations.front() ? weight_into : 0));
+      if (score > most + 1e-9) most = score, best = from;
     }
   return best;
 }
@@ -188,9 +190,7 @@ double curvature_of(const std::vector<double>& depths, std::size_t across, doubl
 double relief_of(const Subject& subject, UpAxis up, const Standpoint& from) {
   const double cell =
       subject.box.diagonal() / std::clamp(std::sqrt(double(subject.points.size()) / 8), 8.0, 128.0);
-  const Camera camera = frame(subject.box, up, 16 * 80, 9 * 80, glm::radians(from.azimuth_deg),
-                              glm::radians(from.elevation_deg));
-  const dmat4 to_eye = camera.view();
+  const dmat4 to_eye = camera_at(subject.box, up, from).view();
   const std::size_t across = std::size_t(subject.box.diagonal() / cell) + 4;
   std::vector<double> nearest(across * across, nothing), sums(nearest.size(), 0), counts(nearest.size(), 0);
   std::vector<std::pair<std::size_t, double>> depths;
@@ -208,24 +208,19 @@ double relief_of(const Subject& subject, UpAxis up, const Standpoint& from) {
   return curvature_of(nearest, across, cell);
 }
 
-/// Relief seen from all around at an elevation.
-struct Around {
-  dvec3 side{0};  ///< of most: the first harmonic over the mean
-  double mean = 0;
-};
-
-Around relief_around(const Subject& subject, UpAxis up, double elevation_deg) {
+/// The side of which most relief is seen at an elevation: the first harmonic over the mean.
+dvec3 relief_side(const Subject& subject, UpAxis up, double elevation_deg) {
   constexpr int turns = 12;
   const Compass compass(up);
-  Around around;
-  if (!(subject.box.diagonal() > 0)) return around;  // all in one place
+  dvec3 side(0);
+  double sum = 0;
+  if (!(subject.box.diagonal() > 0)) return side;  // all in one place
   for (double azimuth_deg = 0; azimuth_deg < 360; azimuth_deg += 360 / turns) {
     const double seen = relief_of(subject, up, {azimuth_deg, elevation_deg});
-    around.mean += seen / turns;
-    around.side += 2 * seen / turns * compass.from(glm::radians(azimuth_deg), 0);
+    sum += seen;
+    side += 2 * seen * compass.from(glm::radians(azimuth_deg), 0);
   }
-  if (around.mean > 0) around.side /= around.mean;
-  return around;
+  return sum > 0 ? side / sum : side;
 }
 
 /// Degrees. Where one side faces, as of a wall, a mask or what one scanner saw, from there: the normals of a
@@ -250,31 +245,18 @@ double front_of(const Area& area, UpAxis up, const dvec3& relief) {
 Standpoint standpoint_for(Subject& subject, UpAxis up) {
   const double upright = std::clamp((height_over_width(subject.box, up) - lies) / (stands - lies), 0.0, 1.0);
   const Area area = area_of(subject);
-  if (subject.room) {
-    const Standpoint into = into_room(area, up, *subject.room);
+  if (subject.room) {  // as a rule over the corner of two walls
+    const std::vector<glm::dvec4>& walls = subject.room->outside;
+    const double first = walls.size() > 1 ? glm::degrees(Compass(up).azimuth(dvec3(walls[1]))) : 0;
+    const Standpoint into = best_of(area, up, {elevation_lying}, first - 30, 0, &*subject.room);
     if (reveals(area, up, into, *subject.room)) return into;
     subject.room.reset();
   }
-  const double usual = std::lerp(elevation_lying, elevation_standing, upright);
-  Around around;  // land has no front
-  double gain_high = 0;
-  if (upright > 0) {
-    around = relief_around(subject, up, usual);
-    if (upright < 1 && around.mean > 0)
-      gain_high = (1 - upright) * std::log(relief_around(subject, up, elevation_amid).mean / around.mean);
-  }
-  const double front = front_of(area, up, around.side);
-  Standpoint best;
-  double most = -1e300;
-  for (const double elevation : {usual, elevation_amid})
-    for (int turn = 0; turn < 12; ++turn) {
-      const Standpoint from{std::remainder(front + 30 * turn, 360), elevation};
-      const double score = score_of(shown_of(area, up, from, next_edges)) -
-                           upright * (1 - std::cos(glm::radians(30.0 * turn))) -
-                           (elevation > usual ? weight_high - gain_high : 0);
-      if (score > most + 1e-9) most = score, best = from;
-    }
-  return best;
+  std::vector<double> elevations = {std::lerp(elevation_lying, elevation_standing, upright)};
+  if (upright > 0 && upright < 1) elevations.push_back(elevation_lying);
+  // Land has no front.
+  const dvec3 relief = upright > 0 ? relief_side(subject, up, elevations[0]) : dvec3(0);
+  return best_of(area, up, elevations, front_of(area, up, relief), upright);
 }
 
 std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject) {
