@@ -103,8 +103,6 @@ void GpuCloud::bind_radii(const Chunk& chunk) const {
   (shapes_ ? shapes_->radii : resident_->radii())[place_of(chunk)].bind(binding::radii);
 }
 
-void GpuCloud::bind_places() const { resident_->places().bind(binding::places); }
-
 void GpuCloud::bind_field(const Chunk& chunk) const {
   if (field_) (*field_)[place_of(chunk)].bind(binding::field);
 }

@@ -2,6 +2,7 @@
 // its points (colours, shadows, which batches are seen, what is cut away).
 #pragma once
 
+#include "passes/bindings.h"
 #include "passes/resident_cloud.h"
 #include "passes/view.h"
 
@@ -80,8 +81,21 @@ class GpuCloud {
   void bind_field(const Chunk& chunk) const;
   /// Shadow factors, or a buffer of ones.
   void bind_shadow(Chunk& chunk);
-  /// ResidentCloud::places.
-  void bind_places() const;
+  /// For passes that look points up by their source index (shaders/places.glsl): `run(chunk)` with what tells
+  /// the pass which of them it may find, once for each chunk and part of the places.
+  template <class Pass, class Run>
+  void for_each_place(Pass& pass, const Run& run) {
+    bool is_first = true;
+    for (Chunk& chunk : chunks_)
+      for (const ResidentCloud::Places& part : resident_->places()) {
+        part.values.bind(binding::places);
+        pass.set("places_first", part.first).set("places_count", part.count);
+        pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count);
+        pass.set("write_background", is_first);
+        run(chunk);
+        is_first = false;
+      }
+  }
 
   const std::vector<Rgba8>& colors() const { return colors_->values(); }
   const std::shared_ptr<const Colors>& shared_colors() const { return colors_; }

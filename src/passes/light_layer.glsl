@@ -1,16 +1,13 @@
 // The opacity of one layer of see-through casters, and from which depth on the next one may begin.
 #include "frame.glsl"
 #include "cloud.glsl"
+#include "places.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;  // filled
 layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
 layout(binding = UNIT_INPUT + 2) uniform sampler2D state_image;  // limit, light that got as far as here
-layout(binding = UNIT_PLACES) uniform usamplerBuffer places;
 layout(r32ui, binding = 7) writeonly uniform uimage2D open_flag;
 
-uniform uint chunk_first;
-uniform uint chunk_count;
-uniform bool write_background;
 uniform bool has_normals;
 uniform float d_min;
 
@@ -22,9 +19,8 @@ bool filter_pixel(ivec2 pixel) {
   out_0 = vec4(infinity, state.y, 0.0, 0.0);
   out_1 = vec4(0.0);
   if (source == 0xffffffffu) return write_background;
-  uint place = texelFetch(places, int(source)).x - chunk_first;
-  if (place >= chunk_count) return false;
-  int i = int(place);
+  int i = place_in_chunk(source);
+  if (i < 0) return false;
   float depth = texelFetch(depth_image, pixel, 0).x, opacity = caster_opacity(i);
   vec3 normal = has_normals ? mat3(frame.eye_from_cloud) * point_normal(i) : vec3(0.0);
   vec3 to_light = to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth));

@@ -1,14 +1,11 @@
 // Attributes of the point that each pixel kept.
 #include "frame.glsl"
 #include "cloud.glsl"
+#include "places.glsl"
 
 layout(binding = UNIT_INPUT) uniform usampler2D depth_bits;
 layout(binding = UNIT_INPUT + 1) uniform usampler2D source_index;
-layout(binding = UNIT_PLACES) uniform usamplerBuffer places;
 
-uniform uint chunk_first;
-uniform uint chunk_count;
-uniform bool write_background;
 #ifdef FINISHED
 uniform vec4 background;  // sRGB, straight alpha
 #endif
@@ -34,16 +31,16 @@ bool filter_pixel(ivec2 pixel) {
 #ifdef FINISHED
   out_0 = background;
   if (source == 0xffffffffu) return write_background;
-  uint place = texelFetch(places, int(source)).x - chunk_first;
-  if (place >= chunk_count) return false;
-  out_0 = vec4(texelFetch(cloud_colors, int(place)).rgb, 1.0);
+  int place = place_in_chunk(source);
+  if (place < 0) return false;
+  out_0 = vec4(texelFetch(cloud_colors, place).rgb, 1.0);
   return true;
 #elif defined(WRITE_EYE)
   out_0 = vec4(0.0, 0.0, 0.0, 1.0);
   out_1 = vec4(0.0, 0.0, -3e38, 0.0);
   if (source == 0xffffffffu) return write_background;
-  int place = int(texelFetch(places, int(source)).x - chunk_first);
-  if (uint(place) >= chunk_count) return false;
+  int place = place_in_chunk(source);
+  if (place < 0) return false;
   out_0.rgb = point_color(place);
 #ifdef HAS_SHADOW
   out_0.a = point_shadow(place);
@@ -59,21 +56,21 @@ bool filter_pixel(ivec2 pixel) {
 #endif
     return write_background;
   }
-  uint i = texelFetch(places, int(source)).x - chunk_first;
-  if (i >= chunk_count) return false;
+  int i = place_in_chunk(source);
+  if (i < 0) return false;
   float depth = uintBitsToFloat(texelFetch(depth_bits, pixel, 0).x);
-  out_0 = vec4(point_color(int(i)), 1.0);
+  out_0 = vec4(point_color(i), 1.0);
   out_1 = vec4(depth);
 #ifdef WRITE_NORMAL
   out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #ifdef HAS_NORMALS
-  vec3 normal = point_normal(int(i));
+  vec3 normal = point_normal(i);
   vec3 eye_normal = mat3(frame.eye_from_cloud) * normal;
   vec3 eye = eye_from_pixel(vec2(pixel) + 0.5, depth);
   out_2.xyz = dot(eye_normal, to_camera(eye)) < 0.0 ? -normal : normal;  // unoriented: towards the camera
 #endif
 #ifdef HAS_SHADOW
-  out_2.w = point_shadow(int(i));
+  out_2.w = point_shadow(i);
 #endif
 #endif
   return true;

@@ -161,18 +161,14 @@ void PointsToPixels::for_each_chunk(GpuCloud& cloud, const View& view, const Pix
                                     ScreenPass& pass, std::initializer_list<const gl::Texture*> targets,
                                     bool with_normals) {
   view.bind();
-  cloud.bind_places();
-  bool first = true;
-  for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+  cloud.for_each_place(pass, [&](GpuCloud::Chunk& chunk) {
     cloud.bind_geometry(chunk);
     cloud.bind_colors(chunk);
     if (with_normals && cloud.has_normals()) cloud.bind_normals(chunk);
     if (cloud.has_shadow()) cloud.bind_shadow(chunk);
-    pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
     pass.set("batch_count", int(chunk.visible_batches));
     pass.run({&layer.depth_bits, &layer.index}, targets);
-    first = false;
-  }
+  });
 }
 
 }  // namespace sfumato

@@ -66,6 +66,7 @@ ResidentCloud::ResidentCloud(std::shared_ptr<const PreparedCloud> prepared, std:
     max_chunk_points = std::uint32_t(
         std::min<std::uint64_t>(std::uint64_t(gl::limits().max_texture_buffer_size), bytes_limit));
   }
+  geometry_->max_chunk_points = max_chunk_points;
   Chunk chunk;
   auto close = [&] {
     if (chunk.count == 0) return;
@@ -122,18 +123,19 @@ const ResidentCloud::Values& ResidentCloud::radii() const {
   });
 }
 
-const gl::TextureBuffer& ResidentCloud::places() const {
+const std::vector<ResidentCloud::Places>& ResidentCloud::places() const {
   const std::lock_guard lock(geometry_->mutex);
-  if (!geometry_->places) {
-    const std::vector<std::uint32_t>& source = prepared_->cloud.source_index;
-    const std::size_t count =
-        source.empty() ? 0 : std::size_t(*std::max_element(source.begin(), source.end())) + 1;
-    gl::require(count <= std::size_t(gl::limits().max_texture_buffer_size),
-                "a cloud of " + std::to_string(count) + " points",
-                "larger texture buffers (or --max-points)");
+  const std::vector<std::uint32_t>& source = prepared_->cloud.source_index;
+  if (geometry_->places.empty() && !source.empty()) {
+    const std::size_t count = std::size_t(*std::max_element(source.begin(), source.end())) + 1;
     std::vector<std::uint32_t> places(count, 0);
     for (std::size_t i = 0; i < source.size(); ++i) places[source[i]] = std::uint32_t(i);
-    geometry_->places = gl::TextureBuffer("places", GL_R32UI, std::span<const std::uint32_t>(places));
+    for (std::size_t first = 0; first < count; first += geometry_->max_chunk_points) {
+      const auto part = std::span<const std::uint32_t>(places).subspan(first).first(
+          std::min<std::size_t>(count - first, geometry_->max_chunk_points));
+      geometry_->places.push_back({std::uint32_t(first), std::uint32_t(part.size()),
+                                   gl::TextureBuffer("places " + std::to_string(first), GL_R32UI, part)});
+    }
     gl::finish();
   }
   return geometry_->places;

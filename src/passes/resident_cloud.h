@@ -29,6 +29,11 @@ class ResidentCloud {
   };
   /// A value for each point, of each chunk.
   using Values = std::vector<gl::TextureBuffer>;
+  /// Place in the prepared cloud of the source indices from `first` on.
+  struct Places {
+    std::uint32_t first = 0, count = 0;
+    gl::TextureBuffer values;
+  };
   /// Normals and radii, uploaded; no normals: those of the cloud.
   struct Shapes {
     Values normals, radii;
@@ -64,8 +69,8 @@ class ResidentCloud {
   /// Normals, or buffers of "none" when the cloud has none.
   const Values& normals() const;
   const Values& radii() const;
-  /// Place in the prepared cloud by source index; shared by all chunks.
-  const gl::TextureBuffer& places() const;
+  /// Of every source index, in parts of at most as many as a chunk may hold; shared by all chunks.
+  const std::vector<Places>& places() const;
 
   /// One float per point, uploaded under that name.
   std::shared_ptr<const Values> make_values(const std::string& name, std::span<const float> values) const;
@@ -91,8 +96,9 @@ class ResidentCloud {
   struct Geometry {
     Bounds bounds;
     std::vector<Chunk> chunks;
+    std::uint32_t max_chunk_points = 0;
     std::mutex mutex;
-    gl::TextureBuffer places;
+    std::vector<Places> places;
     MadeOnce<std::shared_ptr<const Values>> dots;
   };
   Values upload_normals(std::span<const vec3> normals) const;

@@ -349,19 +349,13 @@ void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_cam
                       other_index_);
       fill_.run_index(FillKind::occluded, d_min, other_depth_, depth, other_index_, layer_.index);
       view.bind();
-      cloud.bind_places();
       open_.arm();
-      bool first = true;
-      for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+      layer_pass_.set("has_normals", cloud.has_normals()).set("d_min", d_min);
+      cloud.for_each_place(layer_pass_, [&](GpuCloud::Chunk& chunk) {
         cloud.bind_normals(chunk);
         cloud.bind_casters(chunk);
-        layer_pass_.set("chunk_first", chunk.first)
-            .set("chunk_count", chunk.count)
-            .set("write_background", first);
-        layer_pass_.set("has_normals", cloud.has_normals()).set("d_min", d_min);
         layer_pass_.run({&depth, &layer_.index, &state_}, {&other_state_, &opacity});
-        first = false;
-      }
+      });
       std::swap(state_, other_state_);
       is_open = open_.is_set();
     }

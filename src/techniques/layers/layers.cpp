@@ -347,22 +347,18 @@ class Layers final : public Technique {
           .set("spacing", 0.5f * parameters_.point_size.value() * cloud.median_spacing());
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
-    cloud.bind_places();
-    bool first = true;
-    for (GpuCloud::Chunk& chunk : cloud.chunks()) {
+    cloud.for_each_place(pass, [&](GpuCloud::Chunk& chunk) {
       cloud.bind_geometry(chunk);
       cloud.bind_colors(chunk);
       if (cloud.has_normals()) cloud.bind_normals(chunk);
       if (cloud.has_shadow()) cloud.bind_shadow(chunk);
       if (has_list_) cloud.bind_field(chunk);
-      pass.set("chunk_first", chunk.first).set("chunk_count", chunk.count).set("write_background", first);
       if (write_normals)
         pass.run({&depth_, &index_}, {&color_, &cosine_, &normal_});
       else
         pass.run({&depth_, &index_}, {&color_, &cosine_});
-      first = false;
-    }
-    if (first) {
+    });
+    if (cloud.chunks().empty()) {
       color_.clear(vec4(0));
       cosine_.clear(vec4(1));
       normal_.clear(vec4(0, 0, 0, 1));

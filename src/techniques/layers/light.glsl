@@ -4,14 +4,11 @@
 //   CATEGORIES                             colours are those of the palette: which one, beside the cosine
 #include "shading.glsl"
 #include "cloud.glsl"
+#include "places.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
 layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
-layout(binding = UNIT_PLACES) uniform usamplerBuffer places;
 
-uniform uint chunk_first;
-uniform uint chunk_count;
-uniform bool write_background;
 #ifndef HAS_OPACITY
 uniform float opacity;
 #endif
@@ -29,9 +26,8 @@ bool filter_pixel(ivec2 pixel) {
   out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #endif
   if (source == 0xffffffffu) return write_background;
-  uint place = texelFetch(places, int(source)).x - chunk_first;
-  if (place >= chunk_count) return false;
-  int i = int(place);
+  int i = place_in_chunk(source);
+  if (i < 0) return false;
   float depth = texelFetch(depth_image, pixel, 0).x;
 #ifdef HAS_OPACITY
   float opacity = point_field(i);
