@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/prepared_cloud.h"
 #include "core/selection.h"
 #include "io/io.h"
 #include "scene/degrees.h"
@@ -53,6 +54,9 @@ struct Scene {
   /// Of such a scene, where it is known: points from everywhere in the files, evenly. What follows from the
   /// whole, as the ends of a colour map, is measured there, so that every view has the same.
   std::shared_ptr<const PointCloud> overview;
+  /// Where the points are a part of a cloud, and others have the rest: what the whole decides
+  /// (analysis/whole.h).
+  std::shared_ptr<const WholeCloud> whole;
   /// Where places or values chose some of the points, a sample of all: which way is up is asked of the whole.
   std::shared_ptr<const PointCloud> before_selection;
   std::vector<std::string> file_names;  ///< without folders; of several files the scalar `file` counts from 1

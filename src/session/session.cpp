@@ -191,22 +191,28 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
     if (overview_)
       of_all = color_of_overview_.at({overview_, settings},
                                      [&] { return coloring_of_overview(*overview_, settings); });
-    coloring_ = color_like(of_all, whole, settings);
+    if (of_all && whole.empty())
+      coloring_ = *of_all, coloring_.colors.clear();
+    else
+      coloring_ = color_like(of_all, whole, settings);
   };
   color_all();
   // What a sensor saw before it is seen by distance.
   if (settings.color_by == "auto" && !settings.solid && !pose_.sensor) {
-    settings.color_by = without_colors(coloring_.source, largest_of(clouds));
+    settings.color_by = whole_ ? without_colors(coloring_.source, analysis::prepare(whole_->sample, {}, {}))
+                               : without_colors(coloring_.source, largest_of(clouds));
     if (settings.color_by != coloring_.source) color_all();
   }
   contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
+  // One part of a cloud may have fewer colours than the next.
+  const std::vector<Rgba8>& deciding = whole_ && of_all ? of_all->colors : coloring_.colors;
   background_ = options_.background.value_or(contrasting_);
   are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
                       !options_.color.solid &&
-                      distinct_colors(coloring_.colors, RenderSettings::palette_limit).empty();
+                      distinct_colors(deciding, RenderSettings::palette_limit).empty();
   palette_.clear();
   if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)
-    for (const Rgba8& c : distinct_colors(coloring_.colors, RenderSettings::palette_limit))
+    for (const Rgba8& c : distinct_colors(deciding, RenderSettings::palette_limit))
       palette_.emplace_back(linear_from_srgb(c.r), linear_from_srgb(c.g), linear_from_srgb(c.b));
   if (clouds.size() == 1) {
     colors.push_back(std::move(coloring_.colors));
@@ -261,9 +267,10 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   options_ = options;
   pose_ = std::move(pose);
   file_names_ = std::move(scene.file_names);
-  overview_ = std::move(scene.overview);
+  whole_ = std::move(scene.whole);
+  overview_ = whole_ ? std::shared_ptr<const PointCloud>(whole_, &whole_->sample) : std::move(scene.overview);
   notes_.clear();
-  box_ = bounds(scene.cloud);
+  box_ = whole_ ? whole_->box : bounds(scene.cloud);
   shadow_box_.reset();
   const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
   std::vector<PointCloud> clouds = cut(std::move(scene.cloud), matches);
@@ -279,7 +286,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
     };
     const std::size_t given = clouds[k].size();
     prepared.push_back(
-        {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress), {}});
+        {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress, whole_), {}});
     left_out_ += given - prepared.back().cloud.cloud.size();
     if (options.color.color_by == analysis::density_name) add_density(prepared.back().cloud.cloud);
     spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
@@ -296,7 +303,7 @@ void Session::share_scene(const Session& other) {
   is_empty_ = true;
   renderer_.share_clouds(other.renderer_);
   options_ = other.options_;
-  file_names_ = other.file_names_, notes_ = other.notes_, overview_ = other.overview_;
+  file_names_ = other.file_names_, notes_ = other.notes_, overview_ = other.overview_, whole_ = other.whole_;
   parts_.clear();
   for (const Part& each : other.parts_) {
     Part& part = parts_.emplace_back(Part{each.rules, nullptr, nullptr, each.points, each.source_index});
@@ -420,6 +427,25 @@ RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants
   RenderOutput out = renderer_.render(settle(look, camera, progress), camera, look.settings, wants, progress);
   name_notes(out, look);
   return out;
+}
+
+bool Session::merges(const Look& look, const Camera& camera) const {
+  return options_.draw.empty() && renderer_.merges(*look.technique, camera, look.settings);
+}
+
+VisiblePoints Session::visible(Look& look, const Camera& camera, Progress& progress) {
+  const std::vector<Item> items = settle(look, camera, progress);
+  VisiblePoints visible = renderer_.visible(*items.front().technique, camera, look.settings, progress);
+  if (const auto& numbers = parts_.front().source_index)
+    for (std::uint32_t& number : visible.number)
+      if (number != VisiblePoints::nothing) number = (*numbers)[number];
+  return visible;
+}
+
+RenderOutput Session::render_merged(const VisiblePoints& merged, Look& look, const Camera& camera,
+                                    const RenderWants& wants, Progress& progress) {
+  const std::vector<Item> items = settle(look, camera, progress);
+  return renderer_.render_merged(merged, *items.front().technique, camera, look.settings, wants, progress);
 }
 
 RenderOutput Session::render_rows(Look& look, const Camera& camera, const RenderWants& wants,

@@ -83,6 +83,12 @@ class Session {
   /// that is returned has no images.
   RenderOutput render_rows(Look& look, const Camera& camera, const RenderWants& wants, const RowSink& sink,
                            Progress& progress = no_progress());
+  /// Of a scene that is part of a cloud (Scene::whole), pictures of which are made of those of all parts
+  /// (Renderer::visible). Not by rules.
+  bool merges(const Look& look, const Camera& camera) const;
+  VisiblePoints visible(Look& look, const Camera& camera, Progress& progress = no_progress());
+  RenderOutput render_merged(const VisiblePoints& merged, Look& look, const Camera& camera,
+                             const RenderWants& wants = {}, Progress& progress = no_progress());
   /// Whether such a picture is drawn in tiles.
   bool is_tiled(const Camera& camera) const { return renderer_.is_tiled(camera); }
   /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who
@@ -143,6 +149,7 @@ class Session {
   Renderer renderer_;
   SessionOptions options_;
   std::vector<std::string> file_names_, notes_;
+  std::shared_ptr<const WholeCloud> whole_;     ///< may be null
   std::shared_ptr<const PointCloud> overview_;  ///< may be null
   // What was measured of an overview is kept while views of the same files follow each other.
   struct ColorOfOverview {

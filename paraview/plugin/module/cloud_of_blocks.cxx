@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <limits>
 #include <tuple>
+#include <utility>
+
+#include "passes/visible_points.h"
 
 #include "vtkDataArray.h"
 #include "vtkMultiProcessController.h"
@@ -57,15 +60,16 @@ void CloudOfBlocks::Add(vtkPolyData* block, vtkUnsignedCharArray* colors) {
   }
 }
 
-PointCloud CloudOfBlocks::Take(const std::vector<Point>& points) const {
+dvec3 CloudOfBlocks::LeastOf(const std::vector<Point>& points) {
+  dvec3 least(std::numeric_limits<double>::infinity());
+  for (const Point& point : points)
+    for (int k = 0; k < 3; ++k) least[k] = std::min(least[k], point.place[k]);
+  return least;
+}
+
+PointCloud CloudOfBlocks::Take(const std::vector<Point>& points, const dvec3& least) const {
   PointCloud cloud;
-  if (points.empty()) return cloud;
-  if (has_doubles_) {
-    dvec3 least(points.front().place[0], points.front().place[1], points.front().place[2]);
-    for (const Point& point : points)
-      for (int k = 0; k < 3; ++k) least[k] = std::min(least[k], point.place[k]);
-    cloud.origin = glm::floor(least);
-  }
+  if (has_doubles_) cloud.origin = glm::floor(least);
   cloud.positions.reserve(points.size()), cloud.colors.reserve(points.size());
   if (has_normals_) cloud.normals.reserve(points.size());
   for (const Point& point : points) {
@@ -76,15 +80,45 @@ PointCloud CloudOfBlocks::Take(const std::vector<Point>& points) const {
   return cloud;
 }
 
-PointCloud CloudOfBlocks::Take() { return Take(std::exchange(points_, {})); }
+PointCloud CloudOfBlocks::Take() {
+  const std::vector<Point> points = std::exchange(points_, {});
+  return points.empty() ? PointCloud() : Take(points, LeastOf(points));
+}
+
+void CloudOfBlocks::AgreeOnKind() {
+  int own[2] = {has_normals_, has_doubles_}, any[2] = {};
+  vtkMultiProcessController::GetGlobalController()->AllReduce(own, any, 2, vtkCommunicator::MAX_OP);
+  has_normals_ = any[0], has_doubles_ = any[1];
+}
+
+PointCloud CloudOfBlocks::TakeOfOwnRank() {
+  this->AgreeOnKind();
+  const std::vector<Point> points = std::exchange(points_, {});
+  dvec3 least = LeastOf(points), of_all(0);
+  vtkMultiProcessController::GetGlobalController()->AllReduce(&least.x, &of_all.x, 3, vtkCommunicator::MIN_OP);
+  if (!std::isfinite(of_all.x)) return {};
+  // A number follows from all that a point is: points of one number look alike.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
+  for (const Point& point : points) {
+    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
+    for (const unsigned char* byte = reinterpret_cast<const unsigned char*>(&point);
+         byte < reinterpret_cast<const unsigned char*>(&point + 1); ++byte)
+      hash = (hash ^ *byte) * 0x100000001b3;
+    order.emplace_back(std::uint32_t(hash ^ hash >> 32) % sfumato::VisiblePoints::nothing, std::uint32_t(order.size()));
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Point> sorted;
+  sorted.reserve(points.size());
+  for (const auto& [number, i] : order) sorted.push_back(points[i]);
+  PointCloud cloud = Take(sorted, of_all);
+  for (const auto& [number, i] : order) cloud.source_index.push_back(number);
+  return cloud;
+}
 
 PointCloud CloudOfBlocks::TakeOfAllRanks() {
   vtkMultiProcessController* ranks = vtkMultiProcessController::GetGlobalController();
   if (!ranks || ranks->GetNumberOfProcesses() < 2) return Take();
-  // What holds for one holds for all, whoever has the points of which it does.
-  int own[2] = {has_normals_, has_doubles_}, any[2] = {};
-  ranks->AllReduce(own, any, 2, vtkCommunicator::MAX_OP);
-  has_normals_ = any[0], has_doubles_ = any[1];
+  this->AgreeOnKind();
   const std::vector<Point> mine = std::exchange(points_, {});
   const vtkIdType bytes = vtkIdType(mine.size() * sizeof(Point));
   std::vector<vtkIdType> lengths(std::size_t(ranks->GetNumberOfProcesses())), offsets(lengths.size());
@@ -104,13 +138,5 @@ PointCloud CloudOfBlocks::TakeOfAllRanks() {
     };
     return key(a) < key(b);
   });
-  return Take(all);
-}
-
-bool CloudOfBlocks::AnyRank(bool holds) {
-  vtkMultiProcessController* ranks = vtkMultiProcessController::GetGlobalController();
-  if (!ranks || ranks->GetNumberOfProcesses() < 2) return holds;
-  int own = holds, any = 0;
-  ranks->AllReduce(&own, &any, 1, vtkCommunicator::MAX_OP);
-  return any != 0;
+  return all.empty() ? PointCloud() : Take(all, LeastOf(all));
 }

@@ -18,8 +18,9 @@ class CloudOfBlocks {
   /// Every rank has to call it.
   sfumato::PointCloud TakeOfAllRanks();
 
-  /// Whether it holds for one of the ranks, all of which have to ask.
-  static bool AnyRank(bool holds);
+  /// The points of this rank, with numbers that they have whichever rank they are on, ascending. Every rank has to call
+  /// it.
+  sfumato::PointCloud TakeOfOwnRank();
 
  private:
   struct Point {
@@ -33,5 +34,8 @@ class CloudOfBlocks {
   int has_normals_ = 0;
   bool has_doubles_ = false;  ///< places that float may not hold
 
-  sfumato::PointCloud Take(const std::vector<Point>& points) const;
+  /// What holds for one rank holds for all, whoever has the points of which it does.
+  void AgreeOnKind();
+  static sfumato::dvec3 LeastOf(const std::vector<Point>& points);
+  sfumato::PointCloud Take(const std::vector<Point>& points, const sfumato::dvec3& least) const;
 };

@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "cloud_of_blocks.h"
+#include "gl/host_canvas.h"
+#include "ranks.h"
 #include "session/choice.h"
 #include "session/look.h"
+#include "session/part_renderer.h"
 #include "vtkActor.h"
 #include "vtkCamera.h"
 #include "vtkCompositeDataIterator.h"
@@ -23,6 +26,7 @@
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkScalarsToColors.h"
+#include "vtkTimerLog.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkWeakPointer.h"
 
@@ -70,6 +74,11 @@ struct vtkSfumatoMapper::State {
   vtkWeakPointer<vtkWindow> window;  ///< in whose context it draws
   std::string shown;                 ///< as DescribeInput has it
   bool is_empty = true;              ///< there is no point to draw
+  // Where points are spread over ranks:
+  std::unique_ptr<sfumato::PartRenderer> part;
+  std::unique_ptr<sfumato::gl::HostCanvas> canvas;
+  std::uint64_t pictures = 0;
+  bool has_part = false, has_all = false;  ///< of the points that are shown; all: they were gathered
 };
 
 vtkStandardNewMacro(vtkSfumatoMapper);
@@ -117,7 +126,7 @@ std::string vtkSfumatoMapper::DescribeInput(vtkActor* actor) {
   return out;
 }
 
-void vtkSfumatoMapper::ShowInput(vtkActor* actor) {
+CloudOfBlocks vtkSfumatoMapper::CloudOf(vtkActor* actor) {
   const double* solid = actor->GetProperty()->GetDiffuseColor();
   const auto byte = [](double value) { return (unsigned char)std::lround(255 * std::clamp(value, 0.0, 1.0)); };
   CloudOfBlocks cloud(columns_of(*actor->GetMatrix()), {byte(solid[0]), byte(solid[1]), byte(solid[2]), 255});
@@ -127,13 +136,93 @@ void vtkSfumatoMapper::ShowInput(vtkActor* actor) {
         this->ScalarVisibility ? this->MapScalars(block, 1.0, is_of_cells) : nullptr;
     cloud.Add(block, is_of_cells ? nullptr : colors);
   }
+  return cloud;
+}
+
+namespace {
+
+/// Colours are the host's: as they are, though they be dark.
+sfumato::ColorSettings colors_of_host() {
+  sfumato::ColorSettings coloring{.color_by = "rgb"};
+  coloring.exposure = 1;
+  return coloring;
+}
+
+sfumato::HostView view_of(vtkRenderer* renderer, int& left, int& bottom) {
+  sfumato::HostView view;
+  renderer->GetTiledSizeAndOrigin(&view.width, &view.height, &left, &bottom);
+  vtkCamera* camera = renderer->GetActiveCamera();
+  view.view = columns_of(*camera->GetViewTransformMatrix());
+  view.projection =
+      columns_of(*camera->GetProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1, 1));
+  return view;
+}
+
+}  // namespace
+
+void vtkSfumatoMapper::ShowInput(vtkActor* actor) {
+  CloudOfBlocks cloud = this->CloudOf(actor);
   sfumato::PointCloud points = this->IsDistributed ? cloud.TakeOfAllRanks() : cloud.Take();
   this->Own->is_empty = points.empty();
   if (points.empty()) return;
-  // Colours are the host's: as they are, though they be dark.
-  sfumato::ColorSettings coloring{.color_by = "rgb"};
-  coloring.exposure = 1;
-  this->Own->renderer->set_cloud(std::move(points), coloring);
+  if (!this->Own->renderer) this->Own->renderer = std::make_unique<sfumato::EmbeddedRenderer>();
+  this->Own->renderer->set_cloud(std::move(points), colors_of_host());
+}
+
+void vtkSfumatoMapper::ShowPart(vtkActor* actor) {
+  sfumato::PointCloud part = this->CloudOf(actor).TakeOfOwnRank();
+  sfumato::analysis::CloudFacts facts = sfumato::analysis::facts_of(part);
+  Ranks::MergeForAll(facts);
+  this->Own->has_part = true;
+  this->Own->is_empty = facts.points == 0;
+  if (this->Own->is_empty) return;
+  sfumato::analysis::Surroundings around = surroundings_of(part, facts);
+  Ranks::MergeForAll(around);
+  Ranks::Together([&] {
+    auto whole = whole_of(facts, around, part.origin);
+    if (!this->Own->part) this->Own->part = std::make_unique<sfumato::PartRenderer>();
+    this->Own->part->set_part(std::move(part), std::move(whole), colors_of_host());
+  });
+}
+
+void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
+  State& own = *this->Own;
+  if (!own.has_part) this->ShowPart(actor);
+  if (own.is_empty) return;
+  int left = 0, bottom = 0;
+  sfumato::HostView view = view_of(renderer, left, bottom);
+  // All draw the view of the first, as far as its numbers go.
+  Bytes bytes;
+  bytes.Put(view);
+  Ranks::Broadcast(bytes);
+  bytes.Take(view);
+  if (view.width <= 0 || view.height <= 0) return;
+  const sfumato::Camera camera = sfumato::camera_of_matrices(view.view, view.projection, view.width, view.height);
+  bool merges = false;
+  std::string technique;
+  sfumato::Parameters parameters;
+  Ranks::Together([&] {
+    technique = own.part->settle(this->Technique);
+    parameters = changed_parameters(technique, this->Parameters);
+    merges = own.part->merges(technique, camera, parameters);
+  });
+  if (!merges) {
+    if (!own.has_all) this->ShowInput(actor);
+    own.has_all = true, own.is_empty = false;
+    if (Ranks::Own() == 0) this->Draw(renderer);
+    return;
+  }
+  sfumato::VisiblePoints visible;
+  Ranks::Together([&] { visible = own.part->visible(technique, camera, parameters); });
+  const std::size_t sent = Ranks::Merge(visible);
+  if (sent > 0) vtkTimerLog::FormatAndMarkEvent("sfumato: %zu bytes to another rank", sent);
+  if (Ranks::Own() != 0) return;
+  const sfumato::Pictures picture = own.part->picture(visible, technique, camera, parameters);
+  GLint framebuffer = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  if (!own.canvas) own.canvas = std::make_unique<sfumato::gl::HostCanvas>();
+  own.canvas->draw(picture.color, picture.depth, ++own.pictures, view.projection, std::uint32_t(framebuffer),
+                  {left, bottom, view.width, view.height}, float(this->Opacity));
 }
 
 void vtkSfumatoMapper::Render(vtkRenderer* renderer, vtkActor* actor) {
@@ -144,28 +233,26 @@ void vtkSfumatoMapper::Render(vtkRenderer* renderer, vtkActor* actor) {
       this->ReleaseGraphicsResources(nullptr);
       this->Own->window = renderer->GetRenderWindow();
     }
-    if (!this->Own->renderer) this->Own->renderer = std::make_unique<sfumato::EmbeddedRenderer>();
+    const bool is_distributed = this->IsDistributed && Ranks::Count() > 1;
     const std::string input = this->DescribeInput(actor);
     const bool is_new = input != this->Own->shown;
-    if (this->IsDistributed ? CloudOfBlocks::AnyRank(is_new) : is_new) {
+    if (is_distributed ? Ranks::Any(is_new) : is_new) {
       this->Own->shown = input;
-      this->ShowInput(actor);
+      this->Own->has_part = this->Own->has_all = false;
+      if (!is_distributed) this->ShowInput(actor);
+      else if (this->Own->renderer) this->Own->renderer->release(), this->Own->renderer.reset();  // what was gathered
     }
-    if (!this->Own->is_empty) this->Draw(renderer);
+    if (is_distributed) this->DrawParts(renderer, actor);
+    else if (!this->Own->is_empty) this->Draw(renderer);
   } catch (const sfumato::Error& error) {
     vtkErrorMacro(<< "sfumato: " << error.what());
   }
 }
 
 void vtkSfumatoMapper::Draw(vtkRenderer* renderer) {
-  sfumato::HostView view;
   int left = 0, bottom = 0;
-  renderer->GetTiledSizeAndOrigin(&view.width, &view.height, &left, &bottom);
+  const sfumato::HostView view = view_of(renderer, left, bottom);
   if (view.width <= 0 || view.height <= 0) return;
-  vtkCamera* camera = renderer->GetActiveCamera();
-  view.view = columns_of(*camera->GetViewTransformMatrix());
-  view.projection =
-      columns_of(*camera->GetProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1, 1));
   sfumato::EmbeddedRenderer& points = *this->Own->renderer;
   points.request(this->Technique, view, changed_parameters(this->Technique, this->Parameters));
   // While somebody moves the view, a picture of the view before may do; the last one is always waited for.
@@ -180,11 +267,14 @@ void vtkSfumatoMapper::Draw(vtkRenderer* renderer) {
 
 void vtkSfumatoMapper::ReleaseGraphicsResources(vtkWindow* window) {
   // Names of one context mean something else in another: they are deleted in their own, or left to go with it.
-  if (this->Own->renderer && window && window == this->Own->window) {
+  if (window && window == this->Own->window) {
     window->MakeCurrent();
-    this->Own->renderer->release();
+    if (this->Own->renderer) this->Own->renderer->release();
+    if (this->Own->canvas) this->Own->canvas->release();
   } else {
     this->Own->renderer.reset();
+    this->Own->part.reset();
+    this->Own->canvas.reset();
     this->Own->shown.clear();
   }
   this->Superclass::ReleaseGraphicsResources(window);

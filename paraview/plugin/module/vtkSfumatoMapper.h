@@ -10,6 +10,8 @@
 #include "vtkBoundingBox.h"
 #include "vtkCompositePolyDataMapper2.h"
 
+class CloudOfBlocks;
+
 class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
  public:
   static vtkSfumatoMapper* New();
@@ -24,7 +26,8 @@ class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
   std::string Technique = "auto";
   /// By the names of `sfumato techniques`; those of one technique as "points.point_size".
   std::map<std::string, std::string> Parameters;
-  /// Whether the points are spread over ranks, all of which have to ask: then rank 0 draws for them.
+  /// Whether the points are spread over ranks, all of which have to ask: then each says what its points show, and rank 0
+  /// puts the picture together; for pictures that cannot be put together it gathers the points.
   void SetDistributed(bool distributed);
 
  protected:
@@ -43,8 +46,12 @@ class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
 
   /// What the points that are shown were made from; another one asks for them anew.
   std::string DescribeInput(vtkActor* actor);
+  CloudOfBlocks CloudOf(vtkActor* actor);
   void ShowInput(vtkActor* actor);
+  /// What this rank has, and what all together are.
+  void ShowPart(vtkActor* actor);
   void Draw(vtkRenderer* renderer);
+  void DrawParts(vtkRenderer* renderer, vtkActor* actor);
 };
 
 #endif

@@ -1,0 +1,41 @@
+// Pictures of a cloud of which only a part is here, as on a rank of a cluster: each part says what it shows,
+// those who have them merge that (passes/visible_points.h), and one of them draws the picture.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "passes/visible_points.h"
+#include "sfumato/renderer.h"
+
+namespace sfumato {
+
+struct WholeCloud;
+
+/// Works on a thread and in an OpenGL context of its own, for which callers wait: whatever context is current
+/// where they call stays so, GLX's as well.
+class PartRenderer {
+ public:
+  PartRenderer();
+  ~PartRenderer();
+  PartRenderer(const PartRenderer&) = delete;
+  PartRenderer& operator=(const PartRenderer&) = delete;
+
+  /// `whole`: analysis::whole_of. The part may have no points; the whole has some. `part.source_index`,
+  /// ascending, has the numbers of its points among all.
+  void set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole, const ColorSettings& coloring);
+  /// "auto" as the technique that suits the whole.
+  std::string settle(const std::string& technique) const;
+  /// Whether such a picture can be drawn part by part (Renderer::merges).
+  bool merges(const std::string& technique, const Camera& camera, const Parameters& parameters);
+  VisiblePoints visible(const std::string& technique, const Camera& camera, const Parameters& parameters);
+  /// Colours, transparent where nothing is, and depths.
+  Pictures picture(const VisiblePoints& merged, const std::string& technique, const Camera& camera,
+                   const Parameters& parameters);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sfumato

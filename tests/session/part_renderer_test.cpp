@@ -1,0 +1,83 @@
+// Parts of a cloud drawn as a host draws them, with everything that is automatic: whoever puts them together,
+// the picture is one.
+#include "session/part_renderer.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "analysis/whole.h"
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+/// One half in one colour, the other in very many, so that each half alone would be shaded in another way.
+PointCloud two_halves() {
+  PointCloud cloud = sphere_cloud(30'000);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (cloud.positions[i].x < 0) cloud.colors[i] = {200, 180, 20, 255};
+  return cloud;
+}
+
+struct Part {
+  PointCloud cloud;
+  std::unique_ptr<PartRenderer> renderer = std::make_unique<PartRenderer>();
+};
+
+/// Every part with what all of them know.
+std::vector<Part> parts_of(const PointCloud& cloud, std::size_t count,
+                           const std::function<std::size_t(std::uint32_t)>& part_of) {
+  std::vector<std::vector<std::uint32_t>> members(count);
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) members[part_of(i)].push_back(i);
+  std::vector<Part> parts(count);
+  analysis::CloudFacts facts;
+  for (std::size_t k = 0; k < count; ++k) {
+    parts[k].cloud = select(cloud, members[k]);
+    parts[k].cloud.source_index = members[k];
+    merge(facts, analysis::facts_of(parts[k].cloud));
+  }
+  analysis::Surroundings around = surroundings_of(parts[0].cloud, facts);
+  for (std::size_t k = 1; k < count; ++k) merge(around, surroundings_of(parts[k].cloud, facts));
+  const auto whole = whole_of(facts, around, cloud.origin);
+  ColorSettings coloring;
+  coloring.color_by = "rgb", coloring.exposure = 1;
+  for (Part& part : parts) part.renderer->set_part(std::move(part.cloud), whole, coloring);
+  return parts;
+}
+
+const Camera view = front_camera(160, 120, 3);
+
+/// Put together by the part of that number.
+Pictures picture(const std::vector<Part>& parts, std::size_t by) {
+  VisiblePoints all = parts[by].renderer->visible("points", view, {});
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (k != by) merge(all, parts[k].renderer->visible("points", view, {}));
+  return parts[by].renderer->picture(all, "points", view, {});
+}
+
+TEST(PartRenderer, ThePictureIsOneWhoeverDrawsIt) {
+  const PointCloud cloud = two_halves();
+  const Pictures whole = picture(parts_of(cloud, 1, [](std::uint32_t) { return 0; }), 0);
+  ASSERT_GT(std::ranges::count_if(whole.color, [](const Rgba8& c) { return c.a == 255; }), 5000);
+  const std::vector<Part> halves =
+      parts_of(cloud, 3, [&](std::uint32_t i) { return cloud.positions[i].x < 0; });
+  for (std::size_t by = 0; by < 3; ++by) {  // the last has no points
+    const Pictures parts = picture(halves, by);
+    EXPECT_TRUE(std::ranges::equal(parts.color, whole.color)) << by;
+    EXPECT_TRUE(std::ranges::equal(parts.depth, whole.depth)) << by;
+  }
+}
+
+TEST(PartRenderer, SaysWhatItCannotMerge) {
+  const std::vector<Part> parts = parts_of(two_halves(), 1, [](std::uint32_t) { return 0; });
+  PartRenderer& part = *parts.front().renderer;
+  EXPECT_TRUE(part.merges("points", view, {}));
+  EXPECT_FALSE(part.merges("points", view, {{"shadows", "soft"}}));
+  EXPECT_FALSE(part.merges("points", view, {{"samples", "4"}}));
+  EXPECT_FALSE(part.merges("soft", view, {}));
+  EXPECT_NE(part.settle("auto"), "auto");
+}
+
+}  // namespace
