@@ -1,5 +1,5 @@
-// Where neighbouring pixels show different surfaces: bit 0 of a pixel for its edge with the one on its right, bit 1 for
-// that with the one below.
+// Where neighbouring pixels show different surfaces: bits of a pixel for its edges with the one above, below, on its
+// left and on its right. Most have none and keep what they were cleared to.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
@@ -23,6 +23,11 @@ bool is_edge(float here, ivec2 pixel, ivec2 across) {
 
 bool filter_pixel(ivec2 pixel) {
   float here = depth_at(pixel);
-  out_0 = uvec4((is_edge(here, pixel, ivec2(1, 0)) ? 1u : 0u) | (is_edge(here, pixel, ivec2(0, 1)) ? 2u : 0u), 0, 0, 0);
-  return true;
+  uint edges = 0u;
+  if (is_edge(here, pixel, ivec2(0, -1))) edges |= 1u;
+  if (is_edge(here, pixel, ivec2(0, 1))) edges |= 2u;
+  if (is_edge(here, pixel, ivec2(-1, 0))) edges |= 4u;
+  if (is_edge(here, pixel, ivec2(1, 0))) edges |= 8u;
+  out_0 = uvec4(edges, 0, 0, 0);
+  return edges != 0u;
 }

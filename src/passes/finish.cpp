@@ -1,5 +1,7 @@
 #include "passes/finish.h"
 
+#include "gl/commands.h"
+
 namespace sfumato {
 void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::Texture& depth,
                          const gl::Texture& out) {
@@ -9,8 +11,10 @@ void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::T
   }
   gl::ensure(edges_, "edges in depth", GL_R32UI, color.width(), color.height());
   view.bind();
-  find_edges_.run({&depth}, {&edges_});
-  smooth_.run({&color, &edges_, &depth}, {&out});
+  edges_.clear_uint(0);
+  find_edges_.mark(mask_, {&depth}, {&edges_});
+  gl::copy(color, ivec2(0), out, ivec2(0), ivec2(color.width(), color.height()));
+  smooth_.run(mask_, {&color, &edges_, &depth}, {&out});
 }
 
 void Finish::set(ScreenPass& pass, const RenderSettings& settings) {

@@ -17,6 +17,7 @@ class SmoothOutlines {
  private:
   ScreenPass find_edges_, smooth_;
   gl::Texture edges_;
+  PixelMask mask_;
 };
 
 /// Background and encoding. `color` is linear and premultiplied.

@@ -14,6 +14,8 @@ constexpr float usual_height = 720;
 /// Distances of the octaves at that height: 6 px to 96 px, an eighth of it.
 constexpr float first_octave_px = 6;
 constexpr int octaves = 5, fine_octaves = 2;
+/// Squares of 32 px: elsewhere nothing is covered.
+constexpr int tile_level = 4;
 
 float widened(int picture_height) { return std::max(1.0f, float(picture_height) / usual_height); }
 
@@ -56,8 +58,6 @@ void Relief::find_openness(const View& view, const Options& options, const gl::T
   occlusion_.set("first_px", first_octave_px * widened(view.picture_height()))
       .set("spacing", options.spacing);
   occlusion_.set("point_noise", options.noise);
-  // Squares of 32 px that something covers.
-  constexpr int tile_level = 4;
   if (gl::limits().software) gl::finish();  // see Tiles
   occlusion_.run({views_[tile_level], 1 << (tile_level - finest)}, {&pyramid_}, {&openness_},
                  {vec4(1, 0, 0, 0)});
@@ -78,7 +78,8 @@ void Relief::run(const View& view, const Options& options, const gl::Texture& co
       .set("occlusion", options.occlusion)
       .set("orthographic_distance", float(distance))
       .set("spacing", options.spacing);
-  relief_.run({&color, &depth, &openness_}, {&out});
+  gl::copy(color, ivec2(0), out, ivec2(0), ivec2(color.width(), color.height()));
+  relief_.run({views_[tile_level], 2 << tile_level}, {&color, &depth, &openness_}, {&out}, {});
 }
 
 }  // namespace sfumato

@@ -97,9 +97,29 @@ void ScreenPass::run(const Tiles& tiles, std::initializer_list<const gl::Texture
   draw(&tiles, inputs, outputs, elsewhere);
 }
 
+void ScreenPass::mark(PixelMask& mask, std::initializer_list<const gl::Texture*> inputs,
+                      std::initializer_list<const gl::Texture*> outputs) {
+  if (compute_) return run(inputs, outputs);
+  const gl::Texture& first = **outputs.begin();
+  gl::ensure(mask.depth, "pixels", GL_DEPTH_COMPONENT32F, first.width(), first.height());
+  const gl::State state{gl::State::Depth::test_and_write, GL_ALWAYS};
+  state.apply();  // clears heed it
+  gl::clear_depth(gl::Framebuffer({}, &mask.depth));
+  draw(nullptr, inputs, outputs, {}, &mask.depth, state);
+}
+
+void ScreenPass::run(const PixelMask& mask, std::initializer_list<const gl::Texture*> inputs,
+                     std::initializer_list<const gl::Texture*> outputs) {
+  if (compute_) return run(inputs, outputs);
+  // The screen is drawn nearer than what the mask was cleared to, as it was where it was set.
+  draw(nullptr, inputs, outputs, {}, &mask.depth, {gl::State::Depth::test, GL_GEQUAL});
+}
+
 void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Texture*> inputs,
                       std::initializer_list<const gl::Texture*> outputs,
-                      std::initializer_list<vec4> elsewhere) {
+                      std::initializer_list<vec4> elsewhere, const gl::Texture* mask,
+                      const gl::State& state) {
+  if (compute_ && elsewhere.size() == 0) tiles = nullptr;
   int unit = binding::input;
   for (const gl::Texture* input : inputs) {
     input->bind(unit++);
@@ -121,9 +141,9 @@ void ScreenPass::draw(const Tiles* tiles, std::initializer_list<const gl::Textur
     return;
   }
 
-  gl::Framebuffer framebuffer(outputs);
+  gl::Framebuffer framebuffer(outputs, mask);
   framebuffer.bind();
-  gl::State{}.apply();
+  state.apply();
   program_.use();
   if (!tiles) {
     const gl::Texture& first = **outputs.begin();

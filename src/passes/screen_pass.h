@@ -13,6 +13,7 @@
 
 #include "gl/preferences.h"
 #include "gl/program.h"
+#include "gl/state.h"
 #include "gl/texture.h"
 
 namespace sfumato {
@@ -28,6 +29,13 @@ struct Tiles {
   const gl::Texture& on;
   int size;                 ///< px of the image
   ivec2 offset = ivec2(0);  ///< of the image within the tiled area, px
+};
+
+/// Pixels that a pass returned true for. Passes of fragments that run where it is set spend nothing on groups
+/// of pixels elsewhere: a depth that is tested before the shader, for on llvmpipe (Mesa 22.3) branches spare
+/// no work.
+struct PixelMask {
+  gl::Texture depth;
 };
 
 class ScreenPass {
@@ -48,13 +56,21 @@ class ScreenPass {
   /// Binds `inputs` to UNIT_INPUT + k and runs over every pixel of `outputs` (all of one size).
   void run(std::initializer_list<const gl::Texture*> inputs,
            std::initializer_list<const gl::Texture*> outputs);
-  /// The same, only where a tile is on; everywhere else output k becomes `elsewhere[k]` (float formats only).
+  /// The same, only where a tile is on; everywhere else output k becomes `elsewhere[k]` (float formats only),
+  /// or, where `elsewhere` is empty, stays what it was, which is what the pass would write there.
   void run(const Tiles& tiles, std::initializer_list<const gl::Texture*> inputs,
            std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere);
+  /// Over every pixel; sets the mask where the pass returns true.
+  void mark(PixelMask& mask, std::initializer_list<const gl::Texture*> inputs,
+            std::initializer_list<const gl::Texture*> outputs);
+  /// Where the mask is set. The pass returns false elsewhere by itself: there may be no mask.
+  void run(const PixelMask& mask, std::initializer_list<const gl::Texture*> inputs,
+           std::initializer_list<const gl::Texture*> outputs);
 
  private:
   void draw(const Tiles* tiles, std::initializer_list<const gl::Texture*> inputs,
-            std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere);
+            std::initializer_list<const gl::Texture*> outputs, std::initializer_list<vec4> elsewhere,
+            const gl::Texture* mask = nullptr, const gl::State& state = {});
   gl::Program program_;
   bool compute_ = false;
 };

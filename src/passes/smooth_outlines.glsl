@@ -19,7 +19,7 @@ ivec2 last_pixel = textureSize(edge_image, 0) - 1;
 // Whether there is an edge between a pixel and its neighbour `across`.
 bool is_edge(ivec2 pixel, ivec2 across) {
   uint edges = texelFetch(edge_image, clamp(min(pixel, pixel + across), ivec2(0), last_pixel), 0).x;
-  return (edges & (across.x != 0 ? 1u : 2u)) != 0u;
+  return (edges & (across.x != 0 ? 8u : 2u)) != 0u;
 }
 
 float depth_at(ivec2 pixel) { return texelFetch(depth_image, clamp(pixel, ivec2(0), last_pixel), 0).x; }
@@ -74,19 +74,19 @@ float share_across(ivec2 pixel, ivec2 across) {
   return max(of_left, 0.0) + max(of_right, 0.0);
 }
 
+// In the order of the bits of depth_edges.glsl.
 ivec2 side(int k) {
   int way = (k & 1) * 2 - 1;
   return (k >> 1) == 0 ? ivec2(0, way) : ivec2(way, 0);
 }
 
 bool filter_pixel(ivec2 pixel) {
+  uint sides = texelFetch(edge_image, pixel, 0).x;
+  if (sides == 0u) return false;
   out_0 = texelFetch(color_image, pixel, 0);
   vec4 sum = vec4(0.0);
   float shares = 0.0;
-  // The sides that have an edge, one after the other: most pixels have none, and groups of them are done at once.
-  uint sides = 0u;
-  for (int k = 0; k < 4; ++k)
-    if (is_edge(pixel, side(k))) sides |= 1u << k;
+  // The sides that have an edge, one after the other: groups of pixels are done at once.
   for (; sides != 0u; sides &= sides - 1u) {
     ivec2 across = side(findLSB(sides));
     float share = share_across(pixel, across);

@@ -73,6 +73,43 @@ TEST_F(Passes, BothWrappersWriteFloatsAndIntegers) {
   EXPECT_GT(taken_over, 20u);
 }
 
+// A pass that marks pixels, and one that runs at those: everything else stays, also where a mask is used
+// again.
+TEST_F(Passes, APassWithAMaskLeavesTheRestAlone) {
+  const int width = 37, height = 23;
+  Image<vec4> picture(width, height);
+  Image<float> depths(width, height);
+  for (std::size_t i = 0; i < picture.size(); ++i) picture.data()[i] = vec4(float(i % 7), 0, 0, 1);
+  const View view(frame({dvec3(-1), dvec3(1)}, UpAxis::pos_z, width, height, 0, 0), dvec3(0));
+  view.bind();
+  gl::Texture color("color", GL_RGBA32F, width, height), depth("depth", GL_R32F, width, height);
+  color.upload(picture);
+  Image<vec4> results[2];
+  int k = 0;
+  for (ScreenPassKind kind : {ScreenPassKind::fragment, ScreenPassKind::compute}) {
+    ScreenPass find("passes/depth_edges.glsl", {GL_R32UI}, {}, kind),
+        smooth("passes/smooth_outlines.glsl", {GL_RGBA32F}, {}, kind);
+    gl::Texture edges("edges", GL_R32UI, width, height), out("out", GL_RGBA32F, width, height);
+    PixelMask mask;
+    for (int border : {30, 11}) {
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) depths.at(x, y) = x + y / 4 < border ? 1 : INFINITY;
+      depth.upload(depths);
+      edges.clear_uint(0), out.clear(vec4(-1));
+      find.mark(mask, {&depth}, {&edges});
+      smooth.run(mask, {&color, &edges, &depth}, {&out});
+    }
+    results[k] = out.download<vec4>();
+    const Image<std::uint32_t> marked = edges.download<std::uint32_t>();
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        ASSERT_EQ(results[k].at(x, y).a == -1, marked.at(x, y) == 0) << x << ' ' << y << ' ' << k;
+    EXPECT_EQ(std::count(marked.begin(), marked.end(), 0u) + 2 * height, std::ptrdiff_t(marked.size()));
+    ++k;
+  }
+  for (std::size_t i = 0; i < picture.size(); ++i) ASSERT_EQ(results[0].data()[i], results[1].data()[i]);
+}
+
 // Tiles that are on get what the whole pass writes, everything else the value for elsewhere; the tiled area
 // may reach beyond the image on all sides.
 TEST_F(Passes, APassOnTilesLeavesTheRestAlone) {
