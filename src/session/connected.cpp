@@ -59,9 +59,10 @@ double closed_share(std::span<const dvec3> points, const Bounds& box) {
   return (double(closed) + 0.5) / (side * side);
 }
 
-/// Of voxels, whose keys ascend, what touches by a side, an edge or a corner.
-std::vector<Part> components(const std::vector<Part>& voxels) {
-  std::vector<std::uint32_t> root(voxels.size());
+/// Of voxels, whose keys ascend, what touches by a side, an edge or a corner: each at the place of one of its
+/// voxels, which is the root of all of them; nothing at the others.
+std::vector<Part> components(const std::vector<Part>& voxels, std::vector<std::uint32_t>& root) {
+  root.resize(voxels.size());
   std::iota(root.begin(), root.end(), 0u);
   const auto find = [&](std::uint32_t i) {
     while (root[i] != i) i = root[i] = root[root[i]];
@@ -83,9 +84,41 @@ std::vector<Part> components(const std::vector<Part>& voxels) {
     }
   }
   std::vector<Part> parts(voxels.size());
-  for (std::uint32_t i = 0; i < voxels.size(); ++i) parts[find(i)].add(voxels[i]);
-  std::erase_if(parts, [](const Part& part) { return part.points == 0; });
+  for (std::uint32_t i = 0; i < voxels.size(); ++i) root[i] = find(i), parts[root[i]].add(voxels[i]);
   return parts;
+}
+
+/// The voxel of each point, by its key.
+std::vector<Part> voxels_of(std::span<const dvec3> points, const dvec3& from, double edge) {
+  std::vector<Part> voxels;
+  for (const dvec3& p : points) {
+    const dvec3 at = glm::clamp(glm::floor((p - from) / edge) + most, dvec3(0), dvec3(2 * most - 1));
+    voxels.push_back({key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)), 1, p, p});
+  }
+  return voxels;
+}
+
+/// Of the points in a box those of the largest part that voxels of this edge join.
+std::vector<bool> members_of(std::span<const dvec3> points, const Bounds& box, const dvec3& from,
+                             double edge) {
+  const std::vector<Part> voxel = voxels_of(points, from, edge);
+  std::vector<Part> voxels;
+  for (const Part& each : voxel)
+    if (glm::all(glm::greaterThanEqual(each.low, box.min)) && glm::all(glm::lessThanEqual(each.low, box.max)))
+      voxels.push_back(each);
+  std::vector<bool> members(points.size(), voxels.empty());
+  if (voxels.empty()) return members;
+  merge(voxels);
+  std::vector<std::uint32_t> root;
+  const std::vector<Part> parts = components(voxels, root);
+  const auto largest = std::max_element(parts.begin(), parts.end(),
+                                        [](const Part& a, const Part& b) { return a.points < b.points; });
+  std::vector<std::uint64_t> keys;
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    if (root[i] == largest - parts.begin()) keys.push_back(voxels[i].key);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    members[i] = std::binary_search(keys.begin(), keys.end(), voxel[i].key);
+  return members;
 }
 
 }  // namespace
@@ -97,20 +130,18 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
   // of this share of the diagonal pictures close (11 of 720 pixels), and of all points this is few.
   constexpr double gap = 11.0 / 1468, few = 0.1;
   const double edge = usual.diagonal() / finest;
-  if (!(edge > 0)) return {usual, 1};
-  std::vector<Part> voxels;
-  for (const dvec3& p : points) {
-    const dvec3 at = glm::clamp(glm::floor((p - usual.min) / edge) + most, dvec3(0), dvec3(2 * most - 1));
-    voxels.push_back({key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)), 1, p, p});
-  }
+  if (!(edge > 0)) return {usual, 1, std::vector<bool>(points.size(), true)};
+  std::vector<Part> voxels = voxels_of(points, usual.min, edge);
+  std::vector<std::uint32_t> root;
   Bounds before;
-  Connected best{usual, 0};
+  Connected best{usual, 0, {}};
+  double joined = edge;  // the width of what joins the best
   double highest = -std::numeric_limits<double>::infinity();
   for (double width = edge;; width *= 2) {
     progress.check();
     merge(voxels);
     progress.check();
-    const std::vector<Part> parts = components(voxels);
+    const std::vector<Part> parts = components(voxels, root);
     for (const Part& part : parts) {
       progress.check();
       const double share = part.points / double(points.size());
@@ -121,13 +152,15 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
       before = {part.low, part.high};
       const double score = std::log(share) + gain * std::log(closed_share(points, before));
       const bool is_one = width <= gap * before.diagonal();
-      if (score > highest || (is_one && share > best.share + few)) best = {before, share};
+      if (score > highest || (is_one && share > best.share + few)) best = {before, share, {}}, joined = width;
       highest = std::max(highest, score);
     }
-    if (parts.size() <= 1) return best;
+    if (std::count(root.begin(), root.end(), root[0]) == std::ptrdiff_t(root.size())) break;
     for (Part& voxel : voxels)
       voxel.key = key_of(voxel.key >> 43, voxel.key >> 22 & axis_mask >> 1, (voxel.key & axis_mask) >> 1);
   }
+  best.members = members_of(points, best.box, usual.min, joined);
+  return best;
 }
 
 }  // namespace sfumato

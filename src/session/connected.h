@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/point_cloud.h"
 #include "core/progress.h"
@@ -10,7 +11,8 @@ namespace sfumato {
 
 struct Connected {
   Bounds box;
-  double share = 0;  ///< of the points
+  double share = 0;           ///< of the points
+  std::vector<bool> members;  ///< of the points, those that hang together
 };
 
 /// Of all that single linkage joins at some distance (in voxels of 2^k, that touch), what has most by the

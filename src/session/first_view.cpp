@@ -130,13 +130,13 @@ void make_orthographic(Camera& camera) {
 
 namespace {
 
-/// The points that are drawn for who looks from there.
+/// The points that are drawn for who looks from there, and framed.
 std::vector<dvec3> drawn_for(const Camera& camera, const Subject& subject) {
-  if (!subject.room) return subject.points;
-  const std::vector<glm::dvec4> walls = walls_before(*subject.room, camera);
+  std::vector<glm::dvec4> walls;
+  if (subject.room) walls = walls_before(*subject.room, camera);
   std::vector<dvec3> drawn;
-  for (const dvec3& point : subject.points)
-    if (!is_behind(walls, point)) drawn.push_back(point);
+  for (std::size_t i = 0; i < subject.points.size(); ++i)
+    if (subject.is_framed(i) && !is_behind(walls, subject.points[i])) drawn.push_back(subject.points[i]);
   return drawn.empty() ? subject.points : drawn;
 }
 
@@ -148,9 +148,10 @@ std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3&
                                             const dvec3& up) {
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
   glm::dvec2 low(1e300), high(-1e300);
-  for (const dvec3& p : subject.points) {
+  for (std::size_t i = 0; i < subject.points.size(); ++i) {
+    const dvec3& p = subject.points[i];
     const double depth = glm::dot(p - eye, along);
-    if (!(depth > 0)) continue;
+    if (!subject.is_framed(i) || !(depth > 0)) continue;
     const glm::dvec2 slope(glm::dot(p - eye, right) / depth, glm::dot(p - eye, above) / depth);
     low = glm::min(low, slope), high = glm::max(high, slope);
   }
@@ -250,9 +251,12 @@ Subject subject_of(const PointCloud& cloud, bool whole, Progress& progress) {
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 200'000);
   std::vector<dvec3> sample;
   for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.world(i));
-  Subject subject{bounds(cloud), {}, {}, {}};
-  if (cloud.size() >= each_counts)
-    subject.box = connected(sample, robust_bounds(cloud), whole ? gain_whole : gain, progress).box;
+  Subject subject{bounds(cloud), {}, {}, {}, {}};
+  std::vector<bool> members(sample.size(), true);
+  if (cloud.size() >= each_counts) {
+    Connected found = connected(sample, robust_bounds(cloud), whole ? gain_whole : gain, progress);
+    subject.box = found.box, members = std::move(found.members);
+  }
   const std::vector<dvec3> scanners = scanners_of(cloud);
   const std::size_t thinner = std::max<std::size_t>(1, sample.size() / 50'000);
   for (std::size_t k = 0; k < sample.size(); k += thinner) {
@@ -261,6 +265,7 @@ Subject subject_of(const PointCloud& cloud, bool whole, Progress& progress) {
           glm::all(glm::lessThanEqual(p, subject.box.max))))
       continue;
     subject.points.push_back(p);
+    subject.framed.push_back(members[k]);
     if (!cloud.normals.empty())
       subject.facing.push_back(cloud.normals[k * stride]);
     else if (scanners.size() == 1)

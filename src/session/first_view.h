@@ -28,9 +28,11 @@ struct Compass {
 /// What the first view shows.
 struct Subject {
   Bounds box;
-  std::vector<dvec3> points;  ///< some of those in the box, world; the view fits them tightly
+  std::vector<dvec3> points;  ///< some of those in the box, world
   std::vector<vec3> facing;  ///< where each of them faces: its normal, or the way to the one scanner; or none
+  std::vector<bool> framed;  ///< of the points, what hangs together, which the view fits tightly; or all
   std::optional<Room> room;  ///< seen from within: walls between it and the camera are not drawn
+  bool is_framed(std::size_t i) const { return framed.empty() || framed[i]; }
 };
 
 /// Where scanners stood, as far as the file says.

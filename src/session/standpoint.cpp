@@ -43,11 +43,12 @@ struct Area {
   Bounds box;
   double edge = 0;
   std::vector<dvec3> voxels, facing;
+  std::vector<bool> framed;
 };
 
 Area area_of(const Subject& subject) {
   const double edges = std::clamp(std::sqrt(double(subject.points.size())) / 2, 8.0, 100.0);
-  Area area{subject.box, subject.box.diagonal() / edges, {}, {}};
+  Area area{subject.box, subject.box.diagonal() / edges, {}, {}, {}};
   if (!(area.edge > 0)) return area;
   std::vector<std::pair<std::uint64_t, std::size_t>> keys;  // of a point its voxel, 21 bits an axis
   for (std::size_t i = 0; i < subject.points.size(); ++i) {
@@ -57,11 +58,15 @@ Area area_of(const Subject& subject) {
   std::sort(keys.begin(), keys.end());
   for (std::size_t first = 0, last; first < keys.size(); first = last) {
     dvec3 facing(0);
-    for (last = first; last < keys.size() && keys[last].first == keys[first].first; ++last)
+    bool framed = false;
+    for (last = first; last < keys.size() && keys[last].first == keys[first].first; ++last) {
       if (!subject.facing.empty()) facing += dvec3(subject.facing[keys[last].second]);
+      framed = framed || subject.is_framed(keys[last].second);
+    }
     const std::uint64_t key = keys[first].first;
     const dvec3 at(double(key >> 42), double(key >> 21 & 0x1fffff), double(key & 0x1fffff));
     area.voxels.push_back(area.box.min + area.edge * (at + 0.5));
+    area.framed.push_back(framed);
     area.facing.push_back(glm::length(facing) > 0 ? glm::normalize(facing) : facing);
   }
   return area;
@@ -102,15 +107,16 @@ double score_of(const Area& area, UpAxis up, const Standpoint& from, const Room*
   constexpr double next_edges = 1.2;      // wider than a voxel
   Camera camera = camera_at(area.box, up, from);
   const std::vector<bool> seen = seen_of(area, camera, next_edges, room);
-  std::vector<dvec3> shown;
+  std::vector<dvec3> shown, framed;
   std::size_t away = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (!seen[i]) continue;
     shown.push_back(area.voxels[i]);
+    if (area.framed[i]) framed.push_back(area.voxels[i]);
     away += glm::dot(area.facing[i], camera.direction()) > edge_on;
   }
   if (shown.empty()) return nothing;
-  fit(camera, shown);
+  fit(camera, framed.empty() ? shown : framed);
   const dmat4 to_page = camera.projection_matrix() * camera.view();
   std::bitset<std::size_t(columns * rows)> cells;
   for (const dvec3& world : shown) {

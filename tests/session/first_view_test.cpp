@@ -154,6 +154,26 @@ TEST(FirstView, StraysFarOffMoveNothingAndThinTopsStay) {
   EXPECT_NEAR(pose_of(two).subject.box.max.y, 1.6, 1e-6);
 }
 
+// A wall along the diagonal, and strays in the corners of its box.
+TEST(FirstView, StraysBesideWhatHangsTogetherMoveNothing) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud wall;
+  wall.up = UpAxis::pos_z;
+  for (int i = 0; i < 20'000; ++i) {
+    const float along = 20 * unit(random);
+    wall.positions.push_back({along, along, 3 * unit(random)});
+  }
+  PointCloud with = wall;
+  for (int i = 0; i < 20; ++i) with.positions.push_back({17 + 0.1f * float(i), 1 + 0.1f * float(i), 1});
+  const auto camera_of = [](const PointCloud& cloud) {
+    Pose pose = pose_of(cloud);
+    pose.upright.azimuth_deg = -45;
+    return first_view(pose, 640, 360);
+  };
+  EXPECT_LT(glm::distance(camera_of(wall).position, camera_of(with).position), 0.5);
+}
+
 // A crown closes its picture far better than with the long trunk below, which is in one piece with it.
 TEST(FirstView, TheTrunkBelowACrownIsNotCut) {
   std::mt19937 random(12);
