@@ -3,7 +3,7 @@
 #define UNIT_SOURCE_INDEX 1   // R32UI, place in the file
 #define UNIT_COLORS 2         // RGBA8, sRGB
 #define UNIT_NORMALS 3        // RG16, octahedral, (0,0) = none
-#define UNIT_RADII 4          // R32F
+#define UNIT_RADII 4          // RG32F, and how far the point lies on a surface
 #define UNIT_FIELD 5          // R32F, whatever scalar the technique asked for
 #define UNIT_SHADOW 6         // R32F, shadow factor: 1 lit, 0 dark
 #define UNIT_BATCHES 7        // RGBA32UI, two texels each: first, count, bits of least and most log2 spacing; bits of its plane

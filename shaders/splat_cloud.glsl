@@ -6,6 +6,9 @@
 uniform float splat_radius_scale;
 uniform float splat_radius_limit;  // scene units, before the scale
 uniform float splat_widest_px;     // radius on the screen; of what would be wider nothing but a dot remains
+uniform bool splat_dots;           // what no neighbours vouch for is a dot
+const vec2 closing = vec2(2.0, 4.0);  // in those: discs of 1.7 spacings close a grid up to 1.2 spacings beyond
+const float dot_share = 0.3125;        // 2.5 of 8 px
 #ifdef SPLAT_FIELD
 uniform float splat_field_threshold;
 uniform bool splat_field_above;
@@ -18,12 +21,15 @@ Splat cloud_splat(int i) {
   precise vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
   if (dot(normal, normal) < 0.25) normal = to_camera(center);
   precise float radius = min(point_radius(i), splat_radius_limit) * splat_radius_scale;
-  // Gradually, from twice as wide on, and turned to the camera: a dot has no direction.
+  // Gradually: no more than a dot is what nobody vouches for, and what is so far from all others that it makes no surface
+  // to whoever looks; turned to the camera, for a dot has no direction.
   precise float wider = radius * pixels_at(max(-center.z, splat_near())) / splat_widest_px;
-  if (wider > 1.0) {
-    radius *= min(1.0, max(2.0 / wider, 0.5)) / wider;
+  precise float surface = (splat_dots ? point_surface(i) : 1.0) * (1.0 - smoothstep(closing.x, closing.y, wider));
+  precise float most = surface < 1.0 ? min(1.0, dot_share / (1.0 - surface)) : 1.0;
+  if (wider > most) radius *= most / wider;
+  if (surface < 1.0) {
     vec3 toward = to_camera(center);
-    normal = normalize(mix(dot(normal, toward) < 0.0 ? -normal : normal, toward, clamp(wider - 2.0, 0.0, 1.0)));
+    normal = normalize(mix(toward, dot(normal, toward) < 0.0 ? -normal : normal, surface));
   }
 #ifdef SPLAT_FIELD
   if ((point_field(i) > splat_field_threshold) != splat_field_above) radius = 0.0;

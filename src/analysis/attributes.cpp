@@ -39,6 +39,10 @@ constexpr float largest_unless_flat = 1.5f;
 /// below them, on statues and in rooms; but 0.5 on a tower of few points.
 constexpr float crown = 0.3f, grove = 0.5f;
 
+/// Of a disc of Eq. 20, drawn 1.5 times as large (1.7 spacings): where it touches its neighbours' on a square
+/// grid, and where such discs close it.
+constexpr float discs_touch = 0.3f, discs_close = 0.42f;
+
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
 
@@ -262,32 +266,35 @@ class Completion {
                                          : surface_shares(cloud_.positions, flatness, int(k_), progress_);
     const UsualRadii usual(radii);
     const float medians = prepared_.median_radius;
-    std::vector<float> ratio(radii.size(), 1.0f);
+    std::vector<float> ratio(radii.size(), 1.0f), on_surface = ratio;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         if (!cells[i].is_measured()) continue;  // the file has its radius, or all neighbours are in one place
+        // A disc that is much larger than usual belongs to a point that stands alone. What is usual differs
+        // from place to place: where a dense scan meets a sparse one, the sparse one is no heap of strays.
         const float radius = radii[i], small = largest_unless_flat * medians / radius,
-                    dot = options_.clutter_radius * std::min(1.0f, medians / radius);
+                    widest = largest_disc * std::max(medians, usual.near(i)) / radius,
+                    dot = std::min(options_.clutter_radius, widest);
         // What is sparse and hangs above all that surrounds it, as wires above a field, is on no surface.
         const float own = small < 1 ? shares.own[i] * shares.in_layer[i] : shares.own[i];
         // Inside a surface as by Eq. 20, at its end no farther than its points are surrounded.
         const float end = overlap * vouched_radius(cells[i]) / radius,
                     inside = std::min(surrounded(cells[i]), enclosed(cells[i])),
                     disc = std::lerp(std::min(1.0f, end), 1.0f, inside);
-        float most = 1;
-        if (flatness[i] < 1 || own < 1) most = small;
+        float most = std::min(1.0f, widest);
+        if (flatness[i] < 1 || own < 1) most = std::min(most, small);
         // The few points of branches that a scanner saw between leaves are flat by chance, far apart, and
         // planks when drawn as large as that.
         if (small < 3)
           most = std::min(most, std::lerp(small / 3, 1.0f, glm::smoothstep(crown, grove, shares.around[i])));
-        // A disc that is much larger than usual belongs to a point that stands alone. What is usual differs
-        // from place to place: where a dense scan meets a sparse one, the sparse one is no heap of strays.
-        most = std::min(most, largest_disc * std::max(medians, usual.near(i)) / radius);
         ratio[i] = std::max(dot, std::min(most, std::lerp(dot, disc, own)));
+        on_surface[i] =
+            own * own * two_sided(cells[i]) * glm::smoothstep(discs_touch, discs_close, std::min(most, disc));
         radii[i] *= ratio[i];
       }
     });
     prepared_.radius_limit = std::max(largest_disc * medians, *std::max_element(radii.begin(), radii.end()));
+    prepared_.on_surface = std::move(on_surface);
     return ratio;
   }
 

@@ -168,10 +168,9 @@ SFUMATO_WIDE bool closes(const std::uint16_t* which, std::size_t count, const ve
   return all;
 }
 
-}  // namespace
-
-VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
-                    std::span<const std::uint32_t> neighbors, const LocalFrame& frame, const vec3& normal) {
+VoronoiCell open_cell_of(std::span<const vec3> positions, std::uint32_t point,
+                         std::span<const std::uint32_t> neighbors, const LocalFrame& frame,
+                         const vec3& normal, float& evenness) {
   const std::size_t count = std::min(neighbors.size(), most);
   // Half the axes of an evenly filled ellipse are two deviations long.
   const float spacing_all = std::sqrt(4 * std::numbers::pi_v<float> *
@@ -196,6 +195,7 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
   if (count > 8) {
     near2 = nth_smallest(distances2.data(), count, 7);
     spacing = std::min(spacing, std::sqrt(near2 * std::numbers::pi_v<float> / 8));
+    if (reach2 > 0) evenness = near2 * float(count) / (reach2 * 8);
   }
   // The nearest eight first, which mostly close it; inside a surface nobody asks how large the cell is.
   std::array<std::uint16_t, most + 1> order, farther;
@@ -220,6 +220,21 @@ VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
   for (std::size_t k = 1; k < there; ++k)
     if (angles[k + 1] - angles[k] > angles[widest + 1] - angles[widest]) widest = k;
   return polygon.cell(angles[widest], angles[widest + 1] - angles[widest]);
+}
+
+}  // namespace
+
+VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
+                    std::span<const std::uint32_t> neighbors, const LocalFrame& frame, const vec3& normal) {
+  float evenness = 1;
+  VoronoiCell cell = open_cell_of(positions, point, neighbors, frame, normal, evenness);
+  if (frame.variance.z > 0) cell.aspect = std::sqrt(frame.variance.y / frame.variance.z);
+  cell.evenness = evenness;
+  return cell;
+}
+
+float two_sided(const VoronoiCell& cell) {
+  return glm::smoothstep(0.25f, 0.5f, cell.aspect) * glm::smoothstep(0.33f, 0.6f, cell.evenness);
 }
 
 float surrounded(const VoronoiCell& cell) { return glm::smoothstep(0.5f, 1.0f, cell.closed); }

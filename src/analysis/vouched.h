@@ -28,6 +28,11 @@ struct VoronoiCell {
   /// is closed. A half circle at a straight border, where the cell is a strip that leaves few directions
   /// open.
   float widest_angle = 0;
+  /// The neighbourhood's deviation across over that along its longest axis: 1 in a disc, 0 on a line.
+  float aspect = 1;
+  /// The nearest eight's share of the area of all, over eight's share of the count: about 1 in a plane, 1/3
+  /// on a line of 24, less where those beyond the eight are of the next line.
+  float evenness = 1;
   bool is_measured() const { return radius < std::numeric_limits<float>::infinity(); }
 };
 
@@ -43,6 +48,9 @@ float surrounded(const VoronoiCell& cell);
 /// The same by the neighbours' directions, from a quarter of a circle without any of them (1) to a half (0):
 /// a disc at the border of a surface.
 float enclosed(const VoronoiCell& cell);
+
+/// How far the neighbours are spread in both directions, and not along a line.
+float two_sided(const VoronoiCell& cell);
 
 /// The radius of a disc that a cell vouches for, from 0. A disc needs no less of a surface around its point
 /// than the corner of a rectangle has, a quarter; of less, as on a line, it is so much smaller.

@@ -101,6 +101,9 @@ struct PreparedCloud {
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them
   std::vector<float>
       shrunk;  ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
+  /// How far the neighbours of each point vouch for a disc, 1, where it is drawn as a dot otherwise, 0;
+  /// empty: all 1.
+  std::vector<float> on_surface;
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
   MadeOnce<float> surface_share;

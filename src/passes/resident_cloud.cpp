@@ -34,6 +34,20 @@ std::vector<float> largest_of_batches(const PreparedCloud& prepared, std::span<c
   return largest;
 }
 
+/// With how far each point lies on a surface; empty: as far as can be.
+ResidentCloud::Values upload_radii(const std::vector<ResidentCloud::Chunk>& chunks, const std::string& name,
+                                   std::span<const float> radii, std::span<const float> surface) {
+  ResidentCloud::Values buffers;
+  std::vector<vec2> pairs;
+  for (const ResidentCloud::Chunk& chunk : chunks) {
+    pairs.resize(chunk.count);
+    for (std::uint32_t i = 0; i < chunk.count; ++i)
+      pairs[i] = {radii[chunk.first + i], surface.empty() ? 1 : surface[chunk.first + i]};
+    buffers.emplace_back(name, GL_RG32F, std::span<const vec2>(pairs));
+  }
+  return buffers;
+}
+
 template <class T>
 ResidentCloud::Values upload(const std::vector<ResidentCloud::Chunk>& chunks, const std::string& name,
                              GLenum format, std::span<const T> values) {
@@ -119,7 +133,7 @@ const ResidentCloud::Values& ResidentCloud::normals() const {
 
 const ResidentCloud::Values& ResidentCloud::radii() const {
   return made_once(mutex_, radii_, chunks().size(), [&] {
-    return upload(chunks(), "radii", GL_R32F, std::span<const float>(prepared_->cloud.radii));
+    return upload_radii(chunks(), "radii", prepared_->cloud.radii, prepared_->on_surface);
   });
 }
 
@@ -163,7 +177,7 @@ std::shared_ptr<const ResidentCloud::Shapes> ResidentCloud::make_shapes(std::spa
                                                                         std::span<const float> radii) const {
   Shapes shapes;
   if (!normals.empty()) shapes.normals = upload_normals(normals);
-  shapes.radii = upload(chunks(), "radii of a part", GL_R32F, radii);
+  shapes.radii = upload_radii(chunks(), "radii of a part", radii, {});
   shapes.largest_radii = largest_of_batches(*prepared_, radii);
   return std::make_shared<const Shapes>(std::move(shapes));
 }

@@ -16,6 +16,7 @@ flat out int splat_index;
 uniform bool splat_has_shadow;
 flat out vec4 splat_color;
 flat out int splat_has_normal;
+flat out vec3 splat_own_normal;
 #endif
 #ifdef SPLAT_FIELD
 flat out float splat_field;
@@ -38,7 +39,8 @@ void main() {
   splat_index = i;
 #ifdef SPLAT_COLOR
   splat_color = vec4(point_color(i), splat_has_shadow ? point_shadow(i) : 1.0);
-  splat_has_normal = point_normal(i) == vec3(0.0) ? 0 : 1;
+  splat_own_normal = mat3(frame.eye_from_cloud) * point_normal(i);
+  splat_has_normal = splat_own_normal == vec3(0.0) ? 0 : 1;
 #endif
 #ifdef SPLAT_FIELD
   splat_field = point_field(i);

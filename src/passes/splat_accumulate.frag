@@ -24,7 +24,7 @@ void main() {
 #else
   float w = splat_weight(hit.rho);
 #endif
-  vec3 normal = splat_normal_radius.xyz, slope = ray_slope(gl_FragCoord.xy);
+  vec3 normal = splat_own_normal, slope = ray_slope(gl_FragCoord.xy);
   float facing = dot(normal, slope);
   if (facing > 0.0) normal = -normal;
 #ifndef BLEND_OPAQUE
@@ -34,7 +34,7 @@ void main() {
     normal = -normal;
 #endif
   color_sum = vec4(w * splat_color.rgb, w);
-  normal_sum = vec4(w * float(splat_has_normal) * normal, w * hit.t);
+  normal_sum = vec4(w * normal, w * hit.t);
 #ifdef SPLAT_SHADOW
   shadow_sum = vec4(w * splat_color.a);
 #endif

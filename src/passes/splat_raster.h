@@ -38,6 +38,7 @@ struct SplatShape {
   float radius_limit = std::numeric_limits<float>::infinity();  ///< scene units, applied before the scale
   float widest_px = std::numeric_limits<float>::infinity();  ///< radius on the screen, beyond which a splat
                                                              ///< shrinks to a dot
+  bool dots = false;       ///< what no neighbours vouch for is turned to the camera, and no wider than a dot
   float prefilter_px = 0;  ///< radius of the screen filter (antialiasing); 0 = off
   SplatPart part = SplatPart::all;
   float field_threshold = 0;  ///< of GpuCloud::set_field; needs the definition SPLAT_FIELD

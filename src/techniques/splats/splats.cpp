@@ -65,6 +65,7 @@ class Splats final : public Technique {
     if (parameters_.clamp_radius)
       shape.widest_px =
           spacings_.widest_disc_px(frame) * std::max(1.0f, shape.radius_scale / DiscEvidence::usual_scale);
+    shape.dots = parameters_.clamp_radius;
     if (parameters_.antialias) shape.prefilter_px = 1;
     SplatBlend blend;
     blend.epsilon = parameters_.epsilon.resolve(2 * frame.cloud.median_spacing());

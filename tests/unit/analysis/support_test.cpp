@@ -179,6 +179,8 @@ TEST(Support, LonelyLinesAreThinAndUnbroken) {
   const auto [least, most] = std::minmax_element(prepared.cloud.radii.begin(), prepared.cloud.radii.end());
   EXPECT_GT(*least, 0.95f * 0.05f);
   EXPECT_LT(*most, 1.1f * 0.05f);
+  for (const float surface : prepared.on_surface)
+    ASSERT_LT(surface, 0.1f) << "a dot, whatever its neighbours";
 }
 
 TEST(Support, LinesOfASurfaceStillClose) {
@@ -211,7 +213,7 @@ TEST(Support, WiresAboveAFieldAreDotsAndASparseRoofIsClosed) {
     std::vector<float> above;
     for (std::size_t i = 0; i < points.size(); ++i)
       if (prepared.cloud.source_index[i] >= field.size())
-        above.push_back(prepared.cloud.radii[i] / prepared.median_radius);
+        above.push_back(prepared.on_surface[i] * prepared.cloud.radii[i] / prepared.median_radius);
     std::sort(above.begin(), above.end());
     return std::array{above[above.size() / 10], above.back()};
   };
@@ -264,7 +266,7 @@ TEST(Support, FewFlatPointsWithinACrownAreABranch) {
     if (source >= branches)
       land.push_back(radius);
     else if (source >= leaves)
-      branch.push_back(radius);
+      branch.push_back(prepared.on_surface[i] * radius);
   }
   std::sort(branch.begin(), branch.end());
   EXPECT_LT(branch[branch.size() * 9 / 10], 0.6f);  // two medians and more by Eq. 20
@@ -284,7 +286,7 @@ TEST(Support, StraysAreNoDiscs) {
   std::size_t large = 0, small_on_plane = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool stray = prepared.cloud.source_index[i] < 200;
-    large += stray && prepared.cloud.radii[i] > prepared.median_radius;
+    large += stray && prepared.on_surface[i] * prepared.cloud.radii[i] > prepared.median_radius;
     small_on_plane += !stray && prepared.cloud.radii[i] < 0.4f * prepared.median_radius;
   }
   EXPECT_LT(large, 30u) << "of 200";
