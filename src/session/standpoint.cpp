@@ -23,9 +23,9 @@ constexpr double elevation_lying = 45, elevation_standing = 14;
 /// an open room. By the labels of public scans (good sides, whether from above) half and twice each weight
 /// are as good.
 constexpr double weight_seen = 2, weight_into = 0.3;
-/// The share of the surface that a cutaway must reveal, which no view from outside shows: rooms have 0.6 to 8
-/// %, closed bodies none.
-constexpr double revealed_least = 0.005;
+/// The share of the surface that a cutaway must reveal, which no view from outside shows: rooms have 0.4 to 8
+/// %, closed bodies at most 0.02.
+constexpr double revealed_least = 0.001;
 
 constexpr double nothing = -1e300;
 
