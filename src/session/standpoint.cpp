@@ -80,6 +80,7 @@ Camera camera_at(const Bounds& box, UpAxis up, const Standpoint& from) {
 /// it.
 std::vector<bool> seen_of(const Area& area, const Camera& camera, double cell_edges,
                           const Room* room = nullptr) {
+  if (area.voxels.empty()) return {};  // all in one place
   const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
   const dmat4 to_eye = camera.view();
   // As deep as a surface that is seen aslant is in a cell.
@@ -150,7 +151,7 @@ bool reveals(const Area& area, UpAxis up, const Standpoint& into, const Room& ro
 /// From one of twelve sides, at one of the elevations: a front that stands `upright` is not left for little.
 Standpoint best_of(const Area& area, UpAxis up, const std::vector<double>& elevations, double front,
                    double upright, const Room* room = nullptr) {
-  Standpoint best;
+  Standpoint best{std::remainder(front, 360), elevations.front()};
   double most = nothing;
   for (const double elevation : elevations)
     for (int turn = 0; turn < 12; ++turn) {
