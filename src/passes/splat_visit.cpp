@@ -51,7 +51,7 @@ gl::Program& SplatVisit::program(bool mark, const SplatShape& shape) {
 void SplatVisit::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
                               const SplatBatches& batches, const SplatShift& shift,
                               const gl::Texture& nearest_t) {
-  nearest_t.bind_image(0, GL_READ_WRITE);
+  gl::bind_image(0, nearest_t, GL_READ_WRITE, GL_R32UI);
   gl::Program& nearest = program(false, shape);
   shift.set(nearest, shape);
   visit_small(cloud, view, batches, nearest);

@@ -80,7 +80,7 @@ void Discs::draw(const View& view, const Options& options) {
     ends_.bind(binding::input + 4);
   };
   bind();
-  nearest_t_.bind_image(0, GL_READ_WRITE);
+  gl::bind_image(0, nearest_t_, GL_READ_WRITE, GL_R32UI);
   draw_nearest_.dispatch(unsigned(columns + 15) / 16, unsigned(rows + 7) / 8);
   gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
 
