@@ -12,7 +12,6 @@ flat in vec4 splat_normal_radius;   // eye, unit normal and radius
 flat in int splat_index;            // within the chunk, for attributes fetched here
 #ifdef SPLAT_COLOR
 flat in vec4 splat_color;
-flat in int splat_has_normal;
 flat in vec3 splat_own_normal;      // eye, 0 where there is none: a dot that is turned to the camera is lit as what it lies on
 #endif
 #ifdef SPLAT_FIELD

@@ -15,7 +15,6 @@ flat out int splat_index;
 #ifdef SPLAT_COLOR
 uniform bool splat_has_shadow;
 flat out vec4 splat_color;
-flat out int splat_has_normal;
 flat out vec3 splat_own_normal;
 #endif
 #ifdef SPLAT_FIELD
@@ -40,7 +39,6 @@ void main() {
 #ifdef SPLAT_COLOR
   splat_color = vec4(point_color(i), splat_has_shadow ? point_shadow(i) : 1.0);
   splat_own_normal = mat3(frame.eye_from_cloud) * point_normal(i);
-  splat_has_normal = splat_own_normal == vec3(0.0) ? 0 : 1;
 #endif
 #ifdef SPLAT_FIELD
   splat_field = point_field(i);

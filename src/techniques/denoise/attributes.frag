@@ -15,6 +15,6 @@ void main() {
   if (!hit_splat(fragment_splat(), gl_FragCoord.xy, hit)) discard;
   float place = place_in_bin(pixel, hit.t, chosen.x);
   if (place >= 0.0)
-    add_attributes(pixel, chosen.y, fragment_splat(), splat_has_normal != 0, hit.rho, splat_color, place);
+    add_attributes(pixel, chosen.y, fragment_splat(), splat_own_normal != vec3(0.0), hit.rho, splat_color, place);
   discard;
 }
