@@ -14,8 +14,8 @@ inline void barrier(GLbitfield uses) { glMemoryBarrier(uses); }
 /// Waits until all that was told is done.
 inline void finish() { glFinish(); }
 
-/// A texture as one of another format, whose texels have as many bits: the bits of floats as integers. Drivers
-/// may write nothing where shaders declare another format than the one that is bound.
+/// A texture as one of another format, whose texels have as many bits: the bits of floats as integers.
+/// Drivers may write nothing where shaders declare another format than the one that is bound.
 inline void bind_image(int unit, const Texture& texture, GLenum access, GLenum format) {
   glBindImageTexture(GLuint(unit), texture.id(), 0, GL_FALSE, 0, access, format);
 }
