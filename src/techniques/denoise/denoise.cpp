@@ -159,6 +159,7 @@ class Denoise final : public Technique {
     outliers_ = 0;
     measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
     if (parameters_.clamp_radius) shape.widest_px = spacings_.widest_disc_px(frame);
+    shape.dots = parameters_.clamp_radius && shows_all();  // as splats
     if (parameters_.antialias) shape.prefilter_px = 1;
     if (automatic() || prefilter) shape.part = SplatPart::above;
     if (prefilter) {
