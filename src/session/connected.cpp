@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <unordered_map>
 #include <vector>
 
 namespace sfumato {
@@ -37,26 +36,6 @@ void merge(std::vector<Part>& parts) {
     else
       parts[++last] = parts[i];
   parts.resize(std::min(parts.size(), last + 1));
-}
-
-/// How much of a picture of a box is closed by the points in it: of cells so wide that an even spread over a
-/// square would put sixteen in each, or a 64th of the box, the area of those with four or more, in squares of
-/// the diagonal.
-double closed_share(std::span<const dvec3> points, const Bounds& box) {
-  constexpr std::size_t closes = 4;
-  std::vector<dvec3> inside;
-  for (const dvec3& p : points)
-    if (glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max)))
-      inside.push_back(p);
-  const double side = std::clamp(std::sqrt(double(inside.size())) / double(closes), 8.0, 64.0),
-               edge = box.diagonal() / side;
-  std::unordered_map<std::uint64_t, std::size_t> counts;
-  std::size_t closed = 0;
-  for (const dvec3& p : inside) {
-    const dvec3 at = glm::floor((p - box.min) / edge);
-    closed += ++counts[key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z))] == closes;
-  }
-  return (double(closed) + 0.5) / (side * side);
 }
 
 /// Of voxels, whose keys ascend, what touches by a side, an edge or a corner: each at the place of one of its
@@ -125,16 +104,11 @@ std::vector<bool> members_of(std::span<const dvec3> points, const Bounds& box, c
 
 Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain, Progress& progress) {
   constexpr double finest = 1024;  // of the usual size: a pixel or two
-  constexpr double least = 0.2;    // of the points: of less, no score could make up for it
-  // What is one piece in its own picture is not cut for a part of it, unless by a few points of lines: gaps
-  // of this share of the diagonal pictures close (11 of 720 pixels), and of all points this is few.
-  constexpr double gap = 11.0 / 1468, few = 0.1;
   const double edge = usual.diagonal() / finest;
-  if (!(edge > 0)) return {usual, 1, std::vector<bool>(points.size(), true)};
+  if (!(edge > 0)) return {usual, std::vector<bool>(points.size(), true)};
   std::vector<Part> voxels = voxels_of(points, usual.min, edge);
   std::vector<std::uint32_t> root;
-  Bounds before;
-  Connected best{usual, 0, {}};
+  Connected best{usual, {}};
   double joined = edge;  // the width of what joins the best
   double highest = -std::numeric_limits<double>::infinity();
   for (double width = edge;; width *= 2) {
@@ -144,16 +118,11 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
     const std::vector<Part> parts = components(voxels, root);
     for (const Part& part : parts) {
       progress.check();
-      const double share = part.points / double(points.size());
-      // What a pixel of the usual picture holds is a place in it.
-      if (share < least || glm::distance(part.low, part.high) < edge ||
-          (part.low == before.min && part.high == before.max))
-        continue;
-      before = {part.low, part.high};
-      const double score = std::log(share) + gain * std::log(closed_share(points, before));
-      const bool is_one = width <= gap * before.diagonal();
-      if (score > highest || (is_one && share > best.share + few)) best = {before, share, {}}, joined = width;
-      highest = std::max(highest, score);
+      const double size = glm::distance(part.low, part.high);
+      // What a pixel of the usual picture holds is a place in it; what adds nothing to a box is beside it.
+      if (size < edge || (part.low == best.box.min && part.high == best.box.max)) continue;
+      const double score = std::log(part.points) - gain * std::log(size);
+      if (score > highest) highest = score, best = {{part.low, part.high}, {}}, joined = width;
     }
     if (std::count(root.begin(), root.end(), root[0]) == std::ptrdiff_t(root.size())) break;
     for (Part& voxel : voxels)

@@ -11,14 +11,12 @@ namespace sfumato {
 
 struct Connected {
   Bounds box;
-  double share = 0;           ///< of the points
   std::vector<bool> members;  ///< of the points, those that hang together
 };
 
 /// Of all that single linkage joins at some distance (in voxels of 2^k, that touch), what has most by the
-/// logarithms of its share of the points and, times `gain`, of how much of a picture of it they close: what
-/// is farther and sparse would make the rest small, and is left out unless it is connected, or a tenth of all
-/// or more and without gaps that a picture shows. `usual` is the box of most.
+/// logarithm of its points less `gain` times that of its size: what is farther and sparse would make the rest
+/// small, and is left out. `usual` is the box of most.
 Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain,
                     Progress& progress = no_progress());
 

@@ -188,6 +188,23 @@ TEST(FirstView, TheTrunkBelowACrownIsNotCut) {
   EXPECT_LT(pose_of(tree).subject.box.min.z, 1);
 }
 
+// Twigs at the top of a tree are few and loose, but not far.
+TEST(FirstView, TheTopOfATreeIsNotCut) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  PointCloud tree;
+  for (int i = 0; i < 10'000; ++i)
+    tree.positions.push_back({0.1f * normal(random), 0.1f * normal(random), 20 / 10'000.f * float(i)});
+  for (int i = 0; i < 10'000; ++i)
+    tree.positions.push_back({normal(random), normal(random), 18 + 1.2f * normal(random)});
+  for (int i = 0; i < 1000; ++i) {
+    const float above = float(i % 6 + 1);
+    tree.positions.push_back(vec3(0.2f * above, 0, 22 + 0.7f * above) +
+                             0.1f * vec3(normal(random), normal(random), normal(random)));
+  }
+  EXPECT_GT(pose_of(tree).subject.box.max.z, 26);
+}
+
 /// The share of a picture of 16 to 9 in 32 x 18 cells that hold a point.
 double filled(const Pose& pose) {
   const Camera camera = first_view(pose, 1280, 720);
