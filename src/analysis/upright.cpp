@@ -132,8 +132,8 @@ struct Sample {
 Sample::Picture Sample::seen_along(int axis, bool positive) const {
   // The sign of y: of 12 public pictures of pixels the custom holds for all, of 7 others for 4. More of what
   // is level is seen from its side along y than from the other, as floors and tables are, where a tenth of
-  // all is so surely: where that says the opposite, the convention of the format decides, but a camera that
-  // looks up at a ceiling would see that too.
+  // all is so surely: where that says the opposite, pictures of pixels have the other sign, and of others,
+  // which may show the ceiling of a room, the convention of the format decides.
   constexpr double not_of_pixels = 0.25, opposed = 0.4, sure_floors = 0.1;
   dvec3 along(0);
   along[axis] = positive ? 1 : -1;
@@ -141,7 +141,8 @@ Sample::Picture Sample::seen_along(int axis, bool positive) const {
   const double seen = is_one_picture(sight) * (sight.of_pixels ? 1 : 1 - lies(axis));
   const double floors = std::clamp(sight.faces_up / sure_floors, -1.0, 1.0) * (positive ? -1 : 1);
   const double turned =
-      std::max(-opposed * floors, sight.of_pixels ? 0 : not_of_pixels * std::min(1 - floors, 1.0));
+      sight.of_pixels ? std::max(-floors, 0.0)
+                      : std::max(-opposed * floors, not_of_pixels * std::min(1 - floors, 1.0));
   return {seen, seen * turned};
 }
 
