@@ -140,9 +140,9 @@ Sample::Picture Sample::seen_along(int axis, bool positive) const {
   const Sight sight = sight_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
   const double seen = is_one_picture(sight) * (sight.of_pixels ? 1 : 1 - lies(axis));
   const double floors = std::clamp(sight.faces_up / sure_floors, -1.0, 1.0) * (positive ? -1 : 1);
-  const double turned =
-      sight.of_pixels ? std::max(-floors, 0.0)
-                      : std::max(-opposed * floors, not_of_pixels * std::min(1 - floors, 1.0));
+  const double turned = sight.of_pixels
+                            ? std::max(-floors, 0.0)
+                            : std::max(-opposed * floors, not_of_pixels * std::min(1 - floors, 1.0));
   return {seen, seen * turned};
 }
 
