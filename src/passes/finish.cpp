@@ -17,19 +17,21 @@ void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::T
   smooth_.run(mask_, {&color, &edges_, &depth}, {&out});
 }
 
-void Finish::set(ScreenPass& pass, const RenderSettings& settings) {
+namespace {
+void set_background(ScreenPass& pass, const RenderSettings& settings) {
   pass.set("background_srgb", settings.background).set("is_transparent", settings.transparent);
 }
+}  // namespace
 
 void Finish::run(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& rgba8) {
   if (!encode_) encode_ = ScreenPass("passes/finish.glsl", {GL_RGBA8}, {"ENCODE_SRGB"});
-  set(encode_, settings);
+  set_background(encode_, settings);
   encode_.run({&color}, {&rgba8});
 }
 
 void Finish::run_linear(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& linear) {
   if (!linear_) linear_ = ScreenPass("passes/finish.glsl", {GL_RGBA32F});
-  set(linear_, settings);
+  set_background(linear_, settings);
   linear_.run({&color}, {&linear});
 }
 

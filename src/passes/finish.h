@@ -28,9 +28,6 @@ class Finish {
   /// `linear`: RGBA32F premultiplied over the background (alpha 1) or without one.
   void run_linear(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& linear);
 
-  /// Sets the uniforms of shaders/finished.glsl, for a pass that writes the picture itself.
-  static void set(ScreenPass& pass, const RenderSettings& settings);
-
  private:
   ScreenPass encode_, linear_;
 };

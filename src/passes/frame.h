@@ -31,11 +31,6 @@ struct Frame {
   bool wants_normal;  ///< the caller reads target.normal; else it may stay undefined
   gl::Timers& timers;
   Progress& progress;
-  /// The finished picture (RGBA8, sRGB), offered when nothing follows the technique but the encoding and
-  /// nobody reads the target: who has finished colours at hand may write them here and set `is_finished`, and
-  /// save two passes over float targets. Null otherwise.
-  const gl::Texture* finished = nullptr;
-  bool is_finished = false;
   /// What is automatic and depends on the view is found over these whole pictures, fitted to the cloud like
   /// `camera`: the one that `camera` is of, or all that are put together with it (the faces of a panorama).
   std::span<const Camera> views = {};

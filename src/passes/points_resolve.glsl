@@ -6,10 +6,6 @@
 layout(binding = UNIT_INPUT) uniform usampler2D depth_bits;
 layout(binding = UNIT_INPUT + 1) uniform usampler2D source_index;
 
-#ifdef FINISHED
-uniform vec4 background;  // sRGB, straight alpha
-#endif
-
 #ifdef WRITE_EYE
 uniform float same_spacing;  // of all points, scene units; 0: that of each one's batch
 uniform int batch_count;
@@ -28,14 +24,7 @@ float spacing_at(int i) {
 
 bool filter_pixel(ivec2 pixel) {
   uint source = texelFetch(source_index, pixel, 0).x;
-#ifdef FINISHED
-  out_0 = background;
-  if (source == 0xffffffffu) return write_background;
-  int place = place_in_chunk(source);
-  if (place < 0) return false;
-  out_0 = vec4(texelFetch(cloud_colors, place).rgb, 1.0);
-  return true;
-#elif defined(WRITE_EYE)
+#ifdef WRITE_EYE
   out_0 = vec4(0.0, 0.0, 0.0, 1.0);
   out_1 = vec4(0.0, 0.0, -3e38, 0.0);
   if (source == 0xffffffffu) return write_background;

@@ -129,16 +129,6 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
     for_each_chunk(cloud, view, layer, pass, {&layer.albedo, &layer.depth});
 }
 
-void PointsToPixels::resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,
-                                      const vec3& background_srgb, bool is_transparent,
-                                      const gl::Texture& rgba8, gl::Timers& timers) {
-  auto timing = timers.scope("resolve");
-  ScreenPass& pass = resolve_finished_;
-  if (!pass) pass = ScreenPass("passes/points_resolve.glsl", {GL_RGBA8}, {"FINISHED"});
-  pass.set("background", is_transparent ? vec4(0) : vec4(background_srgb, 1));
-  for_each_chunk(cloud, view, layer, pass, {&rgba8});
-}
-
 void PointsToPixels::resolve_eye(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Texture& eye,
                                  float same_spacing, gl::Timers& timers) {
   auto timing = timers.scope("resolve");

@@ -81,11 +81,6 @@ class PointsToPixels {
   void draw_lists(GpuCloud& cloud, const View& view, const Footprint& footprint, float bin,
                   gl::Texture& depth_lists, gl::Texture& index_lists, gl::Timers& timers,
                   const gl::Texture* reference = nullptr);
-  /// The colours of the survivors over the background, as they are (sRGB), into `rgba8`: the finished picture
-  /// of points that nothing lights or blends.
-  void resolve_finished(GpuCloud& cloud, const View& view, const PixelLayer& layer,
-                        const vec3& background_srgb, bool is_transparent, const gl::Texture& rgba8,
-                        gl::Timers& timers);
   /// Attributes of the survivors into `layer.albedo`, `.depth`, `.normal` (made when missing). Without
   /// `with_normals` the normal texture is left alone: half the cost where nobody reads it.
   void resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,
@@ -105,7 +100,6 @@ class PointsToPixels {
   /// Runs a resolve once for each chunk; binds its geometry and colours.
   void for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,
                       std::initializer_list<const gl::Texture*> targets, bool with_normals = false);
-  ScreenPass resolve_finished_;
   ScreenPass resolve_[8], resolve_eye_[2];
 };
 

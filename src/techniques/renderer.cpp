@@ -29,8 +29,6 @@ struct Shot {
   bool wants_normal = false;
   VisiblePoints* visible = nullptr;       ///< Frame::visible
   const VisiblePoints* merged = nullptr;  ///< Frame::merged
-  bool may_finish = false;   ///< nobody reads the target: the technique may write the finished picture itself
-  bool is_finished = false;  ///< it did
 };
 
 /// The base-2 radical inverse.
@@ -295,10 +293,8 @@ void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& came
   frame.behind = behind;
   const Camera whole = camera.whole_picture();
   frame.views = together.empty() ? std::span(&whole, 1) : std::span<const Camera>(together);
-  if (shot.may_finish) frame.finished = &rgba8;
   frame.visible = shot.visible, frame.merged = shot.merged;
   while (!item.technique->render(frame)) shot.progress.check();
-  shot.is_finished = frame.is_finished;
 }
 
 void Renderer::State::draw(Shot& shot, const Camera& camera) {
@@ -334,8 +330,6 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     shadows.clear(all);
   }
 
-  const bool is_followed = shot.relief.any() || shot.with_smooth_outlines || has_ground;
-  shot.may_finish = shot.may_finish && !is_followed && shot.items.size() == 1;
   draw_item(shot, shot.items.front(), camera, light, target, nullptr);
   if (shot.visible) return;
   for (const Item& item : std::span(shot.items).subspan(1)) {
@@ -629,7 +623,6 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
   });
   if (samples == 1) {
     shot.wants_normal = wants.normal;
-    shot.may_finish = wants.color && !wants.color_linear && !wants.depth && !wants.normal;
     s.draw(shot, camera);
   } else {
     for (int i = 0; i < samples; ++i) {
@@ -643,7 +636,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
     }
   }
   const gl::Texture& color = samples == 1 ? s.target.color : s.averaged;
-  if (wants.color && !shot.is_finished) {
+  if (wants.color) {
     auto timing = timers.scope("finish");
     s.finish.run(settings, color, s.rgba8);
   }

@@ -214,12 +214,12 @@ TEST_F(WindowTest, CompilesShadersAgainWhenTheyChange) {
   open({"cube.ply", "-t", "points", "--shader-dir", "checkout"});
   wait_for("final picture");
   const std::string before = save();
-  const std::string file = "checkout/shaders/finished.glsl", good = text(file);
+  const std::string file = "checkout/src/passes/finish.glsl", good = text(file);
   ASSERT_NE(good.find("vec4 finished_color("), std::string::npos);
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   write(file, good + "\nthis is no shader\n");
   wait_for("does not compile");
-  EXPECT_THAT(said(), HasSubstr("finished.glsl:"));
+  EXPECT_THAT(said(), HasSubstr("finish.glsl:"));
   const Image<Rgba8> shown = screen(), last = read_png(before);
   EXPECT_EQ(shown.at(view_width / 2, 40), last.at(view_width / 2, 40));
   int same = 0;

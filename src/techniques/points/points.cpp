@@ -75,11 +75,6 @@ class Points final : public Technique {
                            frame.cloud.has_shadow();
     const bool shade =
         shading == Shading::lit ? has_light || !evenly_lit(frame.settings.phong) : shading != Shading::albedo;
-    if (!shade && frame.finished && !frame.merged && !frame.cloud.chunks().empty()) {
-      to_pixels_.resolve_finished(frame.cloud, view, layer_, frame.settings.background,
-                                  frame.settings.transparent, *frame.finished, frame.timers);
-      return frame.is_finished = true;
-    }
     std::swap(layer_.depth, frame.target.depth);
     std::swap(layer_.normal, frame.target.normal);
     if (!shade) std::swap(layer_.albedo, frame.target.color);

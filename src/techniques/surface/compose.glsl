@@ -1,12 +1,8 @@
 // The picture's own pixels, cut out of the guard band: background where the operator says so, else the filled
 // colour and depth, lit with the normal of the level that suits the depth.
 //   SHADING    which one
-//   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "push_level.glsl"
 #include "shading.glsl"
-#ifdef FINISHED
-#include "finished.glsl"
-#endif
 
 layout(binding = UNIT_INPUT) uniform sampler2D visible;    // depth, 0, spacing, weight
 layout(binding = UNIT_INPUT + 1) uniform sampler2D colors;     // and the shadow factor
@@ -47,12 +43,8 @@ bool filter_pixel(ivec2 target) {
   vec4 color = shaded_color(vec4(albedo, 1.0), center, depth, vec4(normal, filled.b.w));
 
   bool is_background = filled.a.w <= 0.0 || (!covered && (mean >= hole_threshold || shading == 5));
-#ifdef FINISHED
-  out_0 = is_background ? finished_background() : finished_color(color);
-#else
   out_0 = is_background ? vec4(0.0) : color;
   out_1 = vec4(is_background ? infinity : depth);
   out_2 = is_background ? vec4(0.0, 0.0, 0.0, 1.0) : vec4(normal, filled.b.w);
-#endif
   return true;
 }

@@ -1,12 +1,8 @@
 // The averages of discs as a lit picture.
 //   SHADING    which one
-//   FINISHED   straight to the 8-bit picture; else linear colour, depth and normal
 #include "shading.glsl"
 #define REMOVAL_LEVEL_INPUT 2  // of squares of squares
 #include "techniques/surface/level_between.glsl"
-#ifdef FINISHED
-#include "finished.glsl"
-#endif
 
 layout(binding = UNIT_INPUT) uniform sampler2D points;        // eye position and spacing of every pixel
 layout(binding = UNIT_INPUT + 1) uniform sampler2D mean_image;    // of squares
@@ -93,12 +89,8 @@ bool filter_pixel(ivec2 pixel) {
   float size = length(normal_t.xyz);
   vec3 normal = mat3(frame.cloud_from_eye) * (size > 1e-3 ? normal_t.xyz / size : vec3(0.0));
   vec4 color = shaded_color(vec4(albedo, 1.0), center, depth, vec4(normal, shadow));
-#ifdef FINISHED
-  out_0 = is_background ? finished_background() : finished_color(color);
-#else
   out_0 = is_background ? vec4(0.0) : color;
   out_1 = vec4(is_background ? infinity : depth);
   out_2 = is_background ? vec4(0.0, 0.0, 0.0, 1.0) : vec4(normal, shadow);
-#endif
   return true;
 }

@@ -17,7 +17,6 @@
 #include <string>
 #include <utility>
 
-#include "passes/finish.h"
 #include "passes/points_to_pixels.h"
 #include "passes/pyramid.h"
 #include "passes/shade.h"
@@ -197,15 +196,11 @@ class SurfaceTechnique final : public Technique {
                : discs_.about(3);  // not read
     auto timing = frame.timers.scope("compose");
     const RenderSettings& settings = frame.settings;
-    frame.is_finished = frame.finished != nullptr;
-    ScreenPass& pass = compose_discs_[{settings.shading, frame.is_finished}];
+    ScreenPass& pass = compose_discs_[settings.shading];
     if (!pass) {
       gl::Defines defines{"SHADING " + std::to_string(int(settings.shading))};
-      std::vector<GLenum> formats{GL_RGBA32F, GL_R32F, GL_RGBA32F};
-      if (frame.is_finished) formats = {GL_RGBA8}, defines.push_back("FINISHED");
-      pass = ScreenPass("techniques/surface/compose_discs.glsl", formats, defines);
+      pass = ScreenPass("techniques/surface/compose_discs.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, defines);
     }
-    if (frame.is_finished) Finish::set(pass, settings);
     set_light_uniforms(pass.program(), view, settings, frame.light, frame.cloud.prepared().cloud.origin);
     pass.set("offset", tiles.offset).set("point_threshold", removal_.point_threshold());
     pass.set("crack_scale", 0.96f * removal_.gap_scale / removal_.removal_scale)
@@ -217,20 +212,13 @@ class SurfaceTechnique final : public Technique {
         .set("levels", Discs::levels);
     pass.set("has_shadow", discs_options_.with_shadow).set("has_evidence", limits);
     const gl::Texture& shadow = discs_options_.with_shadow ? discs_.shadow_sum() : discs_.color_sum();
-    const auto run = [&](std::initializer_list<const gl::Texture*> targets,
-                         std::initializer_list<vec4> background) {
-      pass.run(tiles,
-               {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
-                &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.all_clusters(), &discs_.colors(),
-                &discs_.about(3), &evidence},
-               targets, background);
-    };
     view.bind();
-    if (frame.is_finished)
-      run({frame.finished}, {settings.transparent ? vec4(0) : vec4(settings.background, 1)});
-    else
-      run({&frame.target.color, &frame.target.depth, &frame.target.normal},
-          {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
+    pass.run(tiles,
+             {&pyramid_.texture(), &hidden_points_.mean(), &hidden_points_.levels(), &layer_.shadowed,
+              &discs_.color_sum(), &discs_.normal_sum(), &shadow, &discs_.all_clusters(), &discs_.colors(),
+              &discs_.about(3), &evidence},
+             {&frame.target.color, &frame.target.depth, &frame.target.normal},
+             {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
   }
 
   /// Colours, and shadow factors in which points behind gaps do not count.
@@ -246,37 +234,25 @@ class SurfaceTechnique final : public Technique {
     return lit_colors_;
   }
 
-  /// Background, finest push level, lighting and, where nothing follows, encoding, in one pass over the
-  /// picture.
+  /// Background, finest push level and lighting, in one pass over the picture.
   void compose(Frame& frame, const View& wide, const Tiles& tiles, const gl::Texture& colors,
                const gl::Texture& normals, const vec2& normal_levels) {
     const RenderSettings& settings = frame.settings;
-    frame.is_finished = frame.finished != nullptr;
-    ScreenPass& pass = compose_[{settings.shading, frame.is_finished}];
+    ScreenPass& pass = compose_[settings.shading];
     if (!pass) {
       gl::Defines defines{"SHADING " + std::to_string(int(settings.shading))};
-      std::vector<GLenum> formats{GL_RGBA32F, GL_R32F, GL_RGBA32F};
-      if (frame.is_finished) formats = {GL_RGBA8}, defines.push_back("FINISHED");
-      pass = ScreenPass("techniques/surface/compose.glsl", formats, defines);
+      pass = ScreenPass("techniques/surface/compose.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F}, defines);
     }
-    if (frame.is_finished) Finish::set(pass, settings);
     set_light_uniforms(pass.program(), wide, settings, frame.light, frame.cloud.prepared().cloud.origin);
     pass.set("offset", tiles.offset).set("hole_threshold", removal_.threshold).set("depth_edge", depth_edge_);
     pass.set("point_threshold", removal_.point_threshold()).set("normal_scale", normal_scale_);
     pass.set("normal_levels", normal_levels);
     const PullPush::Level& filled = pull_push_.filled()[1];
-    const auto run = [&](std::initializer_list<const gl::Texture*> targets,
-                         std::initializer_list<vec4> background) {
-      pass.run(tiles,
-               {&hidden_points_.visible(), &colors, &filled.a, &filled.b, &pyramid_.texture(),
-                &hidden_points_.mean(), &normals},
-               targets, background);
-    };
-    if (frame.is_finished)
-      run({frame.finished}, {settings.transparent ? vec4(0) : vec4(settings.background, 1)});
-    else
-      run({&frame.target.color, &frame.target.depth, &frame.target.normal},
-          {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
+    pass.run(tiles,
+             {&hidden_points_.visible(), &colors, &filled.a, &filled.b, &pyramid_.texture(),
+              &hidden_points_.mean(), &normals},
+             {&frame.target.color, &frame.target.depth, &frame.target.normal},
+             {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
   }
 
   /// Level of a length at an eye depth (Eq. 1).
@@ -319,7 +295,7 @@ class SurfaceTechnique final : public Technique {
   Discs discs_;
   ScreenSpacings spacings_;
   Evidence evidence_;
-  std::map<std::pair<Shading, bool>, ScreenPass> compose_discs_;
+  std::map<Shading, ScreenPass> compose_discs_;
   PointsToPixels to_pixels_;
   PixelLayer layer_;
   NearestPyramid pyramid_;
@@ -328,8 +304,7 @@ class SurfaceTechnique final : public Technique {
   LevelNormals level_normals_;
   gl::Texture lit_colors_;
   ScreenPass front_factors_;
-  std::map<std::pair<Shading, bool>, ScreenPass>
-      compose_;  ///< by shading, and whether it finishes the picture
+  std::map<Shading, ScreenPass> compose_;
 };
 
 }  // namespace
