@@ -8,7 +8,7 @@ const std::vector<KeyBinding>& key_bindings() {
   static const std::vector<KeyBinding> all = [] {
     std::vector<KeyBinding> keys;
     const auto& techniques = all_techniques();
-    for (int i = 0; i < 7 && i < int(techniques.size()); ++i)
+    for (int i = 0; i < 9 && i < int(techniques.size()); ++i)
       keys.push_back({Action(int(Action::technique_1) + i), '1' + i, none, std::string(1, char('1' + i)),
                       "draw with " + techniques[std::size_t(i)].name});
     const std::vector<KeyBinding> others = {

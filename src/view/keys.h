@@ -16,6 +16,8 @@ enum class Action {
   technique_5,
   technique_6,
   technique_7,
+  technique_8,
+  technique_9,
   reset_view,
   frame_view,
   orthographic,

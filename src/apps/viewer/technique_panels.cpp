@@ -116,7 +116,7 @@ void Interface::technique_panel() {
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_SliderGrab));
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 1, 1, 1));
     if (ImGui::Button(techniques[i].name.c_str(), {width, 0}))
-      act(view::Action(int(view::Action::technique_1) + int(i)));
+      bench_.change("technique", [&](view::Wishes& wishes) { wishes.technique = techniques[i].name; });
     if (chosen) ImGui::PopStyleColor(2);
     tooltip(fmt::format("{}: {}\nkey {}", techniques[i].name, techniques[i].summary, i + 1));
   }
