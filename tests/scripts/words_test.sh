@@ -10,13 +10,13 @@ entries=$(grep -c '^| [A-Za-z]' docs/glossary.md)
 count=$(echo "$words" | tr '|' '\n' | wc -l)
 [ "$count" -ge 15 ] || { echo "the reader of docs/glossary.md finds $count words: it is broken" >&2; exit 1; }
 failed=0
-found() { # WHAT, hits on standard input
-  hits=$(cat)
-  [ -z "$hits" ] || { echo "$1:" >&2; echo "$hits" | head -40 >&2; failed=1; }
+found() { # WHAT HITS; in this shell, so that `failed` is kept
+  [ -z "$2" ] || { echo "$1:" >&2; echo "$2" | head -40 >&2; failed=1; }
 }
 pages=$(ls README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md CODE_OF_CONDUCT.md docs/*.md docs/*/*.md .github/*.md .github/*/*.md bench/*.md | grep -v '^docs/glossary.md$')
 # shellcheck disable=SC2086  # a list of names
-{ grep -nwiE "$words" $pages || true; } | found "in pages"
-{ grep -rnoE '"[^"]*"' src --include='*.cpp' --include='*.h' --include='*.py' | grep -wiE "$words" || true; } | found "in texts of the program"
-{ grep -rnE '^ *//' src include --include='*.h' | grep -wiE "$words" || true; } | found "in comments of headers"
+found "in pages" "$(grep -nwiE "$words" $pages || true)"
+found "in texts of the program" \
+  "$(grep -rnoE '"[^"]*"' src --include='*.cpp' --include='*.h' --include='*.py' | grep -wiE "$words" || true)"
+found "in comments of headers" "$(grep -rnE '^ *//' src include --include='*.h' | grep -wiE "$words" || true)"
 [ "$failed" = 0 ]
