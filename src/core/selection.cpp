@@ -23,6 +23,15 @@ std::string text_of(double value) {
 
 std::string text_of(const dvec3& v) { return text_of(v.x) + "," + text_of(v.y) + "," + text_of(v.z); }
 
+/// A box with as many digits as tell it from its neighbours, none of its points outside.
+std::string rounded_outwards(const Bounds& box) {
+  const dvec3 size = box.max - box.min;
+  const double longest = std::max({size.x, size.y, size.z});
+  if (!(longest > 0)) return text_of(box.min) + "," + text_of(box.max);
+  const double steps = std::pow(10.0, 4 - std::floor(std::log10(longest)));  // of 1e-4 to 1e-5 of it
+  return text_of(glm::floor(box.min * steps) / steps) + "," + text_of(glm::ceil(box.max * steps) / steps);
+}
+
 std::string list_classes(const std::map<int, std::size_t>& counts) {
   std::string text;
   for (const auto& [id, points] : counts)
@@ -47,7 +56,7 @@ std::size_t crop_to(PointCloud& cloud, const Bounds& box, const Bounds& full) {
   });
   if (cloud.empty())
     throw NothingSelected("no point lies in the crop " + text_of(box.min) + "," + text_of(box.max) +
-                          ": the points lie in " + text_of(full.min) + "," + text_of(full.max));
+                          ": the points lie in " + rounded_outwards(full));
   return gone;
 }
 

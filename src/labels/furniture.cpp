@@ -122,7 +122,9 @@ class Drawing {
     else if (symbol == "m" && length < 1)
       symbol = "cm", shown = length * 100;
     std::string end = number(shown) + " " + symbol;
-    const std::string scale = furniture_.print_scale > 0 ? "1 : " + number(furniture_.print_scale) : "";
+    // Of an unknown unit the ratio may be wrong, the bar is not.
+    const bool is_known = furniture_.print_scale > 0 && unit().metres > 0;
+    const std::string scale = is_known ? "1 : " + number(furniture_.print_scale) : "";
     const int width = int(std::lround(length * pixels_per_unit_)), thick = std::max(3, em_ / 3);
     const int before = text_.width("0") / 2, after = text_.width(end) / 2;
     const int lines_above = scale.empty() ? 0 : em_ * 5 / 4;

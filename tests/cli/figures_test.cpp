@@ -70,6 +70,27 @@ TEST_F(FiguresTest, AScaleBarOnPaperIsRightToAPixel) {
   }
 }
 
+// The ratio of a unit that nobody knows may be wrong, and is not written.
+TEST_F(FiguresTest, ARatioIsWrittenWhereTheUnitIsKnown) {
+  write_area("a.xyz");
+  const std::vector<std::string> plan{"a.xyz", "-t", "points", "--up", "+Z", "--view", "top", "--scale-bar"};
+  const auto render = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), plan.begin(), plan.end());
+    more.insert(more.end(), {"-o", "a.png"});
+    expect_ok(more);
+    const Image<Rgba8> image = read_png("a.png");
+    return std::vector<Rgba8>(image.data(), image.data() + image.size());
+  };
+  const std::vector<std::string> scale{"--scale", "1:500", "--dpi", "127"},
+      pixel{"--pixel-size", "0.1", "--dpi", "127"};
+  const auto with_unit = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--unit", "m"});
+    return words;
+  };
+  EXPECT_EQ(render(scale), render(pixel));
+  EXPECT_NE(render(with_unit(scale)), render(with_unit(pixel)));
+}
+
 TEST_F(FiguresTest, FeetAreShorterOnPaperThanMetres) {
   write_area("a.xyz");
   expect_ok({"a.xyz", "-t", "points", "--up", "+Z", "--view", "top", "--scale", "1:500", "--unit", "m", "-o",

@@ -25,6 +25,7 @@ class MistakesTest : public CommandTest {
                                   "1\0 \0002\0 \0003\0\n\0",
                                   14));
     write("words.xyz", "no numbers here\n");
+    write("far.xyz", "1000.0199531 0 0\n1300.7349 40.1 7\n1200 20 3\n");
   }
   void check(const std::vector<Mistake>& mistakes) {
     for (const Mistake& mistake : mistakes) {
@@ -67,6 +68,7 @@ TEST_F(MistakesTest, OfCommandsAndOptions) {
       {{"cube.ply", "-o", "a.png", "--fov", "30"}, 1, "did you mean --camera-view-angle?"},
       {{"cube.ply", "-o", "a.png", "--size", "640x480"}, 1, "did you mean --resolution?"},
       {{"cube.ply", "-o", "a.png", "--bbox", "0,0,0,1,1,1"}, 1, "did you mean --crop?"},
+      {{"cube.ply", "-o", "a.png", "--section", "0,0,0,1,1,1"}, 1, "did you mean --crop?"},
       {{"cube.ply", "-o", "a.png", "--colour", "red"}, 1, "did you mean --color?"},
       {{"cube.ply", "-o", "a.png", "--gpu"}, 1, "(sfumato --help all lists all)"},
       {{"cube.ply", "-o", "a.png", "-z"}, 1, "unknown option -z (sfumato --help all lists all)"},
@@ -120,6 +122,7 @@ TEST_F(MistakesTest, OfValues) {
       {{"cube.ply", "-o", "a.png", "--color-range", "5"}, 1, "2 numbers separated by commas; write A,B"},
       {{"cube.ply", "-o", "a.png", "--crop", "1,0,0,0,1,1"}, 1, "smaller numbers first"},
       {{"cube.ply", "-o", "a.png", "--crop", "5,5,5,6,6,6"}, 2, "the points lie in 0,0,0,1,1,1"},
+      {{"far.xyz", "-o", "a.png", "--crop", "5,5,5,6,6,6"}, 2, "lie in 1000.01,0,0,1300.74,40.1,7"},
       {{"cube.ply", "-o", "a.png", "--filter", "row"}, 1, "write SCALAR A..B"},
       {{"cube.ply", "-o", "a.png", "--filter", "rows 1..2"}, 1, "did you mean 'row'?"},
       {{"cube.ply", "-o", "a.png", "--filter", "row 7..9"}, 2, "row goes from 0 to 3"},
@@ -160,8 +163,8 @@ TEST_F(MistakesTest, OfFiles) {
       {{"info"}, 1, "sfumato info FILE..."},
       {{"synth", "courtyart", "-o", "a.ply"}, 1, "courtyard"},
   });
-  EXPECT_EQ(files(),
-            (std::vector<std::string>{"broken.json", "cube.ply", "odd.json", "wide.xyz", "words.xyz"}))
+  EXPECT_EQ(files(), (std::vector<std::string>{"broken.json", "cube.ply", "far.xyz", "odd.json", "wide.xyz",
+                                               "words.xyz"}))
       << "no mistake leaves a file behind";
 }
 

@@ -44,6 +44,8 @@ const std::map<std::string, std::string>& synonyms() {
                                                            {"bounds", "--crop"},
                                                            {"bbox", "--crop"},
                                                            {"clip", "--crop"},
+                                                           {"section", "--crop"},
+                                                           {"slice", "--crop"},
                                                            {"class", "--show-classes"},
                                                            {"classes", "--show-classes"},
                                                            {"jobs", "--threads"},
