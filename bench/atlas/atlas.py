@@ -97,7 +97,18 @@ def render(sfumato, folder, out, number, scan):
     if sides:  # from within 60 degrees of one of them
         axes = [numpy.eye(3)['XYZ'.index(side[1])] * (1 if side[0] == '+' else -1) for side in sides]
         row['side_right'] = max(float(numpy.dot(axis, row['camera_from'])) for axis in axes) >= 0.5
+    if labels['from_above'] in ('yes', 'no'):  # from 30 degrees or more
+        height = row['camera_from']['XYZ'.index(report['up'][1])] * (1 if report['up'][0] == '+' else -1)
+        row['elevation_right'] = bool(height >= 0.5) == (labels['from_above'] == 'yes')
+    row['page'] = page_used(picture, report['background_color'])
     return row
+
+
+def page_used(picture, background):
+    """The share of the cells of 32 x 18 that differ from the background anywhere."""
+    image = read_png(picture)[:HEIGHT // 18 * 18, :WIDTH // 32 * 32, :3].astype(int)
+    differs = numpy.abs(image - numpy.round(255 * numpy.asarray(background))).max(axis=2) > 8
+    return float(differs.reshape(18, image.shape[0] // 18, 32, image.shape[1] // 32).any(axis=(1, 3)).mean())
 
 
 def read_png(path):
@@ -207,6 +218,8 @@ def figures(rows):
             ('wrong cutaways', str(sum(row['wrong_cutaway'] for row in drawn))),
             ('interiors cut open', share(drawn, 'interior_right')),
             ('seen from a side labelled good', share(drawn, 'side_right')),
+            ('seen from above as labelled', share(drawn, 'elevation_right')),
+            ('page used, mean', f'{sum(row["page"] for row in drawn) / max(1, len(drawn)):.3f}'),
             ('most lines on standard error', str(max((row['lines'] for row in drawn), default=0))),
             ('pictures with more than two', str(sum(row['lines'] > 2 for row in drawn))),
             ('invented area, most and mean', f'{max(invented):.3f}, {sum(invented) / len(invented):.4f}'
