@@ -55,7 +55,8 @@ std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3&
 /// Keeps the direction of view, moves the camera to `place` and opens it as far as the subject needs there.
 void see_from(Camera& camera, const dvec3& place, const Subject& subject);
 
-/// Moves the camera back from its target until a turn about `up` shows all of the subject from every side.
+/// Turns the camera to the middle of the subject's plan, in its direction, and moves it back until a turn
+/// about `up` shows all of the subject from every side.
 void step_back(Camera& camera, const dvec3& up, const Subject& subject);
 
 /// The sides that have a name.

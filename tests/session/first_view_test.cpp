@@ -132,6 +132,23 @@ TEST(FirstView, ATurnShowsAllFromEverySide) {
   }
 }
 
+TEST(FirstView, ATurnIsAboutTheMiddleOfThePlan) {
+  PointCloud cloud;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> across(-5, 5);
+  while (cloud.size() < 20'000) {  // a round plan, more of it on one side
+    const vec3 p(across(random), across(random), 0);
+    if (glm::length(p) < 5 && (p.x < 0 || cloud.size() % 4 == 0)) cloud.positions.push_back(p);
+  }
+  const Pose pose = pose_of(cloud);
+  Camera camera = view_of(pose, {});
+  step_back(camera, dvec3(0, 0, 1), pose.subject);
+  for (const Camera& side : orbit(camera, dvec3(0, 0, 1), 12, 360)) {
+    const auto [low, high] = slopes_of(pose.subject, side.position, side.direction(), side.up);
+    EXPECT_NEAR(low.x + high.x, 0, 0.02 * (high.x - low.x));
+  }
+}
+
 TEST(FirstView, WhatStandsIsSeenFromItsHeightAndWhatLiesFromAbove) {
   EXPECT_NEAR(pose_of(box_of({1, 1, 2})).upright.elevation_deg, 14, 1e-9);
   EXPECT_NEAR(pose_of(box_of({8, 8, 0.5})).upright.elevation_deg, 45, 1e-9);
