@@ -1,6 +1,8 @@
 #include "analysis/cloud_facts.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,10 +49,15 @@ std::vector<Named> fields_by_name(const PointCloud& cloud) {
   return fields;
 }
 
+std::uint64_t hash_of(const dvec3& place) {
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };  // -0 is 0
+  return mixed(0, bits(place.x) * 0x9e3779b97f4a7c15 + bits(place.y) * 0xbf58476d1ce4e5b9 +
+                      bits(place.z) * 0x94d049bb133111eb);
+}
+
 /// What a point lacks is not in its hash: others may have it.
 std::uint64_t hash_of(const PointCloud& cloud, const std::vector<Named>& fields, std::size_t i) {
-  const dvec3 place = cloud.world(i);
-  std::uint64_t hash = mixed(mixed(mixed(0, place.x), place.y), place.z);
+  std::uint64_t hash = hash_of(cloud.world(i));
   if (!cloud.colors.empty() && cloud.colors[i] != no_color)
     hash = mixed(mixed(hash, std::uint64_t(1)), std::uint64_t(std::bit_cast<std::uint32_t>(cloud.colors[i])));
   if (!cloud.normals.empty() && cloud.normals[i] != vec3(0))
@@ -74,9 +81,18 @@ CloudFacts::Point point_of(const PointCloud& cloud, const std::vector<Named>& fi
 }
 
 /// The first of those that are sorted, each once.
-void keep_first(std::vector<CloudFacts::Point>& points, std::size_t count) {
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() > count) points.resize(count);
+template <class T>
+void keep_first(std::vector<T>& sorted, std::size_t count) {
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  if (sorted.size() > count) sorted.resize(count);
+}
+
+template <class T>
+void merge_first(std::vector<T>& into, const std::vector<T>& of, std::size_t count) {
+  std::vector<T> both;
+  std::merge(into.begin(), into.end(), of.begin(), of.end(), std::back_inserter(both));
+  keep_first(both, count);
+  into = std::move(both);
 }
 
 void add_sample(CloudFacts& facts, const PointCloud& cloud, std::size_t most_sampled) {
@@ -126,6 +142,35 @@ bool CloudFacts::Point::operator<(const Point& other) const {
          std::tie(other.hash, other.place.x, other.place.y, other.place.z);
 }
 
+bool CloudFacts::Place::operator<(const Place& other) const {
+  return std::tie(hash, place.x, place.y, place.z) <
+         std::tie(other.hash, other.place.x, other.place.y, other.place.z);
+}
+
+std::vector<CloudFacts::Place> places_in(const PointCloud& cloud) {
+  using Places = std::vector<CloudFacts::Place>;
+  constexpr std::uint64_t all = ~std::uint64_t(0);
+  // Hashes are even: twice as many as are wanted lie below this, unless points share places.
+  const std::size_t rest = cloud.size() / (2 * CloudFacts::most_places);
+  for (std::uint64_t limit = rest > 1 ? all / rest : all;; limit = limit > all / 8 ? all : limit * 8) {
+    Places low = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, cloud.size(), 65'536), Places(),
+        [&](const auto& range, Places found) {
+          for (std::size_t i = range.begin(); i < range.end(); ++i)
+            if (const CloudFacts::Place place{hash_of(cloud.world(i)), cloud.world(i)}; place.hash <= limit)
+              found.push_back(place);
+          return found;
+        },
+        [](Places a, const Places& b) {
+          a.insert(a.end(), b.begin(), b.end());
+          return a;
+        });
+    std::sort(low.begin(), low.end());
+    keep_first(low, CloudFacts::most_places);
+    if (low.size() == CloudFacts::most_places || limit == all) return low;
+  }
+}
+
 CloudFacts facts_of(const PointCloud& cloud, std::size_t most_sampled) {
   CloudFacts facts;
   facts.points = cloud.size();
@@ -144,6 +189,7 @@ CloudFacts facts_of(const PointCloud& cloud, std::size_t most_sampled) {
     }
   }
   add_sample(facts, cloud, most_sampled);
+  facts.places = places_in(cloud);
   return facts;
 }
 
@@ -162,11 +208,8 @@ void merge(CloudFacts& into, const CloudFacts& of, std::size_t most_sampled) {
   other.scalars = of.scalars, other.sample = of.sample;
   order_values(into, scalars), order_values(other, scalars);
   into.scalars = std::move(scalars);
-  std::vector<CloudFacts::Point> both;
-  std::merge(into.sample.begin(), into.sample.end(), other.sample.begin(), other.sample.end(),
-             std::back_inserter(both));
-  keep_first(both, most_sampled);
-  into.sample = std::move(both);
+  merge_first(into.sample, other.sample, most_sampled);
+  merge_first(into.places, of.places, CloudFacts::most_places);
 }
 
 PointCloud sample_of(const CloudFacts& facts) {
@@ -214,7 +257,7 @@ class PlacesNear {
       : positions_(positions), count_(count), rounding_(rounding) {}
   float limit() const { return limit_; }
   void add(std::uint32_t id, float distance2) {
-    ids.push_back(id);
+    seen_.push_back(sort_key(distance2, id));
     const auto is_here = [&](std::uint64_t key) {
       return distance2_of(key) == distance2 && positions_[id_of(key)] == positions_[id];
     };
@@ -226,9 +269,15 @@ class PlacesNear {
     const float reach = std::sqrt(distance2_of(heap_.front())) * 1.00001f + rounding_;
     limit_ = std::nextafter(reach * reach, std::numeric_limits<float>::infinity());
   }
-  std::vector<std::uint32_t> ids;
+  /// Calls `use(id)`.
+  template <class Use>
+  void each(const Use& use) const {
+    for (const std::uint64_t key : seen_)
+      if (distance2_of(key) <= limit_) use(id_of(key));
+  }
 
  private:
+  std::vector<std::uint64_t> seen_;  ///< sort_key; the first of them before the limit was known
   std::span<const vec3> positions_;
   std::size_t count_;
   float rounding_, limit_ = std::numeric_limits<float>::infinity();
@@ -237,11 +286,10 @@ class PlacesNear {
 
 }  // namespace
 
-std::vector<dvec3> places_of(const CloudFacts& facts, std::size_t count) {
-  std::vector<dvec3> places;
-  for (std::size_t i = 0; i < std::min(count, facts.sample.size()); ++i)
-    places.push_back(facts.sample[i].place);
-  return places;
+std::vector<dvec3> first_places(const std::vector<CloudFacts::Place>& places, std::size_t count) {
+  std::vector<dvec3> first;
+  for (std::size_t i = 0; i < std::min(count, places.size()); ++i) first.push_back(places[i].place);
+  return first;
 }
 
 Neighborhoods neighborhoods_of(const NeighborTree& tree, const dvec3& origin, std::vector<dvec3> places,
@@ -258,10 +306,10 @@ Neighborhoods neighborhoods_of(const NeighborTree& tree, const dvec3& origin, st
     PlacesNear found(positions, count, 4 * std::numeric_limits<float>::epsilon() * size);
     tree.search(local, found);
     std::vector<Near> all;
-    for (const std::uint32_t id : found.ids) {
+    found.each([&](std::uint32_t id) {
       const dvec3 at = origin + dvec3(positions[id]), away = at - place;
       all.push_back({glm::dot(away, away), at});
-    }
+    });
     around.nearest[k] = nearest_of(std::move(all), count);
   });
   return around;

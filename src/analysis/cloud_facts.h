@@ -41,17 +41,30 @@ struct CloudFacts {
     bool operator<(const Point& other) const;
   };
 
+  /// Places with the smallest hashes, each once: what is measured around places is measured around the first
+  /// of them. Their hashes are of nothing else, so that no colour decides about a shape.
+  static constexpr std::size_t most_places = 8'192;
+  struct Place {
+    std::uint64_t hash = 0;
+    dvec3 place{0};  ///< world
+    bool operator==(const Place&) const = default;
+    bool operator<(const Place& other) const;
+  };
+
   std::uint64_t points = 0, with_color = 0, with_normal = 0, with_radius = 0;
   dvec3 least{std::numeric_limits<double>::infinity()}, most{-std::numeric_limits<double>::infinity()};
   std::map<std::string, ScalarFacts> scalars;
   std::map<int, std::uint64_t> classes;
   std::vector<Point> sample;  ///< by hash
+  std::vector<Place> places;  ///< by hash
   bool operator==(const CloudFacts&) const = default;
 };
 
 CloudFacts facts_of(const PointCloud& cloud, std::size_t most_sampled = CloudFacts::most_sampled);
 /// `most_sampled`: that of both.
 void merge(CloudFacts& into, const CloudFacts& of, std::size_t most_sampled = CloudFacts::most_sampled);
+/// CloudFacts::places.
+std::vector<CloudFacts::Place> places_in(const PointCloud& cloud);
 /// The sample as a cloud. What is measured on it (the up axis, quantiles, the subject of a view) is the same
 /// for all.
 PointCloud sample_of(const CloudFacts& facts);
@@ -64,8 +77,8 @@ struct Neighborhoods {
   bool operator==(const Neighborhoods&) const = default;
 };
 
-/// The first of the sample: the same for all who merged the facts.
-std::vector<dvec3> places_of(const CloudFacts& facts, std::size_t count);
+/// Of places by hash the first.
+std::vector<dvec3> first_places(const std::vector<CloudFacts::Place>& places, std::size_t count);
 /// `tree`: over points relative to `origin`. `count`: how many a place has, itself included.
 Neighborhoods neighborhoods_of(const NeighborTree& tree, const dvec3& origin, std::vector<dvec3> places,
                                std::size_t count);

@@ -4,12 +4,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <utility>
 
+#include "analysis/morton.h"
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/support.h"
@@ -21,6 +23,10 @@ namespace {
 constexpr int around_dot = int(around_dot_place) - 1;
 /// The disc through the 8th neighbour holds 8 points' worth of area (analysis/spacing.h).
 constexpr std::size_t eighth = 7;
+/// Sparse ends of a scan are not drawn as balls of so many median spacings and more.
+constexpr float largest_medians = 4;
+/// On either side along the curve.
+constexpr std::size_t looked_at = 2;
 /// Cosine of 30 degrees: discs that are tilted by more against each other do not meet.
 constexpr float of_one_plane = 0.866f;
 /// The share of neighbourhoods that are flat, closed and of one plane: the median of nine trees and forests
@@ -34,10 +40,10 @@ struct Places {
   std::vector<float> surface, log2_spacing;
 };
 
-/// `neighbors`: from near to far.
-void measure_place(std::span<const vec3> positions, std::uint32_t at,
-                   std::span<const std::uint32_t> neighbors, float median_spacing, Places& places,
+/// Of the first of `positions`. `neighbors`: the others, from near to far.
+void measure_place(std::span<const vec3> positions, std::span<const std::uint32_t> neighbors, Places& places,
                    std::size_t k) {
+  constexpr std::uint32_t at = 0;
   const auto frame = local_frame(positions, at, neighbors);
   if (!frame) return;
   const auto distance2 = [&](std::size_t nth) {
@@ -46,40 +52,14 @@ void measure_place(std::span<const vec3> positions, std::uint32_t at,
   };
   const std::size_t last = std::min(eighth, neighbors.size() - 1);
   if (const float farthest2 = distance2(last); farthest2 > 0)
-    places.log2_spacing[k] =
-        0.5f * std::log2(farthest2 * std::numbers::pi_v<float> / float(last + 1)) - std::log2(median_spacing);
+    places.log2_spacing[k] = 0.5f * std::log2(farthest2 * std::numbers::pi_v<float> / float(last + 1));
   const VoronoiCell cell = cell_of(positions, at, neighbors, *frame, frame->normal);
   places.normals[k] = frame->normal;
   places.surface[k] = surrounded(cell) * flatness_of(positions, at, neighbors, *frame,
                                                      std::sqrt(distance2(neighbors.size() - 1)));
 }
 
-Places measure_places(const std::vector<vec3>& positions, std::size_t each, float median_spacing,
-                      Progress& progress) {
-  const std::size_t n = positions.size(), count = (n + each - 1) / each;
-  Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
-                std::vector<float>(count, 0.0f)};
-  const NeighborTree tree(positions);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
-    if (k % 1024 == 0) progress.check();
-    const std::size_t at = (k * each + std::min(n, (k + 1) * each)) / 2;
-    places.positions[k] = positions[at];
-    KNearest nearest(around_dot);
-    nearest.start(std::uint32_t(at));
-    tree.search(positions[at], nearest);
-    std::array<std::uint64_t, around_dot> keys;
-    const std::size_t found = nearest.heap().size();
-    std::copy(nearest.heap().begin(), nearest.heap().end(), keys.begin());
-    std::sort(keys.begin(), keys.begin() + std::ptrdiff_t(found));
-    std::array<std::uint32_t, around_dot> ids;
-    std::transform(keys.begin(), keys.begin() + std::ptrdiff_t(found), ids.begin(), id_of);
-    measure_place(positions, std::uint32_t(at), std::span<const std::uint32_t>(ids.data(), found),
-                  median_spacing, places, k);
-  });
-  return places;
-}
-
-std::vector<vec2> means_of(const Places& places, Progress& progress) {
+std::vector<vec2> means_of(const Places& places, float largest, Progress& progress) {
   const std::size_t count = places.positions.size();
   std::vector<vec2> means(count);
   const NeighborTree tree(places.positions);
@@ -92,63 +72,95 @@ std::vector<vec2> means_of(const Places& places, Progress& progress) {
           sum += vec2(places.log2_spacing[j], agree ? places.surface[j] : 0);
         }
         sum /= float(ids.size() + 1);
-        means[k] = vec2(std::exp2(sum.x), glm::smoothstep(crown_share, ground_share, sum.y));
+        means[k] =
+            vec2(std::min(std::exp2(sum.x), largest), glm::smoothstep(crown_share, ground_share, sum.y));
       },
       "dots", progress);
   return means;
 }
 
-std::vector<vec2> dots_of_part(const PointCloud& part, const WholeCloud& whole) {
-  std::vector<vec2> dots(part.size(), vec2(1));
-  if (whole.places.empty()) return dots;
-  const NeighborTree tree(whole.places);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size()), [&](const auto& range) {
-    KNearest nearest(1);
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      nearest.start(std::numeric_limits<std::uint32_t>::max());
-      tree.search(part.positions[i], nearest);
-      dots[i] = whole.dots[id_of(nearest.heap().front())];
-    }
-  });
-  return dots;
+/// What is near the usual places tells them apart on the curve, however far a stray one lies.
+std::pair<vec3, vec3> box_along_the_curve(const std::vector<vec3>& places) {
+  PointCloud cloud;
+  cloud.positions = places;
+  const Bounds all = bounds(cloud), usual = robust_bounds(cloud);
+  const double reach = 100 * usual.diagonal();
+  if (reach == 0) return {vec3(all.min), vec3(all.max)};
+  return {vec3(glm::max(all.min, usual.min - reach)), vec3(glm::min(all.max, usual.max + reach))};
 }
 
 }  // namespace
 
-std::vector<vec2> dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
-                          float median_spacing, Progress& progress) {
+PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
+                   float median_spacing, Progress& progress) {
   const std::size_t count = around.places.size();
-  if (!tells_clutter(points, around_dot)) return std::vector<vec2>(count, vec2(1));
-  Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
-                std::vector<float>(count, 0.0f)};
+  PlacedDots out;
+  for (const dvec3& place : around.places) out.places.emplace_back(place - origin);
+  const float measured = spacing_of(around), usual = measured > 0 ? measured : median_spacing;
+  if (!tells_clutter(points, around_dot)) {
+    out.dots.assign(count, vec2(usual, 1));
+    return out;
+  }
+  Places places{out.places, std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
+                std::vector<float>(count, std::log2(usual))};
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
-    places.positions[k] = vec3(around.places[k] - origin);
+    if (k % 1024 == 0) progress.check();
     std::vector<vec3> near;
     for (const dvec3& at : around.nearest[k]) near.emplace_back(at - around.places[k]);
     std::vector<std::uint32_t> others(near.size() - 1);
     std::iota(others.begin(), others.end(), 1u);
-    if (!others.empty()) measure_place(near, 0, others, median_spacing, places, k);
+    if (!others.empty()) measure_place(near, others, places, k);
   });
-  return means_of(places, progress);
+  // Neighbours are found fast along the curve.
+  const auto [low, high] = box_along_the_curve(out.places);
+  const std::vector<std::uint64_t> keys = curve_keys(out.places, low, high);
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;
+  for (std::size_t k = 0; k < count; ++k) order.emplace_back(keys[k], k);
+  std::sort(order.begin(), order.end());
+  Places sorted = places;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t k = order[i].second;
+    sorted.positions[i] = places.positions[k], sorted.normals[i] = places.normals[k];
+    sorted.surface[i] = places.surface[k], sorted.log2_spacing[i] = places.log2_spacing[k];
+  }
+  out.dots = means_of(sorted, largest_medians * usual, progress);
+  out.places = std::move(sorted.positions);
+  return out;
 }
 
 std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
   const std::vector<vec3>& positions = prepared.cloud.positions;
-  const std::size_t n = positions.size();
-  if (prepared.whole) return dots_of_part(prepared.cloud, *prepared.whole);
-  std::vector<vec2> dots(n, vec2(1));
-  if (!tells_clutter(n, around_dot)) return dots;
-  const std::size_t each = (n + most_dot_places - 1) / most_dot_places;
-  const Places places = measure_places(positions, each, prepared.median_spacing, progress);
-  const std::size_t count = places.positions.size();
-  const std::vector<vec2> means = means_of(places, progress);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
-    std::fill(dots.begin() + std::ptrdiff_t(k * each),
-              dots.begin() + std::ptrdiff_t(std::min(n, (k + 1) * each)), means[k]);
+  PlacedDots own;
+  if (!prepared.whole) {
+    std::vector<dvec3> places = first_places(places_in(prepared.cloud), CloudFacts::most_places);
+    own = dots_at(
+        neighborhoods_of(NeighborTree(positions), prepared.cloud.origin, std::move(places), around_dot_place),
+        prepared.cloud.origin, positions.size(), prepared.median_spacing, progress);
+  }
+  const PlacedDots& placed = prepared.whole ? prepared.whole->dots : own;
+  const std::size_t count = placed.places.size();
+  const float unit = prepared.spacing_unit();
+  std::vector<vec2> dots(positions.size(), vec2(prepared.median_spacing / unit, 1));
+  if (count == 0) return dots;
+  const auto [low, high] = box_along_the_curve(placed.places);
+  const std::vector<std::uint64_t> keys = curve_keys(placed.places, low, high);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
+    progress.check();
+    const auto own_keys = curve_keys(std::span(positions).subspan(range.begin(), range.size()), low, high);
+    std::size_t at = 0;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      // The nearest of those that are near along the curve. Points follow it: mostly they are the same.
+      const std::uint64_t key = own_keys[i - range.begin()];
+      if ((at > 0 && keys[at - 1] > key) || (at < count && keys[at] <= key))
+        at = std::size_t(std::upper_bound(keys.begin(), keys.end(), key) - keys.begin());
+      float least = std::numeric_limits<float>::infinity();
+      for (std::size_t k = at - std::min(at, looked_at); k < std::min(count, at + looked_at); ++k) {
+        const vec3 away = placed.places[k] - positions[i];
+        if (const float distance2 = glm::dot(away, away); distance2 < least)
+          least = distance2, dots[i] = placed.dots[k] / vec2(unit, 1);
+      }
+    }
   });
-  // Which of coincident points comes first is chance.
-  for (std::size_t i = 1; i < n; ++i)
-    if (positions[i] == positions[i - 1]) dots[i] = dots[i - 1];
   return dots;
 }
 

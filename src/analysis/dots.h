@@ -9,17 +9,16 @@
 
 namespace sfumato::analysis {
 
-/// Of every point the spacing around it, in median spacings, and how far what is there is a surface whose
-/// points lie on all sides, from 0 to 1. Measured at 8,192 places, one in the middle of each of equal runs of
-/// the curve, and averaged over 25 of them: neighbours have nearly the same size.
-/// Of a part of a cloud, those of the nearest place of the whole.
+/// Of every point the spacing around it, in spacing_unit(), and how far what is there is a surface whose
+/// points lie on all sides, from 0 to 1. Measured at 8,192 places (CloudFacts::places), averaged over 25 of
+/// them, so that neighbours have nearly the same size, and taken from a near one: of a part of a cloud as of
+/// the whole.
 std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress = no_progress());
 
-inline constexpr std::size_t most_dot_places = 8'192;
 inline constexpr std::size_t around_dot_place = 25;  ///< itself among them
 /// The same at places of which all parts know what is around them, relative to `origin`, for clouds of so
-/// many points.
-std::vector<vec2> dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
-                          float median_spacing, Progress& progress = no_progress());
+/// many points. `median_spacing`: where there are too few to measure it.
+PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
+                   float median_spacing, Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

@@ -298,6 +298,16 @@ std::vector<std::uint32_t> morton_order(const PointCloud& cloud, Progress& progr
   return order;
 }
 
+std::vector<std::uint64_t> curve_keys(std::span<const vec3> places, const vec3& box_min,
+                                      const vec3& box_max) {
+  const Cells cells({box_min, box_max});
+  std::vector<std::uint64_t> keys(places.size());
+  if (cells.any())
+    std::transform(places.begin(), places.end(), keys.begin(),
+                   [&](const vec3& place) { return cells.key(glm::clamp(place, box_min, box_max)); });
+  return keys;
+}
+
 void reorder(PointCloud& cloud, std::vector<std::uint32_t> order) {
   const auto scratch = unset_array<std::byte>(order.size() * sizeof(vec3));
   permute(cloud.positions, order, scratch.get());

@@ -27,9 +27,9 @@ Surroundings surroundings_of(const PointCloud& part, const CloudFacts& whole) {
   const PointCloud sorted = along_the_curve(places_only(part));
   const NeighborTree tree(sorted.positions);
   const auto around = [&](std::size_t places, std::size_t count) {
-    return neighborhoods_of(tree, part.origin, places_of(whole, places), count);
+    return neighborhoods_of(tree, part.origin, first_places(whole.places, places), count);
   };
-  return {around(most_dot_places, around_dot_place), around(noise_places, around_noise_place)};
+  return {around(CloudFacts::most_places, around_dot_place), around(noise_places, around_noise_place)};
 }
 
 void merge(Surroundings& into, const Surroundings& of) {
@@ -50,14 +50,7 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surrou
   const std::vector<vec3>& normals = whole->sample.normals;
   whole->has_normals = facts.with_normal == facts.points &&
                        !are_rough(normals, NeighborTree(whole->sample.positions), PrepareOptions().neighbors);
-
-  // Along the curve as well: every point looks for its nearest place.
-  const std::vector<vec2> dots = dots_at(around.dots, origin, facts.points, whole->median_spacing);
-  PointCloud places;
-  for (const dvec3& place : around.dots.places) places.positions.emplace_back(place - origin);
-  const std::vector<std::uint32_t> order = morton_order(places);
-  for (const std::uint32_t k : order)
-    whole->places.push_back(places.positions[k]), whole->dots.push_back(dots[k]);
+  whole->dots = dots_at(around.dots, origin, facts.points, whole->median_spacing);
   return whole;
 }
 

@@ -14,7 +14,7 @@
 namespace sfumato::analysis {
 
 struct Surroundings {
-  Neighborhoods dots, noise;  ///< of places of the sample, for what is named so
+  Neighborhoods dots, noise;  ///< around places of the whole, for what is named so
   bool operator==(const Surroundings&) const = default;
 };
 

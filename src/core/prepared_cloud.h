@@ -74,6 +74,13 @@ struct ViewPlaces {
 /// smaller than this by themselves (analysis/attributes.cpp).
 constexpr float largest_disc = 4;
 
+/// Sizes of dots (analysis/dots.h), spacings in scene units, at places along the curve, relative to the
+/// cloud's origin.
+struct PlacedDots {
+  std::vector<vec3> places;
+  std::vector<vec2> dots;
+};
+
 /// What decides how points are drawn and follows from all points of a cloud of which only a part is here: the
 /// same for every part (analysis/whole.h).
 struct WholeCloud {
@@ -82,8 +89,7 @@ struct WholeCloud {
   Bounds box, usual_box;  ///< world; usual: robust_bounds
   float median_spacing = 1, noise = 0;
   bool has_normals = false;  ///< which its files brought, and which are used
-  std::vector<vec3> places;  ///< relative to the origin
-  std::vector<vec2> dots;    ///< at the places (analysis/dots.h)
+  PlacedDots dots;
   PointCloud sample;
 };
 
@@ -107,6 +113,10 @@ struct PreparedCloud {
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
   MadeOnce<float> surface_share;
+  /// What spacings are stored in as halves: the power of two near the median; any other rounds the same.
+  float spacing_unit() const {
+    return median_spacing > 0 ? std::exp2(std::round(std::log2(median_spacing))) : 1;
+  }
   std::shared_ptr<const WholeCloud> whole;  ///< of which this is a part; null: this is all of it
   ViewPlaces views;                         ///< empty unless normals or radii may still come from RGB-D views
 };

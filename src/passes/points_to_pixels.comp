@@ -29,7 +29,7 @@ uniform float largest_spacing;  // scene units; adaptive sizes where points are 
 uniform float single_px;    // what is narrower is the one pixel that it falls into
 uniform float wide_px;      // adaptive sizes above it grow with their fourth root; 0: no
 #ifdef DOTS
-uniform float median_spacing;
+uniform float spacing_unit;   // scene units
 uniform float dot_share;      // of the size that closes a surface, where there is none
 uniform vec2 dot_limits_px;
 const vec2 closing = vec2(2.0, 3.0);  // in wide_px: points that far apart are no surface to whoever looks
@@ -131,11 +131,11 @@ void main() {
   float diameter = point_size;
 #ifdef DOTS
   vec2 own = point_fields(i);
-  float spacing = own.x * median_spacing;
+  float spacing = own.x * spacing_unit;
 #else
-  float spacing = spacing_in(group_row(), batch, position);
+  float spacing = min(spacing_in(group_row(), batch, position), largest_spacing);
 #endif
-  if (size_mode == 0) diameter *= min(spacing, largest_spacing) * pixels_at(depth);
+  if (size_mode == 0) diameter *= spacing * pixels_at(depth);
 #ifdef DOTS
   float as_dot = clamp(dot_share * diameter, dot_limits_px.x, dot_limits_px.y);
   own.y *= 1.0 - smoothstep(closing.x, closing.y, diameter / wide_px);

@@ -36,7 +36,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   program.set("largest_spacing", footprint.largest_medians * cloud.median_spacing());
   if (lists && !index) program.set("inverse_bin", inverse_bin_);
   if (dots)
-    program.set("median_spacing", cloud.median_spacing())
+    program.set("spacing_unit", cloud.prepared().spacing_unit())
         .set("dot_share", footprint.dot_share)
         .set("dot_limits_px", vec2(footprint.least_dot_px, footprint.most_dot_px));
   if (oriented) program.set("least_px", 0.71f).set("dense_px", 1.5f);

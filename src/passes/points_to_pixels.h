@@ -20,12 +20,13 @@ enum class SizeMode { adaptive, pixels, world };
 struct Footprint {
   SizeMode mode = SizeMode::pixels;
   float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
-  /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more.
+  /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more. Not of
+  /// dots, which know.
   float largest_medians = 4;
   /// Discs wider than this grow with the fourth root of what they would be; 0: no. Points that far apart are
   /// no surface any more to whoever looks, and discs that close it would hide what shape there is. px
   float wide_px = 0;
-  /// Adaptive: the cloud's field holds spacing (in medians) and share of a surface of every point
+  /// Adaptive: the cloud's field holds spacing (in spacing_unit()) and share of a surface of every point
   /// (analysis/dots.h). Where there is none, points are this share of the size that would close it, within
   /// these limits, px; 0: no such field.
   float dot_share = 0, least_dot_px = 1, most_dot_px = 1;

@@ -45,7 +45,7 @@ Bytes BytesOf(const CloudFacts& facts) {
   bytes.Put(facts.least), bytes.Put(facts.most);
   std::vector<SamplePoint> sample;
   for (const CloudFacts::Point& p : facts.sample) sample.push_back({p.hash, p.place, p.normal, p.radius, p.color});
-  bytes.PutAll(sample);
+  bytes.PutAll(sample), bytes.PutAll(facts.places);
   return bytes;
 }
 
@@ -54,7 +54,7 @@ void Take(Bytes& bytes, CloudFacts& facts) {
     bytes.Take(*count);
   bytes.Take(facts.least), bytes.Take(facts.most);
   std::vector<SamplePoint> sample;
-  bytes.TakeAll(sample);
+  bytes.TakeAll(sample), bytes.TakeAll(facts.places);
   for (const SamplePoint& p : sample) facts.sample.push_back({p.hash, p.place, p.normal, p.color, p.radius, {}});
 }
 

@@ -138,7 +138,7 @@ TEST(CloudFacts, TheSampleHasTheSharesOfTheWhole) {
 TEST(Neighborhoods, AreThoseOfTheWholeHoweverItIsSplit) {
   std::mt19937 random(2);
   for (const PointCloud& cloud : clouds()) {
-    const std::vector<dvec3> places = places_of(facts_of(cloud, few), 60);
+    const std::vector<dvec3> places = first_places(places_in(cloud), 60);
     const Neighborhoods whole = neighborhoods_of(NeighborTree(cloud.positions), cloud.origin, places, around);
     for (int round = 0; round < 10; ++round) {
       std::vector<Neighborhoods> parts;
@@ -160,7 +160,7 @@ TEST(Neighborhoods, TellSpacingAndNoise) {
   cloud.positions = test::noisy_sphere(40'000, 2, 0.02f);
   const NeighborTree tree(cloud.positions);
   const Neighborhoods near =
-      neighborhoods_of(tree, cloud.origin, places_of(facts_of(cloud, few), few), around);
+      neighborhoods_of(tree, cloud.origin, first_places(places_in(cloud), few), around);
   std::vector<Batch> batches(1);
   batches[0].count = std::uint32_t(cloud.size());
   EXPECT_NEAR(spacing_of(near) / measure_spacing(batches, tree), 1, 0.03);

@@ -58,7 +58,11 @@ TEST(Dots, NeighboursAreAlike) {
 TEST(Dots, FewPointsAreClosed) {
   PointCloud cloud;
   cloud.positions = uniform_cube(100);
-  for (const vec2& dot : dots_of(prepare(cloud, {}, {}))) EXPECT_EQ(dot, vec2(1));
+  const PreparedCloud prepared = prepare(cloud, {}, {});
+  for (const vec2& dot : dots_of(prepared)) {
+    EXPECT_NEAR(dot.x * prepared.spacing_unit() / prepared.median_spacing, 1, 2e-3);  // of an even number
+    EXPECT_EQ(dot.y, 1);
+  }
 }
 
 /// Whatever the order of the points, of which some lie in one place: as many as a run has, and more.
