@@ -12,6 +12,9 @@
 namespace sfumato::gl {
 namespace {
 
+/// From the end of the range: two steps of 24 bits.
+constexpr float last_depth = 0x1p-23f;
+
 /// A context of EGL or of GLX, asked without linking X: who uses GLX has its library loaded.
 bool has_context() {
   using CurrentContext = void* (*)();
@@ -86,7 +89,7 @@ void HostCanvas::draw(const Image<Rgba8>& color, const Image<float>& depth, std:
   const HostState state(framebuffer, viewport, is_less_nearer ? GL_LEQUAL : GL_GEQUAL);
   program_.set("depth_row", vec4(float(p[3][2]), float(-p[2][2]), float(p[3][3]), float(-p[2][3])))
       .set("half_depth", clip_depth == GL_NEGATIVE_ONE_TO_ONE)
-      .set("farthest", is_reversed ? 0.0f : 1.0f)
+      .set("farthest", is_reversed ? last_depth : 1 - last_depth)
       .set("depth_range", vec2(range[0], range[1]))
       .set("opacity", opacity)
       .set("corner", ivec2(viewport[0], viewport[1]))

@@ -3,7 +3,7 @@ layout(binding = 0) uniform sampler2D picture;    // sRGB, straight alpha, top r
 layout(binding = 1) uniform sampler2D eye_depth;  // along the view axis, +inf where nothing
 uniform vec4 depth_row;     // clip z = x + y d, clip w = z + w d
 uniform bool half_depth;    // clip depth is -1..1
-uniform float farthest;     // 1, or 0 where the host's depths are reversed
+uniform float farthest;     // the last depth before nothing: near 1, or near 0 where the host's depths are reversed
 uniform vec2 depth_range;   // glDepthRange
 uniform float opacity;      // of the whole picture
 uniform ivec2 corner;       // of the viewport, px
@@ -18,7 +18,7 @@ void main() {
   vec4 c = texelFetch(picture, pixel, 0);
   c.a *= opacity;
   if (c.a == 0.0) discard;
-  // Edges and haze may have no depth: they lie behind everything.
+  // Edges and haze may have no depth: they lie behind everything, and before what compositors take for nothing.
   float d = texelFetch(eye_depth, pixel, 0).r, share = farthest;
   if (!isinf(d)) {
     vec2 clip = depth_row.xz + depth_row.yw * d;

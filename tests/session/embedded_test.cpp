@@ -142,6 +142,26 @@ TEST_F(EmbeddedTest, StandsWhereTheHostsMatricesSay) {
     }
 }
 
+// Who puts pictures together by depth takes the farthest for nothing.
+TEST_F(EmbeddedTest, SoftOutlinesHaveADepth) {
+  host.clear({0, 0, 0, 0}, 1);
+  PointCloud turned = sheet();
+  for (vec3& p : turned.positions) p = {0.8f * p.x - 0.6f * p.z, 0, 0.6f * p.x + 0.8f * p.z};
+  points.set_cloud(std::move(turned));
+  points.request("points", front(), {{"smooth_outlines", "true"}});
+  ASSERT_TRUE(points.wait(100));
+  ASSERT_TRUE(points.draw(host.framebuffer, {0, 0, width, height}));
+  const Image<Rgba8> color = host.color();
+  const Image<float> depth = host.depth();
+  int soft = 0;
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    const int alpha = color.data()[i].a;
+    soft += alpha > 0 && alpha < 255;
+    EXPECT_EQ(depth.data()[i]<1, alpha> 0) << i;
+  }
+  EXPECT_GT(soft, 20);
+}
+
 TEST_F(EmbeddedTest, HidesAndIsHiddenByWhatTheHostDrew) {
   host.clear({1, 0, 0, 1}, depth_at(2.9));
   host.put_depth(width / 2, depth_at(3.1));

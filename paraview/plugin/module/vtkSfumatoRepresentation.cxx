@@ -47,6 +47,8 @@ void vtkSfumatoRepresentation::SetFlag(const char* name, int value) {
 
 void vtkSfumatoRepresentation::SetOpacity(double value) { this->Points()->Opacity = value; }
 
+bool vtkSfumatoRepresentation::NeedsOrderedCompositing() { return this->Points()->Opacity < 1; }
+
 int vtkSfumatoRepresentation::ProcessViewRequest(vtkInformationRequestKey* request, vtkInformation* in,
                                                  vtkInformation* out) {
   if (!this->Superclass::ProcessViewRequest(request, in, out)) return 0;

@@ -28,6 +28,8 @@ class SFUMATOREPRESENTATIONS_EXPORT vtkSfumatoRepresentation : public vtkGeometr
  protected:
   vtkSfumatoRepresentation();
   ~vtkSfumatoRepresentation() override = default;
+  /// Not for colours as they are, which might have an opacity: every point is clipped for it, cell by cell.
+  bool NeedsOrderedCompositing() override;
 
  private:
   vtkSfumatoRepresentation(const vtkSfumatoRepresentation&) = delete;
