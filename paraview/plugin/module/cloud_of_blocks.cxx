@@ -9,6 +9,7 @@
 #include "passes/visible_points.h"
 
 #include "vtkDataArray.h"
+#include "vtkFieldData.h"
 #include "vtkMultiProcessController.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -30,6 +31,9 @@ void CloudOfBlocks::Add(vtkPolyData* block, vtkUnsignedCharArray* colors) {
     normals = nullptr;
   has_normals_ = has_normals_ || normals;
   const bool is_moved = placement_ != dmat4(1.0);
+  if (vtkDataArray* origin = block->GetFieldData()->GetArray(origin_name);
+      origin && origin->GetNumberOfComponents() == 3 && origin->GetNumberOfTuples() > 0)
+    for (int k = 0; k < 3; ++k) origin_[k] = std::max(origin_[k], origin->GetComponent(0, k));
   has_doubles_ = has_doubles_ || is_moved || places->GetDataType() != VTK_FLOAT;
   const glm::dmat3 turned = glm::transpose(glm::inverse(glm::dmat3(placement_)));
   points_.reserve(points_.size() + std::size_t(count));
@@ -69,7 +73,7 @@ dvec3 CloudOfBlocks::LeastOf(const std::vector<Point>& points) {
 
 PointCloud CloudOfBlocks::Take(const std::vector<Point>& points, const dvec3& least) const {
   PointCloud cloud;
-  if (has_doubles_) cloud.origin = glm::floor(least);
+  if (has_doubles_) cloud.origin = std::isfinite(origin_.x) ? origin_ : glm::floor(least);
   cloud.positions.reserve(points.size()), cloud.colors.reserve(points.size());
   if (has_normals_) cloud.normals.reserve(points.size());
   for (const Point& point : points) {
@@ -80,23 +84,8 @@ PointCloud CloudOfBlocks::Take(const std::vector<Point>& points, const dvec3& le
   return cloud;
 }
 
-PointCloud CloudOfBlocks::Take() {
+PointCloud CloudOfBlocks::TakeNumbered(const dvec3& least) {
   const std::vector<Point> points = std::exchange(points_, {});
-  return points.empty() ? PointCloud() : Take(points, LeastOf(points));
-}
-
-void CloudOfBlocks::AgreeOnKind() {
-  int own[2] = {has_normals_, has_doubles_}, any[2] = {};
-  vtkMultiProcessController::GetGlobalController()->AllReduce(own, any, 2, vtkCommunicator::MAX_OP);
-  has_normals_ = any[0], has_doubles_ = any[1];
-}
-
-PointCloud CloudOfBlocks::TakeOfOwnRank() {
-  this->AgreeOnKind();
-  const std::vector<Point> points = std::exchange(points_, {});
-  dvec3 least = LeastOf(points), of_all(0);
-  vtkMultiProcessController::GetGlobalController()->AllReduce(&least.x, &of_all.x, 3, vtkCommunicator::MIN_OP);
-  if (!std::isfinite(of_all.x)) return {};
   // A number follows from all that a point is: points of one number look alike.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
   for (const Point& point : points) {
@@ -110,9 +99,28 @@ PointCloud CloudOfBlocks::TakeOfOwnRank() {
   std::vector<Point> sorted;
   sorted.reserve(points.size());
   for (const auto& [number, i] : order) sorted.push_back(points[i]);
-  PointCloud cloud = Take(sorted, of_all);
+  PointCloud cloud = Take(sorted, least);
   for (const auto& [number, i] : order) cloud.source_index.push_back(number);
   return cloud;
+}
+
+PointCloud CloudOfBlocks::Take() {
+  return points_.empty() ? PointCloud() : TakeNumbered(LeastOf(points_));
+}
+
+void CloudOfBlocks::AgreeOnKind() {
+  int own[2] = {has_normals_, has_doubles_}, any[2] = {};
+  vtkMultiProcessController::GetGlobalController()->AllReduce(own, any, 2, vtkCommunicator::MAX_OP);
+  has_normals_ = any[0], has_doubles_ = any[1];
+  const dvec3 own_origin = origin_;
+  vtkMultiProcessController::GetGlobalController()->AllReduce(&own_origin.x, &origin_.x, 3, vtkCommunicator::MAX_OP);
+}
+
+PointCloud CloudOfBlocks::TakeOfOwnRank() {
+  this->AgreeOnKind();
+  dvec3 least = LeastOf(points_), of_all(0);
+  vtkMultiProcessController::GetGlobalController()->AllReduce(&least.x, &of_all.x, 3, vtkCommunicator::MIN_OP);
+  return std::isfinite(of_all.x) ? TakeNumbered(of_all) : PointCloud();
 }
 
 PointCloud CloudOfBlocks::TakeOfAllRanks() {

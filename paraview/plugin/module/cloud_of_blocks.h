@@ -6,6 +6,9 @@
 class vtkPolyData;
 class vtkUnsignedCharArray;
 
+/// Field data of what the reader read: floats relative to this origin are those of the file.
+inline constexpr const char* origin_name = "sfumato_origin";
+
 class CloudOfBlocks {
  public:
   /// `placement`: from the data to the world. `solid`: of points without colours.
@@ -13,6 +16,7 @@ class CloudOfBlocks {
       : placement_(placement), solid_(solid) {}
   /// `colors`: three or four bytes a point, or null.
   void Add(vtkPolyData* block, vtkUnsignedCharArray* colors);
+  /// The points, numbered as TakeOfOwnRank does.
   sfumato::PointCloud Take();
   /// On rank 0 the points of all ranks, in an order that does not depend on who had them; on the others none.
   /// Every rank has to call it.
@@ -31,11 +35,13 @@ class CloudOfBlocks {
   sfumato::dmat4 placement_;
   sfumato::Rgba8 solid_;
   std::vector<Point> points_;
+  sfumato::dvec3 origin_{-std::numeric_limits<double>::infinity()};  ///< of files; -inf: none is known
   int has_normals_ = 0;
   bool has_doubles_ = false;  ///< places that float may not hold
 
   /// What holds for one rank holds for all, whoever has the points of which it does.
   void AgreeOnKind();
   static sfumato::dvec3 LeastOf(const std::vector<Point>& points);
+  sfumato::PointCloud TakeNumbered(const sfumato::dvec3& least);
   sfumato::PointCloud Take(const std::vector<Point>& points, const sfumato::dvec3& least) const;
 };

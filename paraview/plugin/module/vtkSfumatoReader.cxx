@@ -5,8 +5,10 @@
 
 #include <vector>
 
+#include "cloud_of_blocks.h"
 #include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -45,6 +47,11 @@ void fill(const sfumato::PointCloud& cloud, std::size_t first, std::size_t count
     places->SetPoint(vtkIdType(k), place.x, place.y, place.z);
   }
   out.SetPoints(places);
+  vtkNew<vtkDoubleArray> origin;
+  origin->SetName(origin_name);
+  origin->SetNumberOfComponents(3);
+  origin->InsertNextTuple(&cloud.origin.x);
+  out.GetFieldData()->AddArray(origin);
   vtkNew<vtkCellArray> vertices;
   vertices->AllocateExact(vtkIdType(count), vtkIdType(count));
   for (vtkIdType k = 0; k < vtkIdType(count); ++k) vertices->InsertNextCell(1, &k);
