@@ -253,8 +253,9 @@ std::vector<dvec3> nearest_of(std::vector<Near> all, std::size_t count) {
 class PlacesNear {
  public:
   static constexpr bool merges_coincident = true;
-  PlacesNear(std::span<const vec3> positions, std::size_t count, float rounding)
-      : positions_(positions), count_(count), rounding_(rounding) {}
+  /// `size`: how far the place is from the origin.
+  PlacesNear(std::span<const vec3> positions, std::size_t count, float size)
+      : positions_(positions), count_(count), size_(size) {}
   float limit() const { return limit_; }
   void add(std::uint32_t id, float distance2) {
     seen_.push_back(sort_key(distance2, id));
@@ -266,7 +267,9 @@ class PlacesNear {
     std::push_heap(heap_.begin(), heap_.end());
     if (heap_.size() > count_) std::pop_heap(heap_.begin(), heap_.end()), heap_.pop_back();
     if (heap_.size() < count_) return;
-    const float reach = std::sqrt(distance2_of(heap_.front())) * 1.00001f + rounding_;
+    // Points as near as this are no farther from the origin than that, and rounded so much.
+    const float farthest = std::sqrt(distance2_of(heap_.front())) * 1.00001f,
+                reach = farthest + 4 * std::numeric_limits<float>::epsilon() * (size_ + farthest);
     limit_ = std::nextafter(reach * reach, std::numeric_limits<float>::infinity());
   }
   /// Calls `use(id)`.
@@ -280,7 +283,7 @@ class PlacesNear {
   std::vector<std::uint64_t> seen_;  ///< sort_key; the first of them before the limit was known
   std::span<const vec3> positions_;
   std::size_t count_;
-  float rounding_, limit_ = std::numeric_limits<float>::infinity();
+  float size_, limit_ = std::numeric_limits<float>::infinity();
   std::vector<std::uint64_t> heap_;  ///< sort_key of the nearest, the farthest on top
 };
 
@@ -295,15 +298,12 @@ std::vector<dvec3> first_places(const std::vector<CloudFacts::Place>& places, st
 Neighborhoods neighborhoods_of(const NeighborTree& tree, const dvec3& origin, std::vector<dvec3> places,
                                std::size_t count) {
   const std::span<const vec3> positions = tree.positions();
-  vec3 farthest(0);
-  for (const vec3& p : positions) farthest = glm::max(farthest, glm::abs(p));
   Neighborhoods around{std::move(places), {}};
   around.nearest.resize(around.places.size());
   tbb::parallel_for(std::size_t(0), around.places.size(), [&](std::size_t k) {
     const dvec3& place = around.places[k];
     const vec3 local(place - origin);
-    const float size = glm::length(glm::max(farthest, glm::abs(local)));
-    PlacesNear found(positions, count, 4 * std::numeric_limits<float>::epsilon() * size);
+    PlacesNear found(positions, count, glm::length(local));
     tree.search(local, found);
     std::vector<Near> all;
     found.each([&](std::uint32_t id) {
