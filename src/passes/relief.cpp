@@ -11,9 +11,8 @@ namespace {
 
 /// Pictures higher than this have their relief so much wider, that they look alike.
 constexpr float usual_height = 720;
-/// Distances of the octaves at that height, 3 px to 137 px, a fifth of it; and how far in front lies what
-/// occludes (docs/measurements/relief.md).
-constexpr float first_octave_px = 3, ratio = 2.6f, occluder_px = 48;
+/// Distances of the octaves at that height: 6 px to 96 px, an eighth of it.
+constexpr float first_octave_px = 6;
 constexpr int octaves = 5, fine_octaves = 2;
 /// Squares of 32 px: elsewhere nothing is covered.
 constexpr int tile_level = 4;
@@ -28,7 +27,7 @@ int finest_level(int picture_height, int levels) {
 }  // namespace
 
 int Relief::reach_px(const Options& options, int picture_height) {
-  const float farthest = std::pow(ratio, float(octaves - 1)) * first_octave_px;
+  const float farthest = std::exp2(float(octaves - 1)) * first_octave_px;
   // Squares, and those that noise is measured in.
   return int(std::ceil(widened(picture_height) * std::max(farthest, options.edl_radius))) + 2 * (2 << levels);
 }
@@ -56,10 +55,7 @@ void Relief::find_openness(const View& view, const Options& options, const gl::T
       .set("finest", finest)
       .set("octaves", options.occlusion > 0 ? octaves : 0)
       .set("first_octave", options.coarse ? fine_octaves : 0);
-  const float wider = widened(view.picture_height());
-  occlusion_.set("first_px", first_octave_px * wider)
-      .set("ratio", ratio)
-      .set("reach_px", occluder_px * wider)
+  occlusion_.set("first_px", first_octave_px * widened(view.picture_height()))
       .set("spacing", options.spacing);
   occlusion_.set("point_noise", options.noise);
   if (gl::limits().software) gl::finish();  // see Tiles

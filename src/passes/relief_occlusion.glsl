@@ -14,15 +14,13 @@ layout(binding = UNIT_INPUT) uniform sampler2D pyramid;  // levels of 2, 4, 8 ..
 
 uniform int levels, finest;  // of the pyramid; of those this pass writes
 uniform int first_octave, octaves;
-uniform float first_px, ratio;  // distance of the nearest octave, and of each next one to that before it
-uniform float reach_px;   // how far in front what occludes may lie
+uniform float first_px;   // distance of the nearest octave, each next one twice as far
 uniform float point_noise;  // standard deviation of the points off their surfaces, scene units; 0 where not measured
 uniform float spacing;    // of the points between which a surface was closed, scene units; 0 where none was
 
 const float threshold = 2.0;              // mean details; in one of twenty of normal noise is more
 const float deviations = 3.5;             // of points: sqrt(12) are a step of depth that was rounded
-const float farthest_noise = 4.0;         // of that of the points: what is more is shape, as that of leaves
-const float beyond = 2.0;                 // reaches: what is farther in front occludes nothing
+const float in_reach = 1.0, beyond = 2.0;  // of the farthest octave: what is farther in front occludes nothing
 const float nothing = -1e3;               // the rise of the background
 
 const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(0.70710678, 0.70710678), vec2(0.0, 1.0),
@@ -68,13 +66,13 @@ bool filter_pixel(ivec2 square) {
   vec2 center = (vec2(square) + 0.5) * side;
   vec3 here = eye_from_pixel(center, own.x), towards = to_camera(here);
   float chance = spacing * smoothstep(2.5, 6.0, spacing / pixel);
-  float reach = reach_px * pixel, measured = deviations * point_noise;
+  float reach = first_px * exp2(float(octaves - 1)) * pixel;
   vec4 rise = vec4(nothing), fall = vec4(nothing);  // towards four directions, and those opposite
   for (int o = first_octave; o < octaves; ++o) {
-    float away = first_px * pow(ratio, float(o));
+    float away = first_px * exp2(float(o));
     int l = clamp(int(floor(log2(away))) - 2, finest, levels - 1);
     // Of half the distance, in which what is not noise but as large as the octave has its own detail.
-    float noise = max(clamp(threshold * noise_of(center, l + 1), measured, farthest_noise * measured), 0.5 * chance);
+    float noise = max(max(threshold * noise_of(center, l + 1), deviations * point_noise), 0.5 * chance);
     for (int k = 0; k < 8; ++k) {
       vec2 place = center + away * compass[k];
       bool is_outside = any(lessThan(place, vec2(0.0))) || any(greaterThan(place, vec2(frame.image_size)));
@@ -82,7 +80,7 @@ bool filter_pixel(ivec2 square) {
       vec3 d = eye_from_pixel(place, there.x) - here;
       float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));
       float slope = (height - noise) / max(across, 1e-30);
-      if (slope > 0.0) slope *= 1.0 - smoothstep(reach, beyond * reach, sqrt(far));
+      if (slope > 0.0) slope *= 1.0 - smoothstep(in_reach * reach, beyond * reach, sqrt(far));
       if (slope > 0.0) slope *= clamp(2.0 * there.y - 1.0, 0.0, 1.0);  // a rim is no wall
       if (there.y <= 0.0 || is_outside) slope = nothing;
       if (k < 4) rise[k] = max(rise[k], slope);
@@ -93,6 +91,6 @@ bool filter_pixel(ivec2 square) {
   vec4 blocked = mix(vec4(0.0), 0.5 - 0.5 * cosine, greaterThan(rise + fall, vec4(0.0)));
   out_0.x = 1.0 - dot(blocked, vec4(0.25));
   for (int l = 0; l < 2; ++l) out_0.y = max(out_0.y, threshold * noise_of(center, finest + l));
-  out_0.y = max(out_0.y, measured);
+  out_0.y = max(out_0.y, deviations * point_noise);
   return true;
 }
