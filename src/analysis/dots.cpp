@@ -101,30 +101,26 @@ PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64
     out.dots.assign(count, vec2(usual, 1));
     return out;
   }
-  Places places{out.places, std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
-                std::vector<float>(count, std::log2(usual))};
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t k) {
-    if (k % 1024 == 0) progress.check();
-    std::vector<vec3> near;
-    for (const dvec3& at : around.nearest[k]) near.emplace_back(at - around.places[k]);
-    std::vector<std::uint32_t> others(near.size() - 1);
-    std::iota(others.begin(), others.end(), 1u);
-    if (!others.empty()) measure_place(near, others, places, k);
-  });
   // Neighbours are found fast along the curve.
   const auto [low, high] = box_along_the_curve(out.places);
   const std::vector<std::uint64_t> keys = curve_keys(out.places, low, high);
   std::vector<std::pair<std::uint64_t, std::size_t>> order;
   for (std::size_t k = 0; k < count; ++k) order.emplace_back(keys[k], k);
   std::sort(order.begin(), order.end());
-  Places sorted = places;
-  for (std::size_t i = 0; i < count; ++i) {
+  Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
+                std::vector<float>(count, std::log2(usual))};
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+    if (i % 1024 == 0) progress.check();
     const std::size_t k = order[i].second;
-    sorted.positions[i] = places.positions[k], sorted.normals[i] = places.normals[k];
-    sorted.surface[i] = places.surface[k], sorted.log2_spacing[i] = places.log2_spacing[k];
-  }
-  out.dots = means_of(sorted, largest_medians * usual, progress);
-  out.places = std::move(sorted.positions);
+    places.positions[i] = out.places[k];
+    std::vector<vec3> near;
+    for (const dvec3& at : around.nearest[k]) near.emplace_back(at - around.places[k]);
+    std::vector<std::uint32_t> others(near.size() - 1);
+    std::iota(others.begin(), others.end(), 1u);
+    if (!others.empty()) measure_place(near, others, places, i);
+  });
+  out.dots = means_of(places, largest_medians * usual, progress);
+  out.places = std::move(places.positions);
   return out;
 }
 
