@@ -177,12 +177,14 @@ dvec3 middle_of_turn(const std::vector<dvec3>& points, const dvec3& up) {
   const auto [low, high] = std::minmax_element(
       points.begin(), points.end(), [&](const dvec3& a, const dvec3& b) { return height(a) < height(b); });
   const double level = 0.5 * (height(*low) + height(*high));
-  const auto flat = [&](const dvec3& p) { return p + (level - height(p)) * up; };
-  dvec3 middle = flat(points.front());
+  std::vector<dvec3> plan;
+  for (const dvec3& p : points) plan.push_back(p + (level - height(p)) * up);
+  dvec3 middle = plan.front();
   for (int i = 1; i <= 100; ++i) {
     dvec3 farthest = middle;
-    for (const dvec3& p : points)
-      if (glm::distance(flat(p), middle) > glm::distance(farthest, middle)) farthest = flat(p);
+    double most = 0;
+    for (const dvec3& p : plan)
+      if (const double distance = glm::distance(p, middle); distance > most) most = distance, farthest = p;
     middle += (farthest - middle) / (i + 1.0);
   }
   return middle;
