@@ -2,7 +2,8 @@
 // (Boucheny 2009): each pixel is darkened by how far it lies behind its eight neighbours on a circle, more than on a
 // plane, in shares of its depth, so that the look does not depend on the scene's scale. What one neighbour adds is
 // bounded, and so is their sum: every step draws a line of one darkness, and what lies behind all that is around it
-// stays a dot of its colour.
+// stays a dot of its colour. An outline is that of something that goes on along it: of leaves and strays, which all lie
+// at depths of their own, every dot would have a black ring.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
@@ -20,6 +21,7 @@ const float fine_px = 2.5,
             coarse_px = 6.0;    // between points: their relief is seen; that between them would be
 const float most_near = 0.008;  // octaves of depth
 const float darkest = 1.2;      // exponent
+const float along_radii = 3.0;  // 4.2 px: beyond most dots
 const float steepest = 4.0;  // depth over width: of a surface, as in relief_pyramid.glsl
 
 float depth_at(ivec2 pixel, vec2 away) {
@@ -38,6 +40,15 @@ vec2 around(ivec2 pixel) {
     sum += w.x * w.y * texelFetch(openness_image, clamp(low + corner, ivec2(0), last), 0).xy;
   }
   return sum;
+}
+
+// How far what lies in front of a pixel goes on, to both sides of the place where it was met or along a slope, from 0 to
+// 1. What is nearer to the pixel's own depth is not of it.
+float goes_on(ivec2 pixel, vec2 away, float depth, float behind) {
+  vec2 along = along_radii * vec2(-away.y, away.x);
+  vec2 off = depth - behind - vec2(depth_at(pixel, away + along), depth_at(pixel, away - along));
+  off = min(abs(off), 0.5 * abs(off.x + off.y));
+  return dot(vec2(0.5), max(1.0 - 2.0 / behind * off, 0.0));
 }
 
 bool filter_pixel(ivec2 pixel) {
@@ -61,7 +72,8 @@ bool filter_pixel(ivec2 pixel) {
       // A plane lies before it on one side as far as behind on the other.
       vec2 slope = mix(max(behind, vec2(lowest)), vec2(0.0), isinf(behind)).yx;
       vec2 bounded = clamp((behind + min(slope, vec2(0.0)) - noise) * scale, 0.0, most_near);
-      response += bounded.x + bounded.y;
+      if (bounded.x > 0.0) response += bounded.x * goes_on(pixel, away, depth, behind.x);
+      if (bounded.y > 0.0) response += bounded.y * goes_on(pixel, -away, depth, behind.y);
     }
     // 300 is Potree's constant. The shade was meant for encoded colour; 2.2 keeps that look in linear light.
     float exponent = response / 8.0 * 300.0 * strength * 2.2;
