@@ -140,7 +140,9 @@ void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOption
   try {
     Selection selection = options.selection;
     if (selection.crop && scene.metres) selection.crop = scene.metres->moved(*selection.crop);
+    const std::size_t before = scene.selected.cropped;  // of what is selected from again
     scene.selected = apply(selection, scene.cloud);
+    scene.selected.cropped += before;
   } catch (const NothingSelected& error) {
     throw NothingSelected(whose + error.what());
   } catch (const Error& error) {

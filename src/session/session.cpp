@@ -40,7 +40,9 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
         analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud, progress);
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
-  Pose pose{upright, subject_of(scene.cloud, !cutaway, progress), horizontal_unit(scene.cloud.crs)};
+  // Whoever cuts out a box has chosen what is shown.
+  const bool whole = !cutaway || scene.selected.cropped > 0;
+  Pose pose{upright, subject_of(scene.cloud, whole, progress), horizontal_unit(scene.cloud.crs)};
   const auto look_from = [&](double azimuth_deg, double elevation_deg) {
     pose.upright.azimuth_deg = azimuth_deg, pose.upright.elevation_deg = elevation_deg;
   };

@@ -104,6 +104,32 @@ TEST(FirstView, UpIsThatOfTheWholeNotOfAPart) {
   EXPECT_EQ(stand_upright(part).upright.up, UpAxis::pos_z);
 }
 
+// A dense plot, and far from it a sparse row, which the frame of the scan leaves out: in a box that somebody
+// gave all of it belongs in the picture, also where it is selected from again, as Python does.
+TEST(FirstView, ACropIsFramedWhole) {
+  scene::Scene scan;
+  scan.cloud = box_of({4, 4, 0.5});
+  for (int i = 0; i < 1000; ++i) scan.cloud.positions.push_back({60 + 0.002f * float(i), 1, 0});
+  scan.cloud.positions.push_back({100, 1, 0});
+  const auto shown = [](scene::Scene scene) {
+    std::vector<dvec3> points;
+    for (std::size_t i = 0; i < scene.cloud.size(); ++i) points.push_back(scene.cloud.world(i));
+    const auto [low, high] = extent(points, first_view(stand_upright(scene, UpAxis::pos_z), 1280, 720));
+    return std::max({-low.x, -low.y, high.x, high.y});
+  };
+  EXPECT_GT(shown(scan), 1);
+  scene::SceneOptions crop, share;
+  crop.selection.crop = Bounds{{-1, -1, -1}, {90, 9, 9}};
+  share.selection.crop_share = Bounds{{0, 0, 0}, {0.9, 1, 1}};
+  for (const scene::SceneOptions& options : {crop, share}) {
+    scene::Scene part = scan;
+    scene::narrow(part, {}, options);
+    EXPECT_LT(shown(part), 0.95);
+    scene::narrow(part, {}, {});
+    EXPECT_LT(shown(part), 0.95);
+  }
+}
+
 TEST(FirstView, ATurnShowsAllFromEverySide) {
   const Pose pose = pose_of(box_of({20, 4, 3}));
   for (const bool parallel : {false, true}) {
