@@ -13,7 +13,7 @@ check = rm -rf build/$(1)/shader_cache build/$(1)/shaders && MESA_SHADER_CACHE_D
   ctest --test-dir build/$(1) --output-on-failure --no-tests=error --parallel $(JOBS)
 
 .DEFAULT_GOAL := all
-.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-relief eval-shadows eval-soft eval-strokes eval-surface asan tsan portability gpu-report soak fuzz format install deb container tarball wheel uninstall clean help
+.PHONY: all release site paper-figures command python paraview paraview-test demo test bench bench-scale atlas eval-denoise eval-layers eval-normals eval-relief eval-shadows eval-sheets eval-soft eval-strokes eval-surface asan tsan portability gpu-report soak fuzz format install deb container tarball wheel uninstall clean help
 
 help:  ## the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile | awk -F: '{ printf "  %-14s%s\n", $$1, $$2 }'
@@ -76,6 +76,10 @@ eval-relief: all  ## relief of pictures against a ray-traced ambient occlusion
 eval-shadows: all  ## resolutions of the light map against the shadow of a sphere
 	@cmake --build build/release --target eval_shadows
 	@build/release/bin/eval_shadows out/shadow_resolution.png
+
+eval-sheets: all  ## thin sheets sampled on both sides: which side pictures show
+	@cmake --build build/release --target eval_sheets
+	@build/release/bin/eval_sheets $(ARGS)
 
 eval-soft: all  ## soft against its closed forms, and its share of points by density
 	@cmake --build build/release --target eval_soft
