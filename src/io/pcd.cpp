@@ -12,6 +12,7 @@
 
 #include "io/columns.h"
 #include "core/counted.h"
+#include "core/lower_case.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/parallel.h"
@@ -98,6 +99,7 @@ class HeaderParser {
         header_.data = "ascii";
         --header_.lines;
       }
+      header_.data = lower_case(header_.data);  // as PCL reads it
       if (header_.data != "ascii" && header_.data != "binary" && header_.data != "binary_compressed")
         fail("found DATA '" + header_.data.substr(0, 20) + "', expected ascii, binary or binary_compressed");
     } else if (!key.empty() && key[0] != '#' && key != "VERSION") {

@@ -139,6 +139,12 @@ TEST(PcdTest, OldVersionsLackWhatLaterOnesAdd) {
   EXPECT_TRUE(result.cloud.scanners.empty());
 }
 
+TEST(PcdTest, TheWordAfterDataMayBeInCapitals) {
+  const std::string head =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n";
+  EXPECT_EQ(io::read(write_file("a.pcd", head + "DATA ASCII\n1 2 3\n")).cloud.positions[0], vec3(1, 2, 3));
+}
+
 // Programs that fill in POINTS alone.
 TEST(PcdTest, PointsCountWhereWidthAndHeightAreZero) {
   for (const char* size : {"WIDTH 0\nHEIGHT 0\n", "WIDTH 0\nHEIGHT 1\n", "WIDTH 2\nHEIGHT 0\n"}) {
