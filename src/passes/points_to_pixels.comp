@@ -32,7 +32,10 @@ uniform float wide_px;      // adaptive sizes above it grow with their fourth ro
 uniform float spacing_unit;   // scene units
 uniform float dot_share;      // of the size that closes a surface, where there is none
 uniform vec2 dot_limits_px;
+uniform float usual_spacing;  // scene units
+uniform float sparse_px;      // what is farther apart, and than usual, recedes
 const vec2 closing = vec2(2.0, 3.0);  // in wide_px: points that far apart are no surface to whoever looks
+const float overlap = 1.41;   // usual spacings: twice as dense are strips that overlap
 #endif
 uniform float min_gap;      // scene units behind the reference
 
@@ -143,6 +146,8 @@ void main() {
   if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = wide_px * sqrt(sqrt(diameter / wide_px));
 #ifdef DOTS
   diameter = mix(as_dot, diameter, own.y);
+  float usual = max(sparse_px / pixels_at(depth), overlap * usual_spacing);
+  if (spacing > usual) diameter = max(min(diameter, dot_limits_px.x), diameter * sqrt(usual / spacing));
 #endif
   if (size_mode == 2) diameter *= pixels_at(depth);
   bool is_single = diameter < single_px;

@@ -38,7 +38,9 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   if (dots)
     program.set("spacing_unit", cloud.prepared().spacing_unit())
         .set("dot_share", footprint.dot_share)
-        .set("dot_limits_px", vec2(footprint.least_dot_px, footprint.most_dot_px));
+        .set("dot_limits_px", vec2(footprint.least_dot_px, footprint.most_dot_px))
+        .set("usual_spacing", cloud.median_spacing())
+        .set("sparse_px", footprint.sparse_px);
   if (oriented) program.set("least_px", 0.71f).set("dense_px", 1.5f);
   if (casters) program.set("caster_range", vec2(casters->from, casters->below));
   view.bind();

@@ -30,6 +30,9 @@ struct Footprint {
   /// (analysis/dots.h). Where there is none, points are this share of the size that would close it, within
   /// these limits, px; 0: no such field.
   float dot_share = 0, least_dot_px = 1, most_dot_px = 1;
+  /// Points that are farther apart than this, px, and than usual are smaller by the root of how much farther,
+  /// to `least_dot_px`: what is sparse recedes behind what is measured well.
+  float sparse_px = 0;
   /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
   bool oriented = false;
   float most_px = 64;   ///< px; see largest_footprint

@@ -35,6 +35,31 @@ TEST(Points, DotsFarApartStayDots) {
   EXPECT_NEAR(diameter_px(5), 5 * 2 / std::sqrt(std::acos(-1.0)), 0.7);
 }
 
+// Ground of points 8 px apart, four times as far as most. A disc of two spacings, 16 px, would be drawn 9.5
+// px wide and close nothing; it is smaller by the root of 3 px over 8. 1.2: a pixel on its rim, and what the
+// measured spacing of a grid is off.
+TEST_F(GlTest, SparsePartsOfAScanRecede) {
+  PointCloud cloud;
+  for (int y = 0; y < 150; ++y)
+    for (int x = 0; x < 150; ++x) cloud.positions.push_back({float(x) - 170, float(y - 75), 0});
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) cloud.positions.push_back({4 * float(x), 4 * float(y - 20), 0});
+  Renderer renderer(context());
+  const auto technique = find_technique("points").create();
+  show(renderer, cloud, technique->needs());
+  Camera camera = camera_at({0, 0, 1000}, 720, 720);
+  camera.projection = Projection::orthographic;
+  camera.height_world = 360;
+  RenderSettings settings;
+  settings.transparent = true;
+  const RenderOutput out = renderer.render(*technique, camera, settings, all_outputs());
+  int covered = 0;
+  for (int y = 320; y < 400; ++y)
+    for (int x = 480; x < 560; ++x) covered += std::isfinite(out.depth.at(x, y));
+  const double diameter = 2 * std::sqrt(covered / 100.0 / std::acos(-1.0));
+  EXPECT_NEAR(diameter, 9.5 * std::sqrt(3.0 / 8), 1.2);
+}
+
 // A picture looks the same in every size, also where points are more than 64 px wide.
 TEST_F(GlTest, TallPicturesHaveNoMoreHoles) {
   PointCloud cloud;

@@ -21,6 +21,8 @@ namespace {
 constexpr float dot_share = 0.7f;
 /// At 720 lines: from what viewers of points draw them as, to what still tells leaves apart.
 constexpr float least_dot_px = 2, most_dot_px = 5;
+/// Points that far apart are closed by dots of 4 px.
+constexpr float sparse_px = 3;
 
 class Points final : public Technique {
  public:
@@ -51,7 +53,9 @@ class Points final : public Technique {
     footprint_.most_px = largest_footprint(frame.camera.whole_height());
     if (footprint_.mode == SizeMode::adaptive) {
       frame.cloud.set_field(frame.cloud.dots([&] { return analysis::dots_of(frame.cloud.prepared()); }));
-      const float scale = 0.5f * footprint_.size * std::max(0.5f, float(frame.camera.whole_height()) / 720);
+      const float height = std::max(0.5f, float(frame.camera.whole_height()) / 720);
+      const float scale = 0.5f * footprint_.size * height;
+      footprint_.sparse_px = sparse_px * height;
       footprint_.dot_share = dot_share;
       footprint_.least_dot_px = scale * least_dot_px, footprint_.most_dot_px = scale * most_dot_px;
     }
