@@ -1,6 +1,6 @@
 """Running a process and measuring it from outside.
 
-usage: measure.py COMMAND...   prints {"wall_ms": ..., "peak_mb": ...} after what the command printed
+usage: measure.py COMMAND...   prints {"wall_ms": ..., "cpu_ms": ..., "peak_mb": ...} after what the command printed
 """
 import collections
 import json
@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 
-Done = collections.namedtuple('Done', 'wall_ms peak_mb stdout stderr returncode')
+Done = collections.namedtuple('Done', 'wall_ms cpu_ms peak_mb stdout stderr returncode')
 
 _scratch = None
 
@@ -31,7 +31,7 @@ def process(command, timeout):
                                  start_new_session=True)
         deadline = start + timeout
         while True:
-            # wait4 and not communicate(): the peak memory of this child alone comes with it.
+            # wait4 and not communicate(): time and peak memory of this child, and what it waited for, come with it.
             pid, status, usage = os.wait4(child.pid, os.WNOHANG)
             if pid:
                 break
@@ -44,7 +44,8 @@ def process(command, timeout):
         child.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
         err.seek(0)
-        return Done(wall_ms, usage.ru_maxrss / 1024, out.read(), err.read(), child.returncode)
+        cpu_ms = 1e3 * (usage.ru_utime + usage.ru_stime)
+        return Done(wall_ms, cpu_ms, usage.ru_maxrss / 1024, out.read(), err.read(), child.returncode)
 
 
 class Reports:
@@ -65,5 +66,5 @@ class Reports:
 if __name__ == '__main__':
     measured = process(sys.argv[1:], 600)
     print(measured.stdout)
-    print(json.dumps({'wall_ms': measured.wall_ms, 'peak_mb': measured.peak_mb}))
+    print(json.dumps({'wall_ms': measured.wall_ms, 'cpu_ms': measured.cpu_ms, 'peak_mb': measured.peak_mb}))
     sys.exit(measured.returncode)

@@ -66,6 +66,17 @@ def _vtk(what, cloud, count, build, timeout):
     return _report(XVFB + script + [what, FRAMES.get(count, '5')], FIELDS.get(what, 'frame_ms'), timeout)
 
 
+def _f3d(what, cloud, count, build, timeout):
+    """Its points of 2 px in the colours of the file, 1280x720; `what`: a field of measure.py."""
+    if not shutil.which('f3d'):
+        raise Missing('f3d is not installed')
+    _need_xvfb()
+    picture = ['--output=' + os.path.join(measure.scratch(), 'f3d.png'), '--resolution=1280,720']
+    looks = ['--scalars=RGBA', '--comp=-2', '--point-size=2']
+    return _report(['xvfb-run', '-a', '-s', '-screen 0 1280x1024x24'] + TIMER + ['f3d', cloud] + picture + looks, what,
+                   timeout)[0], 'f3d'
+
+
 def _open3d(what, cloud, count, build, timeout):
     _need_module('open3d', 'python3-open3d')
     draws = what in ('points', 'views', 'array', 'script')
@@ -116,7 +127,7 @@ def _pvserver(what, cloud, count, build, timeout):
 
 
 _REPORTS = measure.Reports()
-PROGRAMS = {'pvserver': _pvserver, 'vtk': _vtk, 'open3d': _open3d, 'pcl': _pcl, 'nanoflann': _nanoflann}
+PROGRAMS = {'pvserver': _pvserver, 'f3d': _f3d, 'vtk': _vtk, 'open3d': _open3d, 'pcl': _pcl, 'nanoflann': _nanoflann}
 
 
 def run(peer, cloud, count, build, timeout):

@@ -26,6 +26,7 @@ BUILD = os.environ.get('SFUMATO_BUILD') or os.path.join(ROOT, 'build/release')
 BENCH = os.path.join(BUILD, 'bin/sfumato_bench')
 OUT = os.path.join(ROOT, 'out/bench')
 TIMEOUT_S = 240
+CPU = 'ms of processor time'
 # What Google Benchmark appends to a name.
 SUFFIXES = r'(/(real_time|process_time|manual_time|[a-z_]+:[0-9.]+))*$'
 REPORTS = measure.Reports()
@@ -67,20 +68,20 @@ def google_benchmark(name):
 
 
 def command(words, cloud):
-    """A whole process: (wall milliseconds, peak megabytes, what it printed)."""
+    """A whole process, as measure.Done."""
     places = {'cloud': cloud, 'sfumato': os.path.join(BUILD, 'bin/sfumato'), 'scratch': measure.scratch(),
               'python': peers.PYTHON, 'peers': peers.SCRIPTS, 'bench': HERE, 'bin': os.path.join(BUILD, 'bin')}
     os.environ['PYTHONPATH'] = os.path.join(BUILD, 'python')
     done = measure.process([word.format(**places) for word in words], TIMEOUT_S)
     if done.returncode:
         raise RuntimeError((done.stderr.strip().splitlines() or ['exit code %d' % done.returncode])[-1])
-    return done.wall_ms, done.peak_mb, done.stdout
+    return done
 
 
 def fields_of(words, cloud):
     """What a command prints as JSON, with its peak memory."""
-    _, peak_mb, said = command(words, cloud)
-    return {**json.loads(said.splitlines()[-1]), 'peak_mb': peak_mb}
+    done = command(words, cloud)
+    return {**json.loads(done.stdout.splitlines()[-1]), 'peak_mb': done.peak_mb}
 
 
 def run_ours(row, cloud):
@@ -89,8 +90,8 @@ def run_ours(row, cloud):
         if row['field']:
             run = REPORTS.of((cloud, *row['ours']), row['field'], lambda: fields_of(row['ours'], cloud))
             return [float(run[row['field']])], run['peak_mb']
-        wall_ms, peak_mb, _ = command(row['ours'], cloud)
-        return [peak_mb if row['unit'] == 'MB' else wall_ms], peak_mb
+        done = command(row['ours'], cloud)
+        return [{'MB': done.peak_mb, CPU: done.cpu_ms}.get(row['unit'], done.wall_ms)], done.peak_mb
     return google_benchmark(row['ours']), None
 
 
