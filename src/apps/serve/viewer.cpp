@@ -76,6 +76,7 @@ void Viewer::begin(std::shared_ptr<view::SharedScenes> shared) {
 }
 
 void Viewer::hear(std::string_view text, double now_ms) {
+  ++heard_;
   if (text.starts_with(R"({"do":"size")")) size_message_ = text;
   if (!bench_) return;  // what is pressed before there is a picture has nothing to act on
   const view::Wishes before = bench_->wishes();
@@ -188,6 +189,7 @@ void Viewer::send_picture(double now_ms) {
               {"camera", camera_json(picture->camera)},
               {"technique", picture->technique},
               {"exact", exact},
+              {"heard", heard_},
               {"background", hex_of(picture->background)}};
   outside_.in_background(
       [encoded, picture, draws_furniture, furniture = furniture, up, crs, exact, quality, shrink] {

@@ -56,7 +56,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   std::string sent_camera_;
   Furniture sent_furniture_;
   bool sent_exactly_ = false, is_encoding_ = false;
-  std::uint64_t next_id_ = 1;
+  std::uint64_t next_id_ = 1, heard_ = 0;  ///< heard_: messages of the page; a picture says how many it knows
   std::map<std::string, std::string> told_;  ///< parts of the state as they were sent
   double told_ms_ = -1e9;
 };

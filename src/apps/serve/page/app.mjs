@@ -6,12 +6,15 @@ import { makeWarper, unpack } from './warp.mjs';
 const $ = id => document.getElementById(id);
 const canvas = $('picture'), paper = canvas.getContext('2d');
 export const state = {}, pointers = new Map();  // of others: the place that each points at
-let socket, retry = 500, shown = null, camera = null, newest = 0;
+let socket, retry = 500, shown = null, camera = null, newest = 0, said = 0;
 let depth = null, wanted = null, background = '#ffffff';  // of the picture; the camera as it now is
 const warp = makeWarper();
 
 export function send(message) {
-  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  if (socket?.readyState !== WebSocket.OPEN) return;
+  socket.send(JSON.stringify(message));
+  ++said;
+  if (message.do !== 'got' && message.do !== 'pointer') canvas.dataset.said = said;  // what may change the picture
 }
 
 export function say(text, isError = false) {
@@ -28,7 +31,7 @@ function connect() {
   address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
   socket = new WebSocket(address);
   socket.binaryType = 'arraybuffer';
-  socket.onopen = () => { retry = 500; newest = 0; sendSize(); };
+  socket.onopen = () => { retry = 500; newest = said = 0; sendSize(); };
   socket.onmessage = event => typeof event.data === 'string' ? hear(JSON.parse(event.data)) : take(event.data);
   socket.onclose = event => {
     wait(event.reason ? `closed: ${event.reason}` : 'the server does not answer; trying again');
@@ -79,6 +82,7 @@ async function take(buffer) {
   depth = depths;
   background = header.background;
   canvas.dataset.exact = header.exact;
+  canvas.dataset.heard = header.heard;
   canvas.dataset.technique = header.technique;
   canvas.dataset.pictures = 1 + Number(canvas.dataset.pictures ?? 0);
   paint();
