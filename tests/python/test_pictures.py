@@ -163,13 +163,12 @@ def test_ctrl_c_stops_the_work():
     assert time.monotonic() - start < 30
 
 
-def test_importing_needs_neither_gl_nor_much_time():
-    # Of the processor: what else runs on the machine is no matter.
-    code = "import sys, time; start = time.process_time(); import sfumato; took = time.process_time() - start; " \
-           "print(took, any('libEGL' in line or 'libGL' in line for line in open('/proc/self/maps')), 'numpy' in sys.modules)"
-    best = min(float(run(code).stdout.split()[0]) for _ in range(5))
-    assert run(code).stdout.split()[1:] == ["False", "False"]
-    assert best < 0.1, best
+def test_importing_loads_neither_gl_nor_other_packages():
+    """`make bench BENCH=python` has the time."""
+    code = "import sys; before = set(sys.modules); import sfumato; " \
+           "new = {name.split('.')[0] for name in set(sys.modules) - before} - set(sys.stdlib_module_names); " \
+           "print(any('libEGL' in line or 'libGL' in line for line in open('/proc/self/maps')), new)"
+    assert run(code).stdout == "False {'sfumato'}\n"
 
 
 def test_no_driver_is_said_in_one_line():
