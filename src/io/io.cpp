@@ -98,10 +98,10 @@ const Format& find_format(const std::filesystem::path& file) {
                 file.string() + ": byte 0: the file is empty; fetch or export it again");
   const std::string head = opened.read_text(0, 4096), name = lower_name(opened.name());
   // Any lines of numbers look like text: a file that is called otherwise is that, damaged, and its reader
-  // says where. But tables are handed on as PCD without its header.
+  // says where. But tables are handed on as PCD and PLY without a header.
   std::istringstream row(head.substr(0, head.find('\n')));
   double x, y, z;
-  const bool is_row = name.ends_with(".pcd") && row >> x >> y >> z;
+  const bool is_row = (name.ends_with(".pcd") || name.ends_with(".ply")) && row >> x >> y >> z;
   const auto is_called_otherwise = [&](const Format& format) {
     return format.sniff == is_text && !is_row && !has_extension(format, name) &&
            std::any_of(table().begin(), table().end(),

@@ -47,9 +47,11 @@ TEST(PcdTest, TheFirstPointMayFollowTheWordAsciiAtOnce) {
 }
 
 TEST(PcdTest, RowsOfNumbersWithoutAHeaderAreText) {
-  const auto file = write_file("rows.pcd", "0.5 1 2\n3 4 5\n6 7 8\n");
-  EXPECT_EQ(io::read(file).report.format, "text");
-  EXPECT_EQ(io::read(file).cloud.size(), 3u);
+  for (const char* name : {"rows.pcd", "rows.ply"}) {
+    const auto file = write_file(name, "-0.5 1 2 \n3 4 5\n6 7 8\n");
+    EXPECT_EQ(io::read(file).report.format, "text") << name;
+    EXPECT_EQ(io::read(file).cloud.size(), 3u) << name;
+  }
 }
 
 TEST(PcdTest, EveryEncodingGivesTheSameCloud) {
