@@ -124,17 +124,24 @@ class Drawing {
     std::string end = number(shown) + " " + symbol;
     // Of an unknown unit the ratio may be wrong, the bar is not.
     const bool is_known = furniture_.print_scale > 0 && unit().metres > 0;
-    const std::string scale = is_known ? "1 : " + number(furniture_.print_scale) : "";
+    std::vector<std::string> above;
+    if (is_known) above.push_back("1 : " + number(furniture_.print_scale));
+    // Seen from straight above, heights have no length in the picture.
+    if (seen_.vertical_exaggeration != 1 && !is_plan(seen_.camera, seen_.up))
+      above.push_back("vertical exaggeration " + number(seen_.vertical_exaggeration) + "x");
     const int width = int(std::lround(length * pixels_per_unit_)), thick = std::max(3, em_ / 3);
     const int before = text_.width("0") / 2, after = text_.width(end) / 2;
-    const int lines_above = scale.empty() ? 0 : em_ * 5 / 4;
-    const Plate plate(sheet_, corner, margins_, before + width + after, lines_above + thick + em_ * 5 / 4,
+    const int line = em_ * 5 / 4, lines_above = int(above.size()) * line;
+    int over = 0;  // of the words above, on each side of the bar
+    for (const std::string& each : above) over = std::max(over, (text_.width(each) - width + 1) / 2);
+    const int to_left = std::max(before, over), to_right = std::max(after, over);
+    const Plate plate(sheet_, corner, margins_, to_left + width + to_right, lines_above + thick + line,
                       em_ * 2 / 3);
     plate.draw(sheet_, seen_.background);
-    const int left = plate.x + plate.pad + before, top = plate.y + plate.pad + lines_above;
-    if (!scale.empty())
-      sheet_.write(text_, left + (width - text_.width(scale)) / 2, plate.y + plate.pad + em_ * 3 / 4, scale,
-                   ink_);
+    const int left = plate.x + plate.pad + to_left, top = plate.y + plate.pad + lines_above;
+    for (std::size_t i = 0; i < above.size(); ++i)
+      sheet_.write(text_, left + (width - text_.width(above[i])) / 2,
+                   plate.y + plate.pad + int(i) * line + em_ * 3 / 4, above[i], ink_);
     // Full ink along its whole length, so that it can be measured; the fields are cut out of its middle.
     sheet_.fill(left, top, width, thick, ink_);
     const int edge = std::max(1, thick / 5);

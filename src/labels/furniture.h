@@ -18,6 +18,7 @@ struct Seen {
   const Coloring& coloring;
   vec3 background{1};
   bool is_panorama = false;
+  double vertical_exaggeration = 1;
 };
 
 /// Throws Error(usage) where something asked for has no meaning: a scale bar in perspective, a grid beside a

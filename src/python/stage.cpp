@@ -193,7 +193,8 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
                          ", which explains itself");
   if (!shot.images.rgba8.empty())
     labels::draw_furniture(shot.images.rgba8, request.furniture,
-                           {shot.camera, up, crs_, shot.coloring, shot.background, request.panorama});
+                           {shot.camera, up, crs_, shot.coloring, shot.background, request.panorama,
+                            session_->pose().vertical_exaggeration});
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
   shot.parameters = resolved(look.parameters);
   shot.analysis_parameters = resolved(choice_.prepare_parameters);

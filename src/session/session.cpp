@@ -43,6 +43,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   // Whoever cuts out a box has chosen what is shown.
   const bool whole = !cutaway || scene.selected.cropped > 0;
   Pose pose{upright, subject_of(scene.cloud, whole, progress), horizontal_unit(scene.cloud.crs)};
+  pose.vertical_exaggeration = vertical_exaggeration;
   const auto look_from = [&](double azimuth_deg, double elevation_deg) {
     pose.upright.azimuth_deg = azimuth_deg, pose.upright.elevation_deg = elevation_deg;
   };

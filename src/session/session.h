@@ -37,6 +37,7 @@ struct Pose {
   Subject subject;
   LengthUnit unit = {};              ///< of the horizontal axes, as far as the files say
   std::optional<dvec3> sensor = {};  ///< the first view is that of the sensor that stood there
+  double vertical_exaggeration = 1;  ///< of the points
 };
 
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.

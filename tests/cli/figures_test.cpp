@@ -91,6 +91,24 @@ TEST_F(FiguresTest, ARatioIsWrittenWhereTheUnitIsKnown) {
   EXPECT_NE(render(with_unit(scale)), render(with_unit(pixel)));
 }
 
+// A bar is that of horizontal lengths; whoever measures heights with it has to know.
+TEST_F(FiguresTest, ExaggeratedHeightsAreSaidAboveTheBarWhereHeightsAreSeen) {
+  std::string rows;  // flat, so that nothing but the words changes
+  for (int i = 0; i <= 2500; ++i) rows += std::to_string(i % 50) + " " + std::to_string(i / 50) + " 0\n";
+  write("a.xyz", rows);
+  const auto render = [&](const char* view, const char* factor) {
+    expect_ok({"a.xyz", "-t", "points", "--up", "+Z", "--color", "#ffcc66", "--view", view, "--resolution",
+               "640x360", "--camera-orthographic", "--vertical-exaggeration", factor, "--scale-bar", "-o",
+               "a.png"});
+    const Image<Rgba8> image = read_png("a.png");
+    int ink = 0;
+    for (const Rgba8& c : image) ink += is_ink(c);
+    return ink;
+  };
+  EXPECT_EQ(render("top", "3"), render("top", "1"));
+  EXPECT_GT(render("front", "3"), render("front", "1") + 50);
+}
+
 TEST_F(FiguresTest, FeetAreShorterOnPaperThanMetres) {
   write_area("a.xyz");
   expect_ok({"a.xyz", "-t", "points", "--up", "+Z", "--view", "top", "--scale", "1:500", "--unit", "m", "-o",

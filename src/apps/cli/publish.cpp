@@ -55,7 +55,7 @@ publish::Facts facts_of(const RenderOptions& options, const Choice& choice, cons
   facts.background = report.background;
   facts.unit = drawn.pose.unit;
   facts.up = drawn.pose.upright.up;
-  facts.vertical_exaggeration = options.vertical_exaggeration();
+  facts.vertical_exaggeration = drawn.pose.vertical_exaggeration;
   facts.has_furniture = !options.furniture.empty();
   auto& rows = facts.rows;
   for (const io::ReadReport& file : drawn.files)

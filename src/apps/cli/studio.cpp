@@ -97,7 +97,7 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
 void Studio::draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row) const {
   labels::draw_furniture(rows, first_row, options_.furniture,
                          {camera, session_.pose().upright.up, crs_, session_.coloring(),
-                          session_.background(), options_.panorama});
+                          session_.background(), options_.panorama, session_.pose().vertical_exaggeration});
 }
 
 /// Where the picture lies on the map, when somebody asks for that. A TIFF of any other view is a picture.
