@@ -29,7 +29,9 @@ uint point_source_index(int i) { return texelFetch(cloud_source_index, i).x; }
 vec3 point_color(int i) { return linear_from_srgb(texelFetch(cloud_colors, i).rgb); }
 float point_radius(int i) { return texelFetch(cloud_radii, i).x; }
 // How far it is a disc of a surface, 1, and no dot, 0.
-float point_surface(int i) { return texelFetch(cloud_radii, i).y; }
+float point_surface(int i) { return abs(texelFetch(cloud_radii, i).y); }
+// It lies on a thin sheet that was measured on both sides, and its normal faces away from the other one.
+bool point_is_on_side(int i) { return texelFetch(cloud_radii, i).y < 0.0; }
 float point_field(int i) { return texelFetch(cloud_field, i).x; }
 vec2 point_fields(int i) { return texelFetch(cloud_field, i).xy; }  // of two
 float point_shadow(int i) { return texelFetch(cloud_shadow, i).x; }

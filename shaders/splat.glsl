@@ -16,12 +16,13 @@ struct Splat {
   vec3 center;  // eye
   vec3 normal;  // eye, unit
   float radius;
+  float behind;  // so much farther than they are its hits count: what others hide fills where there are none
 };
 
 struct SplatHit {
   vec3 offset;  // from the centre to the hit, eye
   float depth;  // eye depth of the hit
-  float t;      // distance along the ray of the pixel
+  float t;      // distance along the ray of the pixel, and what the splat is behind
   float rho;    // 0 at the centre, 1 on the rim
 };
 
@@ -59,7 +60,7 @@ bool hit_splat(Splat splat, vec2 pixel, out SplatHit hit) {
   }
   inside = hit.rho < 1.0;
 #endif
-  hit.t = hit.depth * length(slope);
+  hit.t = hit.depth * length(slope) + splat.behind;
   return inside && hit.depth >= splat_near();
 }
 

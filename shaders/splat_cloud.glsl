@@ -6,6 +6,7 @@
 uniform float splat_radius_scale;
 uniform float splat_radius_limit;  // scene units, before the scale
 uniform float splat_widest_px;     // radius on the screen; of what would be wider nothing but a dot remains
+uniform vec2 splat_behind;         // of the far side of a thin sheet, as Splat::behind: scene units, radii
 uniform bool splat_dots;           // what no neighbours vouch for is a dot
 const vec2 closing = vec2(2.0, 4.0);  // in those: discs of 1.7 spacings close a grid up to 1.2 spacings beyond
 const float dot_share = 0.3125;        // 2.5 of 8 px
@@ -19,6 +20,7 @@ Splat cloud_splat(int i) {
   vec3 position = point_position(i);
   vec3 center = (frame.eye_from_cloud * vec4(position, 1.0)).xyz;
   precise vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
+  bool is_far_side = point_is_on_side(i) && dot(normal, to_camera(center)) < 0.0;
   if (dot(normal, normal) < 0.25) normal = to_camera(center);
   precise float radius = min(point_radius(i), splat_radius_limit) * splat_radius_scale;
   // Gradually: no more than a dot is what nobody vouches for, and what is so far from all others that it makes no surface
@@ -35,5 +37,5 @@ Splat cloud_splat(int i) {
   if ((point_field(i) > splat_field_threshold) != splat_field_above) radius = 0.0;
 #endif
   if (is_cut(position)) radius = 0.0;
-  return Splat(center, normal, radius);
+  return Splat(center, normal, radius, is_far_side ? max(splat_behind.x, splat_behind.y * radius) : 0.0);
 }

@@ -7,7 +7,7 @@
 //   SPLAT_FIELD   splat_field: the point's scalar
 #include "splat.glsl"
 
-flat in vec3 splat_center;          // eye
+flat in vec4 splat_center_behind;   // eye, and Splat::behind
 flat in vec4 splat_normal_radius;   // eye, unit normal and radius
 flat in int splat_index;            // within the chunk, for attributes fetched here
 #ifdef SPLAT_COLOR
@@ -18,4 +18,6 @@ flat in vec3 splat_own_normal;      // eye, 0 where there is none: a dot that is
 flat in float splat_field;
 #endif
 
-Splat fragment_splat() { return Splat(splat_center, splat_normal_radius.xyz, splat_normal_radius.w); }
+Splat fragment_splat() {
+  return Splat(splat_center_behind.xyz, splat_normal_radius.xyz, splat_normal_radius.w, splat_center_behind.w);
+}

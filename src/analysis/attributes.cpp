@@ -18,10 +18,12 @@
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
 #include "analysis/range_image.h"
+#include "analysis/sides.h"
 #include "analysis/stroke_attributes.h"
 #include "analysis/support.h"
 #include "analysis/vouched.h"
 #include "analysis/wide_normals.h"
+#include "analysis/wider_neighborhoods.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
@@ -42,6 +44,9 @@ constexpr float crown = 0.3f, grove = 0.5f;
 /// Of a disc of Eq. 20, drawn 1.5 times as large (1.7 spacings): where it touches its neighbours' on a square
 /// grid, and where such discs close it.
 constexpr float discs_touch = 0.3f, discs_close = 0.42f;
+
+/// Of points on sides, so that the sign of PreparedCloud::on_surface tells them.
+constexpr float least_on_surface = 1e-3f;
 
 bool missing(const vec3& normal) { return normal == vec3(0); }
 bool missing(float radius) { return !(radius > 0); }
@@ -151,6 +156,10 @@ class Completion {
         thickness2(normals ? cloud_.size() : 0);
     tbb::concurrent_vector<NearNormal> near_normals;
     const bool shrink = radii && options_.clutter_radius < 1;
+    std::optional<Sides> sides;
+    if ((find_normals || radii)) sides.emplace(tree_, known_sides(), progress_);
+    const bool has_sides = sides && !sides->empty();
+    std::vector<std::uint8_t> on_side(has_sides ? cloud_.size() : 0);
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
     std::vector<VoronoiCell> cells(flatness.size());
     // A square grid of the cloud's spacing would have this radius (the limit of Eq. 20 for many neighbours).
@@ -161,8 +170,19 @@ class Completion {
     };
     if (find_normals || radii || keep)
       for_each_neighborhood(
-          tree_, int(k_),
+          tree_, int(k_), Sides::wider * int(k_),
+          has_sides ? [&](std::uint32_t i) { return sides->is_near(i); }
+                    : std::function<bool(std::uint32_t)>(),
           [&](std::uint32_t i, std::span<const std::uint32_t> ids, std::span<const float> distances2) {
+            thread_local Sides::Own side;
+            if (ids.size() > k_) {
+              on_side[i] = sides->find(i, ids, distances2, k_, side);
+              ids = side.ids, distances2 = side.distances2;
+            }
+            const auto facing = [&](const vec3& normal) {
+              if (!has_sides || !on_side[i]) return orientation.facing(i, normal);
+              return glm::dot(normal, side.outward) < 0 ? -normal : normal;
+            };
             const bool own_normal = find_normals && missing(nearest_normals[i]),
                        own_radius = radii && missing(new_radii[i]);
             const auto frame =
@@ -171,11 +191,10 @@ class Completion {
             if (frame) {
               scatter[i] = scatter_of(*frame);
               near = near_normal(cloud_.positions, i, ids, distances2, scatter[i]);
-              if (near) near_normals.push_back({i, own_normal ? orientation.facing(i, *near) : vec3(0)});
+              if (near) near_normals.push_back({i, own_normal ? facing(*near) : vec3(0)});
             }
             if (normals && frame) thickness2[i] = frame->variance.x;
-            if (own_normal)
-              nearest_normals[i] = frame ? orientation.facing(i, frame->normal) : orientation.fallback(i);
+            if (own_normal) nearest_normals[i] = frame ? facing(frame->normal) : orientation.fallback(i);
             if (own_radius) {
               new_radii[i] = radius_in(ids, distances2);
               if (shrink && frame) {
@@ -191,12 +210,14 @@ class Completion {
     float noise = 0;
     if (normals) {
       new_normals = nearest_normals;
-      noise = widen(near_normals, scatter, thickness2, orientation, new_normals);
+      noise = widen(near_normals, on_side, scatter, thickness2, orientation, new_normals);
     }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
     if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
     std::vector<float> shrunk;
     if (shrink) shrunk = shrink_to_vouched(flatness, cells, new_radii);
+    for (std::size_t i = 0; i < on_side.size() && !shrunk.empty(); ++i)
+      if (on_side[i]) prepared_.on_surface[i] = -std::max(prepared_.on_surface[i], least_on_surface);
     // A call before this one may have shrunk them for another technique: the same division brings them back.
     const Radii sized{radii ? new_radii : cloud_.radii, radii ? shrunk : prepared_.shrunk};
     if (const ScalarField* stored = uncertainty ? cloud_.scalar(unevenness_name) : nullptr) {
@@ -239,14 +260,30 @@ class Completion {
     }
   }
 
-  /// `widen_normals` of those that were computed, not from the nearest few. `scatter` is lost.
-  float widen(const tbb::concurrent_vector<NearNormal>& near_normals, std::vector<float>& scatter,
+  /// Which side of a sheet a point lies on: that which its normal, of the file, faces, or a scanner saw.
+  KnownSide known_sides() const {
+    return [this, scanner = cloud_.scalar("scanner")](std::uint32_t i, const vec3& axis) {
+      float side = 0;
+      if (!cloud_.normals.empty() && !missing(cloud_.normals[i]))
+        side = glm::dot(cloud_.normals[i], axis);
+      else if (const auto way = way_to_scanner(cloud_, scanner, i))
+        side = glm::dot(vec3(*way), axis);
+      return side > 0 ? 1 : side < 0 ? -1 : 0;
+    };
+  }
+
+  /// `widen_normals` of those that were computed, not from the nearest few, nor of one side of a thin sheet.
+  /// `scatter` is lost.
+  float widen(const tbb::concurrent_vector<NearNormal>& near_normals,
+              const std::vector<std::uint8_t>& on_side, std::vector<float>& scatter,
               const std::vector<float>& thickness2, const Orientation& orientation,
               std::vector<vec3>& normals) {
     for (std::size_t i = 0; i < cloud_.normals.size(); ++i)
       if (!missing(cloud_.normals[i])) scatter[i] = 0;
     for (const NearNormal& near : near_normals)
       if (normals[near.point] == near.normal) scatter[near.point] = 0;
+    for (std::size_t i = 0; i < on_side.size(); ++i)
+      if (on_side[i]) scatter[i] = 0;
     const float noise = widen_normals(cloud_.positions, int(k_), scatter, thickness2, normals, progress_);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i)

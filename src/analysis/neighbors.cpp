@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "analysis/wide.h"
+#include "analysis/wider_neighborhoods.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -324,8 +325,17 @@ void NeighborTree::cut_leaves() {
 
 void for_each_neighborhood(const NeighborTree& tree, int k, const VisitNeighborhood& visit,
                            std::string_view text, Progress& progress) {
+  for_each_neighborhood(tree, k, k, {}, visit, text, progress);
+}
+
+void for_each_neighborhood(const NeighborTree& tree, int k, int wide_k,
+                           const std::function<bool(std::uint32_t)>& is_wide, const VisitNeighborhood& visit,
+                           std::string_view text, Progress& progress) {
   const std::size_t n = tree.positions().size();
-  const std::size_t found = n == 0 ? 0 : std::min(std::size_t(std::max(k, 0)), n - 1);
+  const auto found_of = [&](int wanted) {
+    return n == 0 ? 0 : std::min(std::size_t(std::max(wanted, 0)), n - 1);
+  };
+  const std::size_t found = found_of(k);
   if (found == 0) {
     for (std::size_t i = 0; i < n; ++i) visit(std::uint32_t(i), {}, {});
     return;
@@ -337,9 +347,14 @@ void for_each_neighborhood(const NeighborTree& tree, int k, const VisitNeighborh
                     [&](std::size_t block) {
                       progress.check();
                       const auto search = std::make_unique<LeafSearch>(tree, found, visit);
+                      std::unique_ptr<LeafSearch> wide;
                       const std::size_t last = std::min(leaves, (block + 1) * leaves_per_block);
-                      for (std::size_t leaf = block * leaves_per_block; leaf < last; ++leaf)
-                        search->run(leaf);
+                      for (std::size_t leaf = block * leaves_per_block; leaf < last; ++leaf) {
+                        const auto [from, to] = tree.leaf(leaf);
+                        const bool here = is_wide && (is_wide(from) || is_wide(to - 1));
+                        if (here && !wide) wide = std::make_unique<LeafSearch>(tree, found_of(wide_k), visit);
+                        (here ? *wide : *search).run(leaf);
+                      }
                       done += last - block * leaves_per_block;
                       progress.update(double(done) / double(leaves), text);
                     });

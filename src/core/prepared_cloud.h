@@ -108,7 +108,8 @@ struct PreparedCloud {
   std::vector<float>
       shrunk;  ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
   /// How far the neighbours of each point vouch for a disc, 1, where it is drawn as a dot otherwise, 0;
-  /// empty: all 1.
+  /// empty: all 1. Negative on a thin sheet that was measured on both sides, where normals face outward: from
+  /// behind such a point fills no more than what the other side leaves open.
   std::vector<float> on_surface;
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.

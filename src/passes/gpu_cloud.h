@@ -132,9 +132,9 @@ class GpuCloud {
   void set_stored_shadow();
   bool has_stored_shadow() const { return has_stored_shadow_; }
   /// Normals and radii for part of a picture.
-  std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals,
-                                            std::span<const float> radii) const {
-    return resident_->make_shapes(normals, radii);
+  std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals, std::span<const float> radii,
+                                            std::span<const float> surface = {}) const {
+    return resident_->make_shapes(normals, radii, surface);
   }
   /// While it lives the points have those instead of their own; null: their own.
   class WithShapes {

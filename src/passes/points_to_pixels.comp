@@ -95,7 +95,7 @@ void cover_oriented(int i, vec3 eye, vec3 normal, float radius, bool only_own) {
   float depth = -eye.z;
   ivec2 lo = ivec2(floor(pixel_from_eye(eye))), hi = lo;
   if (only_own && (any(lessThan(lo, ivec2(0))) || any(greaterThanEqual(lo, ivec2(frame.image_size))))) return;
-  if (!only_own && !splat_pixels(Splat(eye, normal, radius), lo, hi)) return;
+  if (!only_own && !splat_pixels(Splat(eye, normal, radius, 0.0), lo, hi)) return;
   for (int y = lo.y; y <= hi.y; ++y)
     for (int x = lo.x; x <= hi.x; ++x) {
       // Measured from the centre, where float is exact. Edge-on: infinite or not a number, hence a miss.

@@ -173,11 +173,11 @@ std::shared_ptr<const ResidentCloud::Values> ResidentCloud::make_values(const st
       upload(chunks(), name, GL_RG16F, std::span<const std::uint32_t>(halves)));
 }
 
-std::shared_ptr<const ResidentCloud::Shapes> ResidentCloud::make_shapes(std::span<const vec3> normals,
-                                                                        std::span<const float> radii) const {
+std::shared_ptr<const ResidentCloud::Shapes> ResidentCloud::make_shapes(
+    std::span<const vec3> normals, std::span<const float> radii, std::span<const float> surface) const {
   Shapes shapes;
   if (!normals.empty()) shapes.normals = upload_normals(normals);
-  shapes.radii = upload_radii(chunks(), "radii of a part", radii, {});
+  shapes.radii = upload_radii(chunks(), "radii of a part", radii, surface);
   shapes.largest_radii = largest_of_batches(*prepared_, radii);
   return std::make_shared<const Shapes>(std::move(shapes));
 }

@@ -76,8 +76,9 @@ class ResidentCloud {
   std::shared_ptr<const Values> make_values(const std::string& name, std::span<const float> values) const;
   /// Two, as halves.
   std::shared_ptr<const Values> make_values(const std::string& name, std::span<const vec2> values) const;
-  std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals,
-                                            std::span<const float> radii) const;
+  /// `surface`: as PreparedCloud::on_surface.
+  std::shared_ptr<const Shapes> make_shapes(std::span<const vec3> normals, std::span<const float> radii,
+                                            std::span<const float> surface) const;
   /// Sizes of dots, which follow from places alone (analysis/dots.h): `make` gives the values, once for all
   /// views.
   template <class Make>

@@ -9,7 +9,7 @@
 layout(binding = UNIT_LIST) uniform usamplerBuffer splat_list;  // places within the chunk, in drawing order
 #endif
 
-flat out vec3 splat_center;
+flat out vec4 splat_center_behind;
 flat out vec4 splat_normal_radius;
 flat out int splat_index;
 #ifdef SPLAT_COLOR
@@ -33,7 +33,7 @@ void main() {
   int i = k;
 #endif
   Splat splat = cloud_splat(i);
-  splat_center = splat.center;
+  splat_center_behind = vec4(splat.center, splat.behind);
   splat_normal_radius = vec4(splat.normal, splat.radius);
   splat_index = i;
 #ifdef SPLAT_COLOR

@@ -34,7 +34,7 @@ void main() {
     normal = -normal;
 #endif
   color_sum = vec4(w * splat_color.rgb, w);
-  normal_sum = vec4(w * normal, w * hit.t);
+  normal_sum = vec4(w * normal, w * (hit.t - splat_center_behind.w));
 #ifdef SPLAT_SHADOW
   shadow_sum = vec4(w * splat_color.a);
 #endif

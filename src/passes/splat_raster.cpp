@@ -85,6 +85,7 @@ SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape&
 void set_splat_uniforms(gl::Program& program, const SplatShape& shape) {
   program.set("splat_radius_scale", shape.radius_scale).set("splat_radius_limit", shape.radius_limit);
   program.set("splat_widest_px", shape.widest_px).set("splat_dots", shape.dots);
+  program.set("splat_behind", vec2(shape.behind, shape.behind_radii / shape.radius_scale));
   program.set("splat_prefilter_px", shape.prefilter_px).set("splat_field_threshold", shape.field_threshold);
   program.set("splat_field_above", shape.part == SplatPart::above);
 }

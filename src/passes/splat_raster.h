@@ -40,6 +40,9 @@ struct SplatShape {
                                                              ///< shrinks to a dot
   bool dots = false;       ///< what no neighbours vouch for is turned to the camera, and no wider than a dot
   float prefilter_px = 0;  ///< radius of the screen filter (antialiasing); 0 = off
+  /// Hits of the far side of a thin sheet count so much farther along the ray, the larger of the two.
+  float behind = 0;        ///< scene units
+  float behind_radii = 0;  ///< of the splat, before the scale
   SplatPart part = SplatPart::all;
   float field_threshold = 0;  ///< of GpuCloud::set_field; needs the definition SPLAT_FIELD
 };

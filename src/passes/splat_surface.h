@@ -27,7 +27,7 @@ struct SplatSurfaceTargets {
 class SplatSurface {
  public:
   /// All three passes. `nearest_t()` then holds the front ray distance, unshifted where `epsilon_radii` is 0.
-  void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+  void draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
             const SplatSurfaceTargets& targets, gl::Timers& timers);
   /// Only the visibility pass, for techniques that accumulate in their own way.
   void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,

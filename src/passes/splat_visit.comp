@@ -45,7 +45,7 @@ void main() {
   if (k < batch.count) {
     Splat splat = cloud_splat(batch.first + k);
     if (splat_pixels(splat, first, last)) {
-      float nearest = (frame.orthographic != 0 ? -splat.center.z : length(splat.center)) - splat.radius;
+      float nearest = (frame.orthographic != 0 ? -splat.center.z : length(splat.center)) - splat.radius + splat.behind;
 #ifdef SPLAT_PREFILTER
       nearest -= splat_prefilter_px / pixels_at(max(-splat.center.z, splat_near()));
 #endif

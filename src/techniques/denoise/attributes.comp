@@ -20,7 +20,7 @@ void main() {
   Splat splat = cloud_splat(i);
   ivec2 first, last;
   if (!splat_pixels(splat, first, last)) return;
-  float nearest = (frame.orthographic != 0 ? -splat.center.z : length(splat.center)) - splat.radius;
+  float nearest = (frame.orthographic != 0 ? -splat.center.z : length(splat.center)) - splat.radius + splat.behind;
 #ifdef SPLAT_PREFILTER
   nearest -= splat_prefilter_px / pixels_at(max(-splat.center.z, splat_near()));
 #endif

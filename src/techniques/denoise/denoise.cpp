@@ -44,7 +44,8 @@ constexpr float radius_covers = 4;
 constexpr float surface_share = 0.2f;  // of the mean weight of a surface that the nearest bin needs
 constexpr float peak_share = 0.3f;  // of the largest weight within `peak_bins`: noise in front of its surface
 constexpr int peak_bins = 3;
-constexpr int agree_rounds = 2;  // a dip between dips is closed by the second
+constexpr int far_side_bins = 2 * peak_bins;  // beyond `peak_bins` even where it lies as much in front
+constexpr int agree_rounds = 2;               // a dip between dips is closed by the second
 // Where a scan thins out discs are larger than usual, and so are dips between them: one more round asks as
 // far away as those reach. Clouds of even density are within `uneven` and need none.
 constexpr double large_share = 0.95;  // of the discs are smaller
@@ -182,6 +183,7 @@ class Denoise final : public Technique {
       return true;
     }
 
+    shape.behind = far_side_bins * options.bin_size;
     const SplatBatches batches = choose_batches(frame.cloud, view, shape);
     {
       auto timing = frame.timers.scope("nearest");  // t_min

@@ -27,7 +27,7 @@ void main() {
   vec3 normal = splat_normal_radius.xyz;
   if (dot(normal, ray_slope(gl_FragCoord.xy)) > 0.0) normal = -normal;
   out_0 = vec4(w * splat_color.rgb, w);
-  out_1 = vec4(w * float(splat_own_normal != vec3(0.0)) * normal, w * hit.t);
+  out_1 = vec4(w * float(splat_own_normal != vec3(0.0)) * normal, w * (hit.t - splat_center_behind.w));
 #ifdef SPLAT_SHADOW
   out_2 = vec4(w * splat_color.a);
 #endif

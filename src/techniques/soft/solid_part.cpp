@@ -52,17 +52,19 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
     analysis::complete(part, Attribute::normal | Attribute::radius, options, progress);
     if (clamp) limit_isolated(part.cloud.positions, Nearby(part.cloud.positions, progress), part.cloud.radii);
     std::vector<vec3> normals = prepared.cloud.normals;
+    std::vector<float> surface(part.on_surface.empty() ? 0 : normals.size(), 1.0f);
     for (std::size_t k = 0; k < places.size(); ++k) {
       normals[places[k]] = part.cloud.normals[k];
       radii[places[k]] = part.cloud.radii[k];
+      if (!surface.empty()) surface[places[k]] = part.on_surface[k];
     }
     // A square grid of that spacing has the radius of Eq. 20 for many neighbours.
     if (prepared.computed.has(Attribute::radius))
       spacing_ = part.median_radius / (2 * std::numbers::inv_sqrtpi_v<float>);
-    shapes_ = gpu.make_shapes(normals, radii);
+    shapes_ = gpu.make_shapes(normals, radii, surface);
   } else if (clamp) {
     limit_isolated(prepared.cloud.positions, all ? *all : Nearby(prepared.cloud.positions, progress), radii);
-    shapes_ = gpu.make_shapes({}, radii);
+    shapes_ = gpu.make_shapes({}, radii, prepared.on_surface);
   }
   key_ = key;
 }

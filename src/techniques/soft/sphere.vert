@@ -32,5 +32,5 @@ void main() {
   soft_slot = k;
   ivec2 first, last;
   place_nothing();
-  if (splat_pixels(Splat(point.center, vec3(0.0), point.radius), first, last)) place_primitive(first, last);
+  if (splat_pixels(Splat(point.center, vec3(0.0), point.radius, 0.0), first, last)) place_primitive(first, last);
 }

@@ -38,7 +38,7 @@ void main() {
 #endif
     return;
   }
-  if (!hit_disc(Splat(center.xyz, orientation.xyz, orientation.w), clip, gl_FragCoord.xy, hit)) discard;
+  if (!hit_disc(Splat(center.xyz, orientation.xyz, orientation.w, 0.0), clip, gl_FragCoord.xy, hit)) discard;
   float behind = (hit.t - nearest) / (epsilon * orientation.w);
   if (!(behind <= 1.0)) discard;
   float w = splat_weight(hit.rho);

@@ -20,7 +20,7 @@ layout(binding = UNIT_INPUT + 4) uniform sampler2D clips;
 Splat disc_at(ivec2 square) {
   vec4 orientation = texelFetch(orientations, square, 0), center = texelFetch(centers, square, 0);
   splat_prefilter_px = least_radius(center.w);
-  return Splat(center.xyz, orientation.xyz, orientation.w);
+  return Splat(center.xyz, orientation.xyz, orientation.w, 0.0);
 }
 #endif
 
