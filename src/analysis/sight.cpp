@@ -51,7 +51,7 @@ bool is_in_steps(std::vector<double> values, double low, double high) {
 }  // namespace
 
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up) {
-  constexpr double cone = 1, within = 0.98;  // tan 45 degrees
+  constexpr double cone = 1.73, within = 0.98;  // tan 60 degrees
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
   std::vector<double> x, y, depths;
   for (const dvec3& p : points) {

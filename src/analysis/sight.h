@@ -16,7 +16,7 @@ struct Sight {
 };
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie
-/// farther than 45 degrees from it to a side.
+/// farther than 60 degrees from it to a side.
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up);
 
 /// From `eye` each line of sight meets one surface: 0 to 1.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace sfumato {
@@ -14,13 +15,27 @@ namespace {
 constexpr double most = 1 << 20;  // voxels to each side: 21 bits an axis
 constexpr std::uint64_t axis_mask = (1 << 21) - 1;
 
+/// Where a place is along the four diagonals of a cube.
+vec4 along_diagonals(const dvec3& p) {
+  const glm::dvec4 along(p.x + p.y + p.z, p.x + p.y - p.z, p.x - p.y + p.z, -p.x + p.y + p.z);
+  return vec4(along / std::sqrt(3.0));
+}
+
 struct Part {
   std::uint64_t key = 0;
   double points = 0;
   dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  vec4 low_aslant{std::numeric_limits<float>::infinity()},
+      high_aslant{-std::numeric_limits<float>::infinity()};
   void add(const Part& other) {
     points += other.points;
     low = glm::min(low, other.low), high = glm::max(high, other.high);
+    low_aslant = glm::min(low_aslant, other.low_aslant),
+    high_aslant = glm::max(high_aslant, other.high_aslant);
+  }
+  /// The mean width, of seven directions: what lies in a corner of a box adds to it.
+  double size() const {
+    return (glm::dot(high - low, dvec3(1)) + double(glm::dot(high_aslant - low_aslant, vec4(1)))) / 7;
   }
 };
 
@@ -28,14 +43,17 @@ std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return
 
 /// One part for each key, ascending.
 void merge(std::vector<Part>& parts) {
-  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.key < b.key; });
-  std::size_t last = 0;
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    if (parts[i].key == parts[last].key)
-      parts[last].add(parts[i]);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // far smaller than what it orders
+  order.reserve(parts.size());
+  for (std::uint32_t i = 0; i < parts.size(); ++i) order.emplace_back(parts[i].key, i);
+  std::sort(order.begin(), order.end());
+  std::vector<Part> merged;
+  for (const auto& [key, i] : order)
+    if (!merged.empty() && merged.back().key == key)
+      merged.back().add(parts[i]);
     else
-      parts[++last] = parts[i];
-  parts.resize(std::min(parts.size(), last + 1));
+      merged.push_back(parts[i]);
+  parts = std::move(merged);
 }
 
 /// Of voxels, whose keys ascend, what touches by a side, an edge or a corner: each at the place of one of its
@@ -70,9 +88,12 @@ std::vector<Part> components(const std::vector<Part>& voxels, std::vector<std::u
 /// The voxel of each point, by its key.
 std::vector<Part> voxels_of(std::span<const dvec3> points, const dvec3& from, double edge) {
   std::vector<Part> voxels;
+  voxels.reserve(points.size());
   for (const dvec3& p : points) {
     const dvec3 at = glm::clamp(glm::floor((p - from) / edge) + most, dvec3(0), dvec3(2 * most - 1));
-    voxels.push_back({key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)), 1, p, p});
+    const vec4 aslant = along_diagonals(p - from);
+    voxels.push_back(
+        {key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)), 1, p, p, aslant, aslant});
   }
   return voxels;
 }
@@ -118,9 +139,8 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
     const std::vector<Part> parts = components(voxels, root);
     for (const Part& part : parts) {
       progress.check();
-      const double size = glm::distance(part.low, part.high);
-      // What a pixel of the usual picture holds is a place in it; what adds nothing to a box is beside it.
-      if (size < edge || (part.low == best.box.min && part.high == best.box.max)) continue;
+      const double size = part.size();
+      if (size < edge) continue;  // what a pixel of the usual picture holds is a place in it
       const double score = std::log(part.points) - gain * std::log(size);
       if (score > highest) highest = score, best = {{part.low, part.high}, {}}, joined = width;
     }

@@ -15,8 +15,8 @@ struct Connected {
 };
 
 /// Of all that single linkage joins at some distance (in voxels of 2^k, that touch), what has most by the
-/// logarithm of its points less `gain` times that of its size: what is farther and sparse would make the rest
-/// small, and is left out. `usual` is the box of most.
+/// logarithm of its points less `gain` times that of its mean width: what is farther and sparse would make
+/// the rest small, and is left out. `usual` is the box of most.
 Connected connected(std::span<const dvec3> points, const Bounds& usual, double gain,
                     Progress& progress = no_progress());
 

@@ -267,7 +267,6 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
 }
 
 std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject) {
-  constexpr double axial = 0.7;     // cosine of 45 degrees
   constexpr double steepest = 0.9;  // sine: of what is seen from above or below, the view is another
   const std::vector<dvec3> places = scanners_of(cloud);
   const bool is_known = !places.empty();
@@ -279,9 +278,6 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   if (!(glm::length(sensor.along) > 0)) return std::nullopt;
   sensor.along = glm::normalize(sensor.along);
   const dvec3 up = up_vector(cloud.up);
-  // Cameras look along z where y is up or down, robots along x.
-  if (!is_known && !(std::abs(up.y) > 0.5 ? std::abs(sensor.along.z) > axial : sensor.along.x > axial))
-    return std::nullopt;
   if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
   if (is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
     return std::nullopt;
