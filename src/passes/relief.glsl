@@ -18,11 +18,13 @@ uniform float orthographic_distance;
 uniform float spacing;  // of the points between which a surface was closed, scene units; 0 where none was
 
 const float fine_px = 2.5,
-            coarse_px = 6.0;    // between points: their relief is seen; that between them would be
-const float most_near = 0.008;  // octaves of depth
-const float darkest = 1.2;      // exponent
-const float along_radii = 3.0;  // 4.2 px: beyond most dots
-const float steepest = 4.0;  // depth over width: of a surface, as in relief_pyramid.glsl
+            coarse_px = 6.0;      // between points: their relief is seen; that between them would be
+const float most_near = 0.008;    // octaves of depth
+const float darkest = 1.2;        // exponent
+const float along_radii = 3.0;    // 4.2 px: beyond most dots
+const float within_radii = 0.25;  // eight neighbours tell the way to some 10 degrees
+const float own_way = 0.1;        // turns straight lines by 2 degrees at most
+const float steepest = 4.0;       // depth over width: of a surface, as in relief_pyramid.glsl
 
 float depth_at(ivec2 pixel, vec2 away) {
   ivec2 at = ivec2(floor(vec2(pixel) + 0.5 + away));
@@ -44,8 +46,7 @@ vec2 around(ivec2 pixel) {
 
 // How far what lies in front of a pixel goes on, to both sides of the place where it was met or along a slope, from 0 to
 // 1. What is nearer to the pixel's own depth is not of it.
-float goes_on(ivec2 pixel, vec2 away, float depth, float behind) {
-  vec2 along = along_radii * vec2(-away.y, away.x);
+float goes_on(ivec2 pixel, vec2 away, vec2 along, float depth, float behind) {
   vec2 off = depth - behind - vec2(depth_at(pixel, away + along), depth_at(pixel, away - along));
   off = min(abs(off), 0.5 * abs(off.x + off.y));
   return dot(vec2(0.5), max(1.0 - 2.0 / behind * off, 0.0));
@@ -64,16 +65,26 @@ bool filter_pixel(ivec2 pixel) {
     // Octaves of depth a scene unit; an orthographic camera compares with a distance of its own.
     float scale = 1.0 / ((frame.orthographic != 0 ? orthographic_distance : depth) * log(2.0));
     float noise = max(chance, open.y), response = 0.0;
+    vec2 aways[4], behind[4], bounded[4], toward = vec2(0.0);
     float lowest = -steepest * radius_px / pixels_at(depth);
     for (int k = 0; k < 4; ++k) {
       float angle = float(k) * 0.785398163;
-      vec2 away = radius_px * vec2(cos(angle), sin(angle));
-      vec2 behind = depth - vec2(depth_at(pixel, away), depth_at(pixel, -away));
+      aways[k] = radius_px * vec2(cos(angle), sin(angle));
+      behind[k] = depth - vec2(depth_at(pixel, aways[k]), depth_at(pixel, -aways[k]));
       // A plane lies before it on one side as far as behind on the other.
-      vec2 slope = mix(max(behind, vec2(lowest)), vec2(0.0), isinf(behind)).yx;
-      vec2 bounded = clamp((behind + min(slope, vec2(0.0)) - noise) * scale, 0.0, most_near);
-      if (bounded.x > 0.0) response += bounded.x * goes_on(pixel, away, depth, behind.x);
-      if (bounded.y > 0.0) response += bounded.y * goes_on(pixel, -away, depth, behind.y);
+      vec2 slope = mix(max(behind[k], vec2(lowest)), vec2(0.0), isinf(behind[k])).yx;
+      bounded[k] = clamp((behind[k] + min(slope, vec2(0.0)) - noise) * scale, 0.0, most_near);
+      toward += (bounded[k].x - bounded[k].y) * aways[k];
+    }
+    // An outline runs across the way to what is in front, as all neighbours see it: those at 45 degrees to a straight one
+    // look past it. In a slot, with as much on both sides, each has its own.
+    for (int k = 0; k < 8; ++k) {
+      float lighter = bounded[k / 2][k % 2];
+      if (lighter <= 0.0) continue;
+      vec2 away = k % 2 == 0 ? aways[k / 2] : -aways[k / 2], way = toward + own_way * lighter * away;
+      way *= inversesqrt(max(dot(way, way), 1e-30));
+      vec2 along = along_radii * radius_px * vec2(-way.y, way.x);
+      response += lighter * goes_on(pixel, away + within_radii * radius_px * way, along, depth, behind[k / 2][k % 2]);
     }
     // 300 is Potree's constant. The shade was meant for encoded colour; 2.2 keeps that look in linear light.
     float exponent = response / 8.0 * 300.0 * strength * 2.2;

@@ -50,8 +50,7 @@ class ReliefTest : public GlTest {
 
 }  // namespace
 
-// Eight neighbours on a circle of 1.4 px, three of which lie beyond a straight edge; two of them see it go on
-// to one side only, and count half.
+// Eight neighbours on a circle of 1.4 px, three of which lie beyond a straight edge.
 TEST_F(ReliefTest, LinesAlongStepsOfAnyHeightAreAlike) {
   options.edl_strength = 0.4f;
   const auto step_to = [&](double far) {
@@ -59,13 +58,29 @@ TEST_F(ReliefTest, LinesAlongStepsOfAnyHeightAreAlike) {
   };
   const Image<float> low = step_to(9), high = step_to(400);
   for (int x = 0; x < size; ++x) EXPECT_NEAR(low.at(x, size / 2), high.at(x, size / 2), 1e-5) << x;
-  const double exponent = 2.0 / 8 * 0.008 * 300 * 0.4 * 2.2;
+  const double exponent = 3.0 / 8 * 0.008 * 300 * 0.4 * 2.2;
   EXPECT_NEAR(high.at(size / 2, size / 2), std::exp(-1.2 * (1 - std::exp(-exponent / 1.2))), 1e-4);
   EXPECT_EQ(high.at(size / 2 - 1, size / 2), 1) << "in front";
   EXPECT_EQ(high.at(size / 2 + 2, size / 2), 1);
   const Image<float> beside_nothing =
       shade_of([](int x, int) { return x < size / 2 ? 8.0 : double(nothing); });
   EXPECT_EQ(beside_nothing.at(size / 2 - 1, size / 2), 1);
+}
+
+// Steps of any direction take about as much light as rings around everything did (0.44 to 0.48 px of it), and
+// so does a wire.
+TEST_F(ReliefTest, LinesAlongStepsOfAnyDirectionAreAlike) {
+  options.edl_strength = 0.4f;
+  for (const double angle : {0.0, 5.0, 11.0, 17.0, 22.5, 30.0, 37.0, 45.0}) {
+    const double c = std::cos(angle / 180 * M_PI), s = std::sin(angle / 180 * M_PI);
+    const Image<float> step =
+        shade_of([&](int x, int y) { return (x - 64.2) * c + (y - 64.1) * s < 0 ? 8 : 9; });
+    const double taken = c * size * (1 - mean(step, 0, size));  // across the step, px
+    EXPECT_GT(taken, 0.36) << angle;
+    EXPECT_LT(taken, 0.48) << angle;
+  }
+  const Image<float> wire = shade_of([](int x, int) { return x == size / 2 ? 8 : 9; });
+  EXPECT_GT(size * (1 - mean(wire, 0, size)), 0.6) << "on both sides";
 }
 
 // What lies behind all that is around it is a dark dot, not a black one.
