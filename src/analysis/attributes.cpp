@@ -41,6 +41,11 @@ constexpr float largest_unless_flat = 1.5f;
 /// below them, on statues and in rooms; but 0.5 on a tower of few points.
 constexpr float crown = 0.3f, grove = 0.5f;
 
+/// An outpost has half to a quarter of the density of its neighbours, as sparse as what lies beside strips
+/// that overlap (points_to_pixels.comp), and all of them beside it: their middle, in shares of the farthest
+/// one's distance, is 0.42 away at a straight border, 0.6 at a corner.
+constexpr float sparser = 1.41f, much_sparser = 2, at_border = 0.42f, at_corner = 0.6f;
+
 /// Of a disc of Eq. 20, drawn 1.5 times as large (1.7 spacings): where it touches its neighbours' on a square
 /// grid, and where such discs close it.
 constexpr float discs_touch = 0.3f, discs_close = 0.42f;
@@ -111,6 +116,36 @@ class UsualRadii {
  private:
   std::vector<float> usual_;
 };
+
+/// How far each point is an outpost, from 0 to 1: farther from its neighbours than they are from theirs, and
+/// all of them on one side of it. `spacings`: around each point, in any unit.
+std::vector<float> outposts(const NeighborTree& tree, const std::vector<float>& spacings,
+                            std::size_t neighbors, Progress& progress) {
+  const UsualRadii usual(spacings);
+  const std::span<const vec3> positions = tree.positions();
+  std::vector<float> alone(spacings.size(), 0.0f);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, spacings.size(), 4096), [&](const auto& range) {
+    progress.check();
+    KNearest nearest(neighbors);
+    std::vector<float> theirs;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      // Nine of ten outposts are those among the points before and after them, too: few are asked.
+      if (!(spacings[i] > sparser * usual.near(i))) continue;
+      nearest.start(std::uint32_t(i));
+      tree.search(positions[i], nearest);
+      vec3 middle(0);
+      theirs.clear();
+      for (const std::uint64_t key : nearest.heap()) {
+        middle += positions[id_of(key)] - positions[i];
+        theirs.push_back(spacings[id_of(key)]);
+      }
+      const float aside = glm::length(middle) / (float(theirs.size()) * std::sqrt(nearest.limit()));
+      alone[i] = glm::smoothstep(sparser, much_sparser, spacings[i] / median(std::span(theirs))) *
+                 glm::smoothstep(at_border, at_corner, aside);
+    }
+  });
+  return alone;
+}
 
 /// The same K neighbours for every point, in one array.
 class KeptNeighbors {
@@ -302,6 +337,13 @@ class Completion {
     const SurfaceShares shares = is_flat ? SurfaceShares{whole, whole, whole}
                                          : surface_shares(cloud_.positions, flatness, int(k_), progress_);
     const UsualRadii usual(radii);
+    // Where there are neighbours at all: at a border in half of the directions, at a corner in a quarter.
+    std::vector<float> spacings = radii;
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+      const float there = 1 - 0.5f * cells[i].widest_angle * std::numbers::inv_pi_v<float>;
+      spacings[i] *= std::sqrt(cells[i].evenness * std::max(0.25f, there));
+    }
+    const std::vector<float> alone = outposts(tree_, spacings, k_, progress_);
     const float medians = prepared_.median_radius;
     std::vector<float> ratio(radii.size(), 1.0f), on_surface = ratio;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {
@@ -313,7 +355,8 @@ class Completion {
                     widest = largest_disc * std::max(medians, usual.near(i)) / radius,
                     dot = std::min(options_.clutter_radius, widest);
         // What is sparse and hangs above all that surrounds it, as wires above a field, is on no surface.
-        const float own = small < 1 ? shares.own[i] * shares.in_layer[i] : shares.own[i];
+        // What stands alone before or beside it belongs to none, whatever the region is.
+        const float own = shares.own[i] * (small < 1 ? shares.in_layer[i] : 1) * (1 - alone[i]);
         // Inside a surface as by Eq. 20, at its end no farther than its points are surrounded.
         const float end = overlap * vouched_radius(cells[i]) / radius,
                     inside = std::min(surrounded(cells[i]), enclosed(cells[i])),
