@@ -185,6 +185,11 @@ ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& option
   const PlyHeader header = read_ply_header(file);
   const bool has_faces = options.faces && has_ply_faces(header);
   ReadResult result = read_ply_vertices(file, header, has_faces, progress);
+  // As trainers of splats store what COLMAP found, in the axes of a camera: with normals, all of them zero.
+  const ReadReport& report = result.report;
+  if (header.up == UpAxis::pos_y && !header.says_up && !has_faces && !result.cloud.colors.empty() &&
+      report.points > 0 && report.normals_dropped == report.points)
+    result.cloud.up = UpAxis::neg_y;
   if (has_faces)
     take_faces(file, options, result, [&] { return read_ply_faces(file, header, result, progress); });
   return result;

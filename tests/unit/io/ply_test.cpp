@@ -46,6 +46,27 @@ TEST(PlyTest, FloatsThatStandFarApartAreSpokenOf) {
   EXPECT_TRUE(notes_of_field("float", 5421350, 1).empty()) << "whole metres are floats there";
 }
 
+// Trainers of splats store the points of COLMAP so: in the axes of a camera, with normals that are all zero.
+TEST(PlyTest, PointsWithColoursAndNoNormalButZerosHaveYDown) {
+  const auto up_of = [](const std::string& comment, const std::string& normal, bool colored) {
+    const std::string colors =
+        colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
+    const std::string color = colored ? " 200 100 50" : "";
+    return io::read(write_file("points3D.ply", header("ascii", comment + "element vertex 2\n" + xyz +
+                                                                   "property float nx\nproperty float ny\n"
+                                                                   "property float nz\n" +
+                                                                   colors) +
+                                                   "1 2 3 0 0 0" + color + "\n4 5 7 " + normal + color +
+                                                   "\n"))
+        .cloud.up;
+  };
+  EXPECT_EQ(up_of("", "0 0 0", true), UpAxis::neg_y);
+  EXPECT_EQ(up_of("", "0 0 1", true), UpAxis::pos_y);
+  EXPECT_EQ(up_of("", "0 0 0", false), UpAxis::pos_y);
+  EXPECT_EQ(up_of("comment up +Y\n", "0 0 0", true), UpAxis::pos_y);
+  EXPECT_EQ(up_of("comment usual_up +Z\n", "0 0 0", true), UpAxis::pos_z);
+}
+
 TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
   const std::string body =
       "comment made by hand\nobj_info nothing\nelement vertex 2\nproperty short s\nproperty double z\n"
