@@ -266,20 +266,41 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
   return best_of(area, up, elevations, front_of(area, up, relief), upright);
 }
 
+namespace {
+
+/// Whether all was seen from the origin on a grid of pixels, along a coordinate axis that is level: a picture
+/// however noisy its depths are, as those of stereo.
+bool is_of_pixels(const Subject& subject, const dvec3& up) {
+  for (const dvec3& axis : {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)})
+    for (const double sign : {-1.0, 1.0})
+      if (glm::dot(axis, up) == 0 && analysis::sight_of(subject.points, dvec3(0), sign * axis, up).of_pixels)
+        return true;
+  return false;
+}
+
+}  // namespace
+
 std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject) {
   constexpr double steepest = 0.9;  // sine: of what is seen from above or below, the view is another
   const std::vector<dvec3> places = scanners_of(cloud);
   const bool is_known = !places.empty();
   if (places.size() > 1 || subject.points.empty()) return std::nullopt;
-  if (!is_known && (cloud.las || height_over_width(subject.box, cloud.up) < lies)) return std::nullopt;
+  // No camera looks through a window of 3 degrees: the origin is that of a map.
+  constexpr double farthest = 20;  // box diagonals
+  const Bounds& box = subject.box;
+  if (!is_known && glm::length(box.center()) > farthest * glm::distance(box.min, box.max))
+    return std::nullopt;
+  const dvec3 up = up_vector(cloud.up);
+  const bool of_pixels = !is_known && is_of_pixels(subject, up);
+  if (!is_known && !of_pixels && (cloud.las || height_over_width(subject.box, cloud.up) < lies))
+    return std::nullopt;
   Sensor sensor{is_known ? places[0] : dvec3(0), dvec3(0)};
   for (const dvec3& p : subject.points)
     if (p != sensor.place) sensor.along += glm::normalize(p - sensor.place);
   if (!(glm::length(sensor.along) > 0)) return std::nullopt;
   sensor.along = glm::normalize(sensor.along);
-  const dvec3 up = up_vector(cloud.up);
   if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
-  if (is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
+  if (!of_pixels && is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
     return std::nullopt;
   for (int step = 0; step < 3; ++step) {  // to the middle of what appears
     const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up);

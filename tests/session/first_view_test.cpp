@@ -348,6 +348,30 @@ TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
   }
 }
 
+// As of stereo, whose depths are noise where nothing matches: seen from a side it is a fan of rays.
+TEST(FirstView, APictureOfPixelsIsSeenFromItsSensorHoweverNoisyItsDepths) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> depth(1, 8);
+  for (const bool on_pixels : {true, false}) {
+    std::uniform_real_distribution<double> aside(-0.5, on_pixels ? -0.5 : 0.5);
+    scene::Scene scene;
+    for (int i = -160; i < 160; ++i)
+      for (int j = -90; j < 90; ++j)
+        scene.cloud.positions.push_back(
+            vec3(depth(random) * dvec3(0.004 * (i + aside(random)), 0.004 * (j + aside(random)), -1)));
+    const Camera camera = first_view(stand_upright(scene, UpAxis::pos_y), 1280, 720);
+    EXPECT_EQ(glm::length(camera.position) < 1e-9, on_pixels) << camera.position.z;
+  }
+}
+
+TEST(FirstView, TheOriginOfAMapIsNoSensor) {
+  PointCloud wall = box_of({8, 0.02, 5});
+  wall.normals.assign(wall.positions.size(), vec3(0, -1, 0));
+  wall.origin = {500'000, 5'000'000, 100};
+  const Camera camera = first_view(pose_of(wall), 1280, 720);
+  EXPECT_LT(glm::distance(camera.position, wall.origin), 100);
+}
+
 TEST(FirstView, WhatFacesOneSideIsSeenFromThere) {
   for (const double turned_deg : {0.0, 90.0, 140.0, 250.0}) {
     PointCloud wall = box_of({8, 0.02, 5});
