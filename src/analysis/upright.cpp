@@ -14,7 +14,7 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr std::size_t sample_size = 65'536;
-/// A guess less probable than this is called one: of the others 96 % are right
+/// A guess less probable than this is called one: of the others 95 % are right
 /// (docs/measurements/first_view.md has the curve).
 constexpr double sure = 0.92;
 /// Columns to a side of a face of the box, layers along them.
@@ -127,7 +127,7 @@ struct Sample {
   Stand stands(int axis, bool positive) const;
 };
 
-/// All is within 45 degrees of the axis, and each line of sight meets one surface only, as of no body or room
+/// All is within 60 degrees of the axis, and each line of sight meets one surface only, as of no body or room
 /// that was scanned from several sides; but not land, which any place above it sees so, unless the lines are
 /// those of an image's pixels.
 Sample::Picture Sample::seen_along(int axis, bool positive) const {
@@ -228,10 +228,8 @@ double Sample::lies(int axis) const {
 }
 
 /// How like its mirror image the box is across the middle of an axis: of the cells that hold anything in one
-/// of both, the share that does in both. What stands is alike left and right, not above and below; nothing of
-/// what is closed at both ends, as a storey is by its floor and its ceiling.
+/// of both, the share that does in both. What stands is alike left and right, not above and below.
 double Sample::mirrored_across(int axis) const {
-  const double open = 1 - std::min(broadness(axis) * ends_along(axis).both / closed_columns, 1.0);
   const int side = std::clamp(int(std::cbrt(double(points.size()) / 8)), 6, 24);
   std::vector<bool> held(std::size_t(side * side * side));
   const auto cell = [&](int x, int y, int z) { return std::size_t((z * side + y) * side + x); };
@@ -248,7 +246,7 @@ double Sample::mirrored_across(int axis) const {
                                      axis == 2 ? side - 1 - z : z)];
         either += here || there, both += here && there;
       }
-  return open * double(both) / double(std::max(either, 1));
+  return double(both) / double(std::max(either, 1));
 }
 
 /// The convex hull, anticlockwise (Andrew 1979).

@@ -369,40 +369,6 @@ TEST(Upright, ThingsAreAlikeLeftAndRightNotAboveAndBelow) {
   EXPECT_EQ(guess_upright(pot).up, UpAxis::pos_y);
 }
 
-/// What speaks for an axis.
-double evidence_of(const PointCloud& cloud, UpAxis up, UpEvidence what) {
-  for (const UpCandidate& candidate : up_candidates(cloud))
-    if (candidate.up == up) return candidate.evidence[std::size_t(what)];
-  ADD_FAILURE() << to_string(up) << " is no candidate";
-  return 0;
-}
-
-// A storey of two wings: what is alike there is its floor and its ceiling.
-TEST(Upright, FloorAndCeilingAreNoTwoSidesOfABody) {
-  std::mt19937 random(28);
-  std::uniform_real_distribution<float> unit(0, 1);
-  PointCloud storey;
-  for (int i = 0; i < 60'000; ++i) {
-    const float a = unit(random), b = unit(random);
-    if (i % 3 != 0) {
-      const vec3 level(37 * a, 30 * b, i % 3 == 1 ? 0 : 3.6f);
-      // No scanner sees the floor that it stands on.
-      if (level.z > 0 || glm::distance(level, vec3(15, 12, 0)) > 6) storey.positions.push_back(level);
-    } else {
-      storey.positions.push_back(i % 2 == 0 ? vec3(37 * a, 11 * float(i / 6 % 3), 3.6f * b)
-                                            : vec3(9 * float(i / 6 % 4), 22 * a, 3.6f * b));
-    }
-  }
-  std::erase_if(storey.positions, [](const vec3& p) { return p.x > 17 && p.y > 11.1f; });
-  PointCloud on_side = storey;
-  turn(on_side, y_up);
-  on_side.up = UpAxis::pos_y;
-  for (const UpAxis up : {UpAxis::pos_z, UpAxis::neg_z})
-    EXPECT_EQ(evidence_of(storey, up, UpEvidence::mirrored), 0) << to_string(up);
-  EXPECT_EQ(guess_upright(storey).up, UpAxis::pos_z);
-  EXPECT_EQ(guess_upright(on_side).up, UpAxis::pos_y);
-}
-
 // Ground, however few stand on it, tells above from below: reconstructions of photographs have y down.
 TEST(Upright, WhatStandsOnGroundTellsWhichEndIsUp) {
   for (const double turned_deg : {0.0, 30.0, 200.0})
