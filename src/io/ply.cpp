@@ -188,7 +188,7 @@ ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& option
   // As trainers of splats store what COLMAP found, in the axes of a camera: with normals, all of them zero.
   const ReadReport& report = result.report;
   if (header.up == UpAxis::pos_y && !header.says_up && !has_faces && !result.cloud.colors.empty() &&
-      report.points > 0 && report.normals_dropped == report.points)
+      report.points_finite > 0 && report.normals_dropped == report.points_finite)
     result.cloud.up = UpAxis::neg_y;
   if (has_faces)
     take_faces(file, options, result, [&] { return read_ply_faces(file, header, result, progress); });

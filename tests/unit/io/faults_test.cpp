@@ -37,7 +37,7 @@ TEST(Faults, ADamagedFileIsNotReadAsText) {
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ErrorCode::bad_input);
   EXPECT_NE(std::string(error->what()).find("PCD header"), std::string::npos) << error->what();
-  EXPECT_TRUE(test::error_of(test::write_file("a.ply", "1 2 3\n4 5 6\n")));
+  EXPECT_TRUE(test::error_of(test::write_file("a.ply", "format ascii 1.0\n1 2 3\n4 5 6\n")));
 }
 
 TEST(Faults, NumbersTooSmallAreZeroAndTooLargeOnesAreNoCoordinates) {
