@@ -20,7 +20,8 @@ Splat cloud_splat(int i) {
   vec3 position = point_position(i);
   vec3 center = (frame.eye_from_cloud * vec4(position, 1.0)).xyz;
   precise vec3 normal = mat3(frame.eye_from_cloud) * point_normal(i);
-  bool is_far_side = point_is_on_side(i) && dot(normal, to_camera(center)) < 0.0;
+  precise float facing = dot(normal, to_camera(center));  // the same in every pass, whoever compiles it
+  bool is_far_side = point_is_on_side(i) && facing < 0.0;
   if (dot(normal, normal) < 0.25) normal = to_camera(center);
   precise float radius = min(point_radius(i), splat_radius_limit) * splat_radius_scale;
   // Gradually: no more than a dot is what nobody vouches for, and what is so far from all others that it makes no surface

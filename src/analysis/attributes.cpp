@@ -139,6 +139,8 @@ std::vector<float> outposts(const NeighborTree& tree, const std::vector<float>& 
         middle += positions[id_of(key)] - positions[i];
         theirs.push_back(spacings[id_of(key)]);
       }
+      if (theirs.empty() || !(nearest.limit() > 0))
+        continue;  // of coincident points, or farther than floats reach
       const float aside = glm::length(middle) / (float(theirs.size()) * std::sqrt(nearest.limit()));
       alone[i] = glm::smoothstep(sparser, much_sparser, spacings[i] / median(std::span(theirs))) *
                  glm::smoothstep(at_border, at_corner, aside);
@@ -296,10 +298,12 @@ class Completion {
   }
 
   /// Which side of a sheet a point lies on: that which its normal, of the file, faces, or a scanner saw.
+  /// Normals that a call before this one computed say nothing new.
   KnownSide known_sides() const {
     return [this, scanner = cloud_.scalar("scanner")](std::uint32_t i, const vec3& axis) {
       float side = 0;
-      if (!cloud_.normals.empty() && !missing(cloud_.normals[i]))
+      if (!prepared_.computed.has(Attribute::normal) && !cloud_.normals.empty() &&
+          !missing(cloud_.normals[i]))
         side = glm::dot(cloud_.normals[i], axis);
       else if (const auto way = way_to_scanner(cloud_, scanner, i))
         side = glm::dot(vec3(*way), axis);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t every = 64;
 /// Of random samples of two planes these reach 3.9 spacings, and so see sheets as thick as that.
-constexpr std::size_t looked_at = 96;
+constexpr std::size_t points_looked_at = 96;
 
 /// Distance of the layers over the deviation within them. A slab that is filled evenly, cut in half, has
 /// sqrt(12) = 3.5, a normal distribution 2.6; of 97 points by chance up to 4.3; what bends one way, without
@@ -25,7 +25,7 @@ constexpr float apart = 5.5f;
 /// Nor are crest and flanks spread alike: of the variances of both along any direction in the layers, one is
 /// 4.2 times the other and more; those of two layers by chance up to 2.5, of a gap of three spacings, where
 /// less of the other is seen, 3.7.
-constexpr double alike = 4;
+constexpr double most_unalike = 4;
 /// Cosine between the layers, 15 degrees: the flanks of a groove hide nothing of each other.
 constexpr double parallel_layers = 0.966;
 /// Where normals or scanners tell the layers, their means need only differ by more than chance: five
@@ -37,6 +37,9 @@ constexpr float least_share = 0.125f;
 /// there (1.5 at a step or a ridge, .6 by chance); and are flat: deviation across over that along their
 /// narrow way (.2 and more in a wedge, whose flanks may be those of a groove; 1 in two lines of a scanner).
 constexpr float aside = 0.6f, flat_layer = 0.15f;
+/// Of that narrow way. Layers nearer than .05 of it (.14 spacings) may be steps of a file's numbers where
+/// nothing else tells them apart, and a deviation below .001 is what is lost in the sums of floats.
+constexpr double nearest_layers = 0.05, least_deviation = 1e-3;
 /// How many times as dense one layer may be as the other: a few strays above a surface do not hide it.
 constexpr double as_dense = 3;
 /// The share of points with a known side that lie on it.
@@ -172,7 +175,7 @@ class Groups {
     const Eigen::Matrix2d ratio = spread[0].inverse() * spread[1];
     const double half = 0.5 * ratio.trace(),
                  root = std::sqrt(std::max(half * half - ratio.determinant(), 0.0));
-    return half + root < alike && half - root > 1 / alike;
+    return half + root < most_unalike && half - root > 1 / most_unalike;
   }
 
  private:
@@ -186,8 +189,8 @@ bool is_sheet(const Groups::Shape& s) {
   return s.share >= least_share && s.aside < aside * s.along && s.deviation < flat_layer * s.narrow;
 }
 
-/// `sort_key`s of the points around one, the nearest `looked_at` and itself first. Those before and after it
-/// on the curve tell how far to look.
+/// `sort_key`s of the points around one, the nearest `points_looked_at` and itself first. Those before and
+/// after it on the curve tell how far to look.
 void nearest_of(const NeighborTree& tree, std::size_t point, std::vector<std::uint64_t>& keys) {
   const std::span<const vec3> positions = tree.positions();
   const vec3 p = positions[point];
@@ -196,12 +199,12 @@ void nearest_of(const NeighborTree& tree, std::size_t point, std::vector<std::ui
     return sort_key(glm::dot(d, d), std::uint32_t(j));
   };
   keys.clear();
-  const std::size_t from = point > looked_at ? point - looked_at : 0,
-                    to = std::min(positions.size(), from + 2 * looked_at + 1);
+  const std::size_t from = point > points_looked_at ? point - points_looked_at : 0,
+                    to = std::min(positions.size(), from + 2 * points_looked_at + 1);
   for (std::size_t j = from; j < to; ++j) keys.push_back(key_of(j));
-  const auto last = std::ptrdiff_t(looked_at);
+  const auto last = std::ptrdiff_t(points_looked_at);
   std::nth_element(keys.begin(), keys.begin() + last, keys.end());
-  const float limit = distance2_of(keys[looked_at]);
+  const float limit = distance2_of(keys[points_looked_at]);
   keys.clear();
   tree.leaves_near(p, p, 1.00001f * std::sqrt(limit), [&](std::uint32_t first, std::uint32_t end) {
     for (std::uint32_t j = first; j < end; ++j)
@@ -227,7 +230,7 @@ Sheet sheet_of(std::span<const vec3> positions, std::uint32_t center, std::span<
     if (!shape || !is_sheet(*shape)) continue;
     const double errors = glm::dot(shape->axis, axis) * shape->gap *
                           std::sqrt(shape->share * (1 - shape->share) * double(points.size())) /
-                          std::max(shape->deviation, 1e-30);
+                          std::max(shape->deviation, least_deviation * shape->narrow);
     if (errors < -apart_errors) continue;  // those of a gap between two things
     if (glm::dot(shape->axis, axis) < 0) shape->axis = -shape->axis;
     best = shape, is_doubtful = errors < apart_errors;
@@ -243,7 +246,8 @@ Sheet sheet_of(std::span<const vec3> positions, std::uint32_t center, std::span<
       shape = groups.shape();
       if (!shape || !groups.split_along(shape->axis)) break;
     }
-    if (!shape || !is_sheet(*shape) || !(shape->gap > most * shape->deviation) || !groups.is_alike(*shape))
+    if (!shape || !is_sheet(*shape) || !(shape->gap > most * shape->deviation) ||
+        !(shape->gap > nearest_layers * shape->narrow) || !groups.is_alike(*shape))
       continue;
     most = shape->gap / std::max(shape->deviation, 1e-30), best = shape;
   }
@@ -272,7 +276,7 @@ Sheet sheet_of(std::span<const vec3> positions, std::uint32_t center, std::span<
 
 Sides::Sides(const NeighborTree& tree, const KnownSide& known, Progress& progress)
     : positions_(tree.positions()), known_(known) {
-  if (positions_.size() <= looked_at) return;
+  if (positions_.size() <= points_looked_at) return;
   sheets_.resize((positions_.size() + every - 1) / every);
   std::vector<std::vector<std::uint32_t>> touched(sheets_.size());  // where a sheet's points lie
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sheets_.size(), 256), [&](const auto& range) {
@@ -283,7 +287,7 @@ Sides::Sides(const NeighborTree& tree, const KnownSide& known, Progress& progres
       const std::size_t first = b * every, middle = (first + std::min(first + every, positions_.size())) / 2;
       nearest_of(tree, middle, keys);
       ids.clear();
-      for (std::size_t k = 0; k <= looked_at; ++k) ids.push_back(id_of(keys[k]));
+      for (std::size_t k = 0; k <= points_looked_at; ++k) ids.push_back(id_of(keys[k]));
       sheets_[b] = sheet_of(positions_, std::uint32_t(middle), ids, known_);
       if (!(sheets_[b].reach > 0)) continue;
       for (std::uint32_t& id : ids) id /= std::uint32_t(every);

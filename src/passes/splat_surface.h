@@ -26,7 +26,8 @@ struct SplatSurfaceTargets {
 
 class SplatSurface {
  public:
-  /// All three passes. `nearest_t()` then holds the front ray distance, unshifted where `epsilon_radii` is 0.
+  /// All three passes. `nearest_t()` then holds the front ray distance, unshifted where `epsilon_radii` is 0,
+  /// and two epsilons more where only the far side of a thin sheet is seen.
   void draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
             const SplatSurfaceTargets& targets, gl::Timers& timers);
   /// Only the visibility pass, for techniques that accumulate in their own way.

@@ -131,6 +131,11 @@ TEST(Sides, NothingElseIsASheet) {
   std::vector<vec3> lines;  // of a scanner, eight spacings apart
   for (int line = 0; line < 2; ++line)
     for (int i = 0; i < 2000; ++i) lines.emplace_back(i + 0.3f * place(random) / across, 8 * line, 0);
+  std::normal_distribution<float> gauss(0, 1);
+  std::vector<vec3> steps;  // of a file's numbers
+  for (int i = 0; i < across * across; ++i)
+    steps.emplace_back(place(random), place(random), 0.1f * std::round(0.5f + 0.3f * gauss(random)));
+  sheets("a plane in steps of its numbers", steps);
   sheets("two lines", lines);
   sheets("a ball", ball);
   sheets("a step", step);
