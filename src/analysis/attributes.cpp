@@ -19,6 +19,7 @@
 #include "analysis/quantiles.h"
 #include "analysis/range_image.h"
 #include "analysis/sides.h"
+#include "analysis/sight.h"
 #include "analysis/stroke_attributes.h"
 #include "analysis/support.h"
 #include "analysis/vouched.h"
@@ -297,16 +298,29 @@ class Completion {
     }
   }
 
+  /// Where a picture was taken from: it shows one side of all, and steps of its depths are no second one.
+  std::optional<vec3> sensor_at_origin() const {
+    constexpr std::size_t sample_size = 65'536;
+    std::vector<dvec3> sample;
+    for (std::size_t i = 0; i < cloud_.size(); i += (cloud_.size() + sample_size - 1) / sample_size)
+      sample.push_back(cloud_.world(i));
+    if (!are_one_picture(sample, dvec3(0))) return std::nullopt;
+    return vec3(-cloud_.origin);
+  }
+
   /// Which side of a sheet a point lies on: that which its normal, of the file, faces, or a scanner saw.
   /// Normals that a call before this one computed say nothing new.
   KnownSide known_sides() const {
-    return [this, scanner = cloud_.scalar("scanner")](std::uint32_t i, const vec3& axis) {
+    const std::optional<vec3> eye = sensor_at_origin();
+    return [this, scanner = cloud_.scalar("scanner"), eye](std::uint32_t i, const vec3& axis) {
       float side = 0;
       if (!prepared_.computed.has(Attribute::normal) && !cloud_.normals.empty() &&
           !missing(cloud_.normals[i]))
         side = glm::dot(cloud_.normals[i], axis);
       else if (const auto way = way_to_scanner(cloud_, scanner, i))
         side = glm::dot(vec3(*way), axis);
+      else if (eye)
+        side = glm::dot(*eye - cloud_.positions[i], axis);
       return side > 0 ? 1 : side < 0 ? -1 : 0;
     };
   }

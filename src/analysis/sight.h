@@ -22,4 +22,7 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
 /// From `eye` each line of sight meets one surface: 0 to 1.
 double is_one_picture(const Sight& sight);
 
+/// Whether the points are more likely than not a picture that was taken from `eye`, whichever way it looked.
+bool are_one_picture(std::span<const dvec3> points, const dvec3& eye);
+
 }  // namespace sfumato::analysis

@@ -143,6 +143,29 @@ TEST(Sides, NothingElseIsASheet) {
   sheets("a groove", groove);
 }
 
+// Depth cameras measure in steps, between which noise chooses: a picture shows one side of all.
+TEST(Sides, StepsOfADepthPictureAreNoSheet) {
+  std::mt19937 random(23);
+  std::normal_distribution<float> gauss(0, 1);
+  constexpr float step = 0.002f;  // a spacing
+  std::vector<vec3> points;
+  for (int i = -80; i <= 80; ++i)
+    for (int j = -80; j <= 80; ++j) {
+      const vec3 ray(0.002f * float(i), 0.002f * float(j), 1);
+      const float depth = 1 + 0.02f * glm::dot(ray, ray) + 0.3f * step * gauss(random);
+      points.push_back(ray * step * std::round(depth / step));
+    }
+  const auto sheets = [&](const dvec3& sensor) {
+    PointCloud cloud = cloud_of(points);
+    cloud.origin = sensor;
+    int found = 0;
+    for (const int side : marked_sides(cloud)) found += side != 0;
+    return found;
+  };
+  EXPECT_EQ(sheets(dvec3(0)), 0);
+  EXPECT_GT(sheets(dvec3(0, 0, -1)), 100) << "what nobody knows to be a picture";
+}
+
 TEST(Sides, NeighborsAreThoseOfThePointsOwn) {
   const std::vector<vec3> points = plate(1, 0.1f);
   const PreparedCloud prepared = prepare(cloud_of(points), {}, {});
