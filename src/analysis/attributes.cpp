@@ -321,6 +321,8 @@ class Completion {
         side = glm::dot(vec3(*way), axis);
       else if (eye)
         side = glm::dot(*eye - cloud_.positions[i], axis);
+      else if (cloud_.las)  // strips of a survey lie above one another, all seen from above
+        side = glm::dot(vec3(up_vector(cloud_.up)), axis);
       return side > 0 ? 1 : side < 0 ? -1 : 0;
     };
   }

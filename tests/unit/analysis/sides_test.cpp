@@ -166,6 +166,12 @@ TEST(Sides, StepsOfADepthPictureAreNoSheet) {
   EXPECT_GT(sheets(dvec3(0, 0, -1)), 100) << "what nobody knows to be a picture";
 }
 
+TEST(Sides, StripsOfASurveyAreNoSheet) {
+  PointCloud cloud = cloud_of(plate(1, 0.1f));
+  cloud.las.emplace();
+  for (const int side : marked_sides(cloud)) ASSERT_EQ(side, 0);
+}
+
 TEST(Sides, NeighborsAreThoseOfThePointsOwn) {
   const std::vector<vec3> points = plate(1, 0.1f);
   const PreparedCloud prepared = prepare(cloud_of(points), {}, {});
