@@ -195,7 +195,7 @@ class Completion {
     tbb::concurrent_vector<NearNormal> near_normals;
     const bool shrink = radii && options_.clutter_radius < 1;
     std::optional<Sides> sides;
-    if ((find_normals || radii)) sides.emplace(tree_, known_sides(), progress_);
+    if ((find_normals || radii) && may_have_sheets()) sides.emplace(tree_, known_sides(), progress_);
     const bool has_sides = sides && !sides->empty();
     std::vector<std::uint8_t> on_side(has_sides ? cloud_.size() : 0);
     std::vector<float> flatness(shrink ? cloud_.size() : 0, 1.0f);
@@ -308,20 +308,25 @@ class Completion {
     return vec3(-cloud_.origin);
   }
 
+  /// Strips of a survey lie above one another and are no sheets: only normals or scanners tell some in LAS.
+  bool may_have_sheets() const { return !cloud_.las || !cloud_.scanners.empty() || has_normals_of_file(); }
+  /// Those that a call before this one computed say nothing new.
+  bool has_normals_of_file() const {
+    return !prepared_.computed.has(Attribute::normal) && !cloud_.normals.empty();
+  }
+
   /// Which side of a sheet a point lies on: that which its normal, of the file, faces, or a scanner saw.
-  /// Normals that a call before this one computed say nothing new.
   KnownSide known_sides() const {
     const std::optional<vec3> eye = sensor_at_origin();
     return [this, scanner = cloud_.scalar("scanner"), eye](std::uint32_t i, const vec3& axis) {
       float side = 0;
-      if (!prepared_.computed.has(Attribute::normal) && !cloud_.normals.empty() &&
-          !missing(cloud_.normals[i]))
+      if (has_normals_of_file() && !missing(cloud_.normals[i]))
         side = glm::dot(cloud_.normals[i], axis);
       else if (const auto way = way_to_scanner(cloud_, scanner, i))
         side = glm::dot(vec3(*way), axis);
       else if (eye)
         side = glm::dot(*eye - cloud_.positions[i], axis);
-      else if (cloud_.las)  // strips of a survey lie above one another, all seen from above
+      else if (cloud_.las)  // a point that neither tells, seen from above
         side = glm::dot(vec3(up_vector(cloud_.up)), axis);
       return side > 0 ? 1 : side < 0 ? -1 : 0;
     };

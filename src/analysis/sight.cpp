@@ -88,12 +88,16 @@ double is_one_picture(const Sight& sight) {
   return std::clamp((sight.first - 0.75) / (0.9 - 0.75), 0.0, 1.0);
 }
 
-bool are_one_picture(std::span<const dvec3> points, const dvec3& eye) {
+dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye) {
   dvec3 along(0);
   for (const dvec3& p : points)
     if (p != eye) along += glm::normalize(p - eye);
-  if (!(glm::length(along) > 0)) return false;
-  along = glm::normalize(along);
+  return glm::length(along) > 0 ? glm::normalize(along) : dvec3(0);
+}
+
+bool are_one_picture(std::span<const dvec3> points, const dvec3& eye) {
+  const dvec3 along = mean_direction(points, eye);
+  if (along == dvec3(0)) return false;
   const dvec3 up = std::abs(along.z) < 0.7 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
   return is_one_picture(sight_of(points, eye, along, up)) >= 0.5;
 }

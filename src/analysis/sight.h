@@ -22,6 +22,9 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
 /// From `eye` each line of sight meets one surface: 0 to 1.
 double is_one_picture(const Sight& sight);
 
+/// The mean direction from `eye` to the points, a unit vector; 0 where they lie all around it.
+dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye);
+
 /// Whether the points are more likely than not a picture that was taken from `eye`, whichever way it looked.
 bool are_one_picture(std::span<const dvec3> points, const dvec3& eye);
 

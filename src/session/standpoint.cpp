@@ -287,18 +287,14 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   if (places.size() > 1 || subject.points.empty()) return std::nullopt;
   // No camera looks through a window of 3 degrees: the origin is that of a map.
   constexpr double farthest = 20;  // box diagonals
-  const Bounds& box = subject.box;
-  if (!is_known && glm::length(box.center()) > farthest * glm::distance(box.min, box.max))
-    return std::nullopt;
+  if (!is_known && glm::length(subject.box.center()) > farthest * subject.box.diagonal()) return std::nullopt;
   const dvec3 up = up_vector(cloud.up);
   const bool of_pixels = !is_known && is_of_pixels(subject, up);
   if (!is_known && !of_pixels && (cloud.las || height_over_width(subject.box, cloud.up) < lies))
     return std::nullopt;
   Sensor sensor{is_known ? places[0] : dvec3(0), dvec3(0)};
-  for (const dvec3& p : subject.points)
-    if (p != sensor.place) sensor.along += glm::normalize(p - sensor.place);
-  if (!(glm::length(sensor.along) > 0)) return std::nullopt;
-  sensor.along = glm::normalize(sensor.along);
+  sensor.along = analysis::mean_direction(subject.points, sensor.place);
+  if (sensor.along == dvec3(0)) return std::nullopt;
   if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
   if (!of_pixels && is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
     return std::nullopt;
