@@ -19,10 +19,14 @@ void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatSh
       [&](gl::Program& program) { shift.set(program, shape); }, false);
 }
 
+SplatShape behind_surface(SplatShape shape, const SplatBlend& blend) {
+  shape.behind = 2 * blend.epsilon, shape.behind_radii = 2 * blend.epsilon_radii;
+  return shape;
+}
+
 void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
                         const SplatSurfaceTargets& targets, gl::Timers& timers) {
-  // Twice: beyond what counts as the same surface even where noise has the far side in front.
-  shape.behind = 2 * blend.epsilon, shape.behind_radii = 2 * blend.epsilon_radii;
+  shape = behind_surface(shape, blend);
   const int width = view.width(), height = view.height();
   batches_ = choose_batches(cloud, view, shape);
   // Where epsilon differs from splat to splat, that of the nearest counts: only the first pass knows which it

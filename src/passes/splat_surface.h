@@ -17,6 +17,10 @@ struct SplatBlend {
   bool opaque = false;  ///< only the nearest hit of a pixel; epsilon and kernel do not count
 };
 
+/// The shape with the far sides of thin sheets twice as far behind as what counts as the same surface: beyond
+/// that even where noise has them in front.
+SplatShape behind_surface(SplatShape shape, const SplatBlend& blend);
+
 /// What the passes leave, at the view's size: textures of the caller, made when missing.
 struct SplatSurfaceTargets {
   gl::Texture& albedo;  ///< RGBA32F: linear colour, alpha 1 where covered

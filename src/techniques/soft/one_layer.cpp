@@ -12,7 +12,7 @@ void OneLayer::draw(Frame& frame, const View& view, SplatShape shape, const Spla
   GpuCloud& cloud = frame.cloud;
   const dvec3 origin = cloud.prepared().cloud.origin;
   front_.draw(cloud, view, shape, blend, {front_albedo_, front_depth_, front_normal_}, frame.timers);
-  shape.behind = 2 * blend.epsilon, shape.behind_radii = 2 * blend.epsilon_radii;
+  shape = behind_surface(shape, blend);
   const float soft_threshold = shape.field_threshold;
   shape.field_threshold = -1;  // every point, with its field for the fragments
 
