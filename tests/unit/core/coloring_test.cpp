@@ -37,7 +37,7 @@ std::string refusal(const std::function<void()>& act) {
 TEST(Colormap, EndsAndMiddleAreTheKnownColours) {
   EXPECT_EQ(Colormap::named("viridis").at(0), (Rgba8{0x44, 0x01, 0x54, 255}));
   EXPECT_EQ(Colormap::named("viridis").at(1), (Rgba8{0xfd, 0xe7, 0x25, 255}));
-  EXPECT_EQ(Colormap::named("gray").at(0.5), (Rgba8{136, 136, 136, 255}));
+  EXPECT_EQ(Colormap::named("gray").at(0.5), (Rgba8{160, 160, 160, 255}));
   EXPECT_EQ(Colormap::named("jet").at(0.5), (Rgba8{128, 255, 128, 255}));
   EXPECT_EQ(Colormap::named("coolwarm").at(0), (Rgba8{59, 76, 192, 255}));  // Moreland 2009, table
   EXPECT_EQ(Colormap::named("coolwarm").at(1), (Rgba8{180, 4, 38, 255}));
@@ -305,16 +305,16 @@ TEST(Coloring, ElevationIsTheWorldCoordinateAlongUp) {
   Coloring along_z = color_points(cloud, {"elevation", "gray", std::nullopt});
   EXPECT_EQ(along_z.low, 300);  // of 101 heights 300, 302 ... 500, for 2 % at an end are crowns and roofs
   EXPECT_EQ(along_z.high, 500);
-  EXPECT_NEAR(along_z.colors[50].r, 136, 1);
+  EXPECT_NEAR(along_z.colors[50].r, 160, 1);
   PointCloud noisy = cloud;
   noisy.positions[100].z = 1e4f;  // a bird
   EXPECT_LT(color_points(noisy, {"elevation", "gray", std::nullopt}).high, 540);
-  EXPECT_EQ(along_z.colors[0].r, 0x20);
+  EXPECT_EQ(along_z.colors[0].r, 0x50);
   EXPECT_EQ(along_z.colors[100].r, 0xf0);
   cloud.up = UpAxis::neg_y;
   const Coloring down = color_points(cloud, {"elevation", "gray", std::array{-5e6 - 100.0, -5e6}});
   EXPECT_EQ(down.colors[0].r, 0xf0);
-  EXPECT_EQ(down.colors[100].r, 0x20);
+  EXPECT_EQ(down.colors[100].r, 0x50);
 }
 
 TEST(Coloring, IntensitiesThatAFewExceedByFarAreNotLeftInBlack) {
@@ -356,11 +356,11 @@ TEST(Coloring, LargeOffsetsAndConstantsKeepTheirColour) {
   PointCloud cloud = ramp(3);
   cloud.set_scalar({"gps_time", 2e8, {0, 0.5f, 1}});
   const Coloring shown = color_points(cloud, {"gps_time", "gray", std::array{2e8, 2e8 + 1}});
-  EXPECT_EQ(shown.colors[0].r, 0x20);
-  EXPECT_NEAR(shown.colors[1].r, 136, 1);  // one step of the 1024 entries
+  EXPECT_EQ(shown.colors[0].r, 0x50);
+  EXPECT_NEAR(shown.colors[1].r, 160, 1);  // one step of the 1024 entries
   EXPECT_EQ(shown.colors[2].r, 0xf0);
   cloud.set_scalar(field("flat", {3, 3, 3}));
-  EXPECT_NEAR(color_points(cloud, {"flat", "gray", std::nullopt}).colors[0].r, 136, 1);
+  EXPECT_NEAR(color_points(cloud, {"flat", "gray", std::nullopt}).colors[0].r, 160, 1);
 }
 
 TEST(Coloring, ReversedRangeReversesTheMap) {
@@ -368,7 +368,7 @@ TEST(Coloring, ReversedRangeReversesTheMap) {
   cloud.set_scalar(field("v", {0, 1}));
   const Coloring shown = color_points(cloud, {"v", "gray", std::array{1.0, 0.0}});
   EXPECT_EQ(shown.colors[0].r, 0xf0);
-  EXPECT_EQ(shown.colors[1].r, 0x20);
+  EXPECT_EQ(shown.colors[1].r, 0x50);
 }
 
 TEST(Coloring, ClassesHaveTheKnownColours) {
