@@ -213,6 +213,8 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
                       !options_.color.solid &&
                       distinct_colors(deciding, RenderSettings::palette_limit).empty();
+  if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
+    for (Rgba8& c : coloring_.colors) c = shadeable(c);
   palette_.clear();
   if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)
     for (const Rgba8& c : distinct_colors(deciding, RenderSettings::palette_limit))

@@ -121,6 +121,29 @@ TEST_F(DataColorsTest, PhotographsKeepTheirLight) {
   }
 }
 
+// As of leaves that a classifier painted black: nobody sees what is black.
+TEST_F(DataColorsTest, ShadesShowOnAFewColorsThatAreDark) {
+  PointCloud ball;
+  std::mt19937 random(3);
+  std::normal_distribution<float> anywhere;
+  for (int i = 0; i < 40'000; ++i) {
+    const vec3 place = glm::normalize(vec3(anywhere(random), anywhere(random), anywhere(random)));
+    ball.positions.push_back(place), ball.normals.push_back(place);
+    ball.colors.push_back(place.x < 0 ? Rgba8{0, 0, 0, 255} : Rgba8{230, 160, 20, 255});
+  }
+  Session session(context());
+  scene::Scene scene;
+  scene.cloud = std::move(ball);
+  Look look("splats");
+  SessionOptions options;
+  options.color.color_by = "rgb";
+  session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
+  look.settings.edl.user = false;
+  const Image<Rgba8> shown = session.render(look, camera_above(10, 2.2, 200)).rgba8;
+  EXPECT_GT(shown.at(90, 100).g, shown.at(20, 100).g + 10) << "lighter in the middle than at the rim";
+  EXPECT_GT(shown.at(120, 100).r, 180) << "what is light stays";
+}
+
 TEST_F(DataColorsTest, HighlightsAreForThingsAndNotForData) {
   Look look("splats");
   render(look, "classification");
