@@ -49,7 +49,7 @@ const std::vector<Table>& tables() {
       // green.
       {"cividis",
        {0x00224e, 0x123570, 0x3b496c, 0x575d6d, 0x707173, 0x8a8678, 0xa59c74, 0xc3b369, 0xe1cc55, 0xfee838}},
-      // From where shades begin to show (CIE L* 34) to short of white, so that no point drowns in the background.
+      // From where shades show (CIE L* 34) to short of white, so that no point drowns in the background.
       {"gray", {0x505050, 0xf0f0f0}},
       {"coolwarm",
        {0x3b4cc0, 0x4e68d7, 0x6282ea, 0x779af7, 0x8db0fe, 0xa3c2fe, 0xb8d0f9, 0xccd9ed, 0xdcdcdc, 0xebd3c6,
