@@ -313,6 +313,29 @@ TEST(FirstView, OfASweepTheConnectedPartIsFramed) {
   EXPECT_GT(pose_of(tile).subject.box.size().x, 49.9);
 }
 
+// The scanner saw little of a crown's top, which is one with the rest for whoever looks.
+TEST(FirstView, ASparseTopIsFramedWithItsTree) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (const float gap : {0.4f, 4.0f}) {
+    PointCloud tree;
+    tree.up = UpAxis::pos_z;
+    for (int i = 0; i < 60'000; ++i) {
+      const float z = 11 * (1 + unit(random)), width = 0.3f + 0.1f * (22 - z);
+      tree.positions.push_back({width * unit(random), width * unit(random), z});
+    }
+    for (int tuft = 0; tuft < 15; ++tuft)  // of a fiftieth of the points
+      for (int i = 0; i < 80; ++i)
+        tree.positions.push_back(vec3(0.1f * unit(random), 0.1f * unit(random),
+                                      22 + gap + (0.2f + gap) * float(tuft) + 0.1f * unit(random)));
+    const double height = pose_of(tree).subject.box.size().z;
+    if (gap < 1)
+      EXPECT_GT(height, 30) << "of 31";
+    else
+      EXPECT_LT(height, 22.1) << "of 89";
+  }
+}
+
 // From the sensor nothing gapes that was hidden from it.
 TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
   struct Case {
