@@ -1,7 +1,10 @@
 #include "analysis/sight.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/order.h"
@@ -93,6 +96,39 @@ dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye) {
   for (const dvec3& p : points)
     if (p != eye) along += glm::normalize(p - eye);
   return glm::length(along) > 0 ? glm::normalize(along) : dvec3(0);
+}
+
+double turned_share(std::span<const vec3> points, const vec3& eye, const vec3& up) {
+  constexpr std::size_t asked = 128, most = 1 << 20;  // 128 lines of 4096 steps, twice
+  constexpr double level = 0.1, usual = 1.5;          // rise over way; times the median, as lines have gaps
+  if (points.empty() || points.size() > most) return 0;
+  struct Step {
+    double way = 0, rise = 0;  // radians
+  };
+  std::vector<Step> steps(asked);
+  tbb::parallel_for(std::size_t(0), asked, [&](std::size_t k) {
+    const vec3& from = points[(2 * k + 1) * points.size() / (2 * asked)];
+    vec3 to = eye;
+    float least = std::numeric_limits<float>::infinity();
+    for (const vec3& p : points) {
+      const vec3 d = p - from;
+      if (const float distance2 = glm::dot(d, d); distance2 > 0 && distance2 < least)
+        least = distance2, to = p;
+    }
+    if (from == eye || to == eye) return;
+    const dvec3 before = glm::normalize(dvec3(from - eye)), after = glm::normalize(dvec3(to - eye));
+    const auto elevation = [&](const dvec3& along) {
+      return std::asin(std::clamp(glm::dot(along, dvec3(up)), -1.0, 1.0));
+    };
+    steps[k] = {glm::distance(before, after), std::abs(elevation(after) - elevation(before))};
+  });
+  std::vector<double> ways;
+  for (const Step& step : steps) ways.push_back(step.way);
+  const double step_of_most = value_at_share(ways, 0.5);
+  const auto beside = std::count_if(steps.begin(), steps.end(), [&](const Step& step) {
+    return step.rise < level * step.way && step.way < usual * step_of_most && step_of_most < usual * step.way;
+  });
+  return double(beside) / double(asked);
 }
 
 bool are_one_picture(std::span<const dvec3> points, const dvec3& eye) {

@@ -25,6 +25,10 @@ double is_one_picture(const Sight& sight);
 /// The mean direction from `eye` to the points, a unit vector; 0 where they lie all around it.
 dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye);
 
+/// The share of points to which the nearest one in space is at the same elevation from `eye`, and one usual
+/// step to a side: most, of what a lidar there measured while it turned. 0 of more than a million.
+double turned_share(std::span<const vec3> points, const vec3& eye, const vec3& up);
+
 /// Whether the points are more likely than not a picture that was taken from `eye`, whichever way it looked.
 bool are_one_picture(std::span<const dvec3> points, const dvec3& eye);
 

@@ -144,6 +144,18 @@ std::vector<dvec3> drawn_for(const Camera& camera, const Subject& subject) {
 
 void fit(Camera& camera, const Subject& subject) { fit(camera, drawn_for(camera, subject)); }
 
+Subject within(const Subject& subject, const Surroundings& around) {
+  Subject near{{}, {}, {}, {}, subject.room};
+  for (std::size_t i = 0; i < subject.points.size(); ++i)
+    if (subject.is_framed(i) && glm::distance(subject.points[i], around.place) <= around.reach)
+      near.points.push_back(subject.points[i]);
+  if (near.points.empty()) return subject;
+  near.box = {near.points[0], near.points[0]};
+  for (const dvec3& p : near.points)
+    near.box.min = glm::min(near.box.min, p), near.box.max = glm::max(near.box.max, p);
+  return near;
+}
+
 std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3& eye, const dvec3& along,
                                             const dvec3& up) {
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);

@@ -35,6 +35,14 @@ struct Subject {
   bool is_framed(std::size_t i) const { return framed.empty() || framed[i]; }
 };
 
+/// What lies within reach of a place.
+struct Surroundings {
+  dvec3 place;
+  double reach;
+};
+/// Those of the framed points of a subject that lie there, and their box.
+Subject within(const Subject& subject, const Surroundings& around);
+
 /// Where scanners stood, as far as the file says.
 std::vector<dvec3> scanners_of(const PointCloud& cloud);
 

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "passes/shadows.h"
 #include "session/standpoint.h"
+#include "session/sweep.h"
 #include "techniques/panorama.h"
 
 namespace sfumato {
@@ -51,23 +52,31 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
     const Compass compass(upright.up);
     pose.sensor = sensor->place;
     look_from(glm::degrees(compass.azimuth(-sensor->along)), glm::degrees(compass.elevation(-sensor->along)));
-    return pose;
+  } else {
+    progress.check();
+    if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
+    progress.check();
+    const Standpoint from = standpoint_for(pose.subject, upright.up);
+    look_from(from.azimuth_deg, from.elevation_deg);
   }
+  if (whole || pose.subject.room) return pose;
   progress.check();
-  if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
-  progress.check();
-  const Standpoint from = standpoint_for(pose.subject, upright.up);
-  look_from(from.azimuth_deg, from.elevation_deg);
+  const Camera usual = first_view(pose, 1280, 720);
+  if (const auto view = view_of_sweep(scene.cloud, pose.subject, usual, bool(pose.sensor))) {
+    pose.sensor.reset(), pose.around = view->around;
+    look_from(view->from.azimuth_deg, view->from.elevation_deg);
+  }
   return pose;
 }
 
 Camera first_view(const Pose& pose, int width, int height) {
-  Camera camera = frame(pose.subject.box, pose.upright.up, width, height,
-                        glm::radians(pose.upright.azimuth_deg), glm::radians(pose.upright.elevation_deg));
+  const Subject subject = pose.around ? within(pose.subject, *pose.around) : pose.subject;
+  Camera camera = frame(subject.box, pose.upright.up, width, height, glm::radians(pose.upright.azimuth_deg),
+                        glm::radians(pose.upright.elevation_deg));
   if (pose.sensor)
-    see_from(camera, *pose.sensor, pose.subject);
+    see_from(camera, *pose.sensor, subject);
   else
-    fit(camera, pose.subject);
+    fit(camera, subject);
   return camera;
 }
 

@@ -35,9 +35,10 @@ struct SessionOptions {
 struct Pose {
   analysis::Upright upright;
   Subject subject;
-  LengthUnit unit = {};              ///< of the horizontal axes, as far as the files say
-  std::optional<dvec3> sensor = {};  ///< the first view is that of the sensor that stood there
-  double vertical_exaggeration = 1;  ///< of the points
+  LengthUnit unit = {};                     ///< of the horizontal axes, as far as the files say
+  std::optional<dvec3> sensor = {};         ///< the first view is that of the sensor that stood there
+  std::optional<Surroundings> around = {};  ///< the first view is fitted to these
+  double vertical_exaggeration = 1;         ///< of the points
 };
 
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
@@ -49,7 +50,8 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked = {},
 /// Heights (world coordinates along the cloud's up axis) times a factor; the scalar `elevation` has the true
 /// ones.
 void exaggerate(PointCloud& cloud, double factor);
-/// The view from the side that suits the scan, or of its sensor, which shows all but outliers.
+/// The view from the side that suits the scan, or of its sensor, which shows all but outliers; of a sweep,
+/// what lies around its sensor.
 Camera first_view(const Pose& pose, int width, int height);
 
 /// One scene on one context. Use it on the thread of its context.

@@ -249,6 +249,8 @@ double front_of(const Area& area, UpAxis up, const dvec3& relief) {
 
 }  // namespace
 
+bool is_lying(const Bounds& box, UpAxis up) { return height_over_width(box, up) < lies; }
+
 Standpoint standpoint_for(Subject& subject, UpAxis up) {
   const double upright = std::clamp((height_over_width(subject.box, up) - lies) / (stands - lies), 0.0, 1.0);
   const Area area = area_of(subject);
@@ -290,8 +292,7 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   if (!is_known && glm::length(subject.box.center()) > farthest * subject.box.diagonal()) return std::nullopt;
   const dvec3 up = up_vector(cloud.up);
   const bool of_pixels = !is_known && is_of_pixels(subject, up);
-  if (!is_known && !of_pixels && (cloud.las || height_over_width(subject.box, cloud.up) < lies))
-    return std::nullopt;
+  if (!is_known && !of_pixels && (cloud.las || is_lying(subject.box, cloud.up))) return std::nullopt;
   Sensor sensor{is_known ? places[0] : dvec3(0), dvec3(0)};
   sensor.along = analysis::mean_direction(subject.points, sensor.place);
   if (sensor.along == dvec3(0)) return std::nullopt;

@@ -15,6 +15,9 @@ struct Standpoint {
 /// no front. A room of which the cutaway shows nothing that the whole hides is none any more.
 Standpoint standpoint_for(Subject& subject, UpAxis up);
 
+/// Whether a scan is no higher than land is.
+bool is_lying(const Bounds& box, UpAxis up);
+
 /// Where a sensor stood that saw all of the subject in one picture, as depth cameras do, and the direction of
 /// the middle of that. From there nothing gapes that was hidden from it.
 struct Sensor {

@@ -15,8 +15,8 @@ std::optional<double> radians(const std::optional<double>& degrees) {
 /// What suits the scan, from the side that is wished for.
 Camera framed(const Pose& pose, const ViewWishes& wishes) {
   const auto [width, height] = wishes.size.value_or(wishes.first_size);
-  if (pose.sensor && !wishes.position && !wishes.azimuth && !wishes.elevation && !wishes.direction &&
-      !wishes.view_up && !wishes.orthographic)
+  if ((pose.sensor || pose.around) && !wishes.position && !wishes.azimuth && !wishes.elevation &&
+      !wishes.direction && !wishes.view_up && !wishes.orthographic)
     return first_view(pose, width, height);
   const UpAxis up = pose.upright.up;
   double azimuth = glm::radians(wishes.azimuth.value_or(pose.upright.azimuth_deg));

@@ -336,6 +336,118 @@ TEST(FirstView, ASparseTopIsFramedWithItsTree) {
   }
 }
 
+/// What a lidar of 64 lines, 1.73 m above a street along x, measures in a turn, `fov_deg` of it: ground,
+/// walls 8 m to both sides, 6 m high, and a car 8 m ahead. About `sensor`, turned about it.
+PointCloud street_sweep(const dvec3& sensor, double turned_deg, double fov_deg, double noise = 0.01) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> error(0, noise);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  cloud.origin = sensor;
+  const dmat4 turn = glm::rotate(dmat4(1), glm::radians(turned_deg), dvec3(0, 0, 1));
+  for (int line = 0; line < 64; ++line)
+    for (double azimuth_deg = -fov_deg / 2; azimuth_deg < fov_deg / 2; azimuth_deg += 0.2) {
+      const double elevation = glm::radians(2 - 26.8 * line / 63), azimuth = glm::radians(azimuth_deg);
+      const dvec3 way(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                      std::sin(elevation));
+      double range = way.z < 0 ? -1.73 / way.z : 1e9;
+      const double to_wall = 8 / std::max(std::abs(way.y), 1e-9);
+      if (to_wall * way.z < 6 - 1.73) range = std::min(range, to_wall);
+      const dvec3 low(6, -3, -1.73), high(10, -1, -0.23), a = low / way, b = high / way;  // the car
+      const dvec3 in = glm::min(a, b), out = glm::max(a, b);
+      const double enter = std::max({in.x, in.y, in.z}), leave = std::min({out.x, out.y, out.z});
+      if (enter > 0 && enter < leave) range = std::min(range, enter);
+      if (range < 80)
+        cloud.positions.push_back(vec3(dvec3(turn * glm::dvec4(way, 0)) * (range + error(random))));
+    }
+  return cloud;
+}
+
+/// The share of the points on the page, and of the page's cells those that hold one.
+std::pair<double, double> page_of(const PointCloud& cloud, const Camera& camera) {
+  constexpr int columns = 40, rows = 20;
+  const dmat4 clip = camera.projection_matrix() * camera.view();
+  std::set<int> cells;
+  double on = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::dvec4 c = clip * glm::dvec4(cloud.world(i), 1);
+    if (c.w <= 0 || std::max(std::abs(c.x), std::abs(c.y)) >= c.w) continue;
+    ++on;
+    cells.insert(int((c.y / c.w + 1) * rows / 2) * columns + int((c.x / c.w + 1) * columns / 2));
+  }
+  return {on / double(cloud.size()), double(cells.size()) / (columns * rows)};
+}
+
+TEST(FirstView, OfASweepWhatIsNearTheSensorFillsThePage) {
+  struct Case {
+    dvec3 sensor;
+    double turned_deg, fov_deg;
+    bool is_recorded;
+  };
+  for (const auto& [sensor, turned_deg, fov_deg, is_recorded] : {Case{dvec3(0), 0, 360, false},
+                                                                 {dvec3(0), 33, 360, false},
+                                                                 {dvec3(0), 33, 360, true},
+                                                                 {dvec3(500, -70, 3), 33, 360, true},
+                                                                 {dvec3(0), 33, 90, true},
+                                                                 {dvec3(0), 200, 90, false}}) {
+    PointCloud cloud = street_sweep(sensor, turned_deg, fov_deg);
+    if (is_recorded) cloud.scanners.push_back(sensor);
+    Pose pose = pose_of(cloud);
+    const Camera camera = first_view(pose, 1280, 720);
+    const auto [on, filled] = page_of(cloud, camera);
+    EXPECT_GT(on, 0.9) << fov_deg;
+    EXPECT_GT(camera.position.z, sensor.z + 1) << "above the sensor";
+    std::vector<double> heights;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const glm::dvec4 c = camera.projection_matrix() * camera.view() * glm::dvec4(cloud.world(i), 1);
+      heights.push_back(c.y / c.w);
+    }
+    std::sort(heights.begin(), heights.end());
+    EXPECT_GT(heights[heights.size() * 98 / 100] - heights[heights.size() / 50], 1.2)
+        << "of 2: seen from the sensor, 90 degrees are 0.9 high";
+    const dmat4 turn = glm::rotate(dmat4(1), glm::radians(turned_deg), dvec3(0, 0, 1));
+    std::vector<dvec3> car;
+    for (const dvec3& corner : {dvec3(6, -3, -1.73), dvec3(10, -1, -1.73), dvec3(10, -3, -0.23)})
+      car.push_back(sensor + dvec3(turn * glm::dvec4(corner, 1)));
+    const auto [low, high] = extent(car, camera);
+    EXPECT_LT(std::max({high.x, high.y, -low.x, -low.y}), 1) << "the car is on the page";
+
+    pose.around.reset();
+    const Camera whole = first_view(pose, 1280, 720);
+    if (fov_deg == 360) {
+      const auto [low_before, high_before] = extent(car, whole);
+      EXPECT_GT((high.x - low.x) * (high.y - low.y),
+                1.5 * (high_before.x - low_before.x) * (high_before.y - low_before.y));
+      EXPECT_GT(filled, 1.3 * page_of(cloud, whole).second);
+    }
+    ViewWishes wishes;
+    wishes.azimuth = 60;
+    EXPECT_GT(page_of(cloud, view_of(pose, wishes)).first, 0.96) << "who chooses a side sees all";
+  }
+}
+
+TEST(FirstView, WhatIsNoSweepIsFramedAsAWhole) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  PointCloud tile = box_of({50, 50, 1}), grid = tile, shell = box_of({4, 5, 2.4}), displaced;
+  grid.positions.clear();
+  for (int i = -60; i < 60; ++i)
+    for (int j = -60; j < 60; ++j) grid.positions.emplace_back(i, j, 0.3f * unit(random));
+  for (vec3& p : tile.positions) p -= vec3(25, 25, 0.5f);
+  for (vec3& p : shell.positions) p -= vec3(2, 2.5f, 1.2f);
+  displaced = street_sweep(dvec3(0), 0, 360);
+  for (vec3& p : displaced.positions) p += vec3(6, 2, 0);  // the origin is another place's
+  for (PointCloud cloud : {tile, grid, shell, displaced}) {
+    EXPECT_FALSE(pose_of(cloud).around) << cloud.size();
+    cloud.scanners.assign(1, dvec3(0));
+    EXPECT_FALSE(pose_of(cloud).around) << cloud.size() << ", though the file says so";
+  }
+  scene::Scene whole;
+  whole.cloud = street_sweep(dvec3(0), 0, 360);
+  EXPECT_TRUE(pose_of(whole.cloud).around);
+  EXPECT_FALSE(stand_upright(whole, UpAxis::pos_z, false).around) << "--whole";
+}
+
 // From the sensor nothing gapes that was hidden from it.
 TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
   struct Case {

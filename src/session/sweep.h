@@ -1,0 +1,20 @@
+// The first view of a sweep, what a lidar measured while it turned: dense near the sensor and sparse far off.
+#pragma once
+
+#include <optional>
+
+#include "session/standpoint.h"
+
+namespace sfumato {
+
+/// A view that is fitted to what lies around a sensor: what is farther is drawn, and seen as far as it fits.
+struct SweepView {
+  Standpoint from;
+  Surroundings around;
+};
+/// Of the views of a sweep the one over whose page its points are spread most evenly, if they are more so
+/// than over that of `usual`. `of_sensor`: `usual` is a picture that the sensor took, whose azimuth stays.
+std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& subject, const Camera& usual,
+                                       bool of_sensor);
+
+}  // namespace sfumato
