@@ -55,6 +55,8 @@ bool is_in_steps(std::vector<double> values, double low, double high) {
 
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up) {
   constexpr double cone = 1.73, within = 0.98;  // tan 60 degrees
+  constexpr double near = 0.33;                 // of the median depth; what stands there has less than .1
+  constexpr double narrow = 0.05;               // 3 degrees: no camera looks through such a window, maps do
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
   std::vector<double> x, y, depths;
   for (const dvec3& p : points) {
@@ -69,6 +71,8 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   };
   const auto [left, end] = ends(x);
   const auto [bottom, top] = ends(y);
+  const double width = std::max(end - left, top - bottom);
+  if (!(width > narrow)) return {};
   const int side = std::clamp(int(std::sqrt(double(depths.size()) / 8)), 4, 64);  // eight points a cell
   const auto cell = [&](double value, double low, double high) {
     return std::clamp(int((value - low) / std::max(high - low, 1e-300) * side), 0, side - 1);
@@ -80,11 +84,13 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
     nearest[place[i]] = std::min(nearest[place[i]], depths[i]);
   }
   // A surface at 70 degrees from the line of sight spans three widths of a cell in depth.
-  const double behind = 1 + 3 * std::max(end - left, top - bottom) / side;
+  const double behind = 1 + 3 * width / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
   return {double(seen) / double(depths.size()), faces_up(nearest, side, {left, bottom}, {end, top}),
-          is_in_steps(x, left, end) && is_in_steps(y, bottom, top)};
+          left < 0 && end > 0 && bottom < 0 && top > 0 &&
+              value_at_share(depths, 0.02) > near * value_at_share(depths, 0.5),
+          width, is_in_steps(x, left, end) && is_in_steps(y, bottom, top)};
 }
 
 double is_one_picture(const Sight& sight) {

@@ -25,7 +25,7 @@ struct Upright {
 enum class UpEvidence {
   y_for_z,   ///< it is Y where the convention of the format is Z
   z_for_y,   ///< it is Z where the convention of the format is Y
-  down,      ///< it is -Y or Y where the convention is not, or the other of both
+  down,      ///< it is -Y where the convention is not, or +Y or +Z where it is
   rare,      ///< it is X, -X or -Z
   camera,    ///< a camera at the origin, in whose axes all lies, has it for up
   normals,   ///< the normals of the file point there in the mean

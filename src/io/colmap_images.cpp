@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "core/error.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/poses.h"
@@ -234,6 +235,27 @@ CameraPath read_colmap_images(const std::filesystem::path& file) {
   if (!distortion.empty())
     path.notes.push_back("the " + distortion + " of its lens is not applied: the picture is of a pinhole");
   return path;
+}
+
+std::optional<UpAxis> up_of_pictures(const std::filesystem::path& points) {
+  constexpr double agree = 0.5;  // as long is the mean of directions all over half a sphere
+  const std::filesystem::path folder = points.parent_path();
+  for (const char* name : {"images.bin", "images.txt", "sparse/images.bin", "sparse/images.txt"}) {
+    std::error_code error;
+    if (!std::filesystem::exists(folder / name, error)) continue;
+    try {
+      const CameraPath path = read_colmap_images(folder / name);
+      dvec3 up(0);
+      for (const Camera& camera : path.cameras) up += camera.up / double(path.cameras.size());
+      if (!(glm::length(up) > agree)) continue;
+      int axis = 0;
+      for (int k = 1; k < 3; ++k)
+        if (std::abs(up[k]) > std::abs(up[axis])) axis = k;
+      return UpAxis(2 * axis + (up[axis] > 0 ? 0 : 1));
+    } catch (const Error&) {  // is no reason not to see the points
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace sfumato::io

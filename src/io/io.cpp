@@ -11,6 +11,7 @@
 #include "io/file.h"
 #include "io/format.h"
 #include "io/las.h"
+#include "io/poses.h"
 #include "io/splats.h"
 #include "io/vtk.h"
 
@@ -142,6 +143,18 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
                          " 0 0 0, as scanners write where nothing returned: left out");
 }
 
+/// What COLMAP found has the axes of a camera, y down, or of those that it placed around it.
+void stand_as_pictures(const std::filesystem::path& file, const Format& format, ReadResult& result) {
+  PointCloud& cloud = result.cloud;
+  if (cloud.scalar("POINT3D_ID")) cloud.up = UpAxis::neg_y;
+  if (cloud.up_is_known || !(format.name == "colmap" || format.name == "ply" || cloud.scalar("POINT3D_ID")))
+    return;
+  const std::optional<UpAxis> up = up_of_pictures(file);
+  if (!up) return;
+  cloud.set_up(*up);
+  if (*up != UpAxis::neg_y) result.report.notes.push_back(to_string(*up) + " is up, by its pictures");
+}
+
 }  // namespace
 
 bool has_cloud_name(const std::string& name) {
@@ -169,6 +182,7 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   if (format.name != "e57" && format.name != "obj" && format.name != "vtk" && format.name != "vtp" &&
       format.name != "grid" && format.name != "colmap")
     leave_out_no_returns(result, format.name == "kitti");
+  stand_as_pictures(file, format, result);
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);
   if (options.max_points && result.cloud.size() > *options.max_points)
     result.cloud = subsample(result.cloud, std::size_t(*options.max_points));
@@ -183,6 +197,7 @@ std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::s
   if (!result || result->cloud.empty()) return std::nullopt;
   result->report.file = file;
   result->report.format = format.name;
+  stand_as_pictures(file, format, *result);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/point_cloud.h"
 #include "io/camera_json.h"
 
 namespace sfumato::io {
@@ -34,6 +35,10 @@ CameraPath read_transforms(const nlohmann::ordered_json& json, const std::filesy
 CameraPath read_open3d(const nlohmann::ordered_json& json, const std::filesystem::path& file);
 /// Pictures in the order of their names.
 CameraPath read_colmap_images(const std::filesystem::path& file);
+/// What is up for the pictures of COLMAP beside the points that it found, or in the folder `sparse` beside
+/// what it fused of them: the axis nearest to the mean of theirs. Nothing where there are none, where their
+/// files are damaged, or where they were taken with no side up in common.
+std::optional<UpAxis> up_of_pictures(const std::filesystem::path& points);
 /// TUM, KITTI or Open3D `.log`, told apart by the numbers of a line.
 CameraPath read_trajectory(const std::filesystem::path& file);
 

@@ -271,12 +271,18 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
 namespace {
 
 /// Whether all was seen from the origin on a grid of pixels, along a coordinate axis that is level: a picture
-/// however noisy its depths are, as those of stereo.
-bool is_of_pixels(const Subject& subject, const dvec3& up) {
+/// however noisy its depths are, as those of stereo. Or, with colours, all lies before a camera there, as
+/// what photographs saw lies before the first.
+bool is_of_camera(const PointCloud& cloud, const Subject& subject, const dvec3& up) {
+  constexpr double widest = 2;  // a lens of 90 degrees
   for (const dvec3& axis : {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)})
-    for (const double sign : {-1.0, 1.0})
-      if (glm::dot(axis, up) == 0 && analysis::sight_of(subject.points, dvec3(0), sign * axis, up).of_pixels)
+    for (const double sign : {-1.0, 1.0}) {
+      if (glm::dot(axis, up) != 0) continue;
+      const analysis::Sight sight = analysis::sight_of(subject.points, dvec3(0), sign * axis, up);
+      const bool is_optical = axis.z != 0 && up.y != 0;
+      if (sight.of_pixels || (is_optical && sight.ahead && sight.width < widest && !cloud.colors.empty()))
         return true;
+    }
   return false;
 }
 
@@ -287,17 +293,14 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   const std::vector<dvec3> places = scanners_of(cloud);
   const bool is_known = !places.empty();
   if (places.size() > 1 || subject.points.empty()) return std::nullopt;
-  // No camera looks through a window of 3 degrees: the origin is that of a map.
-  constexpr double farthest = 20;  // box diagonals
-  if (!is_known && glm::length(subject.box.center()) > farthest * subject.box.diagonal()) return std::nullopt;
   const dvec3 up = up_vector(cloud.up);
-  const bool of_pixels = !is_known && is_of_pixels(subject, up);
-  if (!is_known && !of_pixels && (cloud.las || is_lying(subject.box, cloud.up))) return std::nullopt;
+  const bool of_camera = !is_known && is_of_camera(cloud, subject, up);
+  if (!is_known && !of_camera && (cloud.las || is_lying(subject.box, cloud.up))) return std::nullopt;
   Sensor sensor{is_known ? places[0] : dvec3(0), dvec3(0)};
   sensor.along = analysis::mean_direction(subject.points, sensor.place);
   if (sensor.along == dvec3(0)) return std::nullopt;
   if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
-  if (!of_pixels && is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
+  if (!of_camera && is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
     return std::nullopt;
   for (int step = 0; step < 3; ++step) {  // to the middle of what appears
     const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up);

@@ -499,6 +499,18 @@ TEST(FirstView, APictureOfPixelsIsSeenFromItsSensorHoweverNoisyItsDepths) {
   }
 }
 
+// The first camera saw what many reconstructed.
+TEST(FirstView, WhatPhotographsReconstructedIsSeenFromTheFirst) {
+  for (const bool is_colored : {true, false}) {
+    scene::Scene scene;
+    scene.cloud = box_of({2, 2, 2});
+    for (vec3& p : scene.cloud.positions) p += vec3(-0.8f, -1.3f, 5);
+    if (is_colored) scene.cloud.colors.assign(scene.cloud.size(), Rgba8{90, 120, 60, 255});
+    const Camera camera = first_view(stand_upright(scene, UpAxis::neg_y), 1280, 720);
+    EXPECT_EQ(glm::length(camera.position) < 1e-9, is_colored) << camera.position.z;
+  }
+}
+
 TEST(FirstView, TheOriginOfAMapIsNoSensor) {
   PointCloud wall = box_of({8, 0.02, 5});
   wall.normals.assign(wall.positions.size(), vec3(0, -1, 0));

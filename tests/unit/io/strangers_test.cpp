@@ -509,5 +509,65 @@ TEST(StrangersKinds, PointsOfColmapInBinary) {
   test::expect_cuts_are_safe("points3D.bin", bytes, 3);
 }
 
+/// images.bin of COLMAP, one camera, whose pictures turn the axis `up` of the world up.
+std::string images_of(const std::vector<dvec3>& ups) {
+  std::string bytes;
+  const auto put = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(std::uint64_t(ups.size()));
+  for (std::size_t i = 0; i < ups.size(); ++i) {
+    // Half a turn about the middle of `up` and the -y of the picture takes one to the other.
+    const dvec3 middle = glm::normalize(ups[i] + dvec3(0.01, -1, 0.02));
+    put(std::uint32_t(i + 1));
+    put(0.0), put(middle.x), put(middle.y), put(middle.z);
+    put(double(i)), put(0.0), put(2.0);
+    put(std::uint32_t(1));
+    bytes += "picture";
+    bytes += '\0';
+    put(std::uint64_t(0));
+  }
+  return bytes;
+}
+
+TEST(StrangersKinds, PointsOfColmapStandAsTheirPictures) {
+  std::string points = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n", cameras;
+  for (int i = 1; i < 9; ++i)
+    points += std::to_string(i) + " 1." + std::to_string(i) + " 2.5 3.5 10 20 30 0.5 1 7 2 3\n";
+  const auto put = [&](auto value) { cameras.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(std::uint64_t(1)), put(std::uint32_t(1)), put(std::int32_t(0)), put(std::uint64_t(640)),
+      put(std::uint64_t(480));
+  put(500.0), put(320.0), put(240.0);
+  const std::filesystem::path folder = test::temp_file("colmap");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "sparse");
+  const auto read = [&] { return io::read(write_file("colmap/points3D.txt", points)); };
+  EXPECT_EQ(read().cloud.up, UpAxis::neg_y);
+  EXPECT_FALSE(read().cloud.up_is_known) << "no pictures beside them";
+  write_file("colmap/cameras.bin", cameras);
+  const dvec3 up(0.2, 0.1, -1), aside(0, 0.3, -1);
+  const std::string images = images_of({up, aside, up});
+  write_file("colmap/images.bin", images);
+  const io::ReadResult known = read();
+  EXPECT_EQ(known.cloud.up, UpAxis::neg_z);
+  EXPECT_TRUE(known.cloud.up_is_known);
+  EXPECT_THAT(known.report.notes, ::testing::Contains("-Z is up, by its pictures"));
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n1 2 3\n";
+  EXPECT_EQ(io::read(write_file("colmap/fused.ply", ply)).cloud.up, UpAxis::neg_z);
+  EXPECT_EQ(io::read(write_file("colmap/other.xyz", "1 2 3\n1 2 4\n")).cloud.up, UpAxis::pos_z);
+  // Pictures of every orientation, and damaged files, say nothing.
+  write_file("colmap/images.bin", images_of({up, -up, aside, -aside}));
+  EXPECT_FALSE(read().cloud.up_is_known);
+  write_file("colmap/images.bin", images.substr(0, images.size() - 20));
+  EXPECT_FALSE(read().cloud.up_is_known);
+  EXPECT_EQ(read().cloud.up, UpAxis::neg_y);
+  std::filesystem::remove(folder / "images.bin");
+  // What is fused lies beside the folder `sparse`.
+  write_file("colmap/sparse/cameras.bin", cameras);
+  write_file("colmap/sparse/images.bin", images);
+  EXPECT_EQ(io::read(write_file("colmap/fused.ply", ply)).cloud.up, UpAxis::neg_z);
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace sfumato

@@ -208,6 +208,10 @@ TEST(Upright, WhereNothingTellsTheCustomIsNamed) {
     EXPECT_EQ(guess_upright(ball).up, custom);
     EXPECT_EQ(guess_upright(ball).other, other);
   }
+  // Of 39 reconstructions whose cameras are beside them 37 have -Y up.
+  ball.up = UpAxis::neg_y;
+  EXPECT_EQ(up_candidates(ball)[0].up, UpAxis::neg_y);
+  EXPECT_GT(up_candidates(ball)[0].probability, 0.85);
   ball.up = UpAxis::pos_z;
   ball.las.emplace();
   EXPECT_FALSE(guess_upright(ball).other) << "surveys have a vertical";
@@ -397,6 +401,51 @@ TEST(Upright, WhatOneCameraSawIsInItsAxes) {
   turn(seen, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));  // as renderers have it
   EXPECT_EQ(guess_upright(seen).up, UpAxis::pos_y);
   EXPECT_FALSE(is_camera_view(whole)) << "both of its sides were seen";
+}
+
+// Photographs see all sides of a thing, in the axes of the first, and give it colours.
+TEST(Upright, WhatPhotographsSawIsInTheAxesOfTheFirst) {
+  std::mt19937 random(48);
+  std::normal_distribution<float> normal;
+  PointCloud ball;
+  for (int i = 0; i < 20'000; ++i) {
+    const vec3 way = glm::normalize(vec3(normal(random), normal(random), normal(random)));
+    ball.positions.push_back(way + 0.03f * vec3(normal(random), normal(random), normal(random)));
+  }
+  const auto placed = [&](const vec3& at, bool colored) {
+    PointCloud cloud = ball;
+    for (vec3& p : cloud.positions) p += at;
+    if (colored) cloud.colors.assign(cloud.size(), Rgba8{90, 120, 60, 255});
+    cloud.up = UpAxis::pos_z;
+    return cloud;
+  };
+  const Upright before = guess_upright(placed({0.3f, -0.2f, 4}, true));
+  EXPECT_EQ(before.up, UpAxis::neg_y);
+  EXPECT_EQ(before.reason, "guessed: a camera's view: all lies before the origin");
+  EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, -4}, true)).up, UpAxis::pos_y) << "as renderers look";
+  EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, 4}, false)).up, UpAxis::pos_z) << "scanned";
+  EXPECT_EQ(guess_upright(placed({3, 0, 4}, true)).up, UpAxis::pos_z) << "beside where the camera looked";
+  PointCloud pole = placed(vec3(0), true);  // on the origin, as wide as a man
+  for (vec3& p : pole.positions) p = vec3(0.1f * p.x, 0.1f * p.y, 1 + p.z);
+  for (const UpCandidate& each : up_candidates(pole))
+    EXPECT_EQ(each.evidence[std::size_t(UpEvidence::camera)], 0) << to_string(each.up);
+}
+
+// A plate is as thin as land: a map lies beside its origin, a camera is before the middle of what it sees.
+TEST(Upright, APlateBeforeTheOriginIsNoMap) {
+  std::mt19937 random(49);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (const bool is_before : {true, false}) {
+    PointCloud plate;
+    for (int i = 0; i < 20'000; ++i) {
+      const float x = 0.3f * unit(random) - (is_before ? 0.15f : 0),
+                  y = 0.2f * unit(random) - (is_before ? 0.1f : 0);
+      plate.positions.push_back({x, y, 0.5f + 0.1f * x});
+    }
+    plate.up = UpAxis::pos_z;
+    EXPECT_EQ(guess_upright(plate).up, is_before ? UpAxis::neg_y : UpAxis::pos_z);
+    EXPECT_EQ(is_camera_view(plate), is_before);
+  }
 }
 
 // A toy cut out of a picture is as thin as land; that its points come in columns and rows tells that a camera
