@@ -21,7 +21,8 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr int around_dot = int(around_dot_place) - 1;
-/// The disc through the 8th neighbour holds 8 points' worth of area (analysis/spacing.h).
+/// The disc through the 8th neighbour holds 8 points' worth of area (analysis/spacing.h), the stretch of a
+/// line as many of length.
 constexpr std::size_t eighth = 7;
 /// Sparse ends of a scan are not drawn as balls of so many median spacings and more.
 constexpr float largest_medians = 4;
@@ -37,8 +38,20 @@ constexpr float crown_share = 0.1f, ground_share = 0.4f;
 struct Places {
   std::vector<vec3> positions;
   std::vector<vec3> normals;
-  std::vector<float> surface, log2_spacing;
+  std::vector<float> surface;
+  std::vector<float> log2_reach;         ///< of the 8th neighbour
+  std::vector<float> inverse_dimension;  ///< 1 on a line, 1/2 on a surface
 };
+
+/// So far apart are points in a space of 1 to 2 dimensions of which 8 are within a reach: on lines they need
+/// to meet the next on the line, not the next line.
+float spacing_at(float log2_reach, float inverse_dimension) {
+  // Of a surface the mean of 25 places scatters by .02, were they apart.
+  constexpr float unsure = 0.05f;
+  const float dimension = 1 / std::clamp(inverse_dimension - unsure, 0.5f, 1.0f);
+  const float ball = std::pow(std::numbers::pi_v<float>, dimension / 2) / std::tgamma(dimension / 2 + 1);
+  return std::exp2(log2_reach) * std::pow(ball / float(eighth + 1), 1 / dimension);
+}
 
 /// Of the first of `positions`. `neighbors`: the others, from near to far.
 void measure_place(std::span<const vec3> positions, std::span<const std::uint32_t> neighbors, Places& places,
@@ -50,9 +63,15 @@ void measure_place(std::span<const vec3> positions, std::span<const std::uint32_
     const vec3 d = positions[neighbors[nth]] - positions[at];
     return d.x * d.x + d.y * d.y + d.z * d.z;
   };
-  const std::size_t last = std::min(eighth, neighbors.size() - 1);
-  if (const float farthest2 = distance2(last); farthest2 > 0)
-    places.log2_spacing[k] = 0.5f * std::log2(farthest2 * std::numbers::pi_v<float> / float(last + 1));
+  // (Levina and Bickel 2004, Eq. 8); the mean of its inverse is that of the likelihood.
+  const std::size_t count = neighbors.size();
+  if (const float farthest2 = distance2(std::min(eighth, count - 1)); farthest2 > 0 && count > eighth) {
+    places.log2_reach[k] = 0.5f * std::log2(farthest2);
+    float sum = 0;
+    for (std::size_t nth = 0; nth + 1 < count; ++nth)
+      if (distance2(nth) > 0) sum += 0.5f * std::log(distance2(count - 1) / distance2(nth));
+    places.inverse_dimension[k] = sum / float(count - 1);
+  }
   const VoronoiCell cell = cell_of(positions, at, neighbors, *frame, frame->normal);
   places.normals[k] = frame->normal;
   places.surface[k] = surrounded(cell) * flatness_of(positions, at, neighbors, *frame,
@@ -66,14 +85,15 @@ std::vector<vec2> means_of(const Places& places, float largest, Progress& progre
   for_each_neighborhood(
       tree, around_dot,
       [&](std::uint32_t k, std::span<const std::uint32_t> ids, std::span<const float>) {
-        vec2 sum(places.log2_spacing[k], places.surface[k]);
+        vec2 sum(places.log2_reach[k], places.surface[k]);
+        float dimensions = places.inverse_dimension[k];
         for (const std::uint32_t j : ids) {
           const bool agree = std::abs(glm::dot(places.normals[k], places.normals[j])) > of_one_plane;
-          sum += vec2(places.log2_spacing[j], agree ? places.surface[j] : 0);
+          sum += vec2(places.log2_reach[j], agree ? places.surface[j] : 0);
+          dimensions += places.inverse_dimension[j];
         }
-        sum /= float(ids.size() + 1);
-        means[k] =
-            vec2(std::min(std::exp2(sum.x), largest), glm::smoothstep(crown_share, ground_share, sum.y));
+        const float all = float(ids.size() + 1), spacing = spacing_at(sum.x / all, dimensions / all);
+        means[k] = vec2(std::min(spacing, largest), glm::smoothstep(crown_share, ground_share, sum.y / all));
       },
       "dots", progress);
   return means;
@@ -108,7 +128,8 @@ PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64
   for (std::size_t k = 0; k < count; ++k) order.emplace_back(keys[k], k);
   std::sort(order.begin(), order.end());
   Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
-                std::vector<float>(count, std::log2(usual))};
+                std::vector<float>(count, std::log2(usual / spacing_at(0, 0.5f))),
+                std::vector<float>(count, 0.5f)};
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
     if (i % 1024 == 0) progress.check();
     const std::size_t k = order[i].second;

@@ -54,6 +54,27 @@ TEST(Dots, NeighboursAreAlike) {
   EXPECT_LT(double(jumps), 0.03 * double(pairs));
 }
 
+// Dots meet the next one on their line, not the next line; on a surface, the next in both directions.
+TEST(Dots, OnALineTheyAreAsFarApartAsAlongIt) {
+  std::mt19937 random(7);
+  std::normal_distribution<float> noise(0, 0.05f);
+  for (const int gap : {1, 20}) {
+    PointCloud cloud;
+    for (int line = 0; line < 40; ++line)
+      for (int i = 0; i < 400; ++i)
+        cloud.positions.emplace_back(float(i) + noise(random), float(gap * line) + noise(random),
+                                     noise(random));
+    const std::vector<vec2> dots = dots_of(prepare(cloud, {}, {}));
+    const float unit = prepare(cloud, {}, {}).spacing_unit();
+    std::vector<float> spacings;
+    for (const vec2& dot : dots) spacings.push_back(dot.x * unit);
+    std::sort(spacings.begin(), spacings.end());
+    // The 8th neighbour is 4 steps away on a line: taken for that of a surface it says 2.4.
+    EXPECT_GT(spacings[spacings.size() / 10], 0.8f) << gap;
+    EXPECT_LT(spacings[spacings.size() * 9 / 10], gap == 1 ? 1.2f : 1.5f) << gap;
+  }
+}
+
 // Too few to tell.
 TEST(Dots, FewPointsAreClosed) {
   PointCloud cloud;
