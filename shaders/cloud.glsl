@@ -12,16 +12,22 @@ layout(binding = UNIT_SHADOW) uniform samplerBuffer cloud_shadow;
 layout(binding = UNIT_CASTERS) uniform samplerBuffer cloud_casters;
 layout(binding = UNIT_BATCHES) uniform usamplerBuffer cloud_batches;
 
-// Half spaces of the cloud's space that are left out of the picture, as the walls before a room are.
+// What of the cloud's space is left out of the picture, as the walls before a room and its ceiling are.
 layout(std140, binding = BLOCK_CUT) uniform Cut {
   vec4 planes[6];  // a point p is left out where dot(xyz, p) + w > 0
-  int count;
+  vec4 u, v, up;   // and where dot(up, p) is above the height of the cell that u and v say
+  int count, across;
+  vec4 heights[900];  // of across x across cells
 } cut;
 
 bool is_cut(vec3 position) {
   for (int k = 0; k < cut.count; ++k)
     if (dot(cut.planes[k].xyz, position) + cut.planes[k].w > 0.0) return true;
-  return false;
+  vec4 p = vec4(position, 1.0);
+  vec2 place = vec2(dot(cut.u, p), dot(cut.v, p));
+  if (any(lessThan(place, vec2(0.0))) || any(greaterThanEqual(place, vec2(cut.across)))) return false;
+  int cell = int(place.y) * cut.across + int(place.x);
+  return dot(cut.up.xyz, position) > cut.heights[cell / 4][cell % 4];
 }
 
 vec3 point_position(int i) { return texelFetch(cloud_positions, i).xyz; }

@@ -1,128 +1,234 @@
 #include "analysis/find_room.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t most_sampled = 200'000;
-constexpr int most_cells = 48, height_layers = 40;
-/// The share of all columns with points that have a floor and a ceiling with open space between, and of those
-/// pairs of them a quarter of the room apart that agree on the heights of both: of a body, its top bends
-/// away.
-constexpr double roofed_least = 0.3, level_least = 0.6;
-/// The share of ceilings that are at most three layers thick, with three empty ones below: crowns of a
-/// planted forest are level too, but thick.
-constexpr double thin_least = 0.5;
-/// Columns away from walls in which something stands, as a share of all that are roofed, and of those away
-/// from walls: nothing is furniture that stands everywhere, as the middle one of three sheets or a storey
-/// between two others.
-constexpr double furnished_least = 0.02, furnished_most = 0.9;
-/// Ceilings over this share of the plan are cut, a gallery's too; what covers less is a lamp or a beam, 2 %
-/// of a furnished room.
-constexpr double low_ceilings = 0.1;
-/// Walls are sought among what is neither furniture nor lintel.
-constexpr double wall_low = 0.35, wall_high = 0.75;
-constexpr int wall_bins = 100;
+constexpr std::size_t fewest_points = 5000, most_sampled = 200'000;
+/// Columns over the plan hold enough points on average to tell a ceiling, open space and a floor, and are not
+/// much narrower than rooms are high: noise of a hundredth of that height is level across four of them.
+constexpr int fewest_cells = 12;
+constexpr double points_each = 12, cells_high = 8;
+/// Ceilings are level to 6 degrees, and not thicker than a tenth of the open space below: what drift and
+/// beams leave, and no crowns.
+constexpr double level_slope = 0.105, thin = 0.1;
+/// The share of columns with points that lie below ceilings; of roofed ones that do; of the ways along the
+/// axes of the plan from there that end at walls, as below no table, bridge or crown; and of columns amid
+/// them in which something stands: empty rooms are closed boxes. Public scans:
+/// docs/measurements/first_view.md.
+constexpr double ceilings_least = 1.0 / 6, level_least = 0.7, walled_least = 0.5, furnished_least = 0.02;
+/// What is cut away below a ceiling, of the height of the open space: lamps, not furniture.
+constexpr double margin = 0.1;
 /// An outer wall holds this share of the wall points at least, within this share of the room's width from its
 /// end: behind one farther in the scan goes on, as a corridor behind a corner, and all of that would be left
 /// out.
+constexpr int wall_bins = 100;
 constexpr double wall_share = 0.03, wall_reach = 0.15;
+/// Of all points, what may lie behind an outer wall besides walls, as what was seen through a window: the
+/// next room is no less worth seeing.
+constexpr double behind_most = 0.01;
+
+constexpr double nothing = std::numeric_limits<double>::infinity();
 
 struct Column {
-  int low = height_layers, high = -1,
-      between = 0;  ///< layers of lowest and highest points; occupied ones between them
-  bool is_roofed = false, is_thin = false;
+  std::vector<double> heights;  ///< in order
+  std::size_t above = 0;        ///< the place of the lowest one above the widest gap
+  double level = 0;             ///< of its ceiling, the lower side
+  bool is_roofed = false, has_ceiling = false, is_wall = false, is_furnished = false;
+
+  double gap() const { return above == 0 ? 0 : heights[above] - heights[above - 1]; }
+  double extent() const { return heights.empty() ? 0 : heights.back() - heights.front(); }
+  double widest() const {
+    double most = 0;
+    for (std::size_t i = 1; i < heights.size(); ++i) most = std::max(most, heights[i] - heights[i - 1]);
+    return most;
+  }
 };
+
+/// The lower end of the window of this size that holds most of the values, and the share of them.
+std::pair<double, double> densest(std::vector<double>& values, double window) {
+  std::sort(values.begin(), values.end());
+  std::size_t most = 0, start = 0;
+  for (std::size_t first = 0, last = 0; last < values.size(); ++last) {
+    while (values[last] - values[first] > window) ++first;
+    if (last + 1 - first > most) most = last + 1 - first, start = first;
+  }
+  return {values[start], double(most) / double(values.size())};
+}
 
 class Plan {
  public:
-  explicit Plan(const PointCloud& cloud) : up_(int(cloud.up) / 2), u_((up_ + 1) % 3), v_((up_ + 2) % 3) {
-    const bool down = int(cloud.up) % 2 == 1;
-    box_ = robust_bounds(cloud, 0.005, 0.995);
+  explicit Plan(const PointCloud& cloud)
+      : up_(up_vector(cloud.up)), u_((int(cloud.up) / 2 + 1) % 3), v_((int(cloud.up) / 2 + 2) % 3) {
+    const Bounds box = robust_bounds(cloud, 0.005, 0.995);
+    // With the walls at its border.
+    const double border = 0.02 * std::max({box.size()[u_], box.size()[v_], 1e-300});
+    low_ = glm::dvec2(box.min[u_], box.min[v_]) - border;
+    wide_ = std::max(box.size()[u_], box.size()[v_]) + 2 * border;
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + most_sampled - 1) / most_sampled);
-    // Enough points in each column to see floor, ceiling and what is between.
-    cells_ = std::clamp(int(std::sqrt(double(std::min(cloud.size(), most_sampled))) / 8), 12, most_cells);
-    const double wide = std::max({box_.size()[u_], box_.size()[v_], 1e-300}),
-                 high = std::max(box_.size()[up_], 1e-300);
-    std::vector<std::array<unsigned char, height_layers>> counts(std::size_t(cells_ * cells_));
-    for (std::size_t i = 0; i < cloud.size(); i += stride) {
-      const dvec3 p = cloud.world(i);
-      points_.push_back(p);
-      const double x = (p[u_] - box_.min[u_]) / wide * cells_, y = (p[v_] - box_.min[v_]) / wide * cells_;
-      const double z = (down ? box_.max[up_] - p[up_] : p[up_] - box_.min[up_]) / high;
-      heights_.push_back(z);
-      if (!(x >= 0 && y >= 0 && x < cells_ && y < cells_)) continue;
-      unsigned char& count = counts[std::size_t(int(x) * cells_ + int(y))]
-                                   [std::size_t(std::clamp(int(z * height_layers), 0, height_layers - 1))];
-      count = static_cast<unsigned char>(std::min(255, count + 1));
+    for (std::size_t i = 0; i < cloud.size(); i += stride) points_.push_back(cloud.world(i));
+    int cells = Ceiling::most_across;
+    for (fill(cells); cells > fewest_cells && double(points_.size()) < points_each * double(occupied());
+         fill(cells))
+      cells = std::max(fewest_cells, int(0.85 * cells));
+    find_roofs();
+    if (height_ > 0 && cells > fewest_cells && height_ * cells > cells_high * wide_) {
+      fill(std::max(fewest_cells, int(cells_high * wide_ / height_)));
+      find_roofs();
     }
-    columns_.resize(counts.size());
-    for (std::size_t c = 0; c < counts.size(); ++c) {
-      Column& column = columns_[c];
-      for (int layer = 0; layer < height_layers; ++layer)
-        if (counts[c][std::size_t(layer)] > 1) column.low = std::min(column.low, layer), column.high = layer;
-      for (int layer = column.low + 2; layer <= column.high - 2; ++layer)
-        column.between += counts[c][std::size_t(layer)] > 0;
-      const int open = column.high - column.low - 3;
-      column.is_roofed = open > 0.25 * height_layers && column.between < 0.5 * open;
-      column.is_thin = column.is_roofed && counts[c][std::size_t(column.high - 3)] <= 1 &&
-                       counts[c][std::size_t(column.high - 4)] <= 1 &&
-                       counts[c][std::size_t(column.high - 5)] <= 1;
-    }
+    find_ceilings();
   }
 
   bool is_room() const {
-    int occupied = 0, roofed = 0, amid = 0, thin = 0, furnished = 0, pairs = 0, level = 0;
-    const int apart = cells_ / 4;
+    std::size_t roofed = 0, ceilings = 0, amid = 0, furnished = 0, walls = 0;
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
         const Column& column = at(x, y);
-        occupied += column.high >= 0;
-        if (!column.is_roofed) continue;
-        ++roofed, thin += column.is_thin;
-        if (is_amid(x, y)) ++amid, furnished += column.between > 0;
-        for (const auto& [dx, dy] : {std::pair(apart, 0), {0, apart}}) {
-          if (x + dx >= cells_ || y + dy >= cells_ || !at(x + dx, y + dy).is_roofed) continue;
-          const Column& other = at(x + dx, y + dy);
-          ++pairs;
-          level += std::abs(column.high - other.high) <= 1 && std::abs(column.low - other.low) <= 1;
+        roofed += column.is_roofed;
+        if (!column.has_ceiling) continue;
+        ++ceilings;
+        const auto all = [&](const auto& of) {
+          return of(x - 1, y) && of(x + 1, y) && of(x, y - 1) && of(x, y + 1) && of(x - 1, y - 1) &&
+                 of(x + 1, y - 1) && of(x - 1, y + 1) && of(x + 1, y + 1);
+        };
+        if (all([&](int a, int b) { return is_in(a, b) && at(a, b).is_roofed; }))
+          ++amid, furnished += column.is_furnished;
+        for (const auto& [dx, dy] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+          int a = x + dx, b = y + dy;
+          while (is_in(a, b) && !at(a, b).is_wall) a += dx, b += dy;
+          walls += is_in(a, b);
         }
       }
-    return roofed >= roofed_least * occupied && 36 * roofed >= cells_ * cells_ &&
-           furnished >= furnished_least * roofed && furnished <= furnished_most * amid &&
-           thin >= thin_least * roofed && level >= level_least * pairs;
+    return double(ceilings) >= ceilings_least * double(occupied()) &&
+           double(ceilings) >= level_least * double(roofed) &&
+           double(walls) >= walled_least * 4 * double(ceilings) && furnished > 0 &&
+           double(furnished) >= furnished_least * double(amid);
   }
 
-  Room room(const dvec3& up) const {
-    std::vector<int> ceilings;
-    for (const Column& column : columns_)
-      if (column.is_roofed) ceilings.push_back(column.high);
-    const double ceiling =
-        (double(nth_value(ceilings, std::size_t(low_ceilings * double(ceilings.size())))) - 0.5) /
-        height_layers;
+  /// Ceilings go on where nothing else was measured below and above them, two columns off at most.
+  void spread_ceilings() {
+    std::vector<std::pair<int, int>> edge;
+    for (int x = 0; x < cells_; ++x)
+      for (int y = 0; y < cells_; ++y)
+        if (at(x, y).has_ceiling) edge.emplace_back(x, y);
+    for (std::size_t next = 0; next < edge.size(); ++next) {
+      const auto [x, y] = edge[next];
+      const double level = at(x, y).level, apart = 2 * window();
+      for (int a = std::max(0, x - 2); a < std::min(cells_, x + 3); ++a)
+        for (int b = std::max(0, y - 2); b < std::min(cells_, y + 3); ++b) {
+          Column& column = columns_[std::size_t(a * cells_ + b)];
+          if (column.has_ceiling || column.heights.empty() || column.heights.front() < level - apart ||
+              column.heights.back() > level + apart)
+            continue;
+          column.has_ceiling = true, column.level = column.heights.front();
+          edge.emplace_back(a, b);
+        }
+    }
+  }
+
+  Room room() const {
     Room room;
-    const bool down = glm::dot(up, dvec3(1)) < 0;
-    const double height =
-        down ? -(box_.max[up_] - ceiling * box_.size()[up_]) : box_.min[up_] + ceiling * box_.size()[up_];
-    room.outside.push_back({up, -height});
-    add_walls(room, ceiling);
+    Ceiling& ceiling = room.ceiling.emplace();
+    ceiling.up = up_, ceiling.across = cells_;
+    for (int k = 0; k < 2; ++k) {
+      glm::dvec4& along = k == 0 ? ceiling.u : ceiling.v;
+      along[k == 0 ? u_ : v_] = cells_ / wide_;
+      along.w = -low_[k] * cells_ / wide_;
+    }
+    ceiling.heights.assign(std::size_t(cells_ * cells_), nothing);
+    for (int x = 0; x < cells_; ++x)
+      for (int y = 0; y < cells_; ++y) {
+        double& height = ceiling.heights[std::size_t(y * cells_ + x)];
+        // Ceilings reach over the walls and cupboards beside them.
+        for (int a = x - 1; a <= x + 1; ++a)
+          for (int b = y - 1; b <= y + 1; ++b)
+            if (is_in(a, b) && at(a, b).has_ceiling && (at(x, y).has_ceiling ? a == x && b == y : true))
+              height = std::min(height, at(a, b).level - margin * height_);
+      }
+    add_walls(room);
     return room;
   }
 
  private:
   const Column& at(int x, int y) const { return columns_[std::size_t(x * cells_ + y)]; }
+  bool is_in(int x, int y) const { return x >= 0 && y >= 0 && x < cells_ && y < cells_; }
+  /// How far the points of a ceiling may be apart in height, over five columns.
+  double window() const { return std::min(thin * height_, 4 * level_slope * wide_ / cells_); }
 
-  /// Not at a wall, whose points are no furniture.
-  bool is_amid(int x, int y) const {
-    const int away = std::max(1, cells_ / 16);
-    if (x < away || y < away || x >= cells_ - away || y >= cells_ - away) return false;
-    return at(x - away, y).is_roofed && at(x + away, y).is_roofed && at(x, y - away).is_roofed &&
-           at(x, y + away).is_roofed;
+  bool is_at_wall(int x, int y) const {
+    for (int a = x - 1; a <= x + 1; ++a)
+      for (int b = y - 1; b <= y + 1; ++b)
+        if (is_in(a, b) && at(a, b).is_wall) return true;
+    return false;
+  }
+
+  std::ptrdiff_t occupied() const {
+    return std::count_if(columns_.begin(), columns_.end(),
+                         [](const Column& column) { return !column.heights.empty(); });
+  }
+
+  int cell_of(const dvec3& p) const {
+    const double x = (p[u_] - low_.x) / wide_ * cells_, y = (p[v_] - low_.y) / wide_ * cells_;
+    return x >= 0 && y >= 0 && x < cells_ && y < cells_ ? int(x) * cells_ + int(y) : -1;
+  }
+
+  void fill(int cells) {
+    cells_ = cells;
+    columns_.assign(std::size_t(cells * cells), {});
+    for (const dvec3& p : points_)
+      if (const int cell = cell_of(p); cell >= 0)
+        columns_[std::size_t(cell)].heights.push_back(glm::dot(p, up_));
+  }
+
+  /// Columns most of which is open, about as high as usual. A point or two may be noise.
+  void find_roofs() {
+    std::vector<double> gaps;
+    for (Column& column : columns_) {
+      std::vector<double>& z = column.heights;
+      std::sort(z.begin(), z.end());
+      const std::size_t strays = z.size() < 20 ? 1 : 2;
+      for (std::size_t i = strays; i + strays <= z.size() && z.size() > 3; ++i)
+        if (z[i] - z[i - 1] > column.gap()) column.above = i;
+      if (column.gap() > 0.5 * column.extent()) gaps.push_back(column.gap());
+    }
+    height_ = gaps.size() < 8 ? 0 : value_at_share(gaps, 0.75);
+    for (Column& column : columns_)
+      column.is_roofed = column.gap() > 0.5 * std::max(column.extent(), height_) && height_ > 0;
+  }
+
+  /// Where most of what roofs a place, five columns wide, is on one level; and what stands below.
+  void find_ceilings() {
+    const auto roofed = std::count_if(columns_.begin(), columns_.end(),
+                                      [](const Column& column) { return column.is_roofed; });
+    if (double(roofed) < ceilings_least * double(occupied())) return;
+    const double window = this->window();
+    for (int x = 0; x < cells_; ++x)
+      for (int y = 0; y < cells_; ++y) {
+        Column& column = columns_[std::size_t(x * cells_ + y)];
+        column.is_wall =
+            column.extent() > 0.7 * height_ && column.widest() < 0.4 * height_ && column.heights.size() > 3;
+        if (!column.is_roofed) continue;
+        std::vector<double> above, below;
+        for (int a = std::max(0, x - 2); a < std::min(cells_, x + 3); ++a)
+          for (int b = std::max(0, y - 2); b < std::min(cells_, y + 3); ++b) {
+            const Column& other = at(a, b);
+            if (!other.is_roofed) continue;
+            const auto roof = other.heights.begin() + std::ptrdiff_t(other.above);
+            above.insert(above.end(), roof, other.heights.end());
+            below.insert(below.end(), other.heights.begin(), roof);
+          }
+        const auto [level, share] = densest(above, window);
+        const double own = column.heights[(column.above + column.heights.size()) / 2];
+        column.level = level;
+        column.has_ceiling = share > 0.5 && own >= level - window && own <= level + 2 * window;
+        column.is_furnished =
+            column.heights[column.above - 1] - value_at_share(below, 0.1) > 1.2 * margin * height_;
+      }
   }
 
   dvec3 direction(double angle) const {
@@ -141,13 +247,21 @@ class Plan {
     return counts;
   }
 
-  void add_walls(Room& room, double ceiling) const {
-    std::vector<dvec3> walls;
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      if (heights_[i] > wall_low * ceiling && heights_[i] < wall_high * ceiling) walls.push_back(points_[i]);
+  void add_walls(Room& room) const {
+    std::vector<dvec3> walls, others;
+    Bounds box{points_.front(), points_.front()};
+    for (const dvec3& p : points_) {
+      const int cell = cell_of(p);
+      if (cell < 0) continue;
+      box = {glm::min(box.min, p), glm::max(box.max, p)};
+      if (columns_[std::size_t(cell)].is_wall)
+        walls.push_back(p);
+      else if (!is_at_wall(cell / cells_, cell % cells_))
+        others.push_back(p);
+    }
     if (walls.size() < 1000) return;
-    const double reach = 0.75 * glm::length(box_.size());
-    const dvec3 middle = box_.center();
+    const double reach = 0.75 * glm::length(box.size());
+    const dvec3 middle = box.center();
     double best = 0, most = -1;
     for (int step = 0; step < 45; ++step) {
       const double angle = glm::radians(2.0 * step);
@@ -178,26 +292,32 @@ class Plan {
           if (here(inner) > here(peak)) peak = inner;
         int end = peak;
         while (end > std::max(1, peak - 6) && here(end) > 0.3 * here(peak)) --end;
-        room.outside.push_back({out, -(low + end * bin)});
+        const double place = low + end * bin;
+        if (double(std::count_if(others.begin(), others.end(), [&](const dvec3& p) {
+              return glm::dot(p, out) > place;
+            })) < behind_most * double(points_.size()))
+          room.outside.push_back({out, -place});
         break;
       }
     }
   }
 
-  int up_, u_, v_, cells_ = most_cells;
-  Bounds box_;
+  dvec3 up_;
+  int u_, v_, cells_ = 0;
+  glm::dvec2 low_{0};
+  double wide_ = 0, height_ = 0;  ///< of the plan; usual, of the open space below a roof
   std::vector<dvec3> points_;
-  std::vector<double> heights_;  ///< 0 to 1 of the box
   std::vector<Column> columns_;
 };
 
 }  // namespace
 
 std::optional<Room> find_room(const PointCloud& cloud) {
-  if (cloud.size() < 5000) return std::nullopt;
-  const Plan plan(cloud);
+  if (cloud.size() < fewest_points) return std::nullopt;
+  Plan plan(cloud);
   if (!plan.is_room()) return std::nullopt;
-  return plan.room(up_vector(cloud.up));
+  plan.spread_ceilings();
+  return plan.room();
 }
 
 }  // namespace sfumato::analysis

@@ -1,4 +1,4 @@
-// Whether a scan is a room seen from within, and where its ceiling and outer walls are.
+// Whether a scan is of rooms seen from within, and where their ceilings and outer walls are.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace sfumato::analysis {
 
-/// From a sample of at most 200,000 points. A room has a level ceiling over a level floor, open space between
-/// and something that stands there; a hollow statue has no level top, a roof seen from the air no floor.
-/// Ceilings of several heights are cut at the lower ones. `cloud.up` must be right.
+/// From a sample of at most 200,000 points. Rooms have level ceilings, each at a height of its own, over open
+/// space, that end at walls, and something stands below them. A hollow statue has no level top, a canopy no
+/// thin one, a table or a bridge no walls, an empty box nothing inside. `cloud.up` must be right.
 std::optional<Room> find_room(const PointCloud& cloud);
 
 }  // namespace sfumato::analysis

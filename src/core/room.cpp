@@ -1,6 +1,7 @@
 #include "core/room.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace sfumato {
 namespace {
@@ -8,21 +9,44 @@ namespace {
 /// Sine of 9 degrees: a wall that is looked along hides nothing.
 constexpr double across = 0.15;
 
-}  // namespace
-
-std::vector<glm::dvec4> walls_before(const Room& room, const Camera& camera) {
-  if (!camera.orthographic() && !is_behind(room.outside, camera.position)) return {};
-  std::vector<glm::dvec4> before;
-  for (const glm::dvec4& wall : room.outside) {
-    const bool stands_behind = !camera.orthographic() && glm::dot(dvec3(wall), camera.position) + wall.w > 0;
-    if (stands_behind || glm::dot(dvec3(wall), camera.direction()) < -across) before.push_back(wall);
-  }
-  return before;
+bool is_behind(const glm::dvec4& wall, const dvec3& point) {
+  return glm::dot(dvec3(wall), point) + wall.w > 0;
 }
 
-bool is_behind(const std::vector<glm::dvec4>& walls, const dvec3& point) {
-  return std::any_of(walls.begin(), walls.end(),
-                     [&](const glm::dvec4& wall) { return glm::dot(dvec3(wall), point) + wall.w > 0; });
+bool holds(const Room& room, const dvec3& place) {
+  if (room.ceiling && !(glm::dot(room.ceiling->up, place) < room.ceiling->height_at(place) &&
+                        room.ceiling->height_at(place) < std::numeric_limits<double>::infinity()))
+    return false;
+  return std::none_of(room.outside.begin(), room.outside.end(),
+                      [&](const glm::dvec4& wall) { return is_behind(wall, place); });
+}
+
+}  // namespace
+
+double Ceiling::height_at(const dvec3& point) const {
+  const double x = glm::dot(dvec3(u), point) + u.w, y = glm::dot(dvec3(v), point) + v.w;
+  if (!(x >= 0 && y >= 0 && x < across && y < across)) return std::numeric_limits<double>::infinity();
+  return heights[std::size_t(int(y) * across + int(x))];
+}
+
+Cut cut_before(const Room& room, const Camera& camera) {
+  Cut cut;
+  if (!camera.orthographic() && holds(room, camera.position)) return cut;
+  for (const glm::dvec4& wall : room.outside) {
+    const bool stands_behind = !camera.orthographic() && is_behind(wall, camera.position);
+    if (stands_behind || glm::dot(dvec3(wall), camera.direction()) < -across) cut.walls.push_back(wall);
+  }
+  if (room.ceiling) {
+    const bool stands_above = !camera.orthographic() && room.ceiling->is_below(camera.position);
+    if (stands_above || glm::dot(room.ceiling->up, camera.direction()) < -across) cut.ceiling = room.ceiling;
+  }
+  return cut;
+}
+
+bool is_cut(const Cut& cut, const dvec3& point) {
+  return (cut.ceiling && cut.ceiling->is_below(point)) ||
+         std::any_of(cut.walls.begin(), cut.walls.end(),
+                     [&](const glm::dvec4& wall) { return is_behind(wall, point); });
 }
 
 }  // namespace sfumato

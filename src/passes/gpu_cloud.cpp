@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/room.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
@@ -76,17 +77,21 @@ void GpuCloud::bind_geometry(const Chunk& chunk) const {
   cut_block_.bind_uniform(binding::cut);
 }
 
-void GpuCloud::set_cut(std::vector<vec4> planes) {
+void GpuCloud::set_cut(Cut cut) {
+  if (cut_block_ && cut == cut_) return;
+  if (cut_block_) look_serial_ = ResidentCloud::next_serial();
+  cut_ = std::move(cut);
   struct Block {  // std140, as in shaders/cloud.glsl
     vec4 planes[6];
-    int count;
-    int padding[3];
+    vec4 u, v, up;
+    int count, across;
+    int padding[2];
+    float heights[Ceiling::most_across * Ceiling::most_across];
   } block{};
-  block.count = int(std::min(planes.size(), std::size(block.planes)));
-  std::copy_n(planes.begin(), block.count, block.planes);
-  if (cut_block_ && planes == cut_) return;
-  if (cut_block_) look_serial_ = ResidentCloud::next_serial();
-  cut_ = std::move(planes);
+  block.count = int(std::min(cut_.planes.size(), std::size(block.planes)));
+  std::copy_n(cut_.planes.begin(), block.count, block.planes);
+  block.u = cut_.u, block.v = cut_.v, block.up = vec4(cut_.up, 0), block.across = cut_.across;
+  std::copy(cut_.heights.begin(), cut_.heights.end(), block.heights);
   cut_block_ = gl::Buffer("cut", sizeof block, &block);
 }
 

@@ -118,10 +118,20 @@ class GpuCloud {
   const std::shared_ptr<const Casters>& casters() const { return casters_; }
   float see_through_spacing() const { return casters_ ? casters_->see_through_spacing : 0; }
   void bind_casters(const Chunk& chunk) const;
-  /// Half spaces of cloud space, at most 6, whose points are left out: where dot(xyz, p) + w > 0. Shadows and
-  /// other things that follow from the cloud are made anew when they change.
-  void set_cut(std::vector<vec4> planes);
-  const std::vector<vec4>& cut() const { return cut_; }
+  /// What is left out, in cloud space: half spaces, at most 6, where dot(xyz, p) + w > 0, and a ceiling
+  /// (core/room.h).
+  struct Cut {
+    std::vector<vec4> planes;
+    vec3 up{0};
+    vec4 u{0}, v{0};
+    int across = 0;
+    std::vector<float> heights;
+    bool empty() const { return planes.empty() && heights.empty(); }
+    bool operator==(const Cut&) const = default;
+  };
+  /// Shadows and other things that follow from the cloud are made anew when it changes.
+  void set_cut(Cut cut);
+  const Cut& cut() const { return cut_; }
   /// One shadow factor per point (1 lit, 0 dark); empty = all lit.
   void set_shadow(std::span<const float> values);
   /// Makes room for shadow factors, which a pass then gives every point (image unit access to
@@ -162,7 +172,7 @@ class GpuCloud {
   std::shared_ptr<const Shapes> shapes_;
   std::uint64_t look_serial_ = ResidentCloud::next_serial();
   Attributes shown_ = Attribute::normal | Attribute::radius | Attribute::uncertainty | Attribute::cluster;
-  std::vector<vec4> cut_;
+  Cut cut_;
   gl::Buffer cut_block_;
 };
 

@@ -84,7 +84,7 @@ class ShadowMaps {
       std::uint64_t serial;
       std::shared_ptr<const GpuCloud::Casters> casters;
       bool has_normals;
-      std::vector<vec4> cut;  ///< cut points cast nothing
+      GpuCloud::Cut cut;  ///< cut points cast nothing
       bool operator==(const Cloud&) const = default;
     };
     std::vector<Cloud> clouds;

@@ -132,11 +132,10 @@ namespace {
 
 /// The points that are drawn for who looks from there, and framed.
 std::vector<dvec3> drawn_for(const Camera& camera, const Subject& subject) {
-  std::vector<glm::dvec4> walls;
-  if (subject.room) walls = walls_before(*subject.room, camera);
+  const Cut cut = subject.room ? cut_before(*subject.room, camera) : Cut{};
   std::vector<dvec3> drawn;
   for (std::size_t i = 0; i < subject.points.size(); ++i)
-    if (subject.is_framed(i) && !is_behind(walls, subject.points[i])) drawn.push_back(subject.points[i]);
+    if (subject.is_framed(i) && !is_cut(cut, subject.points[i])) drawn.push_back(subject.points[i]);
   return drawn.empty() ? subject.points : drawn;
 }
 

@@ -23,10 +23,16 @@ std::vector<Note> notes_on(const Pose& pose, std::span<const Camera> cameras) {
   if (upright.other)
     notes.push_back({"up: " + to_string(upright.up) + " (" + upright.reason + ")", "up",
                      to_string(*upright.other), "turns it"});
-  const std::optional<Room>& room = pose.subject.room;
-  if (room && std::any_of(cameras.begin(), cameras.end(),
-                          [&](const Camera& camera) { return !walls_before(*room, camera).empty(); }))
-    notes.push_back({"a room, without the ceiling and walls before it", "whole", "", "draws them"});
+  bool ceilings = false, walls = false;
+  for (const Camera& camera : cameras) {
+    if (!pose.subject.room) break;
+    const Cut cut = cut_before(*pose.subject.room, camera);
+    ceilings = ceilings || cut.ceiling, walls = walls || !cut.walls.empty();
+  }
+  if (ceilings || walls)
+    notes.push_back(
+        {walls ? "a room, without the ceiling and walls before it" : "rooms without their ceilings", "whole",
+         "", "draws them"});
   return notes;
 }
 

@@ -23,9 +23,9 @@ constexpr double elevation_lying = 45, elevation_standing = 14;
 /// an open room. By the labels of public scans (good sides, whether from above) half and twice each weight
 /// are as good.
 constexpr double weight_seen = 2, weight_into = 0.3;
-/// The share of the surface that a cutaway must reveal, which no view from outside shows: rooms have 0.4 to 8
-/// %, closed bodies at most 0.02.
-constexpr double revealed_least = 0.001;
+/// How much more a cutaway must show of what it does not leave out than any whole view from as far above:
+/// rooms have 1.27 to 1.5, a sweep below a roof 1.12, layers of noise 1 (docs/measurements/first_view.md).
+constexpr double gain_least = 1.2;
 
 constexpr double nothing = -1e300;
 
@@ -81,7 +81,7 @@ Camera camera_at(const Bounds& box, UpAxis up, const Standpoint& from) {
 std::vector<bool> seen_of(const Area& area, const Camera& camera, double cell_edges,
                           const Room* room = nullptr) {
   if (area.voxels.empty()) return {};  // all in one place
-  const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
+  const Cut cut = room ? cut_before(*room, camera) : Cut{};
   const dmat4 to_eye = camera.view();
   // As deep as a surface that is seen aslant is in a cell.
   const double cell = cell_edges * area.edge, behind = 3 * area.edge;
@@ -93,7 +93,7 @@ std::vector<bool> seen_of(const Area& area, const Camera& camera, double cell_ed
   };
   std::vector<dvec3> at;
   for (const dvec3& world : area.voxels) {
-    at.push_back(is_behind(walls, world) ? dvec3(0, 0, 2 * nothing) : dvec3(to_eye * glm::dvec4(world, 1)));
+    at.push_back(is_cut(cut, world) ? dvec3(0, 0, 2 * nothing) : dvec3(to_eye * glm::dvec4(world, 1)));
     double& here = nearest[place(at.back())];
     here = std::max(here, at.back().z);
   }
@@ -133,19 +133,19 @@ double score_of(const Area& area, UpAxis up, const Standpoint& from, const Room*
 /// A lattice leaves no circle of 0.71 edges empty, so walls have no gaps.
 constexpr double closed_edges = 1.5;
 
-/// Whether a cutaway shows what no view from outside does, from above or below. Of a closed body it shows
-/// none: the inside of what is seen from the other side.
+/// Whether a cutaway shows clearly more than the best view from as far above of what it does not leave out.
 bool reveals(const Area& area, UpAxis up, const Standpoint& into, const Room& room) {
+  const Cut cut = cut_before(room, camera_at(area.box, up, into));
   const auto seen_from = [&](const Standpoint& from, const Room* through) {
-    return seen_of(area, camera_at(area.box, up, from), closed_edges, through);
+    const std::vector<bool> seen = seen_of(area, camera_at(area.box, up, from), closed_edges, through);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) count += seen[i] && !is_cut(cut, area.voxels[i]);
+    return double(count);
   };
-  std::vector<bool> hidden = seen_from(into, &room);
-  for (const double elevation : {-elevation_lying, elevation_standing, elevation_lying})
-    for (int side = 0; side < 12; ++side) {
-      const std::vector<bool> seen = seen_from({30.0 * side, elevation}, nullptr);
-      for (std::size_t i = 0; i < seen.size(); ++i) hidden[i] = hidden[i] && !seen[i];
-    }
-  return double(std::count(hidden.begin(), hidden.end(), true)) > revealed_least * double(hidden.size());
+  double most = 0;
+  for (int side = 0; side < 12; ++side)
+    most = std::max(most, seen_from({30.0 * side, elevation_lying}, nullptr));
+  return seen_from(into, &room) > gain_least * most;
 }
 
 /// From one of twelve sides, at one of the elevations: a front that stands `upright` is not left for little.
@@ -256,7 +256,7 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
   const Area area = area_of(subject);
   if (subject.room) {  // as a rule over the corner of two walls
     const std::vector<glm::dvec4>& walls = subject.room->outside;
-    const double first = walls.size() > 1 ? glm::degrees(Compass(up).azimuth(dvec3(walls[1]))) : 0;
+    const double first = walls.empty() ? 0 : glm::degrees(Compass(up).azimuth(dvec3(walls[0])));
     const Standpoint into = best_of(area, up, {elevation_lying}, first - 30, 0, &*subject.room);
     if (reveals(area, up, into, *subject.room)) return into;
     subject.room.reset();

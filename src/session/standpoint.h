@@ -12,7 +12,7 @@ struct Standpoint {
 
 /// By custom what stands is seen almost at eye level, a little from the left of its front, as one looks at a
 /// statue, and what lies from above; elsewhere from where a small depth picture shows clearly more. Land has
-/// no front. A room of which the cutaway shows nothing that the whole hides is none any more.
+/// no front. A room of which the cutaway shows hardly more than the whole is none any more.
 Standpoint standpoint_for(Subject& subject, UpAxis up);
 
 /// Whether a scan is no higher than land is.

@@ -18,6 +18,22 @@
 namespace sfumato {
 namespace {
 
+/// In the space of a cloud with this origin.
+GpuCloud::Cut local(const Cut& cut, const dvec3& origin) {
+  GpuCloud::Cut near;
+  const auto moved = [&](const glm::dvec4& plane) {
+    return vec4(dvec3(plane), plane.w + glm::dot(dvec3(plane), origin));
+  };
+  for (const glm::dvec4& wall : cut.walls) near.planes.push_back(moved(wall));
+  if (!cut.ceiling) return near;
+  const Ceiling& ceiling = *cut.ceiling;
+  near.up = vec3(ceiling.up), near.across = ceiling.across;
+  near.u = moved(ceiling.u), near.v = moved(ceiling.v);
+  for (const double height : ceiling.heights)
+    near.heights.push_back(float(std::min(height - glm::dot(ceiling.up, origin), 1e30)));
+  return near;
+}
+
 /// What is drawn, and how, for each of the samples of a picture.
 struct Shot {
   std::vector<Item> items;         ///< in the order of drawing
@@ -216,11 +232,8 @@ Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked
     is_first = cloud.gpu->size() == 0;
   }
   Camera camera = asked;
-  std::vector<vec4> cut;
-  const dvec3 origin = clouds.front()->prepared().cloud.origin;
-  if (room)
-    for (const glm::dvec4& wall : walls_before(*room, camera))
-      cut.push_back(vec4(dvec3(wall), wall.w + glm::dot(dvec3(wall), origin)));
+  const GpuCloud::Cut cut =
+      room ? local(cut_before(*room, camera), clouds.front()->prepared().cloud.origin) : GpuCloud::Cut{};
   for (const Item& item : items) cloud_of(item).gpu->set_cut(cut);
   // Who looks at a stray point gets its depth as well.
   const dvec3 looked_at = glm::clamp(camera.target, all.min, all.max);

@@ -328,8 +328,10 @@ Loaded Loader::Work::finish(scene::Scene scene, Loaded out) {
   out.notes = scene.notes;
   out.notes.insert(out.notes.end(), scene.damage.begin(), scene.damage.end());
   if (out.pose.subject.room)
-    out.notes.push_back(
-        "a room: ceiling and walls before it are left out; 'whole room' under Scene draws them");
+    out.notes.push_back((out.pose.subject.room->outside.empty()
+                             ? std::string("rooms without their ceilings")
+                             : std::string("a room: ceiling and walls before it are left out")) +
+                        "; 'whole room' under Scene draws them");
   if (scene.levels && !scene.levels->is_complete())
     out.notes.push_back("too many points to hold: views are coarser than the screen shows (--memory)");
   out.points_read = scene.points_read;

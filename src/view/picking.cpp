@@ -32,7 +32,7 @@ std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& 
   const dmat4 view = camera.view(cloud.origin);
   const Intrinsics k = camera.intrinsics();
   const bool parallel = camera.orthographic();
-  const std::vector<glm::dvec4> walls = room ? walls_before(*room, camera) : std::vector<glm::dvec4>();
+  const Cut cut = room ? cut_before(*room, camera) : Cut{};
   std::vector<Candidate> near;
   double front = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -42,7 +42,7 @@ std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& 
     const double w = parallel ? 1 : depth;
     const double dx = k.cx + k.fx * eye.x / w - x_px, dy = k.cy - k.fy * eye.y / w - y_px;
     const double distance2 = dx * dx + dy * dy;
-    if (distance2 > reach_px * reach_px || (!walls.empty() && is_behind(walls, cloud.world(i)))) continue;
+    if (distance2 > reach_px * reach_px || (!cut.empty() && is_cut(cut, cloud.world(i)))) continue;
     near.push_back({depth, distance2, i});
   }
   if (near.empty()) return std::nullopt;

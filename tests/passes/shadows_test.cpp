@@ -327,7 +327,7 @@ TEST_F(ShadowTest, WhatIsCutOffCastsNothing) {
   };
   EXPECT_GT(dark_points(), plane * 9 / 10);
   const float middle = 0.5f - float(prepared_.cloud.origin.z);
-  gpu.set_cut({{0, 0, 1, -middle}});  // what is above
+  gpu.set_cut({{{0, 0, 1, -middle}}});  // what is above
   EXPECT_EQ(dark_points(), 0u);
   gpu.set_cut({});
   EXPECT_GT(dark_points(), plane * 9 / 10);

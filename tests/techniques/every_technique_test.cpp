@@ -73,15 +73,22 @@ TEST_P(EveryTechnique, LeavesOutTheWallBeforeARoom) {
   Renderer renderer(context());
   auto technique = make();
   show(renderer, cloud, technique->needs());
-  const auto center = [&](double distance) {
+  const auto at = [&](int x, double distance) {
     const RenderOutput out =
         renderer.render(*technique, camera_at({0, -distance, 0}, 64, 64), settings(), all_outputs());
-    return out.color_linear.at(32, 32);
+    return out.color_linear.at(x, 32);
   };
+  const auto center = [&](double distance) { return at(32, distance); };
   EXPECT_GT(center(4).r, center(4).g);
   renderer.set_room(Room{{{0, -1, 0, -0.9}}});  // outside where y < -0.9
   EXPECT_GT(center(4).g, center(4).r);
   EXPECT_GT(center(0.5).g, center(0.5).r);
+  // A ceiling before the right half alone.
+  const double none = std::numeric_limits<double>::infinity();
+  Ceiling ceiling{{0, -1, 0}, {1, 0, 0, 1}, {0, 0, 1, 1}, 2, {none, 0.9, none, 0.9}};
+  renderer.set_room(Room{{}, ceiling});
+  EXPECT_GT(at(18, 4).r, at(18, 4).g);
+  EXPECT_GT(at(46, 4).g, at(46, 4).r);
   renderer.set_room(std::nullopt);
   EXPECT_GT(center(4).r, center(4).g);
 }

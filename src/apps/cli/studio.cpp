@@ -296,9 +296,12 @@ io::PngTexts Studio::texts_of(const Camera& camera) const {
                         {"Camera", io::camera_to_json(camera)}};
   // What the console says does not travel with the picture.
   const std::optional<Room>& room = session_.pose().subject.room;
-  if (room && !walls_before(*room, camera).empty())
-    texts.emplace_back("Description",
-                       "A room without its ceiling and the walls before the camera; --whole draws them.");
+  if (const Cut cut = room ? cut_before(*room, camera) : Cut{}; !cut.empty())
+    texts.emplace_back(
+        "Description",
+        cut.walls.empty()
+            ? "Rooms without their ceilings; --whole draws them."
+            : "A room without its ceiling and the walls before the camera; --whole draws them.");
   return texts;
 }
 

@@ -326,6 +326,8 @@ TEST(Picking, PassesThroughWallsThatAreNotDrawn) {
   const Camera camera = ViewCamera{{0, 0.01, 9}, {0, 0, 0}, {0, 1, 0}, 45, false}.to_camera(600, 600);
   EXPECT_EQ(nearest_point(cloud, camera, 300, 300), 1u);
   EXPECT_EQ(nearest_point(cloud, camera, 300, 300, 12, 0.02, room), 0u);
+  const Ceiling ceiling{{0, 0, 1}, {0.5, 0, 0, 0.5}, {0, 0.5, 0, 0.5}, 1, {2}};  // z > 2 about the middle
+  EXPECT_EQ(nearest_point(cloud, camera, 300, 300, 12, 0.02, Room{{}, ceiling}), 0u);
 }
 
 TEST(Picking, MeasuresAlongTheUpAxis) {
