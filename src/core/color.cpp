@@ -113,8 +113,9 @@ float linear_from_srgb(std::uint8_t channel) {
 double luma(const Rgba8& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
 Rgba8 shadeable(const Rgba8& c) {
-  constexpr double darkest = 0x60;
-  const double of_white = std::max(0.0, (darkest - luma(c)) / (255 - luma(c)));
+  constexpr double darkest = 0x48, light_enough = 0x68;  // what is between goes to its upper part
+  const double wanted = darkest + luma(c) * (light_enough - darkest) / light_enough;
+  const double of_white = std::max(0.0, (wanted - luma(c)) / (255 - luma(c)));
   const auto mixed = [&](std::uint8_t code) {
     return std::uint8_t(std::lround(code + of_white * (255 - code)));
   };

@@ -219,9 +219,9 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   // One part of a cloud may have fewer colours than the next.
   const std::vector<Rgba8>& deciding = whole_ && of_all ? of_all->colors : coloring_.colors;
   background_ = options_.background.value_or(contrasting_);
-  are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
-                      !options_.color.solid &&
-                      distinct_colors(deciding, RenderSettings::palette_limit).empty();
+  are_photographed_ =
+      (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) && !options_.color.solid &&
+      distinct_colors(of_all ? of_all->colors : coloring_.colors, RenderSettings::palette_limit).empty();
   if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
     for (Rgba8& c : coloring_.colors) c = shadeable(c);
   palette_.clear();
