@@ -238,11 +238,13 @@ CameraPath read_colmap_images(const std::filesystem::path& file) {
 }
 
 std::optional<UpAxis> up_of_pictures(const std::filesystem::path& points) {
-  constexpr double agree = 0.5;  // as long is the mean of directions all over half a sphere
+  constexpr double agree = 0.5;               // as long is the mean of directions all over half a sphere
+  constexpr std::uintmax_t most = 256 << 20;  // bytes, a second at most: the convention is as good as always
   const std::filesystem::path folder = points.parent_path();
   for (const char* name : {"images.bin", "images.txt", "sparse/images.bin", "sparse/images.txt"}) {
     std::error_code error;
-    if (!std::filesystem::exists(folder / name, error)) continue;
+    const std::uintmax_t size = std::filesystem::file_size(folder / name, error);
+    if (error || size > most) continue;
     try {
       const CameraPath path = read_colmap_images(folder / name);
       dvec3 up(0);

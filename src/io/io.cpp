@@ -146,9 +146,9 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
 /// What COLMAP found has the axes of a camera, y down, or of those that it placed around it.
 void stand_as_pictures(const std::filesystem::path& file, const Format& format, ReadResult& result) {
   PointCloud& cloud = result.cloud;
+  if (cloud.up_is_known || cloud.las) return;
   if (cloud.scalar("POINT3D_ID")) cloud.up = UpAxis::neg_y;
-  if (cloud.up_is_known || !(format.name == "colmap" || format.name == "ply" || cloud.scalar("POINT3D_ID")))
-    return;
+  if (!(format.name == "colmap" || format.name == "ply" || cloud.scalar("POINT3D_ID"))) return;
   const std::optional<UpAxis> up = up_of_pictures(file);
   if (!up) return;
   cloud.set_up(*up);

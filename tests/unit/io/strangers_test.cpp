@@ -554,6 +554,10 @@ TEST(StrangersKinds, PointsOfColmapStandAsTheirPictures) {
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
       "property float z\nend_header\n1 2 3\n";
   EXPECT_EQ(io::read(write_file("colmap/fused.ply", ply)).cloud.up, UpAxis::neg_z);
+  const std::string stated =
+      "ply\nformat ascii 1.0\ncomment up +Z\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nproperty int POINT3D_ID\nend_header\n1 2 3 4\n";
+  EXPECT_EQ(io::read(write_file("colmap/stated.ply", stated)).cloud.up, UpAxis::pos_z);
   EXPECT_EQ(io::read(write_file("colmap/other.xyz", "1 2 3\n1 2 4\n")).cloud.up, UpAxis::pos_z);
   // Pictures of every orientation, and damaged files, say nothing.
   write_file("colmap/images.bin", images_of({up, -up, aside, -aside}));
