@@ -110,15 +110,20 @@ class Plan {
            double(furnished) >= furnished_least * double(amid);
   }
 
-  /// Ceilings go on where nothing else was measured below and above them, two columns off at most.
+  /// Ceilings go on where nothing else was measured below and above them, two columns off at most, and level:
+  /// down a ramp they would take the ground with them.
   void spread_ceilings() {
-    std::vector<std::pair<int, int>> edge;
+    struct Place {
+      int x, y;
+      double level;  // of the ceiling that goes on
+    };
+    std::vector<Place> edge;
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y)
-        if (at(x, y).has_ceiling) edge.emplace_back(x, y);
+        if (at(x, y).has_ceiling) edge.push_back({x, y, at(x, y).level});
+    const double apart = 2 * window();
     for (std::size_t next = 0; next < edge.size(); ++next) {
-      const auto [x, y] = edge[next];
-      const double level = at(x, y).level, apart = 2 * window();
+      const auto [x, y, level] = edge[next];
       for (int a = std::max(0, x - 2); a < std::min(cells_, x + 3); ++a)
         for (int b = std::max(0, y - 2); b < std::min(cells_, y + 3); ++b) {
           Column& column = columns_[std::size_t(a * cells_ + b)];
@@ -126,7 +131,7 @@ class Plan {
               column.heights.back() > level + apart)
             continue;
           column.has_ceiling = true, column.level = column.heights.front();
-          edge.emplace_back(a, b);
+          edge.push_back({a, b, level});
         }
     }
   }

@@ -1,6 +1,7 @@
 #include "core/room.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace sfumato {
@@ -13,10 +14,30 @@ bool is_behind(const glm::dvec4& wall, const dvec3& point) {
   return glm::dot(dvec3(wall), point) + wall.w > 0;
 }
 
+/// The height of the ceiling over a place of the plan, or where it has a hole, of the nearest; infinite
+/// beside the plan.
+double nearest_height(const Ceiling& ceiling, const dvec3& place) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const double x = glm::dot(dvec3(ceiling.u), place) + ceiling.u.w,
+               y = glm::dot(dvec3(ceiling.v), place) + ceiling.v.w;
+  if (!(x >= 0 && y >= 0 && x < ceiling.across && y < ceiling.across)) return none;
+  double height = none, least = none;
+  for (int v = 0; v < ceiling.across; ++v)
+    for (int u = 0; u < ceiling.across; ++u) {
+      const double here = ceiling.heights[std::size_t(v * ceiling.across + u)];
+      const double away =
+          (std::floor(x) - u) * (std::floor(x) - u) + (std::floor(y) - v) * (std::floor(y) - v);
+      if (here < none && away < least) least = away, height = here;
+    }
+  return height;
+}
+
 bool holds(const Room& room, const dvec3& place) {
-  if (room.ceiling && !(glm::dot(room.ceiling->up, place) < room.ceiling->height_at(place) &&
-                        room.ceiling->height_at(place) < std::numeric_limits<double>::infinity()))
-    return false;
+  if (room.ceiling) {
+    const double height = nearest_height(*room.ceiling, place);
+    if (!(height < std::numeric_limits<double>::infinity() && glm::dot(room.ceiling->up, place) < height))
+      return false;
+  }
   return std::none_of(room.outside.begin(), room.outside.end(),
                       [&](const glm::dvec4& wall) { return is_behind(wall, place); });
 }

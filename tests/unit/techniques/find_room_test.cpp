@@ -201,6 +201,25 @@ PointCloud body(double bent) {
   return cloud;
 }
 
+// Whoever stands below a hole in the ceiling stands in the room; whoever looks through it does not.
+TEST(FindRoom, NothingIsLeftOutBelowAHoleInTheCeiling) {
+  Room room;
+  Ceiling& ceiling = room.ceiling.emplace();
+  ceiling.up = {0, 0, 1}, ceiling.u = {1, 0, 0, 0}, ceiling.v = {0, 1, 0, 0}, ceiling.across = 3;
+  ceiling.heights.assign(9, 2.5);
+  ceiling.heights[4] = std::numeric_limits<double>::infinity();
+  Camera camera;
+  camera.target = {0.5, 1.5, 0.2}, camera.up = {0, 0, 1};
+  for (const dvec3& inside : {dvec3(1.5, 1.5, 1.6), dvec3(2.5, 1.5, 1.6)}) {
+    camera.position = inside;
+    EXPECT_TRUE(cut_before(room, camera).empty()) << inside.x;
+  }
+  for (const dvec3& outside : {dvec3(1.5, 1.5, 3), dvec3(2.5, 1.5, 3), dvec3(6, 1.5, 1.6)}) {
+    camera.position = outside;
+    EXPECT_FALSE(cut_before(room, camera).empty()) << outside.x;
+  }
+}
+
 TEST(FindRoom, ABodyWhoseBackBendsIsNone) {
   EXPECT_TRUE(find_room(body(0))) << "a round room";
   for (const double bent : {0.3, 0.5, 0.7, 0.9}) EXPECT_FALSE(find_room(body(bent))) << bent;
