@@ -281,9 +281,9 @@ std::vector<dvec3> scanners_of(const PointCloud& cloud) {
 namespace {
 
 /// Adds to a part what is above it without a gap that shows: of the tops of trees and towers a scanner on the
-/// ground sees few points, but they are one with the rest for whoever looks.
+/// ground sees few points, but they are one with the rest for whoever looks. Noise above land has no end.
 void add_tops(std::span<const dvec3> points, const dvec3& up, Connected& part) {
-  constexpr double shows = 0.03;  // of the height: some 20 px of a picture 720 px high
+  constexpr double shows = 0.03, most = 0.5;  // of the height: some 20 px of a picture 720 px high
   const dvec3 level = 1.0 - glm::abs(up);
   const auto is_over = [&](const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p * level, part.box.min * level)) &&
@@ -298,7 +298,8 @@ void add_tops(std::span<const dvec3> points, const dvec3& up, Connected& part) {
   std::sort(above.begin(), above.end());
   const double old = top;
   for (const double next : above)
-    if (next - top <= shows * (top - bottom)) top = next;
+    if (next - top <= shows * (old - bottom)) top = next;
+  if (top - old > most * (old - bottom)) return;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (height(points[i]) > old && height(points[i]) <= top && is_over(points[i])) part.members[i] = true;
   part.box.max += glm::max(up, dvec3(0)) * (top - old), part.box.min += glm::min(up, dvec3(0)) * (top - old);
