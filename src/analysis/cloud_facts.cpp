@@ -49,15 +49,9 @@ std::vector<Named> fields_by_name(const PointCloud& cloud) {
   return fields;
 }
 
-std::uint64_t hash_of(const dvec3& place) {
-  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };  // -0 is 0
-  return mixed(0, bits(place.x) * 0x9e3779b97f4a7c15 + bits(place.y) * 0xbf58476d1ce4e5b9 +
-                      bits(place.z) * 0x94d049bb133111eb);
-}
-
 /// What a point lacks is not in its hash: others may have it.
 std::uint64_t hash_of(const PointCloud& cloud, const std::vector<Named>& fields, std::size_t i) {
-  std::uint64_t hash = hash_of(cloud.world(i));
+  std::uint64_t hash = analysis::hash_of(cloud.world(i));
   if (!cloud.colors.empty() && cloud.colors[i] != no_color)
     hash = mixed(mixed(hash, std::uint64_t(1)), std::uint64_t(std::bit_cast<std::uint32_t>(cloud.colors[i])));
   if (!cloud.normals.empty() && cloud.normals[i] != vec3(0))
@@ -137,6 +131,12 @@ void order_values(CloudFacts& facts, const std::map<std::string, ScalarFacts>& n
 
 }  // namespace
 
+std::uint64_t hash_of(const dvec3& place) {
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };  // -0 is 0
+  return mixed(0, bits(place.x) * 0x9e3779b97f4a7c15 + bits(place.y) * 0xbf58476d1ce4e5b9 +
+                      bits(place.z) * 0x94d049bb133111eb);
+}
+
 bool CloudFacts::Point::operator<(const Point& other) const {
   return std::tie(hash, place.x, place.y, place.z) <
          std::tie(other.hash, other.place.x, other.place.y, other.place.z);
@@ -157,7 +157,8 @@ std::vector<CloudFacts::Place> places_in(const PointCloud& cloud) {
         tbb::blocked_range<std::size_t>(0, cloud.size(), 65'536), Places(),
         [&](const auto& range, Places found) {
           for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (const CloudFacts::Place place{hash_of(cloud.world(i)), cloud.world(i)}; place.hash <= limit)
+            if (const CloudFacts::Place place{analysis::hash_of(cloud.world(i)), cloud.world(i)};
+                place.hash <= limit)
               found.push_back(place);
           return found;
         },

@@ -77,6 +77,8 @@ struct Neighborhoods {
   bool operator==(const Neighborhoods&) const = default;
 };
 
+/// Places by their hashes are in an order at random, whatever that of the points was.
+std::uint64_t hash_of(const dvec3& place);
 /// Of places by hash the first.
 std::vector<dvec3> first_places(const std::vector<CloudFacts::Place>& places, std::size_t count);
 /// `tree`: over points relative to `origin`. `count`: how many a place has, itself included.

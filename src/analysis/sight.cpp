@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "analysis/cloud_facts.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
@@ -56,7 +59,6 @@ bool is_in_steps(std::vector<double> values, double low, double high) {
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up) {
   constexpr double cone = 1.73, within = 0.98;  // tan 60 degrees
   constexpr double near = 0.33;                 // of the median depth; what stands there has less than .1
-  constexpr double narrow = 0.05;               // 3 degrees: no camera looks through such a window, maps do
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
   std::vector<double> x, y, depths;
   for (const dvec3& p : points) {
@@ -72,7 +74,6 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   const auto [left, end] = ends(x);
   const auto [bottom, top] = ends(y);
   const double width = std::max(end - left, top - bottom);
-  if (!(width > narrow)) return {};
   const int side = std::clamp(int(std::sqrt(double(depths.size()) / 8)), 4, 64);  // eight points a cell
   const auto cell = [&](double value, double low, double high) {
     return std::clamp(int((value - low) / std::max(high - low, 1e-300) * side), 0, side - 1);
@@ -111,9 +112,13 @@ double turned_share(std::span<const vec3> points, const vec3& eye, const vec3& u
   struct Step {
     double way = 0, rise = 0;  // radians
   };
-  std::vector<Step> steps(asked);
-  tbb::parallel_for(std::size_t(0), asked, [&](std::size_t k) {
-    const vec3& from = points[(2 * k + 1) * points.size() / (2 * asked)];
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // whatever that of the file
+  for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back(hash_of(dvec3(points[i])), i);
+  const std::size_t first = std::min(asked, order.size());
+  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(first - 1), order.end());
+  std::vector<Step> steps(first);
+  tbb::parallel_for(std::size_t(0), first, [&](std::size_t k) {
+    const vec3& from = points[order[k].second];
     vec3 to = eye;
     float least = std::numeric_limits<float>::infinity();
     for (const vec3& p : points) {
@@ -134,14 +139,15 @@ double turned_share(std::span<const vec3> points, const vec3& eye, const vec3& u
   const auto beside = std::count_if(steps.begin(), steps.end(), [&](const Step& step) {
     return step.rise < level * step.way && step.way < usual * step_of_most && step_of_most < usual * step.way;
   });
-  return double(beside) / double(asked);
+  return double(beside) / double(first);
 }
 
 bool are_one_picture(std::span<const dvec3> points, const dvec3& eye) {
   const dvec3 along = mean_direction(points, eye);
   if (along == dvec3(0)) return false;
   const dvec3 up = std::abs(along.z) < 0.7 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
-  return is_one_picture(sight_of(points, eye, along, up)) >= 0.5;
+  const Sight sight = sight_of(points, eye, along, up);
+  return !sight.is_narrow() && is_one_picture(sight) >= 0.5;
 }
 
 }  // namespace sfumato::analysis

@@ -15,13 +15,14 @@ struct Sight {
   /// Something is to both sides of straight ahead, above and below it, and nothing at the eye: a camera is so
   /// before what it sees, no origin is below what stands on it.
   bool ahead = false;
-  double width = 0;        ///< of what appears at a distance of 1, or its height where that is more
+  double width = 0;  ///< of what appears at a distance of 1, or its height where that is more
+  /// Less than 3 degrees: no camera looks through such a window, the origin of a map does.
+  bool is_narrow() const { return !(width > 0.05); }
   bool of_pixels = false;  ///< the lines of sight are in columns and rows, as those of an image
 };
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie
-/// farther than 60 degrees from it to a side, or where all appears narrower than 3 degrees, as from the
-/// origin of a map.
+/// farther than 60 degrees from it to a side.
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up);
 
 /// From `eye` each line of sight meets one surface: 0 to 1.

@@ -129,8 +129,8 @@ struct Sample {
 
 /// All is within 60 degrees of the axis, and each line of sight meets one surface only, as of no body or room
 /// that was scanned from several sides; but not land, which any place above it sees so, unless the lines are
-/// those of an image's pixels or the place is before its middle. What many photographs saw has colours and
-/// the axes of the first camera, which it is before.
+/// those of an image's pixels: a tile whose plan was shifted to its middle has the origin far below it. What
+/// many photographs saw has colours and the axes of the first camera, which it is before.
 Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const {
   // The sign of y: of 12 public pictures of pixels the custom holds for all, of 18 other sources for 14. More
   // of what is level is seen from its side along y than from the other, as floors and tables are, where a
@@ -142,8 +142,9 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   dvec3 along(0);
   along[axis] = positive ? 1 : -1;
   const Sight sight = sight_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
-  const double seen = std::max(is_one_picture(sight) * (sight.of_pixels || sight.ahead ? 1 : 1 - lies(axis)),
-                               sight.ahead && colored ? of_photographs : 0);
+  if (sight.is_narrow()) return {};
+  const double seen = std::max(is_one_picture(sight), sight.ahead && colored ? of_photographs : 0) *
+                      (sight.of_pixels ? 1 : 1 - lies(axis));
   const double floors = std::clamp(sight.faces_up / sure_floors, -1.0, 1.0) * (positive ? -1 : 1);
   const double turned = sight.of_pixels
                             ? std::max(-floors, 0.0)

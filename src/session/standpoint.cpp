@@ -280,6 +280,7 @@ bool is_of_camera(const PointCloud& cloud, const Subject& subject, const dvec3& 
       if (glm::dot(axis, up) != 0) continue;
       const analysis::Sight sight = analysis::sight_of(subject.points, dvec3(0), sign * axis, up);
       const bool is_optical = axis.z != 0 && up.y != 0;
+      if (sight.is_narrow()) continue;
       if (sight.of_pixels || (is_optical && sight.ahead && sight.width < widest && !cloud.colors.empty()))
         return true;
     }
@@ -300,8 +301,10 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   sensor.along = analysis::mean_direction(subject.points, sensor.place);
   if (sensor.along == dvec3(0)) return std::nullopt;
   if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
-  if (!of_camera && is_one_picture(analysis::sight_of(subject.points, sensor.place, sensor.along, up)) < 0.5)
-    return std::nullopt;
+  if (!of_camera) {
+    const analysis::Sight sight = analysis::sight_of(subject.points, sensor.place, sensor.along, up);
+    if (is_one_picture(sight) < 0.5 || (!is_known && sight.is_narrow())) return std::nullopt;
+  }
   for (int step = 0; step < 3; ++step) {  // to the middle of what appears
     const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up);
     const dvec3 right = glm::normalize(glm::cross(sensor.along, up));

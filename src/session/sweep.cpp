@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "analysis/cloud_facts.h"
 #include "analysis/sight.h"
 #include "core/order.h"
 
@@ -29,11 +32,20 @@ std::optional<dvec3> center_of_sweep(const PointCloud& cloud, const Bounds& box)
   return share > most ? std::optional(place) : std::nullopt;
 }
 
-std::vector<dvec3> thinned(const std::vector<dvec3>& points, std::size_t most) {
-  const std::size_t stride = (points.size() + most - 1) / most;
-  std::vector<dvec3> some;
-  for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
-  return some;
+/// By hash, so that the first so many are some of all, the same ones whatever the order of the file.
+Subject by_hash(const Subject& subject) {
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;
+  for (std::size_t i = 0; i < subject.points.size(); ++i)
+    order.emplace_back(analysis::hash_of(subject.points[i]), i);
+  std::sort(order.begin(), order.end());
+  Subject sorted{subject.box, {}, {}, {}, subject.room};
+  for (const auto& [hash, i] : order)
+    sorted.points.push_back(subject.points[i]), sorted.framed.push_back(subject.is_framed(i));
+  return sorted;
+}
+
+std::vector<dvec3> first_of(const std::vector<dvec3>& points, std::size_t most) {
+  return {points.begin(), points.begin() + std::ptrdiff_t(std::min(most, points.size()))};
 }
 
 /// How evenly points are spread over a page: the entropy of the cell in which one is seen (as of faces,
@@ -81,13 +93,14 @@ std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& s
       for (int turn = 0; turn < (of_sensor ? 1 : 12); ++turn)
         views.push_back({{std::remainder(azimuth_deg + 30 * turn, 360), elevation_deg},
                          {*center, value_at_share(ranges, 1 - std::exp2(-k))}});
-  const std::vector<dvec3> points = thinned(subject.points, counted);
+  const Subject mixed = by_hash(subject);
+  const std::vector<dvec3> points = first_of(mixed.points, counted);
   std::vector<double> scores(views.size());
   tbb::parallel_for(std::size_t(0), views.size(), [&](std::size_t i) {
-    const Subject near = within(subject, views[i].around);
+    const Subject near = within(mixed, views[i].around);
     Camera camera = frame(near.box, cloud.up, width, height, glm::radians(views[i].from.azimuth_deg),
                           glm::radians(views[i].from.elevation_deg));
-    fit(camera, thinned(near.points, fitted));
+    fit(camera, first_of(near.points, fitted));
     scores[i] = spread(points, camera);
   });
   const auto best = std::max_element(scores.begin(), scores.end());

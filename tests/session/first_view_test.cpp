@@ -448,6 +448,17 @@ TEST(FirstView, WhatIsNoSweepIsFramedAsAWhole) {
   EXPECT_FALSE(stand_upright(whole, UpAxis::pos_z, false).around) << "--whole";
 }
 
+TEST(FirstView, ASweepIsSeenFromTheSameSideInAnyOrderOfItsPoints) {
+  PointCloud cloud = street_sweep(dvec3(0), 0, 360);
+  ASSERT_LT(cloud.size(), 50'000u) << "all of which the view is made for";
+  const Camera camera = first_view(pose_of(cloud), 1280, 720);
+  std::mt19937 random(8);
+  std::shuffle(cloud.positions.begin(), cloud.positions.end(), random);
+  const Camera shuffled = first_view(pose_of(cloud), 1280, 720);
+  EXPECT_LT(glm::distance(camera.position, shuffled.position), 1e-6);
+  EXPECT_LT(glm::distance(camera.target, shuffled.target), 1e-6);
+}
+
 // From the sensor nothing gapes that was hidden from it.
 TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
   struct Case {

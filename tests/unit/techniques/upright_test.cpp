@@ -431,21 +431,23 @@ TEST(Upright, WhatPhotographsSawIsInTheAxesOfTheFirst) {
     EXPECT_EQ(each.evidence[std::size_t(UpEvidence::camera)], 0) << to_string(each.up);
 }
 
-// A plate is as thin as land: a map lies beside its origin, a camera is before the middle of what it sees.
-TEST(Upright, APlateBeforeTheOriginIsNoMap) {
+// Whoever shifts the plan of a tile to its middle and keeps its heights has the origin below it, as before a
+// camera that looks up; photographs coloured it.
+TEST(Upright, ATileOverTheOriginIsNoPicture) {
   std::mt19937 random(49);
   std::uniform_real_distribution<float> unit(0, 1);
-  for (const bool is_before : {true, false}) {
-    PointCloud plate;
-    for (int i = 0; i < 20'000; ++i) {
-      const float x = 0.3f * unit(random) - (is_before ? 0.15f : 0),
-                  y = 0.2f * unit(random) - (is_before ? 0.1f : 0);
-      plate.positions.push_back({x, y, 0.5f + 0.1f * x});
+  for (const float height : {120.0f, 300.0f, -80.0f})
+    for (const bool is_colored : {true, false}) {
+      PointCloud tile;
+      for (int i = 0; i < 20'000; ++i) {
+        const float x = 200 * unit(random) - 100, y = 160 * unit(random) - 80;
+        tile.positions.push_back({x, y, height + 0.02f * x + (i % 5 == 0 ? 15 * unit(random) : 0)});
+      }
+      if (is_colored) tile.colors.assign(tile.size(), Rgba8{90, 120, 60, 255});
+      tile.up = UpAxis::pos_z;
+      EXPECT_EQ(guess_upright(tile).up, UpAxis::pos_z) << height << " " << is_colored;
+      EXPECT_FALSE(is_camera_view(tile)) << height << " " << is_colored;
     }
-    plate.up = UpAxis::pos_z;
-    EXPECT_EQ(guess_upright(plate).up, is_before ? UpAxis::neg_y : UpAxis::pos_z);
-    EXPECT_EQ(is_camera_view(plate), is_before);
-  }
 }
 
 // A toy cut out of a picture is as thin as land; that its points come in columns and rows tells that a camera
