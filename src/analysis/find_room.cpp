@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t fewest_points = 5000, most_sampled = 200'000;
 /// Columns over the plan hold enough points on average to tell a ceiling, open space and a floor, and are not
 /// much narrower than rooms are high: noise of a hundredth of that height is level across four of them.
-constexpr int fewest_cells = 12;
+constexpr int fewest_across = 12;
 constexpr double points_each = 12, cells_high = 8;
 /// Ceilings are level to 6 degrees, and not thicker than a tenth of the open space below: what drift and
 /// beams leave, and no crowns.
@@ -73,12 +73,12 @@ class Plan {
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + most_sampled - 1) / most_sampled);
     for (std::size_t i = 0; i < cloud.size(); i += stride) points_.push_back(cloud.world(i));
     int cells = Ceiling::most_across;
-    for (fill(cells); cells > fewest_cells && double(points_.size()) < points_each * double(occupied());
+    for (fill(cells); cells > fewest_across && double(points_.size()) < points_each * double(occupied());
          fill(cells))
-      cells = std::max(fewest_cells, int(0.85 * cells));
+      cells = std::max(fewest_across, int(0.85 * cells));
     find_roofs();
-    if (height_ > 0 && cells > fewest_cells && height_ * cells > cells_high * wide_) {
-      fill(std::max(fewest_cells, int(cells_high * wide_ / height_)));
+    if (height_ > 0 && cells > fewest_across && height_ * cells > cells_high * wide_) {
+      fill(std::max(fewest_across, int(cells_high * wide_ / height_)));
       find_roofs();
     }
     find_ceilings();
