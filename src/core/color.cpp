@@ -112,16 +112,6 @@ float linear_from_srgb(std::uint8_t channel) {
 
 double luma(const Rgba8& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
-Rgba8 shadeable(const Rgba8& c) {
-  constexpr double darkest = 0x48, light_enough = 0x68;  // what is between goes to its upper part
-  const double wanted = darkest + luma(c) * (light_enough - darkest) / light_enough;
-  const double of_white = std::max(0.0, (wanted - luma(c)) / (255 - luma(c)));
-  const auto mixed = [&](std::uint8_t code) {
-    return std::uint8_t(std::lround(code + of_white * (255 - code)));
-  };
-  return {mixed(c.r), mixed(c.g), mixed(c.b), c.a};
-}
-
 Rgba8 swatch_color(std::size_t n) {
   static constexpr std::uint32_t colors[] = {0x0072b2, 0xe69f00, 0x009e73, 0xd55e00,
                                              0xcc79a7, 0x56b4e9, 0xf0e442, 0x595959};

@@ -19,9 +19,6 @@ Rgba8 to_rgba8(const vec3& srgb);
 float linear_from_srgb(std::uint8_t channel);
 /// Luma (Rec. 709) of an sRGB colour, 0 to 255.
 double luma(const Rgba8& color);
-/// Mixed with white, the darker the more, until shades of it show: black to CIE L* 31, of half the light 21.
-/// What differs still does.
-Rgba8 shadeable(const Rgba8& color);
 
 /// The n-th of a few colours that are told apart, also by people who see few colours (Okabe and Ito 2008);
 /// from the ninth on, others.

@@ -161,6 +161,9 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   }
 }
 
+/// Of a few colours black is the label of what has none, or of leaves; no shade shows on it. CIE L* 41.
+constexpr Rgba8 black{0, 0, 0, 255}, drawn_for_black{0x60, 0x60, 0x60, 255};
+
 const PreparedCloud& largest_of(const std::vector<const PreparedCloud*>& clouds) {
   return **std::max_element(clouds.begin(), clouds.end(),
                             [](const auto* a, const auto* b) { return a->cloud.size() < b->cloud.size(); });
@@ -223,7 +226,8 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
       (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) && !options_.color.solid &&
       distinct_colors(of_all ? of_all->colors : coloring_.colors, RenderSettings::palette_limit).empty();
   if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
-    for (Rgba8& c : coloring_.colors) c = shadeable(c);
+    for (Rgba8& c : coloring_.colors)
+      if (c == black) c = drawn_for_black;
   palette_.clear();
   if (coloring_.kind == ColorKind::classes || coloring_.kind == ColorKind::files)
     for (const Rgba8& c : distinct_colors(deciding, RenderSettings::palette_limit))

@@ -122,7 +122,7 @@ TEST_F(DataColorsTest, PhotographsKeepTheirLight) {
 }
 
 // As of leaves that a classifier painted black: nobody sees what is black.
-TEST_F(DataColorsTest, ShadesShowOnAFewColorsThatAreDark) {
+TEST_F(DataColorsTest, ShadesShowOnBlackLabels) {
   PointCloud ball;
   std::mt19937 random(3);
   std::normal_distribution<float> anywhere;

@@ -363,19 +363,6 @@ TEST(Coloring, LargeOffsetsAndConstantsKeepTheirColour) {
   EXPECT_NEAR(color_points(cloud, {"flat", "gray", std::nullopt}).colors[0].r, 160, 1);
 }
 
-// Of labels black and dark grey stay two.
-TEST(Coloring, DarkColoursBecomeLighterAndStayApart) {
-  for (int code = 0; code < 255; code += 5) {
-    const auto grey = [](int c) { return Rgba8{std::uint8_t(c), std::uint8_t(c), std::uint8_t(c), 255}; };
-    const Rgba8 shown = shadeable(grey(code)), next = shadeable(grey(code + 5));
-    EXPECT_GE(shown.r, std::max(code, 70));
-    EXPECT_GT(next.r, shown.r) << code;
-    if (code > 104) EXPECT_EQ(shown, grey(code));
-  }
-  const Rgba8 blue = shadeable({0, 0, 90, 255});
-  EXPECT_GT(blue.b, blue.r + 50);
-}
-
 TEST(Coloring, ReversedRangeReversesTheMap) {
   PointCloud cloud = ramp(2);
   cloud.set_scalar(field("v", {0, 1}));
