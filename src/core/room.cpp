@@ -1,7 +1,6 @@
 #include "core/room.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace sfumato {
@@ -14,19 +13,26 @@ bool is_behind(const glm::dvec4& wall, const dvec3& point) {
   return glm::dot(dvec3(wall), point) + wall.w > 0;
 }
 
+/// The cell of the plan that a place is in.
+std::optional<glm::ivec2> cell_of(const Ceiling& ceiling, const dvec3& place) {
+  const double x = glm::dot(dvec3(ceiling.u), place) + ceiling.u.w,
+               y = glm::dot(dvec3(ceiling.v), place) + ceiling.v.w;
+  if (!(x >= 0 && y >= 0 && x < ceiling.across && y < ceiling.across)) return std::nullopt;
+  return glm::ivec2(int(x), int(y));
+}
+
 /// The height of the ceiling over a place of the plan, or where it has a hole, of the nearest; infinite
 /// beside the plan.
 double nearest_height(const Ceiling& ceiling, const dvec3& place) {
   constexpr double none = std::numeric_limits<double>::infinity();
-  const double x = glm::dot(dvec3(ceiling.u), place) + ceiling.u.w,
-               y = glm::dot(dvec3(ceiling.v), place) + ceiling.v.w;
-  if (!(x >= 0 && y >= 0 && x < ceiling.across && y < ceiling.across)) return none;
-  double height = none, least = none;
+  const std::optional<glm::ivec2> cell = cell_of(ceiling, place);
+  if (!cell) return none;
+  double height = none;
+  int least = std::numeric_limits<int>::max();
   for (int v = 0; v < ceiling.across; ++v)
     for (int u = 0; u < ceiling.across; ++u) {
       const double here = ceiling.heights[std::size_t(v * ceiling.across + u)];
-      const double away =
-          (std::floor(x) - u) * (std::floor(x) - u) + (std::floor(y) - v) * (std::floor(y) - v);
+      const int away = (cell->x - u) * (cell->x - u) + (cell->y - v) * (cell->y - v);
       if (here < none && away < least) least = away, height = here;
     }
   return height;
@@ -45,9 +51,8 @@ bool holds(const Room& room, const dvec3& place) {
 }  // namespace
 
 double Ceiling::height_at(const dvec3& point) const {
-  const double x = glm::dot(dvec3(u), point) + u.w, y = glm::dot(dvec3(v), point) + v.w;
-  if (!(x >= 0 && y >= 0 && x < across && y < across)) return std::numeric_limits<double>::infinity();
-  return heights[std::size_t(int(y) * across + int(x))];
+  const std::optional<glm::ivec2> cell = cell_of(*this, point);
+  return cell ? heights[std::size_t(cell->y * across + cell->x)] : std::numeric_limits<double>::infinity();
 }
 
 Cut cut_before(const Room& room, const Camera& camera) {
