@@ -61,7 +61,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   }
   if (whole || pose.subject.room) return pose;
   progress.check();
-  const Camera usual = first_view(pose, 1280, 720);
+  const auto usual = [&] { return first_view(pose, 1280, 720); };
   if (const auto view = view_of_sweep(scene.cloud, pose.subject, usual, bool(pose.sensor))) {
     pose.sensor.reset(), pose.around = view->around;
     look_from(view->from.azimuth_deg, view->from.elevation_deg);

@@ -78,12 +78,13 @@ double spread(const std::vector<dvec3>& points, const Camera& camera) {
 
 }  // namespace
 
-std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& subject, const Camera& usual,
-                                       bool of_sensor) {
+std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& subject,
+                                       const std::function<Camera()>& usual_view, bool of_sensor) {
   constexpr double halvings = 5, elevations_deg[] = {45, 30, 15};
   constexpr std::size_t counted = 32'768, fitted = 1024;
   const std::optional<dvec3> center = center_of_sweep(cloud, subject.box);
   if (!center || subject.points.empty()) return std::nullopt;
+  const Camera usual = usual_view();
   std::vector<double> ranges;
   for (const dvec3& p : subject.points) ranges.push_back(glm::distance(p, *center));
   const double azimuth_deg = glm::degrees(Compass(cloud.up).azimuth(-usual.direction()));

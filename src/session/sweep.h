@@ -1,6 +1,7 @@
 // The first view of a sweep, what a lidar measured while it turned: dense near the sensor and sparse far off.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "session/standpoint.h"
@@ -13,8 +14,9 @@ struct SweepView {
   Surroundings around;
 };
 /// Of the views of a sweep the one over whose page its points are spread most evenly, if they are more so
-/// than over that of `usual`. `of_sensor`: `usual` is a picture that the sensor took, whose azimuth stays.
-std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& subject, const Camera& usual,
-                                       bool of_sensor);
+/// than over that of the usual view, which only sweeps ask for. `of_sensor`: that is a picture that the
+/// sensor took, whose azimuth stays.
+std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& subject,
+                                       const std::function<Camera()>& usual_view, bool of_sensor);
 
 }  // namespace sfumato
