@@ -290,12 +290,22 @@ TEST(Coloring, ClayIsOneNeutralColour) {
   EXPECT_LT(clay.colors[0].r - clay.colors[0].b, 50) << "nearly gray";
 }
 
-TEST(Coloring, BackgroundIsDarkBehindWhite) {
-  EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {250, 250, 250, 255})).x < 0.2f, true);
+TEST(Coloring, BackgroundContrastsWithOneColour) {
+  EXPECT_LT(contrasting_background(std::vector<Rgba8>(9, {250, 250, 250, 255})).x, 0.2f);
   EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {201, 186, 168, 255})), vec3(1));
+  EXPECT_EQ(contrasting_background(std::vector<Rgba8>(9, {20, 20, 20, 255})), vec3(1));
   EXPECT_EQ(contrasting_background({}), vec3(1));
-  std::vector<Rgba8> room(9, {120, 100, 90, 255});  // white walls around other things
-  for (std::size_t i = 0; i < 4; ++i) room[i] = {225, 225, 220, 255};
+}
+
+TEST(Coloring, BackgroundOfManyColoursIsDarkButBehindDarkOnes) {
+  std::vector<Rgba8> room(9, {120, 100, 90, 255});
+  room[0] = {110, 100, 90, 255};
+  EXPECT_LT(contrasting_background(room).x, 0.2f);
+  for (std::size_t i = 0; i < 4; ++i) room[i] = {225, 225, 220, 255};  // white walls around other things
+  EXPECT_LT(contrasting_background(room).x, 0.2f);
+  for (std::size_t i = 0; i < 4; ++i) room[i] = {30, 40, 20, 255};  // a tree
+  EXPECT_EQ(contrasting_background(room), vec3(1));
+  for (std::size_t i = 4; i < 9; ++i) room[i] = {250, 250, 250, 255};  // a tree before a white wall
   EXPECT_LT(contrasting_background(room).x, 0.2f);
 }
 
