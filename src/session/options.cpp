@@ -485,8 +485,9 @@ void add_colours(Table& t) {
           of_color(&ColorSettings::exposure), within(0.1, 100))
       .or_nothing()
       .python("number");
-  t.value("--background-color", "COLOUR", "a name, #hex or R,G,B from 0 to 1 (white)", &Request::background,
-          color)
+  t.value("--background-color", "COLOUR",
+          "a name, #hex or R,G,B from 0 to 1 (dark; white behind clay, dark colours or above a ground)",
+          &Request::background, color)
       .or_nothing()
       .python("text", "background");
   t.flag("--no-background", "transparent where nothing is", &Request::no_background).python("", "background");

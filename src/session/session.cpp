@@ -416,6 +416,9 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
     own.settings.palette = palette_;
     items.push_back({k, own.technique.get(), &own.settings});
   }
+  // A shadow on the ground shows on white, as in the figures of papers.
+  const bool is_figure = settings.ground && casts_shadows(settings.shadows);
+  background_ = options_.background.value_or(is_figure ? vec3(1) : contrasting_);
   settings.background = background_;
   settings.photographed = are_photographed_;
   const float edl = edl_strength(items, are_photographed_);

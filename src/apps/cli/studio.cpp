@@ -83,7 +83,6 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
   const Coloring& coloring = session_.coloring();
   report_.color_by = coloring.source;
   report_.exposure = coloring.exposure;
-  report_.background = session_.background();
   for (const std::string& note : coloring.notes) console_.note(note);
   if (options_.furniture.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())
     console_.note("--legend has no effect: the points are coloured by " + coloring.source +
@@ -142,6 +141,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
       panels.push_back({chosen.name, out.rgba8});
   }
   report_.blank_pictures += blank;
+  report_.background = session_.background();
   console_.check();
   watch.lap("render");
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
@@ -248,6 +248,7 @@ void Studio::shoot_rows(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("render");
   report_.techniques.front() = {out.timings, out.total_ms, out.points_drawn, out.outliers, out.notes};
   report_.blank_pictures += out.points_drawn == 0 || (wants_.color && rows.is_blank);
+  report_.background = session_.background();
   close(rows, camera);
   if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
   write_world_file();
