@@ -338,8 +338,8 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 }
 
 vec3 contrasting_background(const std::vector<Rgba8>& colors) {
-  // A contrast (WCAG 2.2) of less than 1.5 with white: luminance above 0.65, of the luma of 210; with the dark
-  // page: below 0.045, of 60. What a third of the points have is an outline of the whole.
+  // A contrast (WCAG 2.2) of less than 1.5 with white: luminance above 0.65, of the luma of 210; with the
+  // dark page: below 0.045, of 60. What a third of the points have is an outline of the whole.
   const vec3 white(1), dark(0.11f, 0.12f, 0.13f);
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::size_t light = 0, deep = 0, seen = 0, others = 0;

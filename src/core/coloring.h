@@ -75,8 +75,8 @@ bool names_things(const ScalarField& field);
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.
 std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit);
 
-/// Of many colours nearly black, on which light ones show and gaps read as shade, or white where dark ones would
-/// be lost; of one colour, as of clay, white where it shows. sRGB, 0..1.
+/// Of many colours nearly black, on which light ones show and gaps read as shade, or white where dark ones
+/// would be lost; of one colour, as of clay, white where it shows. sRGB, 0..1.
 vec3 contrasting_background(const std::vector<Rgba8>& colors);
 
 }  // namespace sfumato

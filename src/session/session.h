@@ -131,7 +131,7 @@ class Session {
   const std::vector<std::string>& notes() const { return notes_; }
   const Coloring& coloring() const { return coloring_; }  ///< without `colors`
   const Pose& pose() const { return pose_; }
-  vec3 background() const { return background_; }  ///< of the last picture
+  vec3 background() const { return background_; }     ///< of the last picture
   std::size_t left_out() const { return left_out_; }  ///< points beyond those that one place holds
   bool empty() const { return is_empty_; }
 
