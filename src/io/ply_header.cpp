@@ -83,10 +83,18 @@ PlyProperty parse_property(HeaderLines& lines, std::istringstream& words) {
   return property;
 }
 
+/// Programs that have Z up, and name themselves in a comment.
+bool has_z_up(std::string_view comment) {
+  constexpr std::string_view programs[] = {"Blender", "CloudCompare", "PCL generated"};
+  return std::any_of(std::begin(programs), std::end(programs),
+                     [&](std::string_view program) { return comment.find(program) != comment.npos; });
+}
+
 void parse_comment(std::istringstream& words, PlyHeader& header) {
   std::string key, value;
   words >> key >> std::ws;
   std::getline(words, value);
+  if (has_z_up(key + " " + value)) header.up = UpAxis::pos_z;
   if (key == "up" || key == "usual_up")
     if (const std::optional<UpAxis> up = parse_up_axis(value)) {
       header.up = *up;

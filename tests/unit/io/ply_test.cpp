@@ -67,6 +67,26 @@ TEST(PlyTest, PointsWithColoursAndNoNormalButZerosHaveYDown) {
   EXPECT_EQ(up_of("comment usual_up +Z\n", "0 0 0", true), UpAxis::pos_z);
 }
 
+// Of public files by these programs ten have Z up and one Y, of others as many have one as the other.
+TEST(PlyTest, ProgramsThatHaveZUpSaySoByTheirName) {
+  const auto cloud_of = [](const std::string& comments) {
+    return io::read(write_file("by.ply",
+                               header("ascii", comments + "element vertex 2\n" + xyz) + "1 2 3\n4 5 7\n"))
+        .cloud;
+  };
+  for (const char* comment : {"Created by CloudCompare v2.11.3 (Anoia)", "Author: CloudCompare (TELECOM)",
+                              "Created by Blender 2.83.6 - www.blender.org, source file: ''",
+                              "Created in Blender version 5.0.0", "PCL generated"}) {
+    const PointCloud cloud = cloud_of(std::string("comment ") + comment + "\n");
+    EXPECT_EQ(cloud.up, UpAxis::pos_z) << comment;
+    EXPECT_FALSE(cloud.up_is_known) << comment;
+  }
+  EXPECT_EQ(cloud_of("comment Created by Open3D\n").up, UpAxis::pos_y);
+  const PointCloud named = cloud_of("comment Created by CloudCompare v2.12\ncomment up +Y\n");
+  EXPECT_EQ(named.up, UpAxis::pos_y) << "what a file says counts";
+  EXPECT_TRUE(named.up_is_known);
+}
+
 TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
   const std::string body =
       "comment made by hand\nobj_info nothing\nelement vertex 2\nproperty short s\nproperty double z\n"
