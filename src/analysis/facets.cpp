@@ -8,8 +8,11 @@
 namespace sfumato::analysis {
 namespace {
 
+constexpr double straight = 0.966;  // cos 15 degrees
+
 struct PlaneCell {
   int count = 0;
+  dvec3 corner{0};
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   dvec3 normal{0};
@@ -31,7 +34,8 @@ Facets::Facets(std::span<const dvec3> points, std::span<const vec3> normals, con
     const dvec3 at = (points[i] - low) / longest * double(side);
     const glm::ivec3 place = glm::min(glm::ivec3(at), side - 1);
     PlaneCell& cell = cells[(place.z * side + place.y) * side + place.x];
-    const dvec3 inside = at - dvec3(place);
+    cell.corner = dvec3(place);
+    const dvec3 inside = at - cell.corner;
     const Eigen::Vector3d p(inside.x, inside.y, inside.z);
     ++cell.count, cell.sum += p, cell.squares += p * p.transpose();
     if (!normals.empty()) cell.normal += dvec3(normals[i]);
@@ -46,12 +50,13 @@ Facets::Facets(std::span<const dvec3> points, std::span<const vec3> normals, con
     const double planar = deviation[1] - deviation[0];
     if (!(planar > deviation[2] - deviation[1] && planar > deviation[0])) continue;
     const Eigen::Vector3d normal = solver.eigenvectors().col(0);
-    facets_.push_back({{normal[0], normal[1], normal[2]}, cell.normal});
+    const dvec3 center = low + (cell.corner + dvec3(mean[0], mean[1], mean[2])) * longest / double(side);
+    facets_.push_back({{normal[0], normal[1], normal[2]}, cell.normal, center});
   }
 }
 
 Facing Facets::facing(const dvec3& direction) const {
-  constexpr double tilted = 0.906, straight = 0.966, across = 0.259;  // cos 25, 15, 75 degrees
+  constexpr double tilted = 0.906, across = 0.259;  // cos 25, 75 degrees
   int level = 0, plumb = 0, ahead = 0;
   for (const Facet& facet : facets_) {
     const double along = std::abs(glm::dot(facet.normal, direction));
@@ -67,6 +72,17 @@ Facing Facets::facing(const dvec3& direction, const dvec3& other, double share) 
   const Facing a = facing(direction), b = facing(other);
   return {glm::mix(a.level, b.level, share), glm::mix(a.plumb, b.plumb, share),
           glm::mix(a.ahead, b.ahead, share)};
+}
+
+double Facets::below(const dvec3& from, const dvec3& direction) const {
+  constexpr double little = 0.05;
+  int lower = 0, level = 0;
+  for (const Facet& facet : facets_) {
+    if (!(std::abs(glm::dot(facet.normal, direction)) > straight)) continue;
+    ++level;
+    lower += glm::dot(facet.center - from, direction) < 0 ? 1 : -1;
+  }
+  return level > 0 ? lower / std::max(double(level), little * double(facets_.size())) : 0;
 }
 
 }  // namespace sfumato::analysis

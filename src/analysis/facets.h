@@ -25,11 +25,15 @@ class Facets {
   Facing facing(const dvec3& direction) const;
   /// Of one direction, and as a share of another.
   Facing facing(const dvec3& direction, const dvec3& other, double share) const;
+  /// Of what is level within 15 degrees, how much more lies below `from` than above: 1 all, -1 none; nearly 0
+  /// where little is level.
+  double below(const dvec3& from, const dvec3& direction) const;
 
  private:
   struct Facet {
     dvec3 normal;  ///< either way
     dvec3 given;   ///< the sum of the normals of its points
+    dvec3 center;
   };
   std::vector<Facet> facets_;
 };

@@ -25,10 +25,11 @@ struct Upright {
 enum class UpEvidence {
   y_for_z,   ///< it is Y where the convention of the format is Z
   z_for_y,   ///< it is Z where the convention of the format is Y
+  z_in_obj,  ///< it is Z in OBJ, which keeps its convention more strictly than PLY
   down,      ///< it is -Y where the convention is not, or +Y or +Z where it is
   rare,      ///< it is X, -X or -Z
   camera,    ///< a camera at the origin, in whose axes all lies, has it for up
-  normals,   ///< the normals of the file point there in the mean
+  normals,   ///< the normals of what lies point there in the mean
   base,      ///< stands on a base that closes below the centre of mass
   lies,      ///< all is thin along it
   stands,    ///< the columns along it end below on one plane, and all else is above that
@@ -38,11 +39,13 @@ enum class UpEvidence {
   plumb,     ///< surfaces lie across or along it
   faces_up,  ///< by the normals of the file what lies across it faces there
   reaches,   ///< one column, a stem or a wall, holds points at all its heights
+  lidar,     ///< a lidar turned about it
+  ground,    ///< more of what is level lies below that lidar than above
   count
 };
 
-/// One axis and what speaks for it, each 0 (nothing) to 1; `normals`, `stands` and
-/// `faces_up` from -1.
+/// One axis and what speaks for it, each 0 (nothing) to 1; `normals`, `stands`, `faces_up`
+/// and `ground` from -1.
 struct UpCandidate {
   UpAxis up;
   std::array<double, std::size_t(UpEvidence::count)> evidence{};
@@ -50,10 +53,11 @@ struct UpCandidate {
 };
 
 /// All six axes, the likeliest first; of clouds that are no survey. From a sample of at most 65,536 points.
-std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress = no_progress());
+std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress = no_progress(),
+                                       bool is_obj = false);
 
 /// The likeliest of the candidates, of which `cloud.up` is the convention of the file's format; LAS keeps
 /// that, and what is georeferenced otherwise has heights along z.
-Upright guess_upright(const PointCloud& cloud, Progress& progress = no_progress());
+Upright guess_upright(const PointCloud& cloud, Progress& progress = no_progress(), bool is_obj = false);
 
 }  // namespace sfumato::analysis

@@ -52,8 +52,9 @@ class CloudSource final : public Source {
         std::uint16_t((is_wkt ? 16 : 0) | (cloud.las ? cloud.las->time_and_returns : 0));
     notes = result.report.notes;
     notes.insert(notes.end(), layout.notes.begin(), layout.notes.end());
-    const UpAxis up =
-        cloud.up == UpAxis::pos_z || cloud.up_is_known ? cloud.up : analysis::guess_upright(cloud).up;
+    const UpAxis up = cloud.up == UpAxis::pos_z || cloud.up_is_known
+                          ? cloud.up
+                          : analysis::guess_upright(cloud, progress, result.report.format == "obj").up;
     if (up != UpAxis::pos_z)
       notes.push_back(to_string(up) + " is up in it, and COPC files are taken as +Z up: render with --up " +
                       to_string(up));

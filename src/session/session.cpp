@@ -37,8 +37,8 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   else if (scene.cloud.up_is_known)
     upright = {scene.cloud.up, "the file says so"};
   else
-    upright =
-        analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud, progress);
+    upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud,
+                                      progress, !scene.files.empty() && scene.files[0].format == "obj");
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
   // Whoever cuts out a box has chosen what is shown.
