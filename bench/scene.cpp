@@ -1,5 +1,7 @@
 #include "scene.h"
 
+#include <chrono>
+
 #include "analysis/prepare.h"
 #include "gl/context.h"
 #include "io/io.h"
@@ -44,10 +46,16 @@ RenderSettings plain_settings(Shading shading, bool edl) {
   return settings;
 }
 
+void warm_up(Renderer& renderer, Technique& technique, const Camera& camera, const RenderSettings& settings) {
+  const auto start = std::chrono::steady_clock::now();
+  do renderer.render(technique, camera, settings);
+  while (!gl::limits().software && std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
+}
+
 void time_frames(benchmark::State& state, Technique& technique, std::size_t count,
                  const RenderSettings& settings, int width, int height) {
   Renderer& renderer = tori_renderer(count, technique.needs());
-  renderer.render(technique, tori_camera(0, width, height), settings);  // shaders and uploads
+  warm_up(renderer, technique, tori_camera(0, width, height), settings);
   int frame = 0;
   for (auto _ : state)
     state.SetIterationTime(

@@ -28,6 +28,10 @@ Camera tori_camera(int frame = 0, int width = 1024, int height = 1024);
 /// Settings that only cost what is compared: white background, no eye-dome lighting unless asked for.
 RenderSettings plain_settings(Shading shading = Shading::albedo, bool edl = false);
 
+/// Makes shaders and uploads; and a GPU that has idled while a cloud was made takes some time to its full
+/// clock.
+void warm_up(Renderer& renderer, Technique& technique, const Camera& camera, const RenderSettings& settings);
+
 /// Renders one frame per iteration along the orbit; reports clear to finished RGBA8 on the GPU as the time
 /// (manual time), without reading back.
 void time_frames(benchmark::State& state, Technique& technique, std::size_t count,
