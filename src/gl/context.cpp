@@ -210,7 +210,8 @@ std::unique_ptr<Context> Context::create_headless(Preferences preferences, const
   // Mesa's zink (22.3) names the extension, and ends the process at the first shader that uses it.
   limits.float_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_float") &&
                          limits.renderer.find("zink") == std::string::npos;
-  limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64");
+  limits.int64_atomics = epoxy_has_gl_extension("GL_NV_shader_atomic_int64") &&
+                         epoxy_has_gl_extension("GL_ARB_gpu_shader_int64");
   current = {&limits, &context->preferences_, &context->pacing_};
 
   // One vertex array without attributes serves every draw: shaders fetch points from texture buffers.

@@ -20,7 +20,7 @@ struct Limits {
   int max_work_groups = 0;           ///< per axis
   float max_point_size = 1;
   bool float_atomics = false;  ///< GL_NV_shader_atomic_float
-  bool int64_atomics = false;  ///< GL_NV_shader_atomic_int64
+  bool int64_atomics = false;  ///< GL_NV_shader_atomic_int64 and GL_ARB_gpu_shader_int64
 };
 
 class Context {

@@ -7,6 +7,11 @@
 //   CASTERS       only points that stop a share of the light within `caster_range`
 //   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked
 //                 downwards
+//   ONE_VISIT     both visits in one by 64-bit atomics: the least pair of depth and source index of a pixel
+#ifdef ONE_VISIT
+#extension GL_ARB_gpu_shader_int64 : require
+#extension GL_NV_shader_atomic_int64 : require
+#endif
 #include "frame.glsl"
 #include "cloud.glsl"
 #include "work_groups.glsl"
@@ -15,7 +20,11 @@
 #endif
 
 layout(local_size_x = 128) in;
+#ifdef ONE_VISIT
+layout(std430, binding = 0) buffer Nearest { uint64_t nearest[]; };  // pairs_apart.glsl
+#else
 layout(r32ui, binding = 0) uniform uimage2D depth_image;
+#endif
 #ifdef WRITE_INDEX
 layout(r32ui, binding = 1) uniform uimage2D index_image;
 #endif
@@ -63,7 +72,13 @@ void cover(ivec2 pixel, float depth, int i) {
   if (!(depth >= reference + min_gap)) return;  // beyond the previous layer; inf: that pixel is finished
 #endif
   uint bits = floatBitsToUint(depth);
-#if defined(LIST_LENGTH)
+#if defined(ONE_VISIT)
+  int at = pixel.y * int(frame.image_size.x) + pixel.x;
+  uint64_t entry = nearest[at];
+  if (uint64_t(bits) > entry >> 32) return;
+  uint64_t own = uint64_t(bits) << 32 | uint64_t(point_source_index(i));
+  if (own < entry) atomicMin(nearest[at], own);
+#elif defined(LIST_LENGTH)
   ivec2 next = ivec2(0, frame.image_size.y);
 #ifdef WRITE_INDEX
   for (int k = 0; k < LIST_LENGTH; ++k, pixel += next) {

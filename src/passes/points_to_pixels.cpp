@@ -3,23 +3,26 @@
 #include <cmath>
 
 #include "gl/commands.h"
+#include "gl/context.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
 
 void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint,
-                           gl::Texture& depth_bits, gl::Texture* index, const gl::Texture* reference,
+                           gl::Texture* depth_bits, gl::Texture* index, const gl::Texture* reference,
                            float min_gap, const CasterRange* casters, bool lists) {
   const bool single = footprint.mode == SizeMode::pixels && footprint.size <= 1;
   const bool oriented = footprint.oriented && cloud.has_normals() && !single;
   const bool cut = !cloud.cut().empty();
   const bool dots = footprint.dot_share > 0 && footprint.mode == SizeMode::adaptive;
-  gl::Program& program =
-      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0) +
-                (casters ? 16 : 0) + (oriented ? 32 : 0) + (cut ? 64 : 0) + (dots ? 128 : 0)];
+  const bool both = !depth_bits;
+  gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) +
+                                   (lists ? 8 : 0) + (casters ? 16 : 0) + (oriented ? 32 : 0) +
+                                   (cut ? 64 : 0) + (dots ? 128 : 0) + (both ? 256 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
+    if (both) defines.push_back("ONE_VISIT");
     if (single) defines.push_back("SINGLE_PIXEL");
     if (reference) defines.push_back("DEPTH_REFERENCE");
     if (casters) defines.push_back("CASTERS");
@@ -44,7 +47,8 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   if (oriented) program.set("least_px", 0.71f).set("dense_px", 1.5f);
   if (casters) program.set("caster_range", vec2(casters->from, casters->below));
   view.bind();
-  depth_bits.bind_image(0, GL_READ_WRITE);
+  if (depth_bits) depth_bits->bind_image(0, GL_READ_WRITE);
+  if (both) nearest_.bind_storage(0);
   if (index) index->bind_image(1, GL_READ_WRITE);
   if (reference) reference->bind(binding::input);
   for (GpuCloud::Chunk& chunk : cloud.chunks()) {
@@ -54,7 +58,8 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     if (casters) cloud.bind_casters(chunk);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }
-  gl::barrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl::barrier(both ? GL_SHADER_STORAGE_BARRIER_BIT
+                   : GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
@@ -69,14 +74,43 @@ std::uint64_t PointsToPixels::add_depth(GpuCloud& cloud, const View& view, const
                                         gl::Texture& depth_bits, const gl::Texture* reference, float min_gap,
                                         const CasterRange* casters) {
   const std::uint64_t points = cloud.cull(view);
-  visit(cloud, view, footprint, depth_bits, nullptr, reference, min_gap, casters);
+  visit(cloud, view, footprint, &depth_bits, nullptr, reference, min_gap, casters);
   return points;
+}
+
+bool PointsToPixels::in_one_visit(const View& view) const {
+  const gl::Limits& limits = gl::limits();
+  const auto bytes = 8ll * view.width() * view.height();
+  return limits.int64_atomics && bytes <= limits.max_storage_block_size &&
+         (visits_ == Visits::one || (visits_ == Visits::automatic && !limits.software));
 }
 
 std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Footprint& footprint,
                                    PixelLayer& layer, gl::Timers& timers, const gl::Texture* reference,
                                    float min_gap, const CasterRange* casters) {
   std::uint64_t points = 0;
+  if (in_one_visit(view)) {
+    {
+      auto timing = timers.scope("depth");
+      if (const std::size_t bytes = 8ul * view.width() * view.height(); nearest_.bytes() < bytes) {
+        nearest_ = gl::Buffer("nearest points", bytes);
+        nearest_is_empty_ = false;
+      }
+      // A clear takes NVIDIA's driver as long as 20M points: `pairs_apart_` empties what it reads.
+      if (!nearest_is_empty_) nearest_.clear(0xffffffffu);
+      nearest_is_empty_ = false;
+      points = cloud.cull(view);
+      visit(cloud, view, footprint, nullptr, nullptr, reference, min_gap, casters);
+    }
+    auto timing = timers.scope("index");
+    if (!pairs_apart_) pairs_apart_ = ScreenPass("passes/pairs_apart.glsl", {GL_R32UI, GL_R32UI});
+    gl::ensure(layer.depth_bits, "nearest depth bits", GL_R32UI, view.width(), view.height());
+    gl::ensure(layer.index, "nearest source index", GL_R32UI, view.width(), view.height());
+    pairs_apart_.set("columns", view.width()).run({}, {&layer.depth_bits, &layer.index});
+    gl::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    nearest_is_empty_ = true;
+    return points;
+  }
   {
     auto timing = timers.scope("depth");
     points = draw_depth(cloud, view, footprint, layer.depth_bits, reference, min_gap, casters);
@@ -84,7 +118,7 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
   auto timing = timers.scope("index");
   gl::ensure(layer.index, "nearest source index", GL_R32UI, view.width(), view.height());
   layer.index.clear_uint(0xffffffffu);
-  visit(cloud, view, footprint, layer.depth_bits, &layer.index, reference, min_gap, casters);
+  visit(cloud, view, footprint, &layer.depth_bits, &layer.index, reference, min_gap, casters);
   return points;
 }
 
@@ -95,10 +129,10 @@ void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footpri
   inverse_bin_ = 1 / bin;
   {
     auto timing = timers.scope("depth");
-    visit(cloud, view, footprint, depth_lists, nullptr, reference, 0, nullptr, true);
+    visit(cloud, view, footprint, &depth_lists, nullptr, reference, 0, nullptr, true);
   }
   auto timing = timers.scope("index");
-  visit(cloud, view, footprint, depth_lists, &index_lists, reference, 0, nullptr, true);
+  visit(cloud, view, footprint, &depth_lists, &index_lists, reference, 0, nullptr, true);
 }
 
 void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,

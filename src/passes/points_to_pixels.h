@@ -1,11 +1,14 @@
 // Points to pixels in compute: one depth visit (atomicMin), one index visit, and a resolve that reads
 // attributes only for the points that survived. 4-6x faster than GL_POINTS on llvmpipe, and the only way that
-// uses a data-centre GPU. Ties go to the lowest source index: the order of the points does not matter.
+// uses a data-centre GPU. GPUs with 64-bit atomics find depth and index in one visit, bit for bit the same.
+// Ties go to the lowest source index: the order of the points does not matter.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 
+#include "gl/buffer.h"
 #include "gl/program.h"
 #include "gl/texture.h"
 #include "gl/timer.h"
@@ -62,6 +65,10 @@ struct PixelLayer {
 
 class PointsToPixels {
  public:
+  /// How many visits `draw` takes.
+  enum class Visits { automatic, one, two };
+  /// One only where limits().int64_atomics, as automatic does on GPUs.
+  explicit PointsToPixels(Visits visits = Visits::automatic) : visits_(visits) {}
   /// Depth and index of the nearest point of every pixel; returns the number of points in visible batches.
   /// With `reference` (R32F, view-sized), only points at least `min_gap` behind it count
   /// (Dobrev 2010, Sec. 3).
@@ -96,10 +103,16 @@ class PointsToPixels {
                    gl::Timers& timers);
 
  private:
-  void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture& depth_bits,
+  /// Without `depth_bits` into `nearest_`.
+  void visit(GpuCloud& cloud, const View& view, const Footprint& footprint, gl::Texture* depth_bits,
              gl::Texture* index, const gl::Texture* reference, float min_gap, const CasterRange* casters,
              bool lists = false);
-  gl::Program programs_[256];
+  bool in_one_visit(const View& view) const;
+  Visits visits_;
+  std::map<unsigned, gl::Program> programs_;
+  gl::Buffer nearest_;  ///< of one visit: pairs of source index and depth bits
+  bool nearest_is_empty_ = false;
+  ScreenPass pairs_apart_;
   float inverse_bin_ = 0;
   /// Runs a resolve once for each chunk; binds its geometry and colours.
   void for_each_chunk(GpuCloud& cloud, const View& view, const PixelLayer& layer, ScreenPass& pass,

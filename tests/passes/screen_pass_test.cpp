@@ -220,6 +220,41 @@ TEST_F(Passes, PointsToPixelsKeepsTheNearestPoint) {
   }
 }
 
+// Ties too: a third of the points lie where others do.
+TEST_F(Passes, OneVisitFindsWhatTwoFind) {
+  if (!gl::limits().int64_atomics)
+    GTEST_SKIP() << gl::limits().renderer << " has no 64-bit atomics (GL_NV_shader_atomic_int64)";
+  PointCloud cloud = sphere_cloud(9000);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    cloud.positions[i] = cloud.positions[i + 3000];
+    cloud.normals[i] = cloud.normals[i + 3000];
+  }
+  PreparedCloud prepared = analysis::prepare(cloud, {}, {});
+  GpuCloud gpu(prepared, colors_of(prepared.cloud), 2000);  // several chunks
+  gl::Timers timers(false);
+  PointsToPixels one(PointsToPixels::Visits::one), two(PointsToPixels::Visits::two);
+  Footprint facing{SizeMode::pixels, 5}, oriented{SizeMode::adaptive, 2};
+  oriented.oriented = true;
+  for (const auto& [width, height] : {std::pair(61, 47), std::pair(130, 90), std::pair(33, 20)}) {
+    Camera camera = front_camera(width, height);
+    camera.fit_depth_range(gpu.bounds());
+    const View view(camera, prepared.cloud.origin);
+    gl::Texture reference("reference", GL_R32F, width, height);
+    reference.clear(vec4(4));  // through the middle of the sphere
+    for (const Footprint& footprint : {Footprint{SizeMode::pixels, 1}, facing, oriented})
+      for (const gl::Texture* behind : {(const gl::Texture*)nullptr, (const gl::Texture*)&reference}) {
+        PixelLayer of_one, of_two;
+        EXPECT_EQ(one.draw(gpu, view, footprint, of_one, timers, behind),
+                  two.draw(gpu, view, footprint, of_two, timers, behind));
+        const auto index = of_one.index.download<std::uint32_t>();
+        EXPECT_TRUE(std::ranges::equal(index, of_two.index.download<std::uint32_t>()));
+        EXPECT_TRUE(std::ranges::equal(of_one.depth_bits.download<std::uint32_t>(),
+                                       of_two.depth_bits.download<std::uint32_t>()));
+        EXPECT_LT(std::ranges::count(index, 0xffffffffu), width * height);
+      }
+  }
+}
+
 TEST_F(Passes, DiscsAreRoundAndOfTheAskedSize) {
   PointCloud cloud;
   cloud.positions = {vec3(0)};
