@@ -43,12 +43,15 @@ struct Places {
   std::vector<float> inverse_dimension;  ///< 1 on a line, 1/2 on a surface
 };
 
-/// So far apart are points in a space of 1 to 2 dimensions of which 8 are within a reach: on lines they need
-/// to meet the next on the line, not the next line.
-float spacing_at(float log2_reach, float inverse_dimension) {
+/// Of 8 points within a reach in a space of 1 to 2 dimensions: on a line they need to meet the next on the
+/// line, not the next line.
+float dimension_of(float inverse_dimension) {
   // Of a surface the mean of 25 places scatters by .02, were they apart.
   constexpr float unsure = 0.05f;
-  const float dimension = 1 / std::clamp(inverse_dimension - unsure, 0.5f, 1.0f);
+  return 1 / std::clamp(inverse_dimension - unsure, 0.5f, 1.0f);
+}
+
+float spacing_at(float log2_reach, float dimension) {
   const float ball = std::pow(std::numbers::pi_v<float>, dimension / 2) / std::tgamma(dimension / 2 + 1);
   return std::exp2(log2_reach) * std::pow(ball / float(eighth + 1), 1 / dimension);
 }
@@ -92,8 +95,9 @@ std::vector<vec2> means_of(const Places& places, float largest, Progress& progre
           sum += vec2(places.log2_reach[j], agree ? places.surface[j] : 0);
           dimensions += places.inverse_dimension[j];
         }
-        const float all = float(ids.size() + 1), spacing = spacing_at(sum.x / all, dimensions / all);
-        means[k] = vec2(std::min(spacing, largest), glm::smoothstep(crown_share, ground_share, sum.y / all));
+        const float all = float(ids.size() + 1), dimension = dimension_of(dimensions / all);
+        means[k] = vec2(std::min(spacing_at(sum.x / all, dimension), largest),
+                        glm::smoothstep(crown_share, ground_share, sum.y / all) * (dimension - 1));
       },
       "dots", progress);
   return means;
@@ -128,7 +132,7 @@ PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64
   for (std::size_t k = 0; k < count; ++k) order.emplace_back(keys[k], k);
   std::sort(order.begin(), order.end());
   Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
-                std::vector<float>(count, std::log2(usual / spacing_at(0, 0.5f))),
+                std::vector<float>(count, std::log2(usual / spacing_at(0, 2))),
                 std::vector<float>(count, 0.5f)};
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
     if (i % 1024 == 0) progress.check();
