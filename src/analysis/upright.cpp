@@ -170,18 +170,18 @@ double Sample::turned_about(const dvec3& lidar, int axis) const {
   constexpr double least = 0.07;  // of what a sector holds in the mean
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   std::array<int, sectors> held{};
-  double steep = 0;
+  std::vector<double> steepness;
   for (const dvec3& p : points) {
     const dvec3 way = p - lidar;
     if (!(glm::length(way) > 0)) continue;
-    steep = std::max(steep, std::abs(way[axis]) / glm::length(way));
+    steepness.push_back(std::abs(way[axis]) / glm::length(way));
     const double turn = 0.5 + std::atan2(way[v], way[u]) / glm::two_pi<double>();
     ++held[std::min(std::size_t(turn * sectors), sectors - 1)];
   }
   const double fewest = least * double(points.size()) / double(sectors);
-  return *std::min_element(held.begin(), held.end()) > fewest
-             ? ramp(steep, level, steep_enough) * (1 - ramp(steep, steepest, too_steep))
-             : 0;
+  if (!(*std::min_element(held.begin(), held.end()) > fewest)) return 0;
+  const double steep = value_at_share(steepness, 0.995);  // not what a stray one says
+  return ramp(steep, level, steep_enough) * (1 - ramp(steep, steepest, too_steep));
 }
 
 std::vector<std::uint32_t> Sample::columns_along(int axis, int across) const {
@@ -421,7 +421,8 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
   const dvec3 lidar =
       cloud.scanners.size() == 1 && std::isfinite(cloud.scanners[0].x) ? cloud.scanners[0] : dvec3(0);
   std::array<double, 3> turned{};
-  for (int axis = 0; axis < 3; ++axis) turned[std::size_t(axis)] = sample.turned_about(lidar, axis);
+  if (cloud.scanners.size() <= 1)
+    for (int axis = 0; axis < 3; ++axis) turned[std::size_t(axis)] = sample.turned_about(lidar, axis);
   // What a picture shows is cut by its frame and faces the camera, and the lines of a lidar are no surfaces:
   // that is no evidence any more.
   const double whole = (1 - std::max({ahead.seen, before.seen, behind.seen})) *

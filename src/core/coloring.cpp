@@ -338,15 +338,21 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 }
 
 vec3 contrasting_background(const std::vector<Rgba8>& colors) {
-  // A contrast (WCAG 2.2) of less than 1.5 with white: luminance above 0.65, of the luma of 210; with the
-  // dark page: below 0.045, of 60. What a third of the points have is an outline of the whole.
+  // WCAG 2.2 asks for a contrast of 3 of what is no text: with the dark page a luminance above 0.14, of the
+  // luma of 105. One colour is lost on white with one of less than 1.5: above 0.65, of 210; what a third of
+  // the points have is an outline of the whole.
   const vec3 white(1), dark(0.11f, 0.12f, 0.13f);
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
-  std::size_t light = 0, deep = 0, seen = 0, others = 0;
-  for (std::size_t i = 0; i < colors.size(); i += stride, ++seen)
-    light += luma(colors[i]) > 210, deep += luma(colors[i]) < 60, others += colors[i] != colors[0];
-  if (others == 0) return 3 * light > seen ? dark : white;
-  return 3 * deep > seen && deep > light ? white : dark;
+  std::size_t light = 0, deep = 0, seen = 0, votes = 0, same = 0;
+  Rgba8 most{};  // what more than half have (Boyer and Moore 1981)
+  for (std::size_t i = 0; i < colors.size(); i += stride, ++seen) {
+    light += luma(colors[i]) > 210, deep += luma(colors[i]) < 105;
+    if (votes == 0) most = colors[i];
+    votes += colors[i] == most ? 1 : std::size_t(-1);
+  }
+  for (std::size_t i = 0; i < colors.size(); i += stride) same += colors[i] == most;
+  if (double(same) >= 0.95 * double(seen)) return 3 * light > seen ? dark : white;
+  return 2 * deep > seen ? white : dark;
 }
 
 Rgba8 Coloring::color_of_class(int id) const {

@@ -94,14 +94,17 @@ void parse_comment(std::istringstream& words, PlyHeader& header) {
   std::string key, value;
   words >> key >> std::ws;
   std::getline(words, value);
-  if (has_z_up(key + " " + value)) header.up = UpAxis::pos_z;
   if (key == "up" || key == "usual_up")
     if (const std::optional<UpAxis> up = parse_up_axis(value)) {
       header.up = *up;
-      header.says_up = key == "up";
+      header.says_up = key == "up", header.names_up = true;
     }
   if (key == "crs") header.crs = value;
-  if (key == "TextureFile" && header.texture.empty()) header.texture = value;
+  if (key == "TextureFile") {
+    if (header.texture.empty()) header.texture = value;
+  } else if (!header.names_up && has_z_up(key + " " + value)) {
+    header.up = UpAxis::pos_z;
+  }
 }
 
 }  // namespace

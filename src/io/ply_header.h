@@ -33,7 +33,8 @@ struct PlyHeader {
   std::uint64_t data_begin = 0;  ///< byte behind end_header's line
   std::size_t lines = 0;         ///< lines of the header
   UpAxis up = UpAxis::pos_y;
-  bool says_up = false;
+  bool says_up = false;   ///< of the file itself
+  bool names_up = false;  ///< by a comment of ours, of the file or of its kind
   std::string crs;
   std::string texture;  ///< `comment TextureFile`, the first
 };

@@ -74,10 +74,8 @@ void cover(ivec2 pixel, float depth, int i) {
   uint bits = floatBitsToUint(depth);
 #if defined(ONE_VISIT)
   int at = pixel.y * int(frame.image_size.x) + pixel.x;
-  uint64_t entry = nearest[at];
-  if (uint64_t(bits) > entry >> 32) return;
-  uint64_t own = uint64_t(bits) << 32 | uint64_t(point_source_index(i));
-  if (own < entry) atomicMin(nearest[at], own);
+  if (uint64_t(bits) > nearest[at] >> 32) return;  // never wrong: depths only fall
+  atomicMin(nearest[at], uint64_t(bits) << 32 | uint64_t(point_source_index(i)));
 #elif defined(LIST_LENGTH)
   ivec2 next = ivec2(0, frame.image_size.y);
 #ifdef WRITE_INDEX

@@ -402,6 +402,9 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
   const bool is_photographed = are_photographed_ && settings.shadows == Shadows::off &&
                                Light::parse(settings.light_text).kind == Light::Kind::headlight;
   bool has_hard_edges = false;
+  // Shadows on a ground show on white, as in the figures of papers; and who asks for no background puts the
+  // picture on a page.
+  bool is_on_paper = settings.transparent || (settings.ground && casts_shadows(settings.shadows));
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Look& own = parts_[k].look ? *parts_[k].look : look;
     if (parts_[k].look) {
@@ -409,6 +412,7 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
       for (const auto& [name, value] : parts_[k].rule->parameters) own.set(name, value);
     }
     complete(k, own.technique->needs(), progress);
+    is_on_paper = is_on_paper || own.technique->is_on_paper();
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
     // Seen in parallel, a plane has one angle to view and light: a highlight would lift all of its colours.
     const bool has_highlights = coloring_.kind == ColorKind::rgb && !camera.orthographic();
@@ -416,9 +420,7 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
     own.settings.palette = palette_;
     items.push_back({k, own.technique.get(), &own.settings});
   }
-  // A shadow on the ground shows on white, as in the figures of papers.
-  const bool is_figure = settings.ground && casts_shadows(settings.shadows);
-  background_ = options_.background.value_or(is_figure ? vec3(1) : contrasting_);
+  background_ = options_.background.value_or(is_on_paper ? vec3(1) : contrasting_);
   settings.background = background_;
   settings.photographed = are_photographed_;
   const float edl = edl_strength(items, are_photographed_);

@@ -36,6 +36,8 @@ class Technique {
   virtual bool closes_depth() const { return true; }
   /// True where the technique's own edges are soft, so that smoothing outlines would only blur them.
   virtual bool has_soft_edges() const { return false; }
+  /// Whether its colours are laid on white paper, unless another background is chosen.
+  virtual bool is_on_paper() { return false; }
   /// Whether noise should not move what stands still in a sequence (analysis/still.h).
   virtual bool holds_still() const { return false; }
   /// Items of a scene that let through what lies behind them are drawn last, in the order of this list, with

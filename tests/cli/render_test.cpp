@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "cli/command.h"
+#include "core/color.h"
 #include "reference/png.h"
 
 using namespace sfumato;
@@ -134,6 +135,41 @@ TEST_F(RenderTest, BackgroundAndTransparency) {
   ASSERT_EQ(run({"cube.ply", "-o", "b.png", "--resolution", "32x32", "--no-background"}).code, 0);
   EXPECT_EQ(read_png("b.png").at(0, 0).a, 0);
   EXPECT_EQ(read_png("b.png").at(16, 16).a, 255);
+}
+
+// What is laid on paper, and shadows on a ground, are on white, though the colours of the points are on dark.
+TEST_F(RenderTest, PaperIsWhite) {
+  std::string ball;
+  for (int i = 0; i < 3000; ++i) {
+    const double z = (i + 0.5) / 1500 - 1, turn = 2.4 * i, radius = std::sqrt(1 - z * z);
+    const double x = radius * std::cos(turn), y = radius * std::sin(turn);
+    ball += std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + " " +
+            std::to_string(120 + i % 100) + " " + std::to_string(140 + i % 70) + " 120\n";
+  }
+  write("ball.xyz", ball);
+  const auto corner = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"ball.xyz", "-o", "p.png", "--resolution", "64x48"});
+    EXPECT_EQ(run(words).code, 0);
+    return read_png("p.png").at(0, 0);
+  };
+  const Rgba8 white{255, 255, 255, 255};
+  EXPECT_LT(luma(corner({"-t", "points"})), 50);
+  EXPECT_LT(luma(corner({"-t", "strokes"})), 50);
+  EXPECT_GT(luma(corner({"-t", "strokes", "--style", "charcoal"})), 200);
+  EXPECT_EQ(corner({"-t", "splats", "--shadows", "hard", "--ground"}), white);
+  EXPECT_EQ(corner({"-t", "points", "--background-color", "white"}), white);
+  EXPECT_LT(luma(corner({"-t", "strokes", "--style", "charcoal", "--background-color", "#101010"})), 50);
+  // The names of a transparent sheet are to be read on a page.
+  ASSERT_EQ(
+      run({"ball.xyz", "-t", "points,splats", "--no-background", "-o", "s.png", "--resolution", "160x120"})
+          .code,
+      0);
+  const Image<Rgba8> sheet = read_png("s.png");
+  double darkest = 255;
+  for (int x = 0; x < sheet.width(); ++x)
+    for (int y = 0; y < 16; ++y)
+      if (sheet.at(x, y).a > 200) darkest = std::min(darkest, luma(sheet.at(x, y)));
+  EXPECT_LT(darkest, 60);
 }
 
 TEST_F(RenderTest, DepthNormalAndLinearArrays) {

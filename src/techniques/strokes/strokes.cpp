@@ -55,6 +55,7 @@ class Strokes final : public Technique {
 
   Attributes needs() const override { return Attribute::normal | Attribute::cluster; }
   bool has_soft_edges() const override { return true; }  // of brushes
+  bool is_on_paper() override { return parameters_.resolve_look().medium != Medium::paint; }
   bool holds_still() const override { return parameters_.hold_still; }
 
   int reach_px(const GpuCloud&, const Camera& camera) const override {

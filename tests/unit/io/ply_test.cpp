@@ -85,6 +85,9 @@ TEST(PlyTest, ProgramsThatHaveZUpSaySoByTheirName) {
   const PointCloud named = cloud_of("comment Created by CloudCompare v2.12\ncomment up +Y\n");
   EXPECT_EQ(named.up, UpAxis::pos_y) << "what a file says counts";
   EXPECT_TRUE(named.up_is_known);
+  EXPECT_EQ(cloud_of("comment up +Y\ncomment Created by CloudCompare v2.12\n").up, UpAxis::pos_y);
+  EXPECT_EQ(cloud_of("comment usual_up -Y\ncomment PCL generated\n").up, UpAxis::neg_y);
+  EXPECT_EQ(cloud_of("comment TextureFile Blender_export.png\n").up, UpAxis::pos_y);
 }
 
 TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {

@@ -613,6 +613,16 @@ TEST(Upright, ALidarHasTheGroundBelowIt) {
     }
 }
 
+TEST(Upright, AStrayPointAboveALidarChangesNothing) {
+  PointCloud cloud = street_sweep(32);
+  turn(cloud, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));
+  for (const std::ptrdiff_t at : {0, 1, 2}) {  // of which not all are in a sample
+    PointCloud with = cloud;
+    with.positions.insert(with.positions.begin() + at, vec3(0.02f, 0.01f, 3));
+    EXPECT_EQ(guess_upright(with).up, UpAxis::neg_z) << at;
+  }
+}
+
 // Walls without a floor tell only which axis it is, whichever of them the lidar is nearest to.
 TEST(Upright, ALidarBetweenWallsStandsAsItsFormatHasIt) {
   const vec3 low(-4, -2, -9), high(2, 8, 9);
