@@ -58,8 +58,8 @@ TEST_F(RenderTest, MeshesAreDrawnByTheirFaces) {
 }
 
 TEST_F(RenderTest, FirstViewFramesTheCloudInItsColours) {
-  const Json json =
-      run_json({"cube.ply", "-o", "a.png", "--resolution", "128x96", "--shading", "albedo", "--json"});
+  const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "128x96", "--shading", "albedo",
+                              "--background-color", "white", "--json"});
   const Image<Rgba8> image = read_png("a.png");
   ASSERT_EQ(image.width(), 128);
   ASSERT_EQ(image.height(), 96);
@@ -275,7 +275,7 @@ TEST_F(RenderTest, ExrHoldsColourDepthAndNormals) {
   write_front_camera();
   write_cube("fine.ply", 60);
   ASSERT_EQ(run({"fine.ply", "-o", "a.exr", "--camera", "front.json", "--shading", "albedo", "--size-mode",
-                 "pixels", "--point-size", "1", "--edl", "false"})
+                 "pixels", "--point-size", "1", "--edl", "false", "--background-color", "white"})
                 .code,
             0);
   Imf::InputFile file(path("a.exr").c_str());
