@@ -43,14 +43,15 @@ struct Places {
   std::vector<float> inverse_dimension;  ///< 1 on a line, 1/2 on a surface
 };
 
-/// Of 8 points within a reach in a space of 1 to 2 dimensions: on a line they need to meet the next on the
-/// line, not the next line.
+/// Of what is there, from a line (1) to a surface (2).
 float dimension_of(float inverse_dimension) {
   // Of a surface the mean of 25 places scatters by .02, were they apart.
   constexpr float unsure = 0.05f;
   return 1 / std::clamp(inverse_dimension - unsure, 0.5f, 1.0f);
 }
 
+/// So far apart are points of which 8 are within a reach: on lines they need to meet the next on the line,
+/// not the next line.
 float spacing_at(float log2_reach, float dimension) {
   const float ball = std::pow(std::numbers::pi_v<float>, dimension / 2) / std::tgamma(dimension / 2 + 1);
   return std::exp2(log2_reach) * std::pow(ball / float(eighth + 1), 1 / dimension);

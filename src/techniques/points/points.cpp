@@ -21,7 +21,7 @@ namespace {
 constexpr float dot_share = 0.6f;
 /// At 720 lines: from what viewers of points draw them as, to what still tells leaves apart.
 constexpr float least_dot_px = 1.5f, most_dot_px = 4;
-/// Points that far apart are closed by dots of 4 px.
+/// Points farther apart than this, and than usual, recede.
 constexpr float sparse_px = 3;
 
 class Points final : public Technique {
