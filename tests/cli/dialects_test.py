@@ -10,8 +10,9 @@ import subprocess
 import sys
 import tempfile
 
-COMMAND = os.environ["SFUMATO_COMMAND"]
-failures = []
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../serve"))
+from server import COMMAND, check, failures  # noqa: E402
+
 folder = tempfile.TemporaryDirectory()
 
 
@@ -21,12 +22,6 @@ def at(name):
 
 def run(*words):
     return subprocess.run([COMMAND, *words], capture_output=True, text=True, cwd=folder.name)
-
-
-def check(what, holds, detail=""):
-    print(("right " if holds else "WRONG ") + what + ("" if holds else f": {detail}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def info(*files):

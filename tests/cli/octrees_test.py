@@ -11,14 +11,8 @@ import sys
 import tempfile
 import threading
 
-COMMAND = os.environ["SFUMATO_COMMAND"]
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../serve"))
+from server import COMMAND, check, failures  # noqa: E402
 
 
 def command(*words):

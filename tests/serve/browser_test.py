@@ -9,7 +9,7 @@ import time
 
 sys.path.insert(0, os.path.dirname(__file__))
 import chromium  # noqa: E402
-from server import COMMAND, Server, make_scan, points_of  # noqa: E402
+from server import COMMAND, Server, check, failures, make_scan, points_of  # noqa: E402
 
 if chromium.missing():
     print("SKIPPED: " + chromium.missing())
@@ -21,13 +21,6 @@ CANVAS = "document.getElementById('picture')"
 HASH = """(() => { const c = document.getElementById('picture');
   const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
   let h = 0; for (let i = 0; i < d.length; ++i) h = (Math.imul(h, 31) + d[i]) | 0; return h; })()"""
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def settle(tab, deed=lambda: None):

@@ -9,15 +9,7 @@ import threading
 import time
 
 sys.path.insert(0, os.path.dirname(__file__))
-from server import COMMAND, Server, Socket, make_scan  # noqa: E402
-
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
+from server import COMMAND, Server, Socket, check, failures, make_scan  # noqa: E402
 
 
 def status(answer):

@@ -6,10 +6,9 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(__file__))
-from server import COMMAND, make_scan  # noqa: E402
+from server import COMMAND, check, failures, make_scan  # noqa: E402
 
 LINES = os.environ["SFUMATO_LINES"]
-failures = []
 
 #: What is done one after the other; a picture is taken after each.
 STEPS = [
@@ -30,12 +29,6 @@ STEPS = [
     ("from above", [{"do": "view", "name": "top"}]),
     ("undone", [{"do": "undo"}]),
 ]
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 class Front:

@@ -10,9 +10,8 @@ import time
 
 sys.path.insert(0, os.path.dirname(__file__))
 import chromium  # noqa: E402
-from server import COMMAND, free_port, make_scan  # noqa: E402
+from server import COMMAND, check, failures, free_port, make_scan  # noqa: E402
 
-failures = []
 JUPYTER = "/usr/bin/jupyter-notebook"
 MODULE = os.path.join(os.environ.get("PYTHONPATH", ""), "sfumato", "__init__.py")
 reason = chromium.missing() or ("" if os.path.exists(JUPYTER) else "there is no jupyter-notebook (scripts/install-deps --all)")
@@ -21,12 +20,6 @@ if not reason and not os.path.exists(MODULE):
 if reason:
     print("SKIPPED: " + reason)
     sys.exit(0)
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def write_notebook(file, *cells):

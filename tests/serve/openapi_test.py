@@ -6,7 +6,7 @@ import sys
 import tempfile
 
 sys.path.insert(0, os.path.dirname(__file__))
-from server import COMMAND, Server, make_scan  # noqa: E402
+from server import COMMAND, Server, check, failures, make_scan  # noqa: E402
 
 TYPES = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float), "boolean": bool}
 #: A value of each option of a picture that is none of the types' own.
@@ -17,13 +17,6 @@ VALUES = {"technique": "points", "resolution": "48x32", "draw": "z 0..: splats",
           "color": "red", "colormap": "viridis", "color-range": "0,1", "background-color": "white", "exposure": "1.5"}
 #: What goes only with another.
 BESIDE = {"colormap": {"color-by": "elevation"}, "color-range": {"color-by": "elevation"}, "legend": {"color-by": "elevation"}}
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def faults(value, schema, where=""):

@@ -8,16 +8,9 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.dirname(__file__))
-from server import Server, Socket, free_port, make_scan  # noqa: E402
+from server import Server, Socket, check, failures, free_port, make_scan  # noqa: E402
 
 EXAMPLE = os.path.join(os.path.dirname(__file__), "../../examples/serve/nginx.conf")
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 class Behind:

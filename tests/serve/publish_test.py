@@ -11,16 +11,9 @@ import time
 
 sys.path.insert(0, os.path.dirname(__file__))
 import chromium  # noqa: E402
-from server import COMMAND, make_scan, points_of  # noqa: E402
+from server import COMMAND, check, failures, make_scan, points_of  # noqa: E402
 
 PICTURES = os.environ.get("SFUMATO_PAGE_PICTURES")  # a folder: screenshots are kept there, for eyes
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
 
 
 def publish(*words):

@@ -14,15 +14,7 @@ import time
 import zipfile
 
 sys.path.insert(0, os.path.dirname(__file__))
-from server import COMMAND  # noqa: E402
-
-failures = []
-
-
-def check(what, holds, detail=""):
-    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
-    if not holds:
-        failures.append(what)
+from server import COMMAND, check, failures  # noqa: E402
 
 
 class Server(http.server.ThreadingHTTPServer):

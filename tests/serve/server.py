@@ -12,6 +12,13 @@ import time
 import urllib.request
 
 COMMAND = os.environ["SFUMATO_COMMAND"]
+failures = []  #: what `check` found wrong
+
+
+def check(what, holds, detail=""):
+    print(("ok    " if holds else "WRONG ") + what + ("" if holds else f": {detail!r}"), flush=True)
+    if not holds:
+        failures.append(what)
 
 
 def make_scan(folder, points=20000):
