@@ -505,7 +505,7 @@ def render(points, colors=None, technique="auto", camera=None, size=None, normal
     colors : array (N, 3) or (N, 4), or one colour, optional
         sRGB, bytes or floats from 0 to 1; "steelblue" paints every point alike.
     technique : str
-        "auto" (what suits the scan), "points", "splats", "surface", "soft", "layers", "denoise" or "strokes".
+        A name of `techniques`, or "auto" (what suits the scan).
     camera : `Camera`, str, dict, path, optional
         By default the view from the side that suits the scan. "top", "iso" ... names a side,
         ``{"azimuth": 30, "elevation": 20, "zoom": 2}`` takes what `Renderer.view` does, a .json file is read.
