@@ -218,13 +218,12 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
                                : without_colors(coloring_.source, largest_of(clouds));
     if (settings.color_by != coloring_.source) color_all();
   }
-  contrasting_ = contrasting_background(of_all ? of_all->colors : coloring_.colors);
+  const std::vector<Rgba8>& all = of_all ? of_all->colors : coloring_.colors;
+  contrasting_ = contrasting_background(all);
   // One part of a cloud may have fewer colours than the next.
-  const std::vector<Rgba8>& deciding = whole_ && of_all ? of_all->colors : coloring_.colors;
-  background_ = options_.background.value_or(contrasting_);
-  are_photographed_ =
-      (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) && !options_.color.solid &&
-      distinct_colors(of_all ? of_all->colors : coloring_.colors, RenderSettings::palette_limit).empty();
+  const std::vector<Rgba8>& deciding = whole_ ? all : coloring_.colors;
+  are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
+                      !options_.color.solid && distinct_colors(all, RenderSettings::palette_limit).empty();
   if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
     for (Rgba8& c : coloring_.colors)
       if (c == black) c = drawn_for_black;
@@ -332,7 +331,7 @@ void Session::share_scene(const Session& other) {
   box_ = other.box_, shadow_box_ = other.shadow_box_, spacing_ = other.spacing_;
   coloring_ = other.coloring_, palette_ = other.palette_, are_photographed_ = other.are_photographed_;
   pose_ = other.pose_, left_out_ = other.left_out_;
-  background_ = other.background_, contrasting_ = other.contrasting_;
+  contrasting_ = other.contrasting_;
   is_empty_ = other.is_empty_;
 }
 
@@ -366,10 +365,7 @@ void Session::set_color(const ColorSettings& wanted) {
   for (std::size_t k = 0; k < parts_.size(); ++k) renderer_.set_colors(std::move(colors[k]), k);
 }
 
-void Session::set_background(const std::optional<vec3>& background) {
-  options_.background = background;
-  background_ = background.value_or(contrasting_);
-}
+void Session::set_background(const std::optional<vec3>& background) { options_.background = background; }
 
 void Session::complete(std::size_t part, Attributes needs, Progress& progress) {
   renderer_.complete(
@@ -420,8 +416,7 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
     own.settings.palette = palette_;
     items.push_back({k, own.technique.get(), &own.settings});
   }
-  background_ = options_.background.value_or(is_on_paper ? vec3(1) : contrasting_);
-  settings.background = background_;
+  settings.background = background_ = options_.background.value_or(is_on_paper ? vec3(1) : contrasting_);
   settings.photographed = are_photographed_;
   const float edl = edl_strength(items, are_photographed_);
   settings.edl.resolve(edl > 0);

@@ -208,9 +208,8 @@ class Strokes final : public Technique {
   void put_on_ground(Frame& frame, const View& view) {
     if (!medium_) medium_ = ScreenPass("techniques/strokes/medium.glsl", {GL_RGBA32F});
     gl::ensure(on_ground_, "painting on its ground", GL_RGBA32F, view.width(), view.height());
-    const vec3 ground = frame.settings.transparent ? vec3(1) : frame.settings.background;
     medium_.set("medium", int(look_.medium) - int(Medium::paint)).set("canvas", look_.canvas);
-    medium_.set("scale", float(view.picture_height()) / 720).set("ground", ground);
+    medium_.set("scale", float(view.picture_height()) / 720).set("ground", frame.settings.background);
     view.bind();
     medium_.run({&frame.target.color, &frame.target.depth}, {&on_ground_});
     std::swap(frame.target.color, on_ground_);
