@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "session/choice.h"
+#include "session/drawing.h"
 #include "session/opening.h"
 #include "session/preset.h"
 
@@ -21,10 +22,8 @@ PresetLook read_preset(const std::string& file, const std::string& technique) {
 }
 
 struct HeadlessRenderer::State {
-  std::unique_ptr<gl::Context> context = gl::Context::create_headless();
-  Session session{*context};
-  std::unique_ptr<Look>
-      look;  ///< of the last picture: another one of the same technique needs nothing made anew
+  Drawing drawing;
+  Session& session = drawing.session;
   std::optional<TechniqueChoice> choice;  ///< what suits the points, once somebody asked
   std::vector<std::string> notes;         ///< of reading
   bool whole = false;
@@ -33,21 +32,15 @@ struct HeadlessRenderer::State {
   SessionOptions options;
   RenderWants wants{.color_linear = true, .depth = true, .normal = true};
 
-  ~State() { forget_look(); }
-  /// What a technique holds on the GPU goes where it was made.
-  void forget_look() {
-    const gl::Context::Use use(*context);
-    look.reset();
-  }
   /// Reads what a view of files with levels shows.
   void see(const Camera& camera, bool has_shadows, Progress& progress);
   void show(scene::Scene scene, Pose pose, Progress& progress);
   /// What `name` stands for: "auto" is what suits the points.
-  std::string settle(const std::string& name);
+  TechniqueChoice settle(const std::string& name);
 };
 
 void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, Progress& progress) {
-  forget_look();  // what it holds of the last cloud is of no use for this one
+  drawing.forget_look();
   choice.reset();
   notes = scene.notes;
   notes.insert(notes.end(), scene.damage.begin(), scene.damage.end());
@@ -66,10 +59,10 @@ void HeadlessRenderer::State::see(const Camera& camera, bool has_shadows, Progre
   seen = view;
 }
 
-std::string HeadlessRenderer::State::settle(const std::string& name) {
-  if (name != automatic_technique) return name;
+TechniqueChoice HeadlessRenderer::State::settle(const std::string& name) {
+  if (name != automatic_technique) return {name, {}};
   if (!choice) choice = session.suggest();
-  return choice->technique;
+  return *choice;
 }
 
 HeadlessRenderer::HeadlessRenderer() : state_(std::make_unique<State>()) {}
@@ -122,31 +115,25 @@ void HeadlessRenderer::set_outputs(const Outputs& outputs) {
 Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camera,
                                   const Parameters& parameters, std::optional<vec3> background,
                                   Progress& progress) {
-  if (state_->session.empty())
-    throw Error(ErrorCode::usage, "nothing to render: call open or set_cloud first");
-  const std::string name = state_->settle(wanted);
-  std::unique_ptr<Look>& look = state_->look;
-  if (look && look->name != name) state_->forget_look();
-  if (!look) look = std::make_unique<Look>(name);
-  look->reset();
-  for (const auto& [key, value] : parameters) look->set(key, value);
-  if (state_->opening) {
-    const bool has_shadows = casts_shadows(look->settings.shadows);
-    state_->see(camera, has_shadows, progress);  // which forgets the look
-    look = std::make_unique<Look>(name);
-    for (const auto& [key, value] : parameters) look->set(key, value);
+  State& s = *state_;
+  if (s.session.empty()) throw Error(ErrorCode::usage, "nothing to render: call open or set_cloud first");
+  const TechniqueChoice chosen = s.settle(wanted);
+  Look* look = &s.drawing.look_of(chosen.technique, parameters);
+  if (s.opening) {
+    s.see(camera, casts_shadows(look->settings.shadows), progress);  // which forgets the look
+    look = &s.drawing.look_of(chosen.technique, parameters);
   }
   look->settings.transparent = !background;
-  state_->session.set_background(background.value_or(vec3(1)));
-  RenderOutput out = state_->session.render(*look, camera, state_->wants, progress);
+  s.session.set_background(background);
+  RenderOutput out = s.session.render(*look, camera, s.wants, progress);
 
-  Pictures pictures{std::move(out.rgba8), std::move(out.color_linear), std::move(out.depth),
-                    std::move(out.normal), name};
-  if (wanted == automatic_technique) pictures.reason = state_->choice->reason;
+  Pictures pictures{std::move(out.rgba8), std::move(out.color_linear),
+                    std::move(out.depth), std::move(out.normal),
+                    chosen.technique,     chosen.reason};
   for (const Param& param : look->parameters.all())
     pictures.parameters.emplace_back(param.name, param.resolved());
-  pictures.notes = state_->notes;
-  const std::vector<std::string>& of_colors = state_->session.coloring().notes;
+  pictures.notes = s.notes;
+  const std::vector<std::string>& of_colors = s.session.coloring().notes;
   pictures.notes.insert(pictures.notes.end(), of_colors.begin(), of_colors.end());
   pictures.notes.insert(pictures.notes.end(), out.notes.begin(), out.notes.end());
   return pictures;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "session/choice.h"
+#include "session/drawing.h"
 #include "session/opening.h"
 
 namespace sfumato {
@@ -56,37 +57,18 @@ class Worker {
   std::thread thread_{[this] { work(); }};
 };
 
-struct Drawing {
-  std::unique_ptr<gl::Context> context = gl::Context::create_headless();
-  Session session{*context};
-  std::unique_ptr<Look> look;  ///< of the last picture
-
-  ~Drawing() { forget_look(); }
-  void forget_look() {
-    const gl::Context::Use use(*context);
-    look.reset();
-  }
-  /// "auto" as what suits the whole.
-  std::string settle(const std::string& technique) const {
-    return technique == automatic_technique ? session.suggest().technique : technique;
-  }
-  Look& look_of(const std::string& technique, const Parameters& parameters);
-};
-
-Look& Drawing::look_of(const std::string& technique, const Parameters& parameters) {
-  const std::string name = settle(technique);
-  if (look && look->name != name) forget_look();
-  if (!look) look = std::make_unique<Look>(name);
-  look->reset();
-  for (const auto& [key, value] : parameters) look->set(key, value);
-  look->settings.transparent = true;
-  return *look;
-}
-
 }  // namespace
 
 struct PartRenderer::State {
   std::optional<Drawing> drawing;
+  std::string settle(const std::string& technique) const {
+    return technique == automatic_technique ? drawing->session.suggest().technique : technique;
+  }
+  Look& look_of(const std::string& technique, const Parameters& parameters) {
+    Look& look = drawing->look_of(settle(technique), parameters);
+    look.settings.transparent = true;
+    return look;
+  }
   Worker worker;
   State() {
     worker.run([&] { drawing.emplace(); });
@@ -112,36 +94,33 @@ void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> w
     scene::Scene scene;
     scene.cloud = std::move(part);
     scene.whole = std::move(whole);
-    state_->drawing->session.set_scene(std::move(scene), opening.pose(), {{}, coloring, vec3(1)},
+    state_->drawing->session.set_scene(std::move(scene), opening.pose(), {{}, coloring, {}},
                                        [](const Session::Suggest&) { return Attributes(); });
   });
 }
 
 std::string PartRenderer::settle(const std::string& technique) const {
-  return state_->worker.run([&] { return state_->drawing->settle(technique); });
+  return state_->worker.run([&] { return state_->settle(technique); });
 }
 
 bool PartRenderer::merges(const std::string& technique, const Camera& camera, const Parameters& parameters) {
-  Drawing& drawing = *state_->drawing;
   return state_->worker.run(
-      [&] { return drawing.session.merges(drawing.look_of(technique, parameters), camera); });
+      [&] { return state_->drawing->session.merges(state_->look_of(technique, parameters), camera); });
 }
 
 VisiblePoints PartRenderer::visible(const std::string& technique, const Camera& camera,
                                     const Parameters& parameters) {
-  Drawing& drawing = *state_->drawing;
   return state_->worker.run(
-      [&] { return drawing.session.visible(drawing.look_of(technique, parameters), camera); });
+      [&] { return state_->drawing->session.visible(state_->look_of(technique, parameters), camera); });
 }
 
 Pictures PartRenderer::picture(const VisiblePoints& merged, const std::string& technique,
                                const Camera& camera, const Parameters& parameters) {
-  Drawing& drawing = *state_->drawing;
   return state_->worker.run([&] {
     RenderWants wants;
     wants.depth = true;
-    Look& look = drawing.look_of(technique, parameters);
-    RenderOutput out = drawing.session.render_merged(merged, look, camera, wants);
+    Look& look = state_->look_of(technique, parameters);
+    RenderOutput out = state_->drawing->session.render_merged(merged, look, camera, wants);
     Pictures pictures;
     pictures.color = std::move(out.rgba8), pictures.depth = std::move(out.depth);
     pictures.technique = look.name, pictures.notes = std::move(out.notes);

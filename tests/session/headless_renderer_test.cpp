@@ -92,6 +92,12 @@ TEST_F(HeadlessRendererTest, ReadsWhatViewsShowOfFilesWithLevels) {
   const std::ptrdiff_t of_all = covered({});
   EXPECT_GT(of_all, 500);
   EXPECT_GT(covered(20'000), of_all / 5);  // of a tenth of the points it would be a tenth
+
+  HeadlessRenderer renderer;
+  renderer.open({.files = {folder_ / "scan.copc.laz"}, .max_points = 20'000});
+  const std::string reason = renderer.render("auto", renderer.first_view(120, 60)).reason;
+  EXPECT_NE(reason, "");
+  EXPECT_EQ(renderer.render("auto", near).reason, reason) << "that of the whole";
 }
 
 TEST_F(HeadlessRendererTest, RulesDrawPartsByTechniquesOfTheirOwn) {
