@@ -31,6 +31,7 @@ enum class UpEvidence {
   camera,    ///< a camera at the origin, in whose axes all lies, has it for up
   normals,   ///< the normals of what lies point there in the mean
   base,      ///< stands on a base that closes below the centre of mass
+  aside,     ///< how far its foot is from below the centre of mass, over how far all is, 1 at most
   lies,      ///< all is thin along it
   stands,    ///< the columns along it end below on one plane, and all else is above that
   room,      ///< level floor and ceiling across it

@@ -500,6 +500,69 @@ TEST(Upright, AShaftIsNoRoom) {
     EXPECT_EQ(each.evidence[std::size_t(UpEvidence::room)], 0) << to_string(each.up);
 }
 
+double aside(const PointCloud& cloud, UpAxis up) {
+  for (const UpCandidate& each : up_candidates(cloud))
+    if (each.up == up) return each.evidence[std::size_t(UpEvidence::aside)];
+  return -1;
+}
+
+/// A stem 8 high, z up, of which a few leaves rise, arch outwards and droop: to one side longer ones.
+PointCloud seedling() {
+  std::mt19937 random(46);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_y;
+  for (int i = 0; i < 20'000; ++i) {
+    const float angle = 6.2832f * unit(random), along = unit(random);
+    if (i % 8 == 0) {
+      cloud.positions.push_back({0.2f * std::cos(angle), 0.2f * std::sin(angle), 8 * along});
+      continue;
+    }
+    const int leaf = i % 5;
+    const float turn = 1.2566f * float(leaf), length = leaf == 0 ? 12.0f : 6.0f;
+    const float out = length * along, side = 0.8f * (unit(random) - 0.5f);
+    cloud.positions.push_back({out * std::cos(turn) - side * std::sin(turn),
+                               out * std::sin(turn) + side * std::cos(turn),
+                               4 + 0.8f * float(leaf) + 8 * along * (1 - along) - 1.5f * along});
+  }
+  return cloud;
+}
+
+// By construction: the foot of the stem is nearer to below the middle of the crown than the tip of any leaf.
+TEST(Upright, WhatGrowsIsOverItsStem) {
+  PointCloud plant = seedling();
+  EXPECT_EQ(guess_upright(plant).up, UpAxis::pos_z);
+  for (UpAxis other : {UpAxis::pos_x, UpAxis::neg_x, UpAxis::pos_y, UpAxis::neg_y})
+    EXPECT_LT(aside(plant, UpAxis::pos_z), 0.7 * aside(plant, other)) << to_string(other);
+  turn(plant, y_up);
+  plant.up = UpAxis::pos_z;
+  EXPECT_EQ(guess_upright(plant).up, UpAxis::pos_y);
+}
+
+// Of a column and a ball on it that has two thirds of all: the middle is twice as far from the column as from
+// the ball's top, on which it stands upside down.
+TEST(Upright, AFootIsAsFarAsideAsMeasured) {
+  std::mt19937 random(47);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (float a : {0.0f, 1.0f}) {
+    PointCloud cloud;
+    cloud.up = UpAxis::pos_z;
+    while (cloud.size() < 60'000) {
+      const vec3 ball(unit(random), unit(random), unit(random));
+      if (glm::length(ball) > 1) continue;
+      cloud.positions.push_back(vec3(a, 0, 10) + 2.0f * ball);
+      if (cloud.size() % 3 == 2)
+        cloud.positions.push_back({0.01f * unit(random), 0.01f * unit(random), 5 + 5 * unit(random)});
+    }
+    const double below = aside(cloud, UpAxis::pos_z), above = aside(cloud, UpAxis::neg_z);
+    // The cap of the ball is some 100 points within .8: their middle is known to .05 of the spread of 1.
+    if (a == 0)
+      EXPECT_LT(std::max(below, above), 0.05);
+    else
+      EXPECT_NEAR(below / above, 2, 0.3);
+  }
+}
+
 // Shelves are level whichever way they are turned: their back is in line with no axis.
 TEST(Upright, LevelSurfacesTellWithoutAFloor) {
   std::mt19937 random(47);
