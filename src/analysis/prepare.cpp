@@ -63,10 +63,10 @@ void PrepareOptions::describe(ParamList& p) {
       .range(3, 256)
       .help("points that a normal, a radius or an uncertainty is computed from")
       .paper("Seemann 2018, K");
-  // K discs that point anywhere hide 1 - exp(-K r^2 / 2 R^2) of what lies behind their ball of radius R,
-  // which is three quarters and more for discs of Eq. 20: a twig of few leaves becomes a boulder. A sixth is
-  // what twigs hide, which is r = sqrt(2 ln 1.2) / 2 of Eq. 20, or 0.2 when discs are then drawn 1.5 times as
-  // large.
+  // The least with which neighbours on a square grid close what may be a noisy surface is 0.42 (discs are
+  // drawn 1.5 times as large), and a random sample needs more. What twigs hide would be 0.2: K discs that
+  // point anywhere hide 1 - exp(-K r^2 / 2 R^2) of what lies behind their ball of radius R. That perforates
+  // curved and noisy surfaces, and readers marked it lower (docs/measurements/dots.md).
   p.add("clutter_radius", clutter_radius)
       .range(0.05, 1)
       .unit("factor")

@@ -12,7 +12,7 @@ namespace sfumato::analysis {
 
 struct PrepareOptions {
   int neighbors = 24;
-  float clutter_radius = 0.2f;
+  float clutter_radius = 0.5f;
   StrokeOptions strokes;
   void describe(ParamList& p);
 };
