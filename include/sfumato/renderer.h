@@ -77,13 +77,13 @@ class HeadlessRenderer {
   /// Sorts the cloud, measures its spacing and colours it. Throws Error(bad_input) for a cloud without
   /// points, Error(usage) for a colour source that it does not have.
   void set_cloud(PointCloud cloud, const ColorSettings& coloring = {}, Progress& progress = no_progress());
-  /// The view of the command: from azimuth -45 and elevation 30 degrees, or what suits the scan, it shows all
-  /// but outliers.
+  /// The first view that the command chooses (docs/first_look.md), from azimuth -30 and elevation 30 degrees
+  /// where nothing tells another. It shows all but outliers.
   Camera first_view(int width, int height) const;
   /// Applies to the following pictures.
   void set_outputs(const Outputs& outputs);
-  /// `technique`: a name, or "auto" for what suits the points. `background` is sRGB 0..1, or nothing for a
-  /// transparent picture. Attributes that the technique needs and the cloud does not have are computed once
+  /// `technique`: a name, or "auto" for what suits the points. `background` is sRGB 0..1 (white; the
+  /// command chooses its own), or nothing for a transparent picture. Attributes that the technique needs and the cloud does not have are computed once
   /// and kept. Throws Error(usage) for an unknown technique or parameter and before a cloud was set;
   /// Cancelled when `progress` asks for it.
   Pictures render(const std::string& technique, const Camera& camera, const Parameters& parameters = {},

@@ -80,7 +80,7 @@ void RenderSettings::describe(ParamList& p) {
       .range(0, 1)
       .help(
           "share of light that reaches every point (auto: 0.3; 1 where the colours are photographed and "
-          "neither a light nor shadows are asked for)")
+          "neither a light nor shadows are given)")
       .paper("k_a");
   p.add("diffuse", phong.diffuse)
       .range(0, 1)
@@ -113,7 +113,7 @@ void RenderSettings::describe(ParamList& p) {
       .unit("scene units")
       .help("distance below which a point casts no shadow (auto: 3 point spacings)")
       .paper("d_min");
-  p.add("ground", ground).help("a plane under the cloud that catches its shadow (with shadows hard or soft)");
+  p.add("ground", ground).help("a plane under the cloud that receives its shadow (with shadows hard or soft)");
   p.add("edl", edl)
       .help(
           "eye-dome lighting: dark lines along depth edges above the noise (auto: in every "
@@ -121,7 +121,7 @@ void RenderSettings::describe(ParamList& p) {
   p.add("edl_radius", edl_radius)
       .range(0.5, 16)
       .unit("px")
-      .help("reach of eye-dome lighting; in proportion more in pictures higher than 720 px");
+      .help("radius of eye-dome lighting in a picture 720 px high; scales with larger heights");
   p.add("edl_strength", edl_strength)
       .range(0, 10)
       .help("darkness of eye-dome lighting (auto: 0.4 in points, 0.12 where surfaces are closed)");

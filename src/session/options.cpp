@@ -221,7 +221,7 @@ void add_output(Table& t) {
       .is(Scope::look);
   t.text(
       "-o,--output", "FILE",
-      "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, clear where nothing is), .exr "
+      "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, transparent where nothing is), .exr "
       "(linear, Z, normals), .npy (linear RGBA); - is standard output",
       &Request::output);
   t.flag("--world-file", "the georeference of a plan beside its picture, as NAME.pgw", &Request::world_file)
@@ -234,19 +234,19 @@ void add_output(Table& t) {
          "depth along the view axis: .npy or .exr (float32, inf where nothing), .png (16 bit)",
          &Request::output_depth);
   t.value("--depth-unit", "m|cm|mm|in|ft|METRES",
-          "what one step of a depth .png is (its range in 65535 steps); beyond 65535 of them all is 65535",
+          "unit of one step of a depth .png (default: its range in 65535 steps); larger depths are 65535",
           &Request::depth_unit, [](Text option, Text text) {
             const LengthUnit unit = unit_named(text);
             if (unit.metres > 0 || text.empty()) return unit;
             return LengthUnit{text + " m", parse_positive(option, text)};
           });
   t.text("--output-index", "FILE.npy",
-         "int64 HxW: which point of the input is seen, from 0 on and file after file, -1 where none is",
+         "int64 HxW: index of the visible input point, counted from 0 over all files; -1 where there is none",
          &Request::output_index);
   t.text("--output-normal", "FILE.npy", "float32 HxWx3, world, facing the camera, 0 where none",
          &Request::output_normal);
   t.text("--output-camera", "FILE.json", "the camera of the picture", &Request::output_camera);
-  t.value("--quality", "1..100", "of .jpg and .webp; 100 makes .webp lossless (90)", &Request::quality,
+  t.value("--quality", "1..100", "quality of .jpg and .webp; 100 makes .webp lossless (90)", &Request::quality,
           [](Text option, Text text) {
             const long quality = parse_whole(option, text, 1);
             if (quality > 100) throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 1..100");
@@ -265,12 +265,12 @@ void add_output(Table& t) {
          "files are frames: one picture each, from the camera of the first, with one colour range for all, "
          "-o frame_{n:04}.png",
          &Request::sequence);
-  t.text("--preset", "FILE.json", "options and parameters saved before; those given here win",
+  t.text("--preset", "FILE.json", "options and parameters saved before; options on the command line win",
          &Request::preset);
-  t.text("--save-preset", "FILE.json", "save what reproduces this picture", &Request::save_preset);
-  t.text("--scene", "FILE.json", "files, --draw, look and camera saved before; those given here win",
+  t.text("--save-preset", "FILE.json", "save the options that reproduce this picture", &Request::save_preset);
+  t.text("--scene", "FILE.json", "files, --draw, look and camera saved before; options on the command line win",
          &Request::scene);
-  t.text("--save-scene", "FILE.json", "save the files as well", &Request::save_scene);
+  t.text("--save-scene", "FILE.json", "as --save-preset, with the files", &Request::save_scene);
   t.texts("--transform", "\"N: 16 NUMBERS\"",
           "4x4 matrix that maps the N-th file to world coordinates, row by row, with commas",
           &Request::transforms, same);
@@ -310,7 +310,7 @@ void add_view(Table& t) {
   t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at),
           vector)
       .is(Scope::command);
-  t.value("--distance", "D", "how far from the place looked at, scene units", of_view(&ViewWishes::distance),
+  t.value("--distance", "D", "distance from the camera to the --look-at point, scene units", of_view(&ViewWishes::distance),
           positive)
       .python("number");
   t.value(
@@ -339,7 +339,7 @@ void add_view(Table& t) {
           of_view(&ViewWishes::pixel_size), positive)
       .is(Scope::view)
       .python("number");
-  t.value("--vertical-exaggeration", "F", "heights F times as large, those of legends stay true (1)",
+  t.value("--vertical-exaggeration", "F", "multiply heights by F; legends keep true heights (1)",
           &Request::exaggeration, within(0.001, 1000))
       .is(Scope::look)
       .python("number");
@@ -390,7 +390,7 @@ void add_points(Table& t) {
       .is(Scope::place)
       .python("numbers");
   t.value("--crop-relative", "X0,Y0,Z0,X1,Y1,Z1",
-          "the same in shares of the whole box: 0,0,0,1,1,0.5 is the lower half",
+          "--crop in shares of the whole box: 0,0,0,1,1,0.5 is the lower half",
           kept(&Selection::crop_share), parse_box)
       .python("numbers");
   t.value("--show-classes", "N,N...", "only these classification codes", kept(&Selection::show_classes),
@@ -405,7 +405,7 @@ void add_points(Table& t) {
           "several times",
           kept(&Selection::filters), [](Text text) { return parse_filter(text); })
       .python("texts", "filters");
-  t.value("--max-points", "N", "a subsample of what is left, the same one every time (1e6, 250k, 2M)",
+  t.value("--max-points", "N", "at most N of the selected points, the same ones every time (1e6, 250k, 2M)",
           read(&io::ReadOptions::max_points), count)
       .python("count");
   t.value("--columns", "x,y,z,...",
@@ -431,7 +431,7 @@ void add_points(Table& t) {
           "memory for the points of COPC files; of larger files only what the view shows is read (4G)",
           &Request::memory, count)
       .is(Scope::command);
-  t.value("--gpu-memory", "BYTES", "the same on the graphics card (as much as --memory allows)",
+  t.value("--gpu-memory", "BYTES", "--memory for the graphics card (as much as --memory allows)",
           &Request::gpu_memory, count)
       .is(Scope::file);
 }
@@ -460,7 +460,7 @@ void add_colours(Table& t) {
       .or_nothing()
       .python("text");
   t.value("--color-range", "A,B",
-          "values at the ends of the colour map (2-98 % of the points, nearly all of heights)",
+          "values at the ends of the colour map (2-98 % of the points, 0.1-99.9 % for heights)",
           of_color(&ColorSettings::range),
           [](Text option, Text text) {
             const std::vector<double> v = parse_numbers(option, text, 2, "A,B");
@@ -486,7 +486,7 @@ void add_colours(Table& t) {
       .or_nothing()
       .python("number");
   t.value("--background-color", "COLOUR",
-          "a name, #hex or R,G,B from 0 to 1 (dark; white behind clay, dark colours or above a ground)",
+          "a name, #hex or R,G,B from 0 to 1 (dark grey; white for clay, dark colours, charcoal and a ground)",
           &Request::background, color)
       .or_nothing()
       .python("text", "background");

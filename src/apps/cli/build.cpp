@@ -45,7 +45,7 @@ int build_command(const Words& words) {
       "sfumato build",
       "Builds one COPC file (Cloud Optimized Point Cloud 1.0, a LAZ with levels of detail) of files of any "
       "size. Every attribute and the coordinate system are kept; LAS, LAZ and COPC are read in parts, other "
-      "formats a file at a time. Temporaries lie beside the output.");
+      "formats a file at a time. Temporary files are written beside the output.");
   line.positionals("IN", inputs, "point clouds, folders or patterns");
   line.text("-o,--output", output, "OUT.copc.laz", "the file to write");
   line.text("--memory", memory, "BYTES", "memory that the build may take, at least 256M (4G)");

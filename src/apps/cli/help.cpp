@@ -44,9 +44,9 @@ const std::vector<Topic>& topics() {
        "--roll turns "
        "the picture, --look-at X,Y,Z looks at a place from the same side and --distance says from how far "
        "away.\n"
-       "--camera-position with --camera-focal-point or --camera-direction places it by hand. A --camera "
+       "--camera-position with --camera-focal-point or --camera-direction places the camera. A --camera "
        "FILE.json, as "
-       "written by --output-camera, brings everything; single options win over it.\n"
+       "written by --output-camera, sets all of these; single options override the file.\n"
        "  sfumato scan.laz --view left --camera-orthographic -o left.png\n"
        "  sfumato scan.laz --look-at 1,2,3 --distance 8 -o detail.png\n"
        "  sfumato scan.laz --panorama --camera-position 1,2,3 -o around.png"},
@@ -63,7 +63,7 @@ const std::vector<Topic>& topics() {
       {"colours", "what colours mean",
        "--color-by takes rgb, intensity, classification, elevation, normal, file or any scalar (sfumato info "
        "lists them); "
-       "--colormap and --color-range say how, --legend explains it in the picture. --color paints every "
+       "--colormap and --color-range set the map and its range, --legend explains it in the picture. --color paints every "
        "point alike.\n"
        "A colour is a name (steelblue), #hex (#468, #4682b4) or R,G,B from 0 to 1.\n"
        "  sfumato scan.laz --color-by intensity --colormap inferno --legend -o intensity.png\n"

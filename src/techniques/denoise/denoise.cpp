@@ -79,7 +79,7 @@ struct Parameters {
         .range(0, 4)
         .unit("factor")
         .help(
-            "of the automatic weight_threshold: how much evidence a surface needs; 0 shows every point, as "
+            "evidence that the automatic weight_threshold asks of a surface; 0 shows every point, as "
             "splats do");
     p.add("prefilter", prefilter)
         .help(

@@ -33,8 +33,8 @@ class Points final : public Technique {
         .range(0.01, 1e6)
         .unit("factor, px or scene units")
         .help(
-            "diameter of a point, by size_mode; drawn at 1 to 64 px, in pictures higher than 720 px so much "
-            "more");
+            "diameter of a point, by size_mode; drawn at 1 to 64 px, scaled up in pictures higher than 720 "
+            "px");
   }
 
   bool merges() const override { return true; }

@@ -84,7 +84,7 @@ void Parameters::describe(ParamList& p) {
       .range(0, 50)
       .unit("% of the image height")
       .help("length of strokes where points are dense enough; 0: as short as the spacing allows");
-  p.add("coverage", coverage).range(0.5, 32).help("strokes that lie over a point of the surface");
+  p.add("coverage", coverage).range(0.5, 32).help("number of strokes that cover a point of the surface");
   p.add("opacity", opacity).range(0.05, 1).help("of the paint");
   p.add("relief", relief).range(0, 2).help("thickness of the paint, in a light from the upper left");
   p.add("variation", variation).range(0, 1).help("how much the lightness of strokes differs");

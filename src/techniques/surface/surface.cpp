@@ -67,7 +67,7 @@ class SurfaceTechnique final : public Technique {
         .range(0.1, 1000)
         .unit("point spacings")
         .help(
-            "how far occluders are looked for; auto: 10 with pull_push, 4 with discs, which hide what is "
+            "search distance for occluders; auto: 10 with pull_push, 4 with discs, which hide what is "
             "behind them")
         .paper("Bouchiba 2018, s_hpr / s_0");
     p.add("gap_scale", removal_.gap_scale)
