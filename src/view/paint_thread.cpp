@@ -102,7 +102,6 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
   if (!first.session) first.session = std::make_unique<Session>(*context_);
   stand->looks.clear();  // what they hold of the last cloud is of no use for this one
   first.color = job.options.color;
-  first.background = job.options.background;
   stand->file_names = job.scene.file_names;
   stand->prepares_ahead = true;
   SceneReady ready;

@@ -20,7 +20,6 @@ struct Stand {
   struct Colored {
     std::unique_ptr<Session> session;
     std::optional<ColorSettings> color;  ///< nothing: half coloured, where a source was refused
-    std::optional<vec3> background;
   };
   std::vector<Colored> sessions;
   /// Those drawn last, newest first: another picture of one needs no programs or tables made anew.
@@ -39,7 +38,7 @@ struct Stand {
     if (found == sessions.end() && sessions.size() < most) {
       auto another = std::make_unique<Session>(context);
       another->share_scene(session());
-      found = sessions.insert(found, {std::move(another), {}, sessions.front().background});
+      found = sessions.insert(found, {std::move(another), {}});
     } else if (found == sessions.end()) {
       --found;  // the one that was not drawn for longest
     }
@@ -50,10 +49,7 @@ struct Stand {
       first.session->set_color(color);
       first.color = color;
     }
-    if (first.background != background) {
-      first.session->set_background(background);
-      first.background = background;
-    }
+    first.session->set_background(background);
     return *first.session;
   }
 
