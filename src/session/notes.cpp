@@ -17,22 +17,28 @@ std::string for_python(const Note& note) {
          note.does;
 }
 
+Note note_on_cutaway(bool without_walls) {
+  return {without_walls ? "a room, without the ceiling and walls before it" : "rooms without their ceilings",
+          "whole", "", "draws them"};
+}
+
+std::optional<Note> note_on_cutaway(const Pose& pose, std::span<const Camera> cameras) {
+  if (!pose.subject.room) return std::nullopt;
+  bool any = false, walls = false;
+  for (const Camera& camera : cameras) {
+    const Cut cut = cut_before(*pose.subject.room, camera);
+    any = any || !cut.empty(), walls = walls || !cut.walls.empty();
+  }
+  return any ? std::optional(note_on_cutaway(walls)) : std::nullopt;
+}
+
 std::vector<Note> notes_on(const Pose& pose, std::span<const Camera> cameras) {
   std::vector<Note> notes;
   const analysis::Upright& upright = pose.upright;
   if (upright.other)
     notes.push_back({"up: " + to_string(upright.up) + " (" + upright.reason + ")", "up",
                      to_string(*upright.other), "turns it"});
-  bool ceilings = false, walls = false;
-  for (const Camera& camera : cameras) {
-    if (!pose.subject.room) break;
-    const Cut cut = cut_before(*pose.subject.room, camera);
-    ceilings = ceilings || cut.ceiling, walls = walls || !cut.walls.empty();
-  }
-  if (ceilings || walls)
-    notes.push_back(
-        {walls ? "a room, without the ceiling and walls before it" : "rooms without their ceilings", "whole",
-         "", "draws them"});
+  if (const auto cutaway = note_on_cutaway(pose, cameras)) notes.push_back(*cutaway);
   return notes;
 }
 

@@ -1,6 +1,7 @@
 // What is said about a picture that nobody asked for: each guess with the option that undoes it.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,8 +21,10 @@ std::string for_command(const Note& note);
 /// The same with `up="+Z"`.
 std::string for_python(const Note& note);
 
-/// On the axis that is up where it is a guess or not the convention of the format, and on a cutaway where one
-/// of the cameras looks into it.
+Note note_on_cutaway(bool without_walls);
+/// Where one of the cameras looks into the room.
+std::optional<Note> note_on_cutaway(const Pose& pose, std::span<const Camera> cameras);
+/// On the axis that is up where it is a guess or not the convention of the format, and on a cutaway.
 std::vector<Note> notes_on(const Pose& pose, std::span<const Camera> cameras);
 Note note_on_technique(const std::string& technique, const std::string& reason);
 

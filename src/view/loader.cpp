@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "io/record_tap.h"
 #include "scene/assemble.h"
+#include "session/notes.h"
 
 namespace sfumato::view {
 namespace {
@@ -328,9 +329,7 @@ Loaded Loader::Work::finish(scene::Scene scene, Loaded out) {
   out.notes = scene.notes;
   out.notes.insert(out.notes.end(), scene.damage.begin(), scene.damage.end());
   if (out.pose.subject.room)
-    out.notes.push_back((out.pose.subject.room->outside.empty()
-                             ? std::string("rooms without their ceilings")
-                             : std::string("a room: ceiling and walls before it are left out")) +
+    out.notes.push_back(note_on_cutaway(!out.pose.subject.room->outside.empty()).text +
                         "; 'whole room' under Scene draws them");
   if (scene.levels && !scene.levels->is_complete())
     out.notes.push_back("too many points to hold: views are coarser than the screen shows (--memory)");

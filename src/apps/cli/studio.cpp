@@ -296,13 +296,8 @@ io::PngTexts Studio::texts_of(const Camera& camera) const {
                         {"Command", command_},
                         {"Camera", io::camera_to_json(camera)}};
   // What the console says does not travel with the picture.
-  const std::optional<Room>& room = session_.pose().subject.room;
-  if (const Cut cut = room ? cut_before(*room, camera) : Cut{}; !cut.empty())
-    texts.emplace_back(
-        "Description",
-        cut.walls.empty()
-            ? "Rooms without their ceilings; --whole draws them."
-            : "A room without its ceiling and the walls before the camera; --whole draws them.");
+  if (const auto cutaway = note_on_cutaway(session_.pose(), {&camera, 1}))
+    texts.emplace_back("Description", for_command(*cutaway));
   return texts;
 }
 
