@@ -97,16 +97,13 @@ void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Pro
 
 bool Stage::has_shadows(const Settings& parameters) const {
   // Asked before anything is read for what is not settled yet.
-  Settings all;
+  RenderSettings settings;
+  ParamList shared;
+  settings.describe(shared);
   for (const auto* each : {&options_.preset.parameters, &options_.parameters, &parameters})
-    all.insert(all.end(), each->begin(), each->end());
-  bool any = false;
-  for (const auto& [name, value] : all) {
-    const std::size_t dot = name.find('.');
-    if (name.substr(dot == std::string::npos ? 0 : dot + 1) == "shadows")
-      any = value != "off" && value != "stored";
-  }
-  return any;
+    for (const auto& [name, value] : *each)
+      if (name.substr(name.find('.') + 1) == "shadows") shared.find("shadows")->set(value);
+  return casts_shadows(settings.shadows);
 }
 
 void Stage::set_color(const ColorSettings& color) { session_->set_color(color); }

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <numbers>
 
-#include "passes/light.h"
 #include "view/controls.h"
 
 namespace sfumato::view {
@@ -17,23 +16,23 @@ dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 
 }  // namespace
 
-dvec3 towards_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows) {
-  const Light parsed = Light::parse(light);
+dvec3 towards_light(const RenderSettings& settings, const Camera& camera, UpAxis up) {
+  const Light parsed = Light::parse(settings.light_text);
   if (parsed.kind == Light::Kind::directional) return parsed.vector;
   if (parsed.kind == Light::Kind::headlight)
-    return has_shadows ? key_light(camera, up).vector : -camera.direction();
+    return settings.shadows != Shadows::off ? key_light(camera, up).vector : -camera.direction();
   const dvec3 way = parsed.vector - camera.target;
   return glm::length(way) > 0 ? glm::normalize(way) : -camera.direction();
 }
 
-std::string drag_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows,
-                       double dx_px, double dy_px, int height_px) {
+std::string drag_light(const RenderSettings& settings, const Camera& camera, UpAxis up, double dx_px,
+                       double dy_px, int height_px) {
   const double angle_of_px = std::numbers::pi / height_px;
   const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up));
   const dvec3 above = glm::cross(right, camera.direction());
-  dvec3 way = turned(towards_light(light, camera, up, has_shadows), above, dx_px * angle_of_px);
+  dvec3 way = turned(towards_light(settings, camera, up), above, dx_px * angle_of_px);
   way = glm::normalize(turned(way, right, dy_px * angle_of_px));
-  const Light before = Light::parse(light);
+  const Light before = Light::parse(settings.light_text);
   if (before.kind == Light::Kind::point) {
     const dvec3 place = camera.target + way * glm::length(before.vector - camera.target);
     return number_text(place.x) + "," + number_text(place.y) + "," + number_text(place.z);

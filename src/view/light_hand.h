@@ -6,17 +6,17 @@
 #include "core/camera.h"
 #include "core/point_cloud.h"
 #include "core/vec.h"
+#include "passes/light.h"
 
 namespace sfumato::view {
 
-/// Unit direction towards a light, world, as seen from the camera's target. `light` as --light takes it; a
-/// headlight is where the eye is, or, with shadows, over the left shoulder, as the renderer has it. Throws
-/// Error(usage) as Light::parse.
-dvec3 towards_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows);
+/// Unit direction towards the light, world, as seen from the camera's target. A headlight is where the eye
+/// is, or, with shadows, over the left shoulder, as the renderer has it. Throws Error(usage) as Light::parse.
+dvec3 towards_light(const RenderSettings& settings, const Camera& camera, UpAxis up);
 /// The light after a drag of so many pixels: what is seen of the ball follows the cursor, half a turn over
 /// the height of the picture. A light at a place keeps its distance from the target; others become
 /// directions.
-std::string drag_light(const std::string& light, const Camera& camera, UpAxis up, bool has_shadows,
-                       double dx_px, double dy_px, int height_px);
+std::string drag_light(const RenderSettings& settings, const Camera& camera, UpAxis up, double dx_px,
+                       double dy_px, int height_px);
 
 }  // namespace sfumato::view

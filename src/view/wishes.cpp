@@ -178,6 +178,14 @@ std::unique_ptr<Look> Wishes::make_look() const {
   return look;
 }
 
+RenderSettings Wishes::settings() const {
+  RenderSettings settings;
+  ParamList parameters;
+  settings.describe(parameters);
+  for (const auto& [name, value] : shared) parameters.find(name)->set(value);
+  return settings;
+}
+
 void Wishes::take(const Preset& from) {
   const std::string before = scene_key();
   if (!from.technique.empty() && from.technique != "auto") technique = find_technique(from.technique).name;

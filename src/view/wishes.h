@@ -77,6 +77,7 @@ struct Wishes : Request {
   std::unique_ptr<Look> make_look() const;
   /// What a Look of that technique must be given.
   NamesAndValues parameters_of(const std::string& technique_name) const;
+  RenderSettings settings() const;  ///< `shared`, as values
   /// Throws Error(usage) for what is not understood.
   SessionOptions session_options() const;
   std::vector<scene::SceneFile> scene_files() const;

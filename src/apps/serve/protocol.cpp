@@ -82,22 +82,12 @@ class Message {
   Json json_;
 };
 
-std::string light_of(const Workbench& bench) {
-  const auto found = bench.wishes().shared.find("light");
-  return found == bench.wishes().shared.end() ? "headlight" : found->second;
-}
-
-bool has_shadows(const Workbench& bench) {
-  const auto found = bench.wishes().shared.find("shadows");
-  return found != bench.wishes().shared.end() && found->second != "off";
-}
-
 void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
   const int height = bench.height();
   if (hand.kind == Hand::Kind::light)
     bench.change("light", [&](Wishes& next) {
-      next.set("light", view::drag_light(light_of(bench), bench.camera(), bench.navigator().up_axis(),
-                                         has_shadows(bench), dx, dy, height));
+      next.set("light", view::drag_light(next.settings(), bench.camera(), bench.navigator().up_axis(), dx, dy,
+                                         height));
     });
   else if (hand.kind != Hand::Kind::none)
     bench.move(hand.kind == Hand::Kind::rotate ? "rotate" : "pan", [&](view::Navigator& to) {

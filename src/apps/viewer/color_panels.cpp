@@ -232,7 +232,7 @@ void Interface::class_panel() {
 void Interface::light_panel() {
   if (!heading("Light and shadows", false)) return;
   // A light by direction is dragged over the sky: azimuth and height above the horizon.
-  const std::string light = this->light();
+  const std::string light = bench_.wishes().settings().light_text;
   const bool by_direction = light.starts_with("dir:");
   if (const auto chosen = choose("comes from",
                                  by_direction           ? "a direction"

@@ -37,8 +37,6 @@ class Interface {
   void draw_marks(float x, float y);
   void draw_box(float x, float y);
   void draw_light_ball(float x, float y);
-  std::string light() const;  ///< as --light takes it
-  bool has_shadows() const;
   void draw_panels(float x, float width, float height);
   void walk_here();
   void draw_status(float y, float width, float height);

@@ -105,8 +105,8 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     // A click trembles by a pixel or two and moves nothing.
     if ((dx != 0 || dy != 0) && drag_px_ > 3 && drag_ == Drag::light) {
       bench_.change("light", [&](view::Wishes& next) {
-        next.set("light", view::drag_light(light(), bench_.camera(), bench_.navigator().up_axis(),
-                                           has_shadows(), dx, dy, height));
+        next.set("light", view::drag_light(next.settings(), bench_.camera(), bench_.navigator().up_axis(), dx,
+                                           dy, height));
       });
     } else if ((dx != 0 || dy != 0) && drag_px_ > 3) {
       bench_.move(drag_ == Drag::rotate ? "rotate" : "pan", [&](view::Navigator& hand) {
@@ -197,25 +197,13 @@ void Interface::draw_marks(float sx, float sy) {
   label(list, {12 * window_.scale(), 12 * window_.scale()}, text);
 }
 
-std::string Interface::light() const {
-  const auto& shared = bench_.wishes().shared;
-  const auto found = shared.find("light");
-  return found == shared.end() ? "headlight" : found->second;
-}
-
-bool Interface::has_shadows() const {
-  const auto& shared = bench_.wishes().shared;
-  const auto found = shared.find("shadows");
-  return found != shared.end() && found->second != "off";
-}
-
 /// The ball that the light hangs on, and where: a full dot before it, a ring behind.
 void Interface::draw_light_ball(float sx, float sy) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const Camera camera = bench_.camera();
   const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up)),
               above = glm::cross(right, camera.direction());
-  const dvec3 way = view::towards_light(light(), camera, bench_.navigator().up_axis(), has_shadows());
+  const dvec3 way = view::towards_light(bench_.wishes().settings(), camera, bench_.navigator().up_axis());
   const float ball = 0.25f * float(std::min(bench_.width() / sx, bench_.height() / sy)),
               r = 6 * window_.scale();
   const ImVec2 middle{0.5f * float(bench_.width()) / sx, 0.5f * float(bench_.height()) / sy};

@@ -16,6 +16,12 @@ Camera from_front() {
   return camera;
 }
 
+RenderSettings lit_by(const std::string& light, Shadows shadows = Shadows::off) {
+  RenderSettings settings;
+  settings.light_text = light, settings.shadows = shadows;
+  return settings;
+}
+
 void expect_direction(const std::string& light, const dvec3& wanted) {
   ASSERT_EQ(light.substr(0, 4), "dir:");
   dvec3 way{0};
@@ -25,7 +31,7 @@ void expect_direction(const std::string& light, const dvec3& wanted) {
 
 TEST(LightHand, TheBallFollowsTheCursor) {
   const auto drag = [](const std::string& light, double dx, double dy) {
-    return drag_light(light, from_front(), UpAxis::pos_z, false, dx, dy, 600);
+    return drag_light(lit_by(light), from_front(), UpAxis::pos_z, dx, dy, 600);
   };
   // A quarter of a turn is half the height of the picture.
   expect_direction(drag("headlight", 0, 0), {0, -1, 0});
@@ -41,7 +47,7 @@ TEST(LightHand, TheBallFollowsTheCursor) {
 
 TEST(LightHand, ManyStepsAreOneDrag) {
   std::string light = "headlight";
-  for (int i = 0; i < 300; ++i) light = drag_light(light, from_front(), UpAxis::pos_z, false, 1, 0, 600);
+  for (int i = 0; i < 300; ++i) light = drag_light(lit_by(light), from_front(), UpAxis::pos_z, 1, 0, 600);
   dvec3 way{0};
   ASSERT_EQ(std::sscanf(light.c_str(), "dir:%lf,%lf,%lf", &way.x, &way.y, &way.z), 3);
   EXPECT_LT(glm::length(way - dvec3(1, 0, 0)), 0.02);
@@ -50,7 +56,7 @@ TEST(LightHand, ManyStepsAreOneDrag) {
 TEST(LightHand, ALightAtAPlaceKeepsItsDistance) {
   Camera camera = from_front();
   camera.target = {500'000, 4'000'000, 100}, camera.position = camera.target + dvec3(0, -10, 0);
-  const std::string light = drag_light("500000,3999980,100", camera, UpAxis::pos_z, false, 300, 0, 600);
+  const std::string light = drag_light(lit_by("500000,3999980,100"), camera, UpAxis::pos_z, 300, 0, 600);
   dvec3 place{0};
   ASSERT_EQ(std::sscanf(light.c_str(), "%lf,%lf,%lf", &place.x, &place.y, &place.z), 3) << light;
   EXPECT_LT(glm::length(place - dvec3(500'020, 4'000'000, 100)), 1e-6) << light;
@@ -58,12 +64,13 @@ TEST(LightHand, ALightAtAPlaceKeepsItsDistance) {
 
 // With shadows the light of the eye stands over the left shoulder, and is dragged from there.
 TEST(LightHand, BeginsWhereTheLightIs) {
-  const dvec3 shoulder = towards_light("headlight", from_front(), UpAxis::pos_z, true);
+  const RenderSettings shadowed = lit_by("headlight", Shadows::hard);
+  const dvec3 shoulder = towards_light(shadowed, from_front(), UpAxis::pos_z);
   EXPECT_LT(shoulder.x, 0);
   EXPECT_LT(shoulder.y, 0);
   EXPECT_GT(shoulder.z, 0);
-  expect_direction(drag_light("headlight", from_front(), UpAxis::pos_z, true, 0, 0, 600), shoulder);
-  EXPECT_THROW(towards_light("nowhere", from_front(), UpAxis::pos_z, false), Error);
+  expect_direction(drag_light(shadowed, from_front(), UpAxis::pos_z, 0, 0, 600), shoulder);
+  EXPECT_THROW(towards_light(lit_by("nowhere"), from_front(), UpAxis::pos_z), Error);
 }
 
 }  // namespace
