@@ -1,7 +1,5 @@
 #include "window.h"
 
-#include <epoxy/gl.h>
-// After epoxy, which brings the functions of OpenGL itself.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -12,7 +10,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
-#include <string_view>
 
 #include "core/error.h"
 #include "view/keys.h"
@@ -100,12 +97,8 @@ Window::Window(int width, int height, const std::string& title) {
   float x = 1, y = 1;
   glfwGetWindowContentScale(window_, &x, &y);
   user_scale_ = std::clamp(std::max(x, y), 1.0f, 4.0f);
-  glGenTextures(1, &texture_);
-  glGenFramebuffers(1, &picture_);
-  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   for (const char* name : {"llvmpipe", "softpipe", "SWR", "SwiftShader"})
-    is_software_ =
-        is_software_ || (renderer && std::string_view(renderer).find(name) != std::string_view::npos);
+    is_software_ = is_software_ || gl::WindowPicture::renderer_name().find(name) != std::string::npos;
 }
 
 Window::~Window() {
@@ -253,17 +246,8 @@ void Window::end_frame(double now_ms, bool in_motion) {
   shown_ms_ = now_ms;
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
-  glViewport(0, 0, width, height);
   const ImVec4 ground = ImGui::GetStyle().Colors[ImGuiCol_WindowBg];
-  glClearColor(ground.x, ground.y, ground.z, 1);
-  glClear(GL_COLOR_BUFFER_BIT);
-  if (texture_width_ > 0) {
-    // The texture's first row is the picture's top.
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
-    glBlitFramebuffer(0, 0, texture_width_, texture_height_, 0, height, picture_size_[0],
-                      height - picture_size_[1], GL_COLOR_BUFFER_BIT, is_exact_ ? GL_NEAREST : GL_LINEAR);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
-  }
+  picture_.show(width, height, {ground.x, ground.y, ground.z}, picture_size_[0], picture_size_[1], is_exact_);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
 }
@@ -271,38 +255,9 @@ void Window::end_frame(double now_ms, bool in_motion) {
 void Window::upload(const Image<Rgba8>& image, bool exact) {
   is_exact_ = exact;
   is_new_ = true;
-  glBindTexture(GL_TEXTURE_2D, texture_);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  if (image.width() != texture_width_ || image.height() != texture_height_) {
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                 image.data());
-    texture_width_ = image.width(), texture_height_ = image.height();
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_);
-    glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
-    if (glGetError() == GL_OUT_OF_MEMORY)
-      throw Error(ErrorCode::out_of_memory,
-                  "out of graphics memory for the picture in the window; make it smaller, or write "
-                  "pictures with -o");
-  } else {
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE,
-                    image.data());
-  }
-  glBindTexture(GL_TEXTURE_2D, 0);
+  picture_.upload(image);
 }
 
-void Window::upload_plot(const Image<Rgba8>& image) {
-  if (!plot_) glGenTextures(1, &plot_);
-  glBindTexture(GL_TEXTURE_2D, plot_);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width(), image.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
-               image.data());
-  glBindTexture(GL_TEXTURE_2D, 0);
-}
-
-void* Window::plot() const { return reinterpret_cast<void*>(std::uintptr_t(plot_)); }
+void* Window::plot() const { return reinterpret_cast<void*>(std::uintptr_t(plot_.texture())); }
 
 }  // namespace sfumato::viewer

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/image.h"
+#include "gl/window_picture.h"
 
 struct GLFWwindow;
 
@@ -48,11 +48,10 @@ class Window {
   /// The picture, kept until the next one. `exact`: shown pixel by pixel.
   void upload(const Image<Rgba8>& image, bool exact);
   /// Where it lies, in pixels of the framebuffer from the top left corner: below all of the interface.
-  /// Copied, not drawn: software GL takes several times as long to blend it.
   void place_picture(int width, int height) { picture_size_[0] = width, picture_size_[1] = height; }
 
   /// Another picture, for the interface to show.
-  void upload_plot(const Image<Rgba8>& image);
+  void upload_plot(const Image<Rgba8>& image) { plot_.upload(image); }
   void* plot() const;
 
   /// Called when the input of a frame is known and nothing has looked at it: a test puts another hand in its
@@ -75,10 +74,9 @@ class Window {
   float scale_ = 1, user_scale_ = 1;
   std::vector<int> pressed_, short_keys_;  ///< since the last frame: went down; of those, went up again
   std::vector<int> held_;  ///< shown to the interface as down in this frame, though they are up
-  unsigned texture_ = 0, plot_ = 0;
-  unsigned picture_ = 0;  ///< framebuffer that has the texture
+  gl::WindowPicture picture_, plot_;
   bool is_exact_ = false;
-  int texture_width_ = 0, texture_height_ = 0, picture_size_[2] = {0, 0};
+  int picture_size_[2] = {0, 0};
   int place_[4] = {0, 0, 1280, 720};
 };
 
