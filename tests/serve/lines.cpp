@@ -3,15 +3,14 @@
 // does all that the window does with a scene, by the same state.
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <thread>
 
 #include "apps/cli/render_request.h"
+#include "apps/cli/shot.h"
 #include "apps/serve/protocol.h"
 #include "apps/serve/viewer.h"
 #include "core/error.h"
-#include "core/option_text.h"
 #include "view/workbench.h"
 
 namespace {
@@ -50,7 +49,8 @@ class Lines {
     settle();
     Json answer{{"did", what}};
     for (view::Shot& shot : bench_.take_shots()) {
-      std::ofstream(text("file"), std::ios::binary) << serve::shot_png(shot, text("file"), quote);
+      const io::PngTexts texts = finish(shot, text("file"));
+      io::write_png(text("file"), shot.picture.image, false, texts);
       shot.words.insert(shot.words.begin(), "sfumato");
       shot.words.insert(shot.words.end(), {"-o", text("file")});
       answer["command"] = shot.words;

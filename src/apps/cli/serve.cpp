@@ -144,7 +144,6 @@ int serve_command(const Words& words) {
   request->check();
   Console console(options.common);
   serve::Sources sources;
-  sources.quote = [](const Words& all) { return quote(all); };
   sources.announce = [](const std::string& address) { print(address + "\n"), std::fflush(stdout); };
   sources.say = [&](const std::string& text) { console.say("sfumato: " + text); };
   sources.start = [&] { return start_of(request); };

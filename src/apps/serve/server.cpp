@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "../cli/shot.h"
 #include "core/error.h"
 
 namespace sfumato::serve {
@@ -137,13 +138,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!shots.empty()) {
       end_render();
       auto encoded = std::make_shared<std::string>();
-      std::vector<std::string> command = shots.front().words;
-      command.insert(command.begin(), "sfumato");
-      command.insert(command.end(), {"-o", "picture.png"});
-      const std::string line = server_.sources.quote(command);
+      const std::string line = command_of(shots.front().words, "picture.png");
       server_.in_background(
-          [encoded, shot = std::move(shots.front()), quote = server_.sources.quote]() mutable {
-            *encoded = shot_png(std::move(shot), "picture.png", quote);
+          [encoded, shot = std::move(shots.front())]() mutable {
+            *encoded = io::png_bytes(shot.picture.image, false, finish(shot, "picture.png"));
           },
           [self, encoded, line] { self->send(200, "image/png", std::move(*encoded), line); });
     } else if (!complaint.empty() || Clock::now() > render_until_) {
@@ -236,7 +234,6 @@ Server::~Server() {
 
 Outside Server::outside() {
   Outside outside;
-  outside.quote = sources.quote;
   outside.limits = settings.limits;
   outside.in_background = [this](std::function<void()> work, std::function<void()> then) {
     in_background(std::move(work), std::move(then));

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "access.h"
@@ -31,9 +29,8 @@ struct Request {
 };
 
 struct Sources {
-  std::function<view::Start()> start;            ///< of a new page
-  std::function<Request(const Query&)> request;  ///< throws Error(usage) for what is no option
-  std::function<std::string(const std::vector<std::string>&)> quote;
+  std::function<view::Start()> start;                ///< of a new page
+  std::function<Request(const Query&)> request;      ///< throws Error(usage) for what is no option
   std::function<void(const std::string&)> announce;  ///< the address, once it answers
   std::function<void(const std::string&)> say;
 };

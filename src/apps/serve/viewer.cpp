@@ -4,13 +4,10 @@
 
 #include <algorithm>
 
+#include "../cli/shot.h"
 #include "../publish/depth_text.h"
 #include "core/color.h"
-#include "core/error.h"
-#include "core/version.h"
-#include "io/camera_json.h"
 #include "io/image_file.h"
-#include "labels/furniture.h"
 
 namespace sfumato::serve {
 namespace {
@@ -44,26 +41,7 @@ std::string hex_of(const vec3& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b);
 }
 
-/// What of it has a meaning in this view.
-void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
-                    const std::string& crs) {
-  labels::draw_furniture(image, labels::meaningful(furniture, picture.camera, up),
-                         {picture.camera, up, crs, picture.coloring, picture.background});
-}
-
 }  // namespace
-
-std::string shot_png(view::Shot shot, const std::string& name,
-                     const std::function<std::string(const std::vector<std::string>&)>& quote) {
-  std::vector<std::string> command = shot.words;
-  command.insert(command.begin(), "sfumato");
-  command.insert(command.end(), {"-o", name});
-  draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
-  return io::png_bytes(shot.picture.image, false,
-                       {{"Software", std::string("sfumato ") + version()},
-                        {"Command", quote(command)},
-                        {"Camera", io::camera_to_json(shot.picture.camera)}});
-}
 
 void Viewer::begin(std::shared_ptr<view::SharedScenes> shared) {
   if (bench_) start_.wishes = bench_->wishes();
@@ -84,10 +62,8 @@ void Viewer::hear(std::string_view text, double now_ms) {
   obey(*bench_, hand_, text, outside_.limits);
   if (hand_.confirmed) pace_.confirmed(hand_.confirmed, now_ms);
   if (hand_.wants_command) {
-    std::vector<std::string> words = bench_->wishes().words(bench_->width(), bench_->height());
-    words.insert(words.begin(), "sfumato");
-    words.insert(words.end(), {"-o", "picture.png"});
-    outside_.send_text(Json{{"command", outside_.quote(words)}}.dump());
+    const std::vector<std::string> words = bench_->wishes().words(bench_->width(), bench_->height());
+    outside_.send_text(Json{{"command", command_of(words, "picture.png")}}.dump());
   }
   const std::string key = bench_->wishes().scene_key();
   if (key != before.scene_key() && !outside_.may_show(key)) {
@@ -219,8 +195,8 @@ void Viewer::send_shots() {
     auto encoded = std::make_shared<std::string>();
     const int width = shot.picture.image.width(), height = shot.picture.image.height();
     outside_.in_background(
-        [encoded, shot = std::move(shot), quote = outside_.quote]() mutable {
-          *encoded = shot_png(std::move(shot), "picture.png", quote);
+        [encoded, shot = std::move(shot)]() mutable {
+          *encoded = io::png_bytes(shot.picture.image, false, finish(shot, "picture.png"));
         },
         [self = shared_from_this(), encoded, width, height] {
           self->send({{"kind", "shot"},

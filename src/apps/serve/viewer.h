@@ -18,7 +18,6 @@ struct Outside {
   std::function<void(std::string)> send_bytes;
   /// Runs the first on another thread, then the second on this one.
   std::function<void(std::function<void()>, std::function<void()>)> in_background;
-  std::function<std::string(const std::vector<std::string>&)> quote;  ///< words as a line of a shell
   std::function<bool(const std::string&)> may_show;  ///< whether there is memory for points of that scene key
   Limits limits;
 };
@@ -60,9 +59,5 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   std::map<std::string, std::string> told_;  ///< parts of the state as they were sent
   double told_ms_ = -1e9;
 };
-
-/// A picture to keep as the command writes it: with its words, and the name that it is saved by.
-std::string shot_png(view::Shot shot, const std::string& name,
-                     const std::function<std::string(const std::vector<std::string>&)>& quote);
 
 }  // namespace sfumato::serve

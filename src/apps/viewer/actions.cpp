@@ -5,13 +5,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include "../cli/shot.h"
 #include "core/error.h"
-#include "core/option_text.h"
-#include "core/version.h"
 #include "interface.h"
 #include "io/camera_json.h"
-#include "io/image_png.h"
-#include "labels/furniture.h"
 
 namespace sfumato::viewer {
 
@@ -25,12 +22,6 @@ std::string free_name(const std::string& stem, const std::string& extension) {
   }
 }
 
-void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
-                    const std::string& crs) {
-  labels::draw_furniture(image, labels::meaningful(furniture, picture.camera, up),
-                         {picture.camera, up, crs, picture.coloring, picture.background});
-}
-
 void Interface::take_shots() {
   for (view::Shot& shot : bench_.take_shots()) {
     const std::string name = free_name("sfumato", ".png");
@@ -39,14 +30,8 @@ void Interface::take_shots() {
     writers_.push_back(
         std::async(std::launch::async, [shot = std::move(shot), name]() mutable -> view::Message {
           try {
-            std::vector<std::string> command = shot.words;
-            command.insert(command.begin(), "sfumato");
-            command.insert(command.end(), {"-o", name});
-            draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
-            io::write_png(name, shot.picture.image, false,
-                          {{"Software", std::string("sfumato ") + version()},
-                           {"Command", quote(command)},
-                           {"Camera", io::camera_to_json(shot.picture.camera)}});
+            const io::PngTexts texts = finish(shot, name);
+            io::write_png(name, shot.picture.image, false, texts);
             return {"saved " + name, false};
           } catch (const std::exception& error) {
             // The name is free again, where nobody else has written there.
@@ -132,10 +117,7 @@ void Interface::act(Action action) {
       break;
     }
     case Action::copy_command: {
-      std::vector<std::string> words = bench_.wishes().words(bench_.width(), bench_.height());
-      words.insert(words.begin(), "sfumato");
-      words.insert(words.end(), {"-o", "picture.png"});
-      window_.copy(quote(words));
+      window_.copy(command_of(bench_.wishes().words(bench_.width(), bench_.height()), "picture.png"));
       bench_.say("the command is copied");
       break;
     }

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../cli/shot.h"
 #include "core/error.h"
-#include "core/option_text.h"
 #include "interface.h"
 #include "panel_tools.h"
 
@@ -137,11 +137,9 @@ void Interface::path_panel() {
       // The whole of what follows draws it, with the look of now.
       std::vector<std::string> words = bench_.wishes().words(bench_.width(), bench_.height());
       std::erase_if(words, [](const std::string& word) { return word.starts_with("--camera-"); });
-      words.insert(words.begin(), "sfumato");
-      words.insert(words.end(),
-                   {"--path", name, "--frames", std::to_string(int(std::lround(25 * path.duration_s())) + 1),
-                    "-o", "path.mp4"});
-      window_.copy(quote(words));
+      const int frames = int(std::lround(25 * path.duration_s())) + 1;
+      words.insert(words.end(), {"--path", name, "--frames", std::to_string(frames)});
+      window_.copy(command_of(words, "path.mp4"));
       bench_.say("saved " + name + "; the command that makes a video of it is copied");
     } catch (const Error& error) {
       bench_.say(error.what(), true);

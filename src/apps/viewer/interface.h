@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "labels/furniture.h"
+#include "core/furniture.h"
 #include "view/controls.h"
 #include "view/histogram.h"
 #include "view/keys.h"
@@ -17,9 +17,6 @@
 #include "window.h"
 
 namespace sfumato::viewer {
-/// What of it has a meaning in this view.
-void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
-                    const std::string& crs);
 
 class Interface {
  public:

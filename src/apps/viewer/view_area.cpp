@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../cli/shot.h"
 #include "interface.h"
-#include "labels/furniture.h"
 #include "panel_tools.h"
 #include "view/light_hand.h"
 

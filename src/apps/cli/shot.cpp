@@ -1,0 +1,29 @@
+#include "shot.h"
+
+#include "core/option_text.h"
+#include "core/version.h"
+#include "io/camera_json.h"
+#include "labels/furniture.h"
+
+namespace sfumato {
+
+void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
+                    const std::string& crs) {
+  labels::draw_furniture(image, labels::meaningful(furniture, picture.camera, up),
+                         {picture.camera, up, crs, picture.coloring, picture.background});
+}
+
+std::string command_of(std::vector<std::string> words, const std::string& name) {
+  words.insert(words.begin(), "sfumato");
+  words.insert(words.end(), {"-o", name});
+  return quote(words);
+}
+
+io::PngTexts finish(view::Shot& shot, const std::string& name) {
+  draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
+  return {{"Software", std::string("sfumato ") + version()},
+          {"Command", command_of(shot.words, name)},
+          {"Camera", io::camera_to_json(shot.picture.camera)}};
+}
+
+}  // namespace sfumato

@@ -1,0 +1,19 @@
+// A picture of a workbench that is kept: what is drawn into it, and what it says of how it was made.
+#pragma once
+
+#include <string>
+
+#include "io/image_png.h"
+#include "view/workbench.h"
+
+namespace sfumato {
+
+/// What of the furniture has a meaning in this view.
+void draw_furniture(Image<Rgba8>& image, const view::Picture& picture, const Furniture& furniture, UpAxis up,
+                    const std::string& crs);
+/// The line of a shell that writes a picture so named; `words`: Wishes::words.
+std::string command_of(std::vector<std::string> words, const std::string& name);
+/// Draws its furniture; returns the texts of its PNG.
+io::PngTexts finish(view::Shot& shot, const std::string& name);
+
+}  // namespace sfumato
