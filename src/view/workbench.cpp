@@ -1,7 +1,6 @@
 #include "view/workbench.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 
@@ -176,29 +175,28 @@ void Workbench::pick(double x_px, double y_px, bool add) {
   whole_->pick({pick_id_, camera(), x_px, y_px});
 }
 
-void Workbench::shoot(int width, int height) {
-  if (scene_failed_ || wishes_.files.empty()) return say("there is no picture to save", true);
+void Workbench::shoot(const Wishes& wishes, int width, int height) {
+  if (scene_failed_ || wishes.files.empty()) return say("there is no picture to save", true);
   if (has_sample_only() && !loading_)
     return say("only a sample could be read: there is no picture of the whole to save", true);
   if (load_failed_) return say("the files could not be read: there is no picture to save", true);
   if (is_loading_wishes()) {
-    shots_after_loading_.push_back({width, height, wishes_});
+    shots_after_loading_.push_back({width, height, wishes});
     return say("the picture is saved once everything is loaded");
   }
   if (follows_view()) {
-    delayed_shots_.push_back({window_view(), wishes_});
-    delayed_shots_.back().view.width = width, delayed_shots_.back().view.height = height;
+    delayed_shots_.push_back({view_of(wishes, width, height), wishes});
     return;
   }
-  paint_shot(width, height);
+  paint_shot(wishes, width, height);
 }
 
-void Workbench::paint_shot(int width, int height) {
-  PictureJob job = job_for(Refinement::ladder[0], width, height);
+void Workbench::paint_shot(const Wishes& wishes, int width, int height) {
+  PictureJob job = job_for(wishes, Refinement::ladder[0], width, height);
   job.id = next_id_++;
   waiting_shots_.emplace_back(job.id, Shot{{},
-                                           wishes_.words(width, height),
-                                           wishes_.furniture,
+                                           wishes.words(width, height),
+                                           wishes.furniture,
                                            scene_ ? scene_->pose.upright.up : UpAxis::pos_z,
                                            scene_ ? scene_->crs : ""});
   whole_->paint_for_keeps(std::move(job));
@@ -207,12 +205,10 @@ void Workbench::paint_shot(int width, int height) {
 /// Saves what was asked for while files were read.
 void Workbench::shoot_what_is_loaded() {
   if (shots_after_loading_.empty() || is_loading_wishes()) return;
-  for (ShotAfterLoading& each : std::exchange(shots_after_loading_, {})) {
+  for (const ShotAfterLoading& each : std::exchange(shots_after_loading_, {})) {
     // From where it was asked for, unless other points were wished for since.
-    if (each.wishes.scene_key() != loaded_key_) each.wishes = wishes_;
-    std::swap(wishes_, each.wishes);
-    shoot(each.width, each.height);
-    std::swap(wishes_, each.wishes);
+    const bool are_its_points = each.wishes.scene_key() == loaded_key_;
+    shoot(are_its_points ? each.wishes : wishes_, each.width, each.height);
   }
 }
 
@@ -352,14 +348,14 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
   }
 }
 
-PictureJob Workbench::job_for(const Quality& quality, int width, int height) const {
+PictureJob Workbench::job_for(const Wishes& wishes, const Quality& quality, int width, int height) const {
   PictureJob job;
-  const bool known = !wishes_.technique.empty() && !quality.stand_in;
-  job.technique = known ? wishes_.technique : "points";
+  const bool known = !wishes.technique.empty() && !quality.stand_in;
+  job.technique = known ? wishes.technique : "points";
   if (known)
-    job.parameters = wishes_.parameters_of(job.technique);
+    job.parameters = wishes.parameters_of(job.technique);
   else
-    job.parameters = NamesAndValues(wishes_.shared.begin(), wishes_.shared.end());
+    job.parameters = NamesAndValues(wishes.shared.begin(), wishes.shared.end());
   if (!(quality == Refinement::ladder[0])) {
     // In motion one sample a pixel does, and a few of the light.
     const auto set = [&](const std::string& name, const std::string& value) {
@@ -369,26 +365,19 @@ PictureJob Workbench::job_for(const Quality& quality, int width, int height) con
     set("samples", "1");
     if (quality.divisor > 1) set("smooth_outlines", "false");  // magnified, nobody sees it
     if (quality.fast && known) {
-      const auto own = wishes_.own.find(job.technique);
+      const auto own = wishes.own.find(job.technique);
       for (const auto& [name, value] :
-           motion_parameters(job.technique, own == wishes_.own.end() ? Wishes::Values{} : own->second))
+           motion_parameters(job.technique, own == wishes.own.end() ? Wishes::Values{} : own->second))
         set(name, value);
     }
-    const bool soft = std::any_of(job.parameters.begin(), job.parameters.end(), [](const auto& each) {
-      return each.first == "shadows" && each.second == "soft";
-    });
-    if (soft && !quality.whole_cloud) {
-      std::erase_if(job.parameters, [](const auto& each) { return each.first == "light_samples"; });
-      job.parameters.emplace_back("light_samples", "2");
-    }
+    if (!quality.whole_cloud && wishes.settings().shadows == Shadows::soft) set("light_samples", "2");
   }
-  if (!known) {  // what only some techniques can show is of no use to `points`
-    std::erase_if(job.parameters, [](const auto& each) { return each.first == "shading"; });
-  }
+  // What only some techniques can show is of no use to `points`.
+  if (!known) std::erase_if(job.parameters, [](const auto& each) { return each.first == "shading"; });
   job.camera =
-      wishes_.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));
-  job.color = wishes_.color;
-  job.background = wishes_.background;
+      wishes.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));
+  job.color = wishes.color;
+  job.background = wishes.background;
   job.depth_step = start_.depth_step;
   job.timings = timings_ && quality == Refinement::ladder[0];
   return job;
@@ -400,7 +389,7 @@ void Workbench::ask() {
   auto quality = refinement_.next(now_ms_);
   if (!quality) return;
   if (*quality == Refinement::ladder[0] && std::exchange(stand_in_is_due_, false)) quality->stand_in = true;
-  PictureJob job = job_for(*quality, width_, height_);
+  PictureJob job = job_for(wishes_, *quality, width_, height_);
   job.id = in_flight_ = next_id_++;
   in_flight_quality_ = *quality;
   refinement_.begun(*quality, now_ms_);

@@ -129,7 +129,7 @@ class Workbench {
 
   /// A picture of the present view for keeps; it comes to `take_shots`, once everything is loaded. Of files
   /// with levels, what it shows is read before.
-  void shoot(int width, int height);
+  void shoot(int width, int height) { shoot(wishes_, width, height); }
   std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
   bool shooting() const {
     return !shots_after_loading_.empty() || !delayed_shots_.empty() || !waiting_shots_.empty();
@@ -182,7 +182,7 @@ class Workbench {
   void take_answer(Answer answer, bool of_whole);
   void load(bool anew);
   bool follows_view() const { return scene_ && scene_->follows_view; }
-  SeenView window_view() const;
+  static SeenView view_of(const Wishes& wishes, int width, int height);
   /// Of the window, or of a picture to be kept that waits for its points.
   SeenView wanted_view() const;
   const Wishes& wishes_of_view() const;
@@ -197,10 +197,11 @@ class Workbench {
   void shoot_what_is_loaded();
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
   void amend(const std::function<void(Wishes&)>& edit);
-  void paint_shot(int width, int height);
+  void shoot(const Wishes& wishes, int width, int height);
+  void paint_shot(const Wishes& wishes, int width, int height);
   LoadJob load_job(const Wishes& wishes) const;
   void send_scene(Loaded& loaded, bool is_another_view);
-  PictureJob job_for(const Quality& quality, int width, int height) const;
+  PictureJob job_for(const Wishes& wishes, const Quality& quality, int width, int height) const;
   void ask();
   void touched();
   bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
@@ -221,7 +222,6 @@ class Workbench {
   std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0,
                 pick_id_ = 0;
   Quality in_flight_quality_, shown_quality_;
-  double asked_ms_ = 0;
   std::string loaded_key_, wanted_key_;
   Wishes look_;
   double key_changed_ms_ = -1e9;

@@ -51,18 +51,15 @@ void Workbench::load(bool anew) {
 }
 
 Workbench::SeenView Workbench::wanted_view() const {
-  return delayed_shots_.empty() ? window_view() : delayed_shots_.front().view;
+  return delayed_shots_.empty() ? view_of(wishes_, width_, height_) : delayed_shots_.front().view;
 }
 
 const Wishes& Workbench::wishes_of_view() const {
   return delayed_shots_.empty() ? wishes_ : delayed_shots_.front().wishes;
 }
 
-Workbench::SeenView Workbench::window_view() const {
-  const auto shadows = wishes_.shared.find("shadows");
-  const bool casts =
-      shadows != wishes_.shared.end() && shadows->second != "off" && shadows->second != "stored";
-  return {wishes_.camera, width_, height_, casts};
+Workbench::SeenView Workbench::view_of(const Wishes& wishes, int width, int height) {
+  return {wishes.camera, width, height, casts_shadows(wishes.settings().shadows)};
 }
 
 bool Workbench::is_coarser_than_wanted() const {
@@ -77,9 +74,7 @@ void Workbench::follow_view() {
   if (read_view_ == wanted) {
     if (!delayed_shots_.empty() && whole_ready_ && !reading_view_) {
       // A hand that went on while the points were read gets the picture it asked for.
-      std::swap(wishes_, delayed_shots_.front().wishes);
-      paint_shot(wanted.width, wanted.height);
-      std::swap(wishes_, delayed_shots_.front().wishes);
+      paint_shot(delayed_shots_.front().wishes, wanted.width, wanted.height);
       delayed_shots_.pop_front();
     }
     return;
