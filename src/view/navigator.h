@@ -2,8 +2,6 @@
 // the cursor, flown. No window in it: pixels come in, cameras come out.
 #pragma once
 
-#include <vector>
-
 #include "core/camera.h"
 #include "session/first_view.h"
 

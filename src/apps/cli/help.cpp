@@ -1,8 +1,6 @@
 // sfumato help [COMMAND|TOPIC], and what a bare --help says.
 #include "help.h"
 
-#include <algorithm>
-
 #include "commands.h"
 #include "console.h"
 #include "core/param.h"

@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 #include <tuple>
 
 #include "batch.h"
 #include "commands.h"
 #include "console.h"
 #include "core/counted.h"
-#include "core/version.h"
 #include "help.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"

@@ -1,6 +1,5 @@
 #include "report.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/version.h"

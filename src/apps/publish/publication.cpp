@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/color.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "depth_text.h"

@@ -24,7 +24,7 @@ struct Hand {
 struct Limits {
   int side_px = 4096;        ///< of a picture in the page
   int shot_side_px = 16384;  ///< of a picture to keep
-  std::size_t path_keys = 1000, draw_rows = 100, waiting_shots = 4;
+  std::size_t path_keys = 1000, draw_rows = 100;
 };
 
 /// Does what one message asks. Throws Error(usage) for what is no message of ours; what the workbench

@@ -4,7 +4,6 @@
 
 #include <deque>
 #include <future>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
