@@ -116,20 +116,13 @@ void Navigator::look_at(const dvec3& place) {
   camera_.target = place;
 }
 
-void Navigator::show(NamedView side, int width_px, int height_px) {
-  double azimuth = 0, elevation = 0;
-  switch (side) {
-    case NamedView::front: break;
-    case NamedView::back: azimuth = pi; break;
-    case NamedView::left: azimuth = -0.5 * pi; break;
-    case NamedView::right: azimuth = 0.5 * pi; break;
-    case NamedView::top: elevation = 0.5 * pi; break;
-    case NamedView::bottom: elevation = -0.5 * pi; break;
-  }
+void Navigator::show(const NamedView& side, int width_px, int height_px) {
+  const double azimuth = glm::radians(side.azimuth_deg), elevation = glm::radians(side.elevation_deg);
   const Compass compass(up_);
   Camera camera = sfumato::frame(subject_.box, up_, width_px, height_px, azimuth, elevation,
                                  glm::radians(camera_.fov_deg));
-  camera.up = elevation == 0 ? compass.up : (elevation > 0 ? -1.0 : 1.0) * compass.from(azimuth, 0);
+  const bool is_steep = std::abs(side.elevation_deg) == 90;
+  camera.up = !is_steep ? compass.up : (elevation > 0 ? -1.0 : 1.0) * compass.from(azimuth, 0);
   if (!subject_.points.empty()) fit(camera, subject_);
   const bool parallel = camera_.orthographic;
   const double angle = camera_.fov_deg;

@@ -29,8 +29,6 @@ Ray ray_through(const Camera& camera, double x_px, double y_px);
 /// Where a world position is seen, and its eye depth in z (at most 0: behind the camera).
 dvec3 project(const Camera& camera, const dvec3& world);
 
-enum class NamedView { front, back, left, right, top, bottom };
-
 class Navigator {
  public:
   /// Another scene: `up` is what rotation keeps upright, `subject` what views frame.
@@ -55,7 +53,7 @@ class Navigator {
   /// The place comes to the middle of the picture, seen from the same side and distance.
   void look_at(const dvec3& place);
   /// The whole subject from one of its sides.
-  void show(NamedView side, int width_px, int height_px);
+  void show(const NamedView& side, int width_px, int height_px);
   /// The whole subject from where the camera looks.
   void frame(int width_px, int height_px);
   void reset() { camera_ = home_; }

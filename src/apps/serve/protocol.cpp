@@ -140,17 +140,11 @@ void draw_rows(Workbench& bench, const Json& rows) {
 }
 
 void show_side(Workbench& bench, const std::string& side) {
-  const std::map<std::string, view::NamedView> sides{
-      {"front", view::NamedView::front}, {"back", view::NamedView::back},
-      {"left", view::NamedView::left},   {"right", view::NamedView::right},
-      {"top", view::NamedView::top},     {"bottom", view::NamedView::bottom}};
-  const auto found = sides.find(side);
   bench.move(side, [&](view::Navigator& to) {
-    if (found != sides.end()) return to.show(found->second, bench.width(), bench.height());
     if (side == "reset") return to.reset();
     if (side == "frame") return to.frame(bench.width(), bench.height());
     if (side == "parallel") return to.toggle_orthographic();
-    refuse("there is no view '" + side + "'");
+    to.show(find_view(side, "view"), bench.width(), bench.height());
   });
 }
 

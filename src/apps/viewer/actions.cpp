@@ -68,8 +68,10 @@ void Interface::drop(const std::vector<std::string>& files, bool add) {
 }
 
 void Interface::act(Action action) {
-  const auto show = [&](view::NamedView side) {
-    bench_.move("side", [&](view::Navigator& hand) { hand.show(side, bench_.width(), bench_.height()); });
+  const auto show = [&](const char* side) {
+    bench_.move("side", [&](view::Navigator& hand) {
+      hand.show(find_view(side, "view"), bench_.width(), bench_.height());
+    });
   };
   const auto parameter = [&](const std::string& name, const std::string& value) {
     bench_.change(name, [&](view::Wishes& wishes) { wishes.set(name, value); });
@@ -94,12 +96,12 @@ void Interface::act(Action action) {
     case Action::orthographic:
       bench_.move("parallel", [](view::Navigator& hand) { hand.toggle_orthographic(); });
       break;
-    case Action::front: show(view::NamedView::front); break;
-    case Action::back: show(view::NamedView::back); break;
-    case Action::right: show(view::NamedView::right); break;
-    case Action::left: show(view::NamedView::left); break;
-    case Action::top: show(view::NamedView::top); break;
-    case Action::bottom: show(view::NamedView::bottom); break;
+    case Action::front: show("front"); break;
+    case Action::back: show("back"); break;
+    case Action::right: show("right"); break;
+    case Action::left: show("left"); break;
+    case Action::top: show("top"); break;
+    case Action::bottom: show("bottom"); break;
     case Action::fullscreen: window_.toggle_fullscreen(); break;
     case Action::panels: panels_ = !panels_; break;
     case Action::help: help_ = !help_; break;
