@@ -17,10 +17,10 @@ constexpr double points_each = 12, cells_high = 8;
 /// Ceilings are level to 6 degrees, and not thicker than a tenth of the open space below: what drift and
 /// beams leave, and no crowns.
 constexpr double level_slope = 0.105, thin = 0.1;
-/// The share of columns with points that lie below ceilings; of roofed ones that do; of the ways along the
-/// axes of the plan from there that end at walls, as below no table, bridge or crown; and of columns amid
-/// them in which something stands: empty rooms are closed boxes. Public scans:
-/// docs/measurements/first_view.md.
+/// The share of columns with points that lie below ceilings; of roofed ones that do, and of those below
+/// ceilings that have a floor as level; of the ways along the axes of the plan from there that end at walls,
+/// as below no table, bridge or crown; and of columns amid them in which something stands: empty rooms are
+/// closed boxes. Public scans: docs/measurements/first_view.md.
 constexpr double ceilings_least = 1.0 / 6, level_least = 0.7, walled_least = 0.5, furnished_least = 0.02;
 /// What is cut away below a ceiling, of the height of the open space: lamps, not furniture.
 constexpr double margin = 0.1;
@@ -39,7 +39,10 @@ struct Column {
   std::vector<double> heights;  ///< in order
   std::size_t above = 0;        ///< the place of the lowest one above the widest gap
   double level = 0;             ///< of its ceiling, the lower side
-  bool is_roofed = false, has_ceiling = false, is_wall = false, is_furnished = false;
+  bool is_roofed = false, has_ceiling = false, has_floor = false, is_wall = false, is_furnished = false;
+
+  /// A point or two at an end may be noise.
+  std::size_t strays() const { return heights.size() < 20 ? 1 : 2; }
 
   double gap() const { return above == 0 ? 0 : heights[above] - heights[above - 1]; }
   double extent() const { return heights.empty() ? 0 : heights.back() - heights.front(); }
@@ -85,13 +88,13 @@ class Plan {
   }
 
   bool is_room() const {
-    std::size_t roofed = 0, ceilings = 0, amid = 0, furnished = 0, walls = 0;
+    std::size_t roofed = 0, ceilings = 0, floors = 0, amid = 0, furnished = 0, walls = 0;
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
         const Column& column = at(x, y);
         roofed += column.is_roofed;
         if (!column.has_ceiling) continue;
-        ++ceilings;
+        ++ceilings, floors += column.has_floor;
         const auto all = [&](const auto& of) {
           return of(x - 1, y) && of(x + 1, y) && of(x, y - 1) && of(x, y + 1) && of(x - 1, y - 1) &&
                  of(x + 1, y - 1) && of(x - 1, y + 1) && of(x + 1, y + 1);
@@ -106,6 +109,7 @@ class Plan {
       }
     return double(ceilings) >= ceilings_least * double(occupied()) &&
            double(ceilings) >= level_least * double(roofed) &&
+           double(floors) >= level_least * double(ceilings) &&
            double(walls) >= walled_least * 4 * double(ceilings) && furnished > 0 &&
            double(furnished) >= furnished_least * double(amid);
   }
@@ -190,13 +194,13 @@ class Plan {
         columns_[std::size_t(cell)].heights.push_back(glm::dot(p, up_));
   }
 
-  /// Columns most of which is open, about as high as usual. A point or two may be noise.
+  /// Columns most of which is open, about as high as usual.
   void find_roofs() {
     std::vector<double> gaps;
     for (Column& column : columns_) {
       std::vector<double>& z = column.heights;
       std::sort(z.begin(), z.end());
-      const std::size_t strays = z.size() < 20 ? 1 : 2;
+      const std::size_t strays = column.strays();
       for (std::size_t i = strays; i + strays <= z.size() && z.size() > 3; ++i)
         if (z[i] - z[i - 1] > column.gap()) column.above = i;
       if (column.gap() > 0.5 * column.extent()) gaps.push_back(column.gap());
@@ -206,7 +210,8 @@ class Plan {
       column.is_roofed = column.gap() > 0.5 * std::max(column.extent(), height_) && height_ > 0;
   }
 
-  /// Where most of what roofs a place, five columns wide, is on one level; and what stands below.
+  /// Where most of what roofs a place, five columns wide, is on one level, or most of what ends it below; and
+  /// what stands there.
   void find_ceilings() {
     const auto roofed = std::count_if(columns_.begin(), columns_.end(),
                                       [](const Column& column) { return column.is_roofed; });
@@ -218,7 +223,7 @@ class Plan {
         column.is_wall =
             column.extent() > 0.7 * height_ && column.widest() < 0.4 * height_ && column.heights.size() > 3;
         if (!column.is_roofed) continue;
-        std::vector<double> above, below;
+        std::vector<double> above, below, lowest;
         for (int a = std::max(0, x - 2); a < std::min(cells_, x + 3); ++a)
           for (int b = std::max(0, y - 2); b < std::min(cells_, y + 3); ++b) {
             const Column& other = at(a, b);
@@ -226,11 +231,13 @@ class Plan {
             const auto roof = other.heights.begin() + std::ptrdiff_t(other.above);
             above.insert(above.end(), roof, other.heights.end());
             below.insert(below.end(), other.heights.begin(), roof);
+            lowest.push_back(other.heights[other.strays()]);
           }
         const auto [level, share] = densest(above, window);
         const double own = column.heights[(column.above + column.heights.size()) / 2];
         column.level = level;
         column.has_ceiling = share > 0.5 && own >= level - window && own <= level + 2 * window;
+        column.has_floor = densest(lowest, window).second > 0.5;
         column.is_furnished =
             column.heights[column.above - 1] - value_at_share(below, 0.1) > 1.2 * margin * height_;
       }

@@ -225,4 +225,12 @@ TEST(FindRoom, ABodyWhoseBackBendsIsNone) {
   for (const double bent : {0.3, 0.5, 0.7, 0.9}) EXPECT_FALSE(find_room(body(bent))) << bent;
 }
 
+TEST(FindRoom, ABodyWithoutALevelFloorIsNone) {
+  for (const double bent : {0.3, 0.5}) {
+    PointCloud bowl = body(bent);  // turned over, a bowl with a lid
+    for (vec3& p : bowl.positions) p.z = 1 - p.z;
+    EXPECT_FALSE(find_room(bowl)) << bent;
+  }
+}
+
 }  // namespace
