@@ -463,6 +463,7 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
   }
   const Facets facets(sample.points, sample.normals, sample.low, sample.high);
   const bool is_box = sample.is_box();
+  const bool by_photographs = cloud.up == UpAxis::neg_y;  // COLMAP, splats, depth images
   double all = 0;
   for (int i = 0; i < 6; ++i) {
     progress.check();
@@ -488,7 +489,8 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
     // Land stands on no base: not at a straight border, and not on the tops of its trees; and the lowest
     // place of tilted ground is no foot.
     set(UpEvidence::base, whole * (1 - std::max(lies.y, lies.z)) * support.base);
-    set(UpEvidence::aside, whole * (1 - grounded) * support.aside);
+    // What photographs reconstruct is a place, and stands on no foot.
+    set(UpEvidence::aside, by_photographs ? 0 : whole * (1 - grounded) * support.aside);
     set(UpEvidence::lies, whole * lies[axis]);
     set(UpEvidence::stands, whole * 0.5 * (stands[std::size_t(i)].sure - stands[std::size_t(i ^ 1)].sure));
     set(UpEvidence::room, room && *room == up ? whole : 0);
