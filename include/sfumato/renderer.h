@@ -83,9 +83,9 @@ class HeadlessRenderer {
   /// Applies to the following pictures.
   void set_outputs(const Outputs& outputs);
   /// `technique`: a name, or "auto" for what suits the points. `background` is sRGB 0..1 (white; the
-  /// command chooses its own), or nothing for a transparent picture. Attributes that the technique needs and the cloud does not have are computed once
-  /// and kept. Throws Error(usage) for an unknown technique or parameter and before a cloud was set;
-  /// Cancelled when `progress` asks for it.
+  /// command chooses its own), or nothing for a transparent picture. Attributes that the technique needs and
+  /// the cloud does not have are computed once and kept. Throws Error(usage) for an unknown technique or
+  /// parameter and before a cloud was set; Cancelled when `progress` asks for it.
   Pictures render(const std::string& technique, const Camera& camera, const Parameters& parameters = {},
                   std::optional<vec3> background = vec3(1), Progress& progress = no_progress());
 

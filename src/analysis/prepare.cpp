@@ -66,11 +66,11 @@ void PrepareOptions::describe(ParamList& p) {
   // The least with which neighbours on a square grid close what may be a noisy surface is 0.42 (discs are
   // drawn 1.5 times as large), and a random sample needs more. What twigs hide would be 0.2: K discs that
   // point anywhere hide 1 - exp(-K r^2 / 2 R^2) of what lies behind their ball of radius R. That perforates
-  // curved and noisy surfaces, and readers marked it lower (docs/measurements/dots.md).
+  // curved and noisy surfaces, and a reader marked it lower (docs/measurements/dots.md).
   p.add("clutter_radius", clutter_radius)
       .range(0.05, 1)
       .unit("factor")
-      .help("radius of points in clutter such as foliage, on no surface; 1: as on a surface");
+      .help("radius of points in clutter such as foliage, on no surface; 1: no disc shrinks");
   strokes.describe(p);
 }
 

@@ -14,7 +14,7 @@ namespace sfumato::analysis {
 struct Upright {
   UpAxis up = UpAxis::pos_z;
   std::string reason;        ///< what speaks for it: "a camera's view: y down"
-  double azimuth_deg = -45;  ///< from where the first picture is taken, as --camera-azimuth-angle
+  double azimuth_deg = -30;  ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
   /// The convention of the format where it is not that, else what it may be as well where nothing tells
   /// clearly.

@@ -113,7 +113,8 @@ void RenderSettings::describe(ParamList& p) {
       .unit("scene units")
       .help("distance below which a point casts no shadow (auto: 3 point spacings)")
       .paper("d_min");
-  p.add("ground", ground).help("a plane under the cloud that receives its shadow (with shadows hard or soft)");
+  p.add("ground", ground)
+      .help("a plane under the cloud that receives its shadow (with shadows hard or soft)");
   p.add("edl", edl)
       .help(
           "eye-dome lighting: dark lines along depth edges above the noise (auto: in every "

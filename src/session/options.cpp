@@ -219,11 +219,11 @@ void add_output(Table& t) {
           "the first that selects a point wins (sfumato help draw)",
           &Request::draw, [](Text text) { return DrawRule::parse(text); })
       .is(Scope::look);
-  t.text(
-      "-o,--output", "FILE",
-      "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, transparent where nothing is), .exr "
-      "(linear, Z, normals), .npy (linear RGBA); - is standard output",
-      &Request::output);
+  t.text("-o,--output", "FILE",
+         "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, transparent where nothing "
+         "is), .exr "
+         "(linear, Z, normals), .npy (linear RGBA); - is standard output",
+         &Request::output);
   t.flag("--world-file", "the georeference of a plan beside its picture, as NAME.pgw", &Request::world_file)
       .is(Scope::file);
   t.flag("--each", "one picture per file, -o '{stem}.png'; a bad file does not stop the others",
@@ -246,7 +246,8 @@ void add_output(Table& t) {
   t.text("--output-normal", "FILE.npy", "float32 HxWx3, world, facing the camera, 0 where none",
          &Request::output_normal);
   t.text("--output-camera", "FILE.json", "the camera of the picture", &Request::output_camera);
-  t.value("--quality", "1..100", "quality of .jpg and .webp; 100 makes .webp lossless (90)", &Request::quality,
+  t.value("--quality", "1..100", "quality of .jpg and .webp; 100 makes .webp lossless (90)",
+          &Request::quality,
           [](Text option, Text text) {
             const long quality = parse_whole(option, text, 1);
             if (quality > 100) throw Error(ErrorCode::usage, option + ": '" + text + "' is not in 1..100");
@@ -268,8 +269,8 @@ void add_output(Table& t) {
   t.text("--preset", "FILE.json", "options and parameters saved before; options on the command line win",
          &Request::preset);
   t.text("--save-preset", "FILE.json", "save the options that reproduce this picture", &Request::save_preset);
-  t.text("--scene", "FILE.json", "files, --draw, look and camera saved before; options on the command line win",
-         &Request::scene);
+  t.text("--scene", "FILE.json",
+         "files, --draw, look and camera saved before; options on the command line win", &Request::scene);
   t.text("--save-scene", "FILE.json", "as --save-preset, with the files", &Request::save_scene);
   t.texts("--transform", "\"N: 16 NUMBERS\"",
           "4x4 matrix that maps the N-th file to world coordinates, row by row, with commas",
@@ -310,8 +311,8 @@ void add_view(Table& t) {
   t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at),
           vector)
       .is(Scope::command);
-  t.value("--distance", "D", "distance from the camera to the --look-at point, scene units", of_view(&ViewWishes::distance),
-          positive)
+  t.value("--distance", "D", "distance from the camera to the place it looks at, scene units",
+          of_view(&ViewWishes::distance), positive)
       .python("number");
   t.value(
        "--scale", "1:N", "print scale of an orthographic view", of_view(&ViewWishes::print_scale),
@@ -390,8 +391,8 @@ void add_points(Table& t) {
       .is(Scope::place)
       .python("numbers");
   t.value("--crop-relative", "X0,Y0,Z0,X1,Y1,Z1",
-          "--crop in shares of the whole box: 0,0,0,1,1,0.5 is the lower half",
-          kept(&Selection::crop_share), parse_box)
+          "--crop in shares of the whole box: 0,0,0,1,1,0.5 is the lower half", kept(&Selection::crop_share),
+          parse_box)
       .python("numbers");
   t.value("--show-classes", "N,N...", "only these classification codes", kept(&Selection::show_classes),
           parse_classes)
@@ -486,7 +487,8 @@ void add_colours(Table& t) {
       .or_nothing()
       .python("number");
   t.value("--background-color", "COLOUR",
-          "a name, #hex or R,G,B from 0 to 1 (dark grey; white for clay, dark colours, charcoal and a ground)",
+          "a name, #hex or R,G,B from 0 to 1 (dark grey; white for clay, dark colours, charcoal, watercolor, "
+          "shadows on a ground)",
           &Request::background, color)
       .or_nothing()
       .python("text", "background");

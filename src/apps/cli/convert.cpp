@@ -86,11 +86,12 @@ class DistanceOptions {
     line.group("Change: the scalar `distance`, scene units, for pictures with --color-by distance");
     line.text("--distance-to", reference_, "FILE",
               "from each point to the nearest of this cloud, of an earlier survey");
-    line.handler(
-        "--distance-scale", "D",
-        "instead signed along normals (M3C2), each of the points in a ball of diameter D, between the means of "
-        "both clouds in a cylinder of diameter D; positive: in front of FILE",
-        false, [this](const std::string& text) { scale_ = parse_positive("--distance-scale", text); });
+    line.handler("--distance-scale", "D",
+                 "instead signed along normals (M3C2), each of the points in a ball of diameter D, between "
+                 "the means of "
+                 "both clouds in a cylinder of diameter D; positive: in front of FILE",
+                 false,
+                 [this](const std::string& text) { scale_ = parse_positive("--distance-scale", text); });
   }
 
   void check(io::FileNames& names) const {

@@ -186,6 +186,9 @@ TEST(Support, LonelyLinesAreThinAndUnbroken) {
   EXPECT_LT(*most, 1.1f * 0.05f);
   for (const float surface : prepared.on_surface)
     ASSERT_LT(surface, 0.1f) << "a dot, whatever its neighbours";
+  const float smallest = *std::min_element(prepared.shrunk.begin(), prepared.shrunk.end());
+  EXPECT_GE(smallest, 0.2f);
+  EXPECT_LT(smallest, PrepareOptions().clutter_radius) << "a line is thinner than clutter";
 }
 
 TEST(Support, LinesOfASurfaceStillClose) {
