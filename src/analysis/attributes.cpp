@@ -39,7 +39,7 @@ constexpr float overlap = 0.8f;
 constexpr float largest_unless_flat = 1.5f;
 /// The smallest dot, of the radius of Eq. 20: on lines and at the end of a surface discs may be so much
 /// smaller than in clutter. Of 24 neighbours such discs hide a sixth of what lies behind their ball.
-constexpr float thinnest = 0.2f;
+constexpr float smallest_dot = 0.2f;
 /// The share of surfaces among what surrounds a point, up to which it is foliage with branches, and from
 /// which on it may be a wall or ground with trees: 0 to 0.3 around branches of forests, 0.9 on the ground
 /// below them, on statues and in rooms; but 0.5 on a tower of few points.
@@ -381,7 +381,7 @@ class Completion {
         // from place to place: where a dense scan meets a sparse one, the sparse one is no heap of strays.
         const float radius = radii[i], small = largest_unless_flat * medians / radius,
                     widest = largest_disc * std::max(medians, usual.near(i)) / radius,
-                    dot = std::min(options_.clutter_radius, widest), least = std::min(thinnest, dot);
+                    dot = std::min(options_.clutter_radius, widest), least = std::min(smallest_dot, dot);
         // What is sparse and hangs above all that surrounds it, as wires above a field, is on no surface.
         // What stands alone before or beside it belongs to none, whatever the region is.
         const float own = shares.own[i] * (small < 1 ? shares.in_layer[i] : 1) * (1 - alone[i]);
