@@ -221,8 +221,7 @@ void add_output(Table& t) {
       .is(Scope::look);
   t.text("-o,--output", "FILE",
          "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, transparent where nothing "
-         "is), .exr "
-         "(linear, Z, normals), .npy (linear RGBA); - is standard output",
+         "is), .exr (linear, Z, normals), .npy (linear RGBA); - is standard output",
          &Request::output);
   t.flag("--world-file", "the georeference of a plan beside its picture, as NAME.pgw", &Request::world_file)
       .is(Scope::file);

@@ -88,8 +88,7 @@ class DistanceOptions {
               "from each point to the nearest of this cloud, of an earlier survey");
     line.handler("--distance-scale", "D",
                  "instead signed along normals (M3C2), each of the points in a ball of diameter D, between "
-                 "the means of "
-                 "both clouds in a cylinder of diameter D; positive: in front of FILE",
+                 "the means of both clouds in a cylinder of diameter D; positive: in front of FILE",
                  false,
                  [this](const std::string& text) { scale_ = parse_positive("--distance-scale", text); });
   }

@@ -62,8 +62,7 @@ const std::vector<Topic>& topics() {
        "--color-by takes rgb, intensity, classification, elevation, normal, file or any scalar (sfumato info "
        "lists them); "
        "--colormap and --color-range set the map and its range, --legend explains it in the picture. --color "
-       "paints every "
-       "point alike.\n"
+       "paints every point alike.\n"
        "A colour is a name (steelblue), #hex (#468, #4682b4) or R,G,B from 0 to 1.\n"
        "  sfumato scan.laz --color-by intensity --colormap inferno --legend -o intensity.png\n"
        "  sfumato before.laz after.laz --color-by file --legend -o change.png"},
