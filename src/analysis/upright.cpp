@@ -147,11 +147,13 @@ struct Sample {
 /// those of an image's pixels: a tile whose plan was shifted to its middle has the origin far below it. What
 /// many photographs saw has colours and the axes of the first camera, which it is before.
 Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const {
-  // The sign of y: of 12 public pictures of pixels the custom holds for all, of 18 other sources for 14. More
-  // of what is level is seen from its side along y than from the other, as floors and tables are, where a
-  // tenth of all is so surely: where that says the opposite, pictures of pixels have the other sign, and of
-  // others, which may show the ceiling of a room, the convention of the format decides.
-  constexpr double not_of_pixels = 0.25, opposed = 0.4, sure_floors = 0.1;
+  // The sign of y: of 12 public pictures of pixels the custom holds for all, of 18 other sources for 14. Rows
+  // in the order of an image, from top to bottom, say it without a custom (in 19 of 21 public pictures; of
+  // the others one camera hung upside down, one lay on its side). More of what is level is seen from its side
+  // along y than from the other, as floors and tables are, where a tenth of all is so surely: where that says
+  // the opposite, pictures of pixels have the other sign, and of others, which may show the ceiling of a
+  // room, the convention of the format decides.
+  constexpr double not_of_pixels = 0.25, opposed = 0.4, sure_floors = 0.1, in_rows = 0.9;
   // Of eight public sources that lie before the origin so and are no picture six are of photographs.
   constexpr double of_photographs = 0.75;
   dvec3 along(0);
@@ -160,10 +162,13 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   if (sight.is_narrow()) return {};
   const double seen = std::max(is_one_picture(sight), sight.ahead && colored ? of_photographs : 0) *
                       (sight.of_pixels ? 1 : 1 - lies(axis));
-  const double floors = std::clamp(sight.faces_up / sure_floors, -1.0, 1.0) * (positive ? -1 : 1);
-  const double turned = sight.of_pixels
-                            ? std::max(-floors, 0.0)
-                            : std::max(-opposed * floors, not_of_pixels * std::min(1 - floors, 1.0));
+  const double custom = positive ? -1 : 1, rows = custom * sight.downwards;
+  const double sign = rows < -in_rows ? -custom : custom;
+  const double floors = sign * std::clamp(sight.faces_up / sure_floors, -1.0, 1.0);
+  const double unsure = std::abs(rows) > in_rows ? 0 : not_of_pixels;
+  const double opposite = sight.of_pixels ? std::max(-floors, 0.0)
+                                          : std::max(-opposed * floors, unsure * std::min(1 - floors, 1.0));
+  const double turned = sign == custom ? opposite : 1 - opposite;
   return {seen, seen * turned};
 }
 

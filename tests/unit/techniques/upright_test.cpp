@@ -612,6 +612,22 @@ TEST(Upright, OfACameraTheFloorIsSeenFromAbove) {
   EXPECT_EQ(guess_upright(seen).reason.rfind("guessed: ", 0), std::string::npos);
 }
 
+// A bumpy wall, in the order of an image: its rows run from top to bottom, whatever the custom of the axes.
+TEST(Upright, RowsOfAPictureRunDownwards) {
+  for (const float along : {1.0f, -1.0f})
+    for (const float down : {1.0f, -1.0f})
+      for (const UpAxis convention : {UpAxis::pos_y, UpAxis::pos_z}) {
+        PointCloud seen;
+        seen.up = convention;
+        for (int row = -60; row <= 60; ++row)
+          for (int column = -80; column <= 80; ++column) {
+            const float depth = 3 + 0.1f * std::sin(0.1f * float(column)) * std::cos(0.1f * float(row));
+            seen.positions.push_back(depth * vec3(0.005f * float(column), down * 0.005f * float(row), along));
+          }
+        EXPECT_EQ(guess_upright(seen).up, down > 0 ? UpAxis::neg_y : UpAxis::pos_y) << along << " " << down;
+      }
+}
+
 TEST(Upright, TablesStayOnTheirFeet) {
   std::mt19937 random(13);
   std::uniform_real_distribution<float> unit(0, 1);
