@@ -1,9 +1,11 @@
 #include "session/first_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/error.h"
+#include "core/order.h"
 #include "core/param.h"
 #include "session/connected.h"
 
@@ -156,23 +158,28 @@ Subject within(const Subject& subject, const Surroundings& around) {
 }
 
 std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3& eye, const dvec3& along,
-                                            const dvec3& up) {
+                                            const dvec3& up, double beyond) {
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
-  glm::dvec2 low(1e300), high(-1e300);
+  std::array<std::vector<double>, 2> slopes;
   for (std::size_t i = 0; i < subject.points.size(); ++i) {
     const dvec3& p = subject.points[i];
     const double depth = glm::dot(p - eye, along);
     if (!subject.is_framed(i) || !(depth > 0)) continue;
-    const glm::dvec2 slope(glm::dot(p - eye, right) / depth, glm::dot(p - eye, above) / depth);
-    low = glm::min(low, slope), high = glm::max(high, slope);
+    slopes[0].push_back(glm::dot(p - eye, right) / depth);
+    slopes[1].push_back(glm::dot(p - eye, above) / depth);
   }
-  return {low, high};
+  if (slopes[0].empty()) return {};
+  const auto at = [&](double share) {
+    return glm::dvec2(value_at_share(slopes[0], share), value_at_share(slopes[1], share));
+  };
+  return {at(beyond), at(1 - beyond)};
 }
 
 void see_from(Camera& camera, const dvec3& place, const Subject& subject) {
-  constexpr double shown = 0.92, widest = 3.7;  // as `fit`; tan 75 degrees
+  constexpr double widest = 3.7;                             // tan 75 degrees
+  constexpr double shown = 0.92 * (1 - 2 * beyond_picture);  // as `fit` an even picture
   const dvec3 along = camera.direction();
-  const auto [low, high] = slopes_of(subject, place, along, camera.up);
+  const auto [low, high] = slopes_of(subject, place, along, camera.up, beyond_picture);
   const glm::dvec2 most = glm::max(-low, high);
   const double slope = std::max(most.y, most.x * camera.height / camera.width) / shown;
   camera.target = place + along * glm::dot(camera.target - place, along);

@@ -306,7 +306,7 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
     if (is_one_picture(sight) < 0.5 || (!is_known && sight.is_narrow())) return std::nullopt;
   }
   for (int step = 0; step < 3; ++step) {  // to the middle of what appears
-    const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up);
+    const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up, beyond_picture);
     const dvec3 right = glm::normalize(glm::cross(sensor.along, up));
     sensor.along += 0.5 * ((low.x + high.x) * right + (low.y + high.y) * glm::cross(right, sensor.along));
     sensor.along = glm::normalize(sensor.along);
