@@ -192,7 +192,7 @@ def main():
         for words, code, text in (([os.path.join(folder, "scan.ply"), "--port", port], 6, "--port 0"),
                                   ([os.path.join(folder, "none.ply"), "--port", "0"], 6, "none.ply"),
                                   ([os.path.join(folder, "scan.ply"), "--bind", "nowhere"], 1, "--bind"),
-                                  ([os.path.join(folder, "scan.ply"), "-o", "x.png"], 1, "serve writes no files"),
+                                  ([os.path.join(folder, "scan.ply"), "-o", "x.png"], 1, "--output does not go with serve"),
                                   ([], 1, "name a file")):
             one = subprocess.run([COMMAND, "serve", *words], capture_output=True, text=True, timeout=60)
             check(f"serve {' '.join(words[1:])}: code {code}", one.returncode == code and text in one.stderr and one.stderr.count("\n") == 1,

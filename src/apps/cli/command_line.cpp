@@ -222,6 +222,10 @@ void CommandLine::boolean(const std::string& names, const std::string& metavar, 
   state_->entries.back().info.kind = OptionInfo::Kind::boolean;
 }
 
+void CommandLine::hide(const std::vector<const char*>& names) {
+  for (const char* name : names) state_->find_long(name)->info.hidden = true;
+}
+
 void CommandLine::explain_unknown(std::function<void(const std::string&)> explain) {
   state_->explain = std::move(explain);
 }

@@ -22,26 +22,6 @@ std::string box_text(const Bounds& box) {
                      digits, box.min.z, digits, box.max.x, digits, box.max.y, digits, box.max.z, digits);
 }
 
-void refuse_others(const RenderOptions& options) {
-  for (const auto& [option, given] : {std::pair("--output-panels", !options.output_panels.empty()),
-                                      {"--output-depth", !options.output_depth.empty()},
-                                      {"--output-index", !options.output_index.empty()},
-                                      {"--output-normal", !options.output_normal.empty()},
-                                      {"--output-camera", !options.output_camera.empty()},
-                                      {"--world-file", options.world_file},
-                                      {"--no-background", options.no_background},
-                                      {"--path", !options.path.empty()},
-                                      {"--sequence", options.sequence},
-                                      {"--each", options.each},
-                                      {"--watch", options.watch},
-                                      {"--panorama", options.panorama},
-                                      {"--quality", options.quality.has_value()}})
-    if (given)
-      throw Error(ErrorCode::usage, std::string(option) +
-                                        " does not go with publish, which shows one scene "
-                                        "from all around: leave it out");
-}
-
 }  // namespace
 
 publish::Facts facts_of(const RenderOptions& options, const Choice& choice, const RenderReport& report,
@@ -90,13 +70,16 @@ int publish_command(const Words& words) {
   request.line.footer(
       "Open FOLDER/index.html, or copy the folder to any web host: it needs no server program. It holds "
       "only pictures, of --resolution (1600x1200). docs/serve.md has more.");
+  request.exclude({"output-panels", "output-depth", "depth-unit", "output-index", "output-normal",
+                   "output-camera", "world-file", "no-background", "path", "frames", "degrees", "sequence",
+                   "each", "watch", "panorama", "quality"},
+                  "publish, which shows one scene from all around");
   if (!request.parse(words)) return 0;
   const std::string folder = std::exchange(options.output, {});
   if (options.files.empty() && options.scene.empty())
     throw Error(ErrorCode::usage, "publish what? name a file: sfumato publish FILE... -o FOLDER");
   if (folder.empty() || io::is_standard_output(folder))
     throw Error(ErrorCode::usage, "publish writes a folder: add -o FOLDER");
-  refuse_others(options);
   if (request.choice.count > 1)
     throw Error(ErrorCode::usage, "publish shows one technique: name one, or publish a folder for each");
   const long around = parse_whole("--views", views, 3);

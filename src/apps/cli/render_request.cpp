@@ -66,7 +66,16 @@ bool RenderRequest::parse(const Words& words) {
   return true;
 }
 
+void RenderRequest::exclude(std::vector<const char*> names, std::string reason) {
+  line.hide(names);
+  excluded_ = std::move(names), why_excluded_ = std::move(reason);
+}
+
 void RenderRequest::check() {
+  for (const char* name : excluded_)
+    if (!find_option(name)->texts(options).empty())
+      throw Error(ErrorCode::usage,
+                  "--" + std::string(name) + " does not go with " + why_excluded_ + ": leave it out");
   choice.given = line.given();
   options.check(choice.count);
   for (const auto& chosen : choice.techniques) chosen->check();

@@ -21,6 +21,9 @@ struct RenderRequest {
                          const std::string& description = "Renders point clouds to pictures.");
   /// The configuration, a preset and the words, one over the other. False when help was asked for, or listed.
   bool parse(const Words& words);
+  /// Options, by their long names, that the command does not have: not in its --help, and refused by `check`
+  /// with the reason, which ends the sentence "--NAME does not go with ...".
+  void exclude(std::vector<const char*> names, std::string reason);
   /// Everything that can be wrong before a file is opened. Throws Error(usage).
   void check();
 
@@ -28,6 +31,8 @@ struct RenderRequest {
   RenderRequest(const Words& words, const std::string& command, const std::string& description,
                 std::pair<Preset, Preset> presets);
   Preset defaults_;
+  std::vector<const char*> excluded_;
+  std::string why_excluded_;
 };
 
 /// Reads, draws and writes what a parsed and checked request asks for; `command` is kept in the pictures.

@@ -123,6 +123,11 @@ int serve_command(const Words& words) {
       "It prints one address, with the token that gives access. Other machines reach it through\n"
       "  ssh -L 8080:127.0.0.1:8080 SERVER\n"
       "and the same address. docs/serve.md has more.");
+  request->exclude({"output",        "output-panels", "output-depth", "depth-unit", "output-index",
+                    "output-normal", "output-camera", "world-file",   "quality",    "path",
+                    "frames",        "degrees",       "sequence",     "each",       "watch",
+                    "panorama",      "save-preset",   "save-scene",   "json",       "timings"},
+                   "serve, which shows one scene in browsers, whose page saves pictures");
   if (!request->parse(words)) return 0;
   settings.port = int(parse_whole("--port", port, 0));
   if (settings.port > 65535) throw Error(ErrorCode::usage, "--port: " + port + " is more than 65535");
@@ -134,13 +139,8 @@ int serve_command(const Words& words) {
   char name[256] = "";
   if (::gethostname(name, sizeof name - 1) == 0 && settings.address != "127.0.0.1")
     settings.hosts.push_back(name);
-  if (options.has_output())
-    throw Error(ErrorCode::usage,
-                "serve writes no files: leave out -o and --output-...; the page saves pictures");
   if (options.files.empty() && options.scene.empty())
     throw Error(ErrorCode::usage, "serve what? name a file: sfumato serve FILE...");
-  if (options.watch || options.sequence || options.each || !options.path.empty())
-    throw Error(ErrorCode::usage, "serve shows one scene: leave out --watch, --sequence, --each and --path");
   request->check();
   Console console(options.common);
   serve::Sources sources;
