@@ -222,6 +222,11 @@ void CommandLine::boolean(const std::string& names, const std::string& metavar, 
   state_->entries.back().info.kind = OptionInfo::Kind::boolean;
 }
 
+void CommandLine::restate(const std::string& long_name, const std::string& metavar, const std::string& help) {
+  OptionInfo& info = state_->find_long(long_name)->info;
+  info.metavar = metavar, info.help = help;
+}
+
 void CommandLine::hide(const std::vector<const char*>& names) {
   for (const char* name : names) state_->find_long(name)->info.hidden = true;
 }

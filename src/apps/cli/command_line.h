@@ -61,6 +61,8 @@ class CommandLine {
   /// The same for true, false or (where the parameter has it) auto; alone it means true.
   void boolean(const std::string& names, const std::string& metavar, const std::string& help, bool hidden,
                std::function<void(const std::string&)> apply);
+  /// What an option declared before takes and does in this command.
+  void restate(const std::string& long_name, const std::string& metavar, const std::string& help);
   /// Leaves options, by their long names, out of --help.
   void hide(const std::vector<const char*>& names);
   /// Called with the first word that is no option here; may throw a better error than "unknown option".

@@ -70,6 +70,8 @@ int publish_command(const Words& words) {
   request.line.footer(
       "Open FOLDER/index.html, or copy the folder to any web host: it needs no server program. It holds "
       "only pictures, of --resolution (1600x1200). docs/serve.md has more.");
+  request.line.restate("output", "FOLDER",
+                       "the folder to write: a new or an empty one, or one published before");
   request.exclude({"output-panels", "output-depth", "depth-unit", "output-index", "output-normal",
                    "output-camera", "world-file", "no-background", "path", "frames", "degrees", "sequence",
                    "each", "watch", "panorama", "quality"},
