@@ -254,7 +254,10 @@ class Completion {
       noise = widen(near_normals, on_side, scatter, thickness2, orientation, new_normals);
     }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
-    if (radii) prepared_.median_radius = quantile(new_radii, 0.5);
+    const WholeCloud* whole = prepared_.whole.get();
+    if (radii)
+      prepared_.median_radius =
+          whole && whole->median_radius > 0 ? whole->median_radius : quantile(new_radii, 0.5);
     std::vector<float> shrunk;
     if (shrink) shrunk = shrink_to_vouched(flatness, cells, new_radii);
     for (std::size_t i = 0; i < on_side.size() && !shrunk.empty(); ++i)
@@ -271,7 +274,8 @@ class Completion {
                                             keep ? &kept : nullptr));
     }
     if (!shrunk.empty()) prepared_.shrunk = std::move(shrunk);
-    if (normals) cloud_.normals = std::move(new_normals), prepared_.noise = std::max(prepared_.noise, noise);
+    if (normals) cloud_.normals = std::move(new_normals);
+    if (!whole) prepared_.noise = std::max(prepared_.noise, noise);
     if (radii) cloud_.radii = std::move(new_radii);
   }
 
@@ -304,9 +308,10 @@ class Completion {
   /// Where a picture was taken from: it shows one side of all, and steps of its depths are no second one.
   std::optional<vec3> sensor_at_origin() const {
     constexpr std::size_t sample_size = 65'536;
+    const PointCloud& all = prepared_.whole ? prepared_.whole->sample : cloud_;
     std::vector<dvec3> sample;
-    for (std::size_t i = 0; i < cloud_.size(); i += (cloud_.size() + sample_size - 1) / sample_size)
-      sample.push_back(cloud_.world(i));
+    for (std::size_t i = 0; i < all.size(); i += (all.size() + sample_size - 1) / sample_size)
+      sample.push_back(all.world(i));
     if (!are_one_picture(sample, dvec3(0))) return std::nullopt;
     return vec3(-cloud_.origin);
   }
@@ -347,6 +352,7 @@ class Completion {
       if (normals[near.point] == near.normal) scatter[near.point] = 0;
     for (std::size_t i = 0; i < on_side.size(); ++i)
       if (on_side[i]) scatter[i] = 0;
+    if (prepared_.whole ? !prepared_.whole->is_rough : !need_widening(scatter)) return 0;
     const float noise = widen_normals(cloud_.positions, int(k_), scatter, thickness2, normals, progress_);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 65'536), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i)
@@ -359,7 +365,7 @@ class Completion {
   /// they lie on a surface, and a dot elsewhere.
   std::vector<float> shrink_to_vouched(const std::vector<float>& flatness,
                                        const std::vector<VoronoiCell>& cells, std::vector<float>& radii) {
-    if (!tells_clutter(radii.size(), k_)) return {};
+    if (!tells_clutter(prepared_.whole ? prepared_.whole->points : radii.size(), k_)) return {};
     const bool is_flat = std::all_of(flatness.begin(), flatness.end(), [](float f) { return f >= 1; });
     const std::vector<float> whole(is_flat ? radii.size() : 0, 1.0f);
     const SurfaceShares shares = is_flat ? SurfaceShares{whole, whole, whole}

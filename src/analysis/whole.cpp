@@ -1,10 +1,19 @@
 #include "analysis/whole.h"
 
+#include <numeric>
+#include <utility>
+
+#include "analysis/attributes.h"
 #include "analysis/dots.h"
 #include "analysis/given_normals.h"
 #include "analysis/morton.h"
-#include "analysis/prepare.h"
+#include "analysis/normals.h"
+#include "analysis/quantiles.h"
+#include "analysis/spacing.h"
+#include "analysis/support.h"
 #include "analysis/surface_noise.h"
+#include "analysis/survey.h"
+#include "analysis/wide_normals.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -13,6 +22,33 @@ namespace {
 PointCloud along_the_curve(PointCloud cloud) {
   reorder(cloud, morton_order(cloud));
   return cloud;
+}
+
+/// Of a disc at each place (Seemann 2018, Eq. 20), and how far what is around it scatters.
+struct Discs {
+  std::vector<float> radii, scatter;
+};
+
+Discs discs_at(const Neighborhoods& around) {
+  Discs discs;
+  for (std::size_t k = 0; k < around.places.size(); ++k) {
+    const std::vector<dvec3>& nearest = around.nearest[k];
+    if (nearest.size() < 2) continue;
+    std::vector<vec3> near;
+    for (const dvec3& at : nearest) near.emplace_back(at - around.places[k]);
+    discs.radii.push_back(radius_of(glm::length(near.back()), near.size() - 1));
+    std::vector<std::uint32_t> others(near.size() - 1);
+    std::iota(others.begin(), others.end(), 1u);
+    if (const auto frame = local_frame(near, 0, others)) discs.scatter.push_back(scatter_of(*frame));
+  }
+  return discs;
+}
+
+template <class T>
+void keep_values(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
 }
 
 PointCloud places_only(const PointCloud& cloud) {
@@ -47,11 +83,35 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surrou
   whole->usual_box = robust_bounds(whole->sample);
   if (const float spacing = spacing_of(around.dots); spacing > 0) whole->median_spacing = spacing;
   if (facts.points >= around_noise_place) whole->noise = noise_of(around.noise);
+  const Discs discs = discs_at(around.dots);
+  whole->median_radius = quantile(discs.radii, 0.5), whole->is_rough = need_widening(discs.scatter);
   const std::vector<vec3>& normals = whole->sample.normals;
   whole->has_normals = facts.with_normal == facts.points &&
                        !are_rough(normals, NeighborTree(whole->sample.positions), PrepareOptions().neighbors);
   whole->dots = dots_at(around.dots, origin, facts.points, whole->median_spacing);
   return whole;
+}
+
+PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes needs,
+                           const PrepareOptions& options, Progress& progress,
+                           std::shared_ptr<const WholeCloud> whole) {
+  const std::size_t count = part.size();
+  const std::vector<std::uint32_t> numbers = std::move(part.source_index);
+  part.source_index.clear();
+  if (around.size() > 0) append(part, around);
+  part.source_index.clear();
+  PreparedCloud prepared = prepare_by_shape(
+      std::move(part), [&](const auto&, const auto&) { return needs; }, options, progress, std::move(whole));
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < prepared.cloud.size(); ++i)
+    if (prepared.cloud.source_index[i] < count) kept.push_back(i);
+  keep_values(prepared.shrunk, kept), keep_values(prepared.on_surface, kept);
+  prepared.cloud = select(prepared.cloud, kept);
+  if (!numbers.empty())
+    for (std::uint32_t& number : prepared.cloud.source_index) number = numbers[number];
+  prepared.batches = cut_batches(prepared.cloud.positions);
+  measure_spacing(prepared.batches, NeighborTree(prepared.cloud.positions), progress);
+  return prepared;
 }
 
 }  // namespace sfumato::analysis

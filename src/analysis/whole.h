@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "analysis/cloud_facts.h"
+#include "analysis/prepare.h"
 #include "core/prepared_cloud.h"
 
 namespace sfumato::analysis {
@@ -25,5 +26,11 @@ void merge(Surroundings& into, const Surroundings& of);
 /// `origin`: that of all parts.
 std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surroundings& around,
                                            const dvec3& origin);
+
+/// As prepare_by_shape. What is computed from neighbours finds them among `around` too, points of other parts
+/// (analysis/regions.h), which are not in the result: nothing can be computed later.
+PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes needs,
+                           const PrepareOptions& options, Progress& progress,
+                           std::shared_ptr<const WholeCloud> whole);
 
 }  // namespace sfumato::analysis

@@ -191,10 +191,13 @@ float error2_of_noise(float scatter, float points) {
   return 2 * std::max(scatter, 1e-6f) / (points * apart * apart);
 }
 
+bool need_widening(std::span<const float> scatter) {
+  const auto rough = std::count_if(scatter.begin(), scatter.end(), [](float s) { return s > calm_scatter; });
+  return !(float(rough) < few_rough * float(scatter.size()));
+}
+
 float widen_normals(const std::vector<vec3>& positions, int neighbors, const std::vector<float>& scatter,
                     const std::vector<float>& thickness2, std::vector<vec3>& normals, Progress& progress) {
-  const auto rough = std::count_if(scatter.begin(), scatter.end(), [](float s) { return s > calm_scatter; });
-  if (float(rough) < few_rough * float(scatter.size())) return 0;
   std::vector<WidePlanes> scales;
   std::vector<Group> groups = grouped(positions.size(), [&](std::size_t i) {
     return Group{positions[i], 1, {}, unbiased(thickness2[i], scatter[i], float(neighbors + 1)), scatter[i]};

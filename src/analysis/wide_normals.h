@@ -2,6 +2,7 @@
 // common: what lies around them, seen from farther away, does.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/progress.h"
@@ -13,6 +14,9 @@ namespace sfumato::analysis {
 /// radians: the scatter over the number of points (an eigenvector's perturbation by noise), for either axis
 /// of the tilt.
 float error2_of_noise(float scatter, float points);
+
+/// Whether so many points scatter that their normals are worth averaging. `scatter`: as below.
+bool need_widening(std::span<const float> scatter);
 
 /// Averages each normal (unit, of either side) with those of the planes through the 200 and 1600 points
 /// around it, each by the inverse of its expected square error: that of noise, and for wider planes what

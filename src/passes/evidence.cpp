@@ -6,14 +6,32 @@
 
 namespace sfumato {
 
+namespace {
+
+/// An empty disc that reaches a pixel has its centre as far away, and no point within as far again.
+int band_of(const EvidenceReach& reach) { return 2 * int(std::ceil(reach.between)); }
+
+}  // namespace
+
 const gl::Texture& Evidence::find(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
                                   const EvidenceReach& reach, gl::Timers& timers) {
   auto timing = timers.scope("evidence");
-  // An empty disc that reaches a pixel has its centre as far away, and no point within as far again.
-  const int band = 2 * int(std::ceil(reach.between));
-  const View wide(camera.with_guard_band(band), origin);
+  const gl::Texture& bits = draw_points(cloud, camera, origin, reach);
+  return find(bits, band_of(reach), camera.width, camera.height, reach);
+}
+
+const gl::Texture& Evidence::draw_points(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
+                                         const EvidenceReach& reach) {
+  const View wide(camera.with_guard_band(band_of(reach)), origin);
   to_pixels_.draw_depth(cloud, wide, {SizeMode::pixels, 1}, bits_);
-  return find(bits_, band, camera.width, camera.height, reach);
+  return bits_;
+}
+
+const gl::Texture& Evidence::find(const Image<std::uint32_t>& depth_bits, int width, int height,
+                                  const EvidenceReach& reach) {
+  gl::ensure(bits_, "depth bits", GL_R32UI, depth_bits.width(), depth_bits.height());
+  bits_.upload(depth_bits);
+  return find(bits_, band_of(reach), width, height, reach);
 }
 
 const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int width, int height,

@@ -28,6 +28,12 @@ class Evidence {
   /// the picture is as wide as the reach or wider.
   const gl::Texture& find(const gl::Texture& depth_bits, int band, int width, int height,
                           const EvidenceReach& reach);
+  /// Its two steps, for points that lie in parts: one pixel each, R32UI depths in a view with a band, and
+  /// from those of all parts.
+  const gl::Texture& draw_points(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
+                                 const EvidenceReach& reach);
+  const gl::Texture& find(const Image<std::uint32_t>& depth_bits, int width, int height,
+                          const EvidenceReach& reach);
   /// Takes away what no point vouches for. `albedo`: RGBA32F, `depth`: R32F, `normal`: RGBA32F.
   void apply(const gl::Texture& albedo, const gl::Texture& depth, const gl::Texture& normal);
 

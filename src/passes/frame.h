@@ -41,7 +41,8 @@ struct Frame {
   /// Of a cloud of which this is a part (Technique::merges): not null, the technique stops when it knows what
   /// each pixel shows, and hands it out here.
   VisiblePoints* visible = nullptr;
-  /// Or it goes on from what the pixels of all parts show; null: from its own.
+  /// It goes on from what the pixels of all parts show, to the next round or to the picture; null: from its
+  /// own.
   const VisiblePoints* merged = nullptr;
 };
 

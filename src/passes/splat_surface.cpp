@@ -24,76 +24,113 @@ SplatShape behind_surface(SplatShape shape, const SplatBlend& blend) {
   return shape;
 }
 
+/// Where epsilon differs from splat to splat, that of the nearest counts: only the first pass knows which it
+/// is.
+static bool is_shifted(const SplatBlend& blend) { return !blend.opaque && blend.epsilon_radii > 0; }
+
 void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
                         const SplatSurfaceTargets& targets, gl::Timers& timers) {
   shape = behind_surface(shape, blend);
-  const int width = view.width(), height = view.height();
   batches_ = choose_batches(cloud, view, shape);
-  // Where epsilon differs from splat to splat, that of the nearest counts: only the first pass knows which it
-  // is.
-  const bool shifted = !blend.opaque && blend.epsilon_radii > 0;
+  see(cloud, view, shape, blend, timers);
+  add_up(cloud, view, shape, blend, timers);
+  divide(view, cloud.has_shadow(), targets, timers);
+}
+
+void SplatSurface::find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                                const SplatBlend& blend, gl::Timers& timers) {
+  const SplatShape behind = behind_surface(shape, blend);
+  batches_ = choose_batches(cloud, view, behind);
+  see(cloud, view, behind, blend, timers);
+}
+
+void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                              const SplatBlend& blend, const Image<float>& nearest, gl::Timers& timers) {
+  const SplatShape behind = behind_surface(shape, blend);
+  batches_ = choose_batches(cloud, view, behind);
+  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
+  nearest_t_.upload(nearest);
+  add_up(cloud, view, behind, blend, timers);
+}
+
+void SplatSurface::normalize(const View& view, const Image<vec4>& color_sum, const Image<vec4>& normal_sum,
+                             const SplatSurfaceTargets& targets, gl::Timers& timers) {
+  gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, view.width(), view.height());
+  gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, view.width(), view.height());
+  color_sum_.upload(color_sum), normal_sum_.upload(normal_sum);
+  divide(view, false, targets, timers);
+}
+
+void SplatSurface::see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+                       gl::Timers& timers) {
+  auto timing = timers.scope("visibility");
   SplatShift shift;
-  {
-    auto timing = timers.scope("visibility");
-    if (shifted) shift = {blend.epsilon, blend.epsilon_radii};
-    draw_nearest(cloud, view, shape, batches_, shift);
+  if (is_shifted(blend)) shift = {blend.epsilon, blend.epsilon_radii};
+  draw_nearest(cloud, view, shape, batches_, shift);
+}
+
+void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+                          gl::Timers& timers) {
+  const int width = view.width(), height = view.height();
+  auto timing = timers.scope("accumulate");
+  const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
+  const float epsilon = blend.opaque || is_shifted(blend) ? 0 : blend.epsilon;
+  gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
+  gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
+  color_sum_.clear(vec4(0));
+  normal_sum_.clear(vec4(0));
+  SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (blend.opaque ? 4 : gaussian ? 2 : 0)];
+  if (!raster) {
+    gl::Defines defines{"SPLAT_COLOR"};
+    if (shadow) defines.push_back("SPLAT_SHADOW");
+    if (gaussian) defines.push_back("KERNEL_GAUSSIAN");
+    if (blend.opaque) defines.push_back("BLEND_OPAQUE");
+    raster = SplatRaster("passes/splat_accumulate.frag", defines);
   }
-  {
-    auto timing = timers.scope("accumulate");
-    const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
-    const float epsilon = blend.opaque || shifted ? 0 : blend.epsilon;
-    gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
-    gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
-    color_sum_.clear(vec4(0));
-    normal_sum_.clear(vec4(0));
-    SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (blend.opaque ? 4 : gaussian ? 2 : 0)];
-    if (!raster) {
-      gl::Defines defines{"SPLAT_COLOR"};
-      if (shadow) defines.push_back("SPLAT_SHADOW");
-      if (gaussian) defines.push_back("KERNEL_GAUSSIAN");
-      if (blend.opaque) defines.push_back("BLEND_OPAQUE");
-      raster = SplatRaster("passes/splat_accumulate.frag", defines);
-    }
-    visit_.measure_farthest(view, nearest_t_);
-    if (!blend.opaque) {
-      gl::ensure(front_, "nearest hit and deeper side", GL_RGBA32F, width, height);
-      if (!deeper_side_) deeper_side_ = ScreenPass("passes/deeper_side.glsl", {GL_RGBA32F});
-      view.bind();
-      deeper_side_.set("full_step", blend.epsilon).run({&nearest_t_}, {&front_});
-    }
-    const gl::Texture& front = blend.opaque ? nearest_t_ : front_;
-    auto draw_into = [&](const gl::Framebuffer& framebuffer) {
-      framebuffer.bind();
-      const gl::State state{.blend = gl::State::Blend::add};
-      auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", epsilon); };
-      front.bind(binding::input);
-      raster.draw(cloud, view, shape, batches_, state, set_epsilon, false);
-      for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {
-        {
-          auto cull_timing = timers.scope("cull");
-          if (!visit_.list_survivors(cloud, c, view, shape, batches_, nearest_t_, epsilon)) continue;
-        }
-        framebuffer.bind();
-        front.bind(binding::input);
-        raster.draw_list(cloud, c, view, shape, visit_.list(), visit_.command(), state, set_epsilon);
+  visit_.measure_farthest(view, nearest_t_);
+  if (!blend.opaque) {
+    gl::ensure(front_, "nearest hit and deeper side", GL_RGBA32F, width, height);
+    if (!deeper_side_) deeper_side_ = ScreenPass("passes/deeper_side.glsl", {GL_RGBA32F});
+    view.bind();
+    deeper_side_.set("full_step", blend.epsilon).run({&nearest_t_}, {&front_});
+  }
+  const gl::Texture& front = blend.opaque ? nearest_t_ : front_;
+  auto draw_into = [&](const gl::Framebuffer& framebuffer) {
+    framebuffer.bind();
+    const gl::State state{.blend = gl::State::Blend::add};
+    auto set_epsilon = [&](gl::Program& program) { program.set("epsilon", epsilon); };
+    front.bind(binding::input);
+    raster.draw(cloud, view, shape, batches_, state, set_epsilon, false);
+    for (std::size_t c = 0; c < batches_.chunks.size(); ++c) {
+      {
+        auto cull_timing = timers.scope("cull");
+        if (!visit_.list_survivors(cloud, c, view, shape, batches_, nearest_t_, epsilon)) continue;
       }
-    };
-    if (shadow) {
-      gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);
-      shadow_sum_.clear(vec4(0));
-      draw_into(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}));
-    } else {
-      draw_into(gl::Framebuffer({&color_sum_, &normal_sum_}));
+      framebuffer.bind();
+      front.bind(binding::input);
+      raster.draw_list(cloud, c, view, shape, visit_.list(), visit_.command(), state, set_epsilon);
     }
+  };
+  if (shadow) {
+    gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);
+    shadow_sum_.clear(vec4(0));
+    draw_into(gl::Framebuffer({&color_sum_, &normal_sum_, &shadow_sum_}));
+  } else {
+    draw_into(gl::Framebuffer({&color_sum_, &normal_sum_}));
   }
+}
+
+void SplatSurface::divide(const View& view, bool has_shadow, const SplatSurfaceTargets& targets,
+                          gl::Timers& timers) {
   auto timing = timers.scope("normalize");
+  const int width = view.width(), height = view.height();
   gl::ensure(targets.albedo, "albedo", GL_RGBA32F, width, height);
   gl::ensure(targets.depth, "eye depth", GL_R32F, width, height);
   gl::ensure(targets.normal, "normal", GL_RGBA32F, width, height);
   if (!normalize_) normalize_ = ScreenPass("passes/splat_normalize.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
-  normalize_.set("has_shadow", cloud.has_shadow());
+  normalize_.set("has_shadow", has_shadow);
   view.bind();
-  const gl::Texture& shadow_sum = cloud.has_shadow() ? shadow_sum_ : color_sum_;
+  const gl::Texture& shadow_sum = has_shadow ? shadow_sum_ : color_sum_;
   normalize_.run({&color_sum_, &normal_sum_, &shadow_sum},
                  {&targets.albedo, &targets.depth, &targets.normal});
 }

@@ -34,6 +34,16 @@ class SplatSurface {
   /// and two epsilons more where only the far side of a thin sheet is seen.
   void draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
             const SplatSurfaceTargets& targets, gl::Timers& timers);
+  /// Its three steps, for splats that lie in parts: the nearest hits of these, the sums of what counts as one
+  /// surface with the nearest of all parts, and the surface from the sums of all. Not with shadows.
+  void find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+                    gl::Timers& timers);
+  void accumulate(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+                  const Image<float>& nearest, gl::Timers& timers);
+  void normalize(const View& view, const Image<vec4>& color_sum, const Image<vec4>& normal_sum,
+                 const SplatSurfaceTargets& targets, gl::Timers& timers);
+  const gl::Texture& color_sum() const { return color_sum_; }
+  const gl::Texture& normal_sum() const { return normal_sum_; }
   /// Only the visibility pass, for techniques that accumulate in their own way.
   void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                     const SplatShift& shift = {});
@@ -50,6 +60,11 @@ class SplatSurface {
   SplatRaster nearest_, accumulate_[6];
   SplatVisit visit_;
   ScreenPass deeper_side_, normalize_;
+  void see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+           gl::Timers& timers);
+  void add_up(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
+              gl::Timers& timers);
+  void divide(const View& view, bool has_shadow, const SplatSurfaceTargets& targets, gl::Timers& timers);
 };
 
 }  // namespace sfumato

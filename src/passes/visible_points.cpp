@@ -1,5 +1,6 @@
 #include "passes/visible_points.h"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -14,7 +15,34 @@ Image<float> VisiblePoints::depth() const {
   return depth;
 }
 
+void VisiblePoints::add_round(VisiblePoints next) {
+  const auto take = [](auto& own, auto& other) {
+    if (!other.empty()) own = std::move(other);
+  };
+  take(depth_bits, next.depth_bits), take(number, next.number);
+  take(colors, next.colors), take(normals, next.normals);
+  take(nearest, next.nearest), take(vouching, next.vouching);
+  take(color_sum, next.color_sum), take(normal_sum, next.normal_sum);
+}
+
+namespace {
+
+template <class T, class Join>
+void merge_pixels(Image<T>& into, const Image<T>& of, const Join& join) {
+  if (into.width() != of.width() || into.height() != of.height())
+    throw Error(ErrorCode::usage, "parts of different sizes cannot be merged: draw them with one camera");
+  for (std::size_t i = 0; i < into.size(); ++i) into.data()[i] = join(into.data()[i], of.data()[i]);
+}
+
+}  // namespace
+
 void merge(VisiblePoints& into, const VisiblePoints& of) {
+  const auto nearer = [](auto a, auto b) { return std::min(a, b); };
+  const auto sum = [](const vec4& a, const vec4& b) { return a + b; };
+  merge_pixels(into.nearest, of.nearest, nearer);
+  merge_pixels(into.vouching, of.vouching, nearer);
+  merge_pixels(into.color_sum, of.color_sum, sum);
+  merge_pixels(into.normal_sum, of.normal_sum, sum);
   if (into.depth_bits.width() != of.depth_bits.width() || into.depth_bits.height() != of.depth_bits.height())
     throw Error(ErrorCode::usage, "parts of different sizes cannot be merged: draw them with one camera");
   const vec4 none(0, 0, 0, 1);

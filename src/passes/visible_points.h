@@ -16,10 +16,20 @@ struct VisiblePoints {
   Image<std::uint32_t> depth_bits, number;
   Image<vec4> colors, normals;
   Image<float> depth() const;  ///< +inf where nothing
+
+  /// Of discs, in two rounds (passes/splat_surface.h); else empty. First, the nearest hit of each pixel along
+  /// its ray, +inf where none, and depths of points one pixel large, in a wider view (passes/evidence.h).
+  Image<float> nearest{};
+  Image<std::uint32_t> vouching{};
+  /// Then, of what counts as one surface with that hit: weighted colours and weight, weighted normals and
+  /// distances.
+  Image<vec4> color_sum{}, normal_sum{};
+  /// Adds what the next round of the same parts knows.
+  void add_round(VisiblePoints next);
 };
 
-/// Of each pixel the nearer point; at one depth that of the lower number. Associative and commutative, bit
-/// for bit. Of one size.
+/// Of each pixel the nearer point; at one depth that of the lower number; the nearer hit, and the sum of
+/// sums. Associative and commutative, bit for bit, but for the rounding of sums. Of one size.
 void merge(VisiblePoints& into, const VisiblePoints& of);
 
 }  // namespace sfumato

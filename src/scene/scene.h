@@ -57,6 +57,9 @@ struct Scene {
   /// Where the points are a part of a cloud, and others have the rest: what the whole decides
   /// (analysis/whole.h).
   std::shared_ptr<const WholeCloud> whole;
+  /// Points of the others around those, of which the attributes of surfaces are computed at once
+  /// (analysis::prepare_part). Nothing: only what does not need them can be drawn.
+  std::optional<PointCloud> around;
   /// Where places or values chose some of the points, a sample of all: which way is up is asked of the whole.
   std::shared_ptr<const PointCloud> before_selection;
   std::vector<std::string> file_names;  ///< without folders; of several files the scalar `file` counts from 1

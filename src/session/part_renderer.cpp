@@ -82,7 +82,7 @@ PartRenderer::PartRenderer() : state_(std::make_unique<State>()) {}
 PartRenderer::~PartRenderer() = default;
 
 void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole,
-                            const ColorSettings& coloring) {
+                            const ColorSettings& coloring, std::optional<PointCloud> around) {
   state_->worker.run([&] {
     state_->drawing->forget_look();
     Request wanted;
@@ -93,7 +93,7 @@ void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> w
     const Opening opening(wanted, std::move(sample));
     scene::Scene scene;
     scene.cloud = std::move(part);
-    scene.whole = std::move(whole);
+    scene.whole = std::move(whole), scene.around = std::move(around);
     state_->drawing->session.set_scene(std::move(scene), opening.pose(), {{}, coloring, {}},
                                        [](const Session::Suggest&) { return Attributes(); });
   });
@@ -108,10 +108,19 @@ bool PartRenderer::merges(const std::string& technique, const Camera& camera, co
       [&] { return state_->drawing->session.merges(state_->look_of(technique, parameters), camera); });
 }
 
+bool PartRenderer::needs_around(const std::string& technique) {
+  return state_->worker.run([&] { return !state_->look_of(technique, {}).technique->needs().empty(); });
+}
+
+int PartRenderer::rounds(const std::string& technique) {
+  return state_->worker.run([&] { return state_->look_of(technique, {}).technique->rounds(); });
+}
+
 VisiblePoints PartRenderer::visible(const std::string& technique, const Camera& camera,
-                                    const Parameters& parameters) {
-  return state_->worker.run(
-      [&] { return state_->drawing->session.visible(state_->look_of(technique, parameters), camera); });
+                                    const Parameters& parameters, const VisiblePoints* merged) {
+  return state_->worker.run([&] {
+    return state_->drawing->session.visible(state_->look_of(technique, parameters), camera, merged);
+  });
 }
 
 Pictures PartRenderer::picture(const VisiblePoints& merged, const std::string& technique,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "passes/visible_points.h"
@@ -23,12 +24,20 @@ class PartRenderer {
 
   /// `whole`: analysis::whole_of. The part may have no points; the whole has some. `part.source_index`,
   /// ascending, has the numbers of its points among all.
-  void set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole, const ColorSettings& coloring);
+  /// `around`: points of other parts (analysis/regions.h), for techniques that need attributes of surfaces.
+  void set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole, const ColorSettings& coloring,
+                std::optional<PointCloud> around = std::nullopt);
   /// "auto" as the technique that suits the whole.
   std::string settle(const std::string& technique) const;
   /// Whether such a picture can be drawn part by part (Renderer::merges).
   bool merges(const std::string& technique, const Camera& camera, const Parameters& parameters);
-  VisiblePoints visible(const std::string& technique, const Camera& camera, const Parameters& parameters);
+  /// Whether it needs what is around the part.
+  bool needs_around(const std::string& technique);
+  /// So often parts are to be asked what they show, and that merged: Technique::rounds.
+  int rounds(const std::string& technique);
+  /// `merged`: of the rounds before.
+  VisiblePoints visible(const std::string& technique, const Camera& camera, const Parameters& parameters,
+                        const VisiblePoints* merged = nullptr);
   /// Colours, transparent where nothing is, and depths.
   Pictures picture(const VisiblePoints& merged, const std::string& technique, const Camera& camera,
                    const Parameters& parameters);

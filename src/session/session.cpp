@@ -7,6 +7,7 @@
 #include "analysis/density.h"
 #include "analysis/find_room.h"
 #include "analysis/survey.h"
+#include "analysis/whole.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "passes/shadows.h"
@@ -302,8 +303,15 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
       return needs([&] { return suggest(sorted, &tree); }) | shown;
     };
     const std::size_t given = clouds[k].size();
-    prepared.push_back(
-        {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress, whole_), {}});
+    if (scene.around)
+      prepared.push_back(
+          {analysis::prepare_part(std::move(clouds[k]), *scene.around, Attribute::normal | Attribute::radius,
+                                  options.prepare, progress, whole_),
+           {}});
+    else
+      prepared.push_back(
+          {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress, whole_),
+           {}});
     left_out_ += given - prepared.back().cloud.cloud.size();
     if (options.color.color_by == analysis::density_name) add_density(prepared.back().cloud.cloud);
     spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
@@ -451,9 +459,11 @@ bool Session::merges(const Look& look, const Camera& camera) const {
   return options_.draw.empty() && renderer_.merges(*look.technique, camera, look.settings);
 }
 
-VisiblePoints Session::visible(Look& look, const Camera& camera, Progress& progress) {
+VisiblePoints Session::visible(Look& look, const Camera& camera, const VisiblePoints* merged,
+                               Progress& progress) {
   const std::vector<Item> items = settle(look, camera, progress);
-  VisiblePoints visible = renderer_.visible(*items.front().technique, camera, look.settings, progress);
+  VisiblePoints visible =
+      renderer_.visible(*items.front().technique, camera, look.settings, merged, progress);
   if (const auto& numbers = parts_.front().source_index)
     for (std::uint32_t& number : visible.number)
       if (number != VisiblePoints::nothing) number = (*numbers)[number];

@@ -89,7 +89,10 @@ class Session {
   /// Of a scene that is part of a cloud (Scene::whole), pictures of which are made of those of all parts
   /// (Renderer::visible). Not by rules.
   bool merges(const Look& look, const Camera& camera) const;
-  VisiblePoints visible(Look& look, const Camera& camera, Progress& progress = no_progress());
+  VisiblePoints visible(Look& look, const Camera& camera, const VisiblePoints* merged = nullptr,
+                        Progress& progress = no_progress());
+  /// Whether the part has what the technique needs: computed without the others it would be wrong.
+  bool has_needs(const Look& look) const { return renderer_.has_needs(*look.technique); }
   RenderOutput render_merged(const VisiblePoints& merged, Look& look, const Camera& camera,
                              const RenderWants& wants = {}, Progress& progress = no_progress());
   /// Whether such a picture is drawn in tiles.

@@ -577,9 +577,13 @@ bool Renderer::merges(const Technique& technique, const Camera& camera,
          settings.shadows == Shadows::off && !is_tiled({&item, 1}, camera);
 }
 
+bool Renderer::has_needs(const Technique& technique) const {
+  return technique.needs().without(state_->clouds.front()->prepared().available).empty();
+}
+
 VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const RenderSettings& settings,
-                                Progress& progress) {
-  require_merging(merges(technique, asked, settings));
+                                const VisiblePoints* merged, Progress& progress) {
+  require_merging(merges(technique, asked, settings) && has_needs(technique));
   State& s = *state_;
   const gl::Context::Use use(s.context);
   const gl::Pace pace(progress);
@@ -589,7 +593,7 @@ VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const
   gl::Timers timers(false);
   Shot shot{{item}, settings, timers, progress, {}, false};
   VisiblePoints visible;
-  shot.visible = &visible;
+  shot.visible = &visible, shot.merged = merged;
   s.draw(shot, camera);
   return visible;
 }
@@ -597,7 +601,7 @@ VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const
 RenderOutput Renderer::render_merged(const VisiblePoints& merged, Technique& technique, const Camera& camera,
                                      const RenderSettings& settings, const RenderWants& wants,
                                      Progress& progress) {
-  require_merging(merges(technique, camera, settings));
+  require_merging(merges(technique, camera, settings) && has_needs(technique));
   const Item item{0, &technique, &settings};
   return render_at_once({&item, 1}, camera, settings, wants, progress, &merged);
 }

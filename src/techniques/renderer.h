@@ -94,12 +94,14 @@ class Renderer {
                       const RenderWants& wants = {}, Progress& progress = no_progress());
   /// The same of a cloud of which only a part is here (PreparedCloud::whole): what its points show of the
   /// picture. Merged with that of the other parts, it is drawn by `render_merged`, for which any part will
-  /// do, be it without points. Both throw Error(usage) where `merges` is false.
+  /// do, be it without points. Both throw Error(usage) where `merges` is false, or the part has not what the
+  /// technique needs. In a further round (Technique::rounds) `merged` is what all parts showed before.
   VisiblePoints visible(Technique& technique, const Camera& camera, const RenderSettings& settings,
-                        Progress& progress = no_progress());
+                        const VisiblePoints* merged = nullptr, Progress& progress = no_progress());
   RenderOutput render_merged(const VisiblePoints& merged, Technique& technique, const Camera& camera,
                              const RenderSettings& settings, const RenderWants& wants = {},
                              Progress& progress = no_progress());
+  bool has_needs(const Technique& technique) const;
   /// Not with shadows, which fall from one part on another, nor of several samples or in tiles.
   bool merges(const Technique& technique, const Camera& camera, const RenderSettings& settings) const;
   /// Several clouds in one picture: opaque items meet by depth, see-through ones are blended over them.

@@ -32,8 +32,30 @@ EvidenceReach ScreenSpacings::evidence_reach(const Frame& frame) {
   return sfumato::evidence_reach(measure(frame.cloud, frame.views), frame.camera.whole_height());
 }
 
+namespace {
+
+/// Of its places: none of its parts has the batches of the whole.
+ScreenSpacing spacing_of(const WholeCloud& whole, std::span<const Camera> views) {
+  std::vector<float> px, pixels;
+  for (const Camera& camera : views) {
+    const View view(camera, whole.origin);
+    for (std::size_t k = 0; k < whole.dots.places.size(); ++k) {
+      const vec3& place = whole.dots.places[k];
+      if (!view.may_see(place, place)) continue;
+      const double depth = std::max(-(view.eye_from_cloud() * glm::dvec4(place, 1)).z, camera.near_plane);
+      pixels.push_back(float((camera.orthographic() ? 1 : depth) / camera.pixels_per_unit()));
+      px.push_back(whole.dots.dots[k].x / pixels.back());
+    }
+  }
+  if (px.empty()) return {};
+  return {median(px), *std::max_element(px.begin(), px.end()), median(pixels)};
+}
+
+}  // namespace
+
 ScreenSpacing ScreenSpacings::measure(const GpuCloud& cloud, std::span<const Camera> views) {
   const PreparedCloud& prepared = cloud.prepared();
+  if (const WholeCloud* whole = prepared.whole.get()) return spacing_of(*whole, views);
   const Bounds& box = most_.at(cloud.serial(), [&] { return robust_bounds(prepared.cloud); });
   const vec3 least = vec3(box.min - prepared.cloud.origin), most = vec3(box.max - prepared.cloud.origin);
   std::vector<float> px, pixels;
@@ -58,14 +80,36 @@ ScreenSpacing ScreenSpacings::measure(const GpuCloud& cloud, std::span<const Cam
 
 const gl::Texture* DiscEvidence::find(Frame& frame, const Camera& camera, ScreenSpacings& spacings,
                                       float radius_scale) {
+  const std::optional<EvidenceReach> reach = reach_of(frame, spacings, radius_scale);
+  if (!reach) return nullptr;
+  return &evidence_.find(frame.cloud, camera, frame.cloud.prepared().cloud.origin, *reach, frame.timers);
+}
+
+std::optional<EvidenceReach> DiscEvidence::reach_of(const Frame& frame, ScreenSpacings& spacings,
+                                                    float radius_scale) {
   constexpr float usual_spacings = 1.7f;  // radius of a usual disc
   const float scale = std::max(1.0f, radius_scale / usual_scale);
   const ScreenSpacing spacing = spacings.measure(frame.cloud, frame.views);
   EvidenceReach reach = evidence_reach(spacing, frame.camera.whole_height());
   reach.beside *= scale, reach.between *= scale;
   // Where points are dense no disc is as large as that.
-  if (!reach.limits() || spacing.largest_px * usual_spacings * scale <= reach.beside) return nullptr;
-  return &evidence_.find(frame.cloud, camera, frame.cloud.prepared().cloud.origin, reach, frame.timers);
+  if (!reach.limits() || spacing.largest_px * usual_spacings * scale <= reach.beside) return std::nullopt;
+  return reach;
+}
+
+Image<std::uint32_t> DiscEvidence::points(Frame& frame, ScreenSpacings& spacings, float radius_scale) {
+  const std::optional<EvidenceReach> reach = reach_of(frame, spacings, radius_scale);
+  if (!reach) return {};
+  return evidence_.draw_points(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, *reach)
+      .download<std::uint32_t>();
+}
+
+void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,
+                         const gl::Texture& albedo, const Image<std::uint32_t>& points) {
+  const std::optional<EvidenceReach> reach = reach_of(frame, spacings, radius_scale);
+  if (!reach) return;
+  evidence_.find(points, frame.camera.width, frame.camera.height, *reach);
+  evidence_.apply(albedo, frame.target.depth, frame.target.normal);
 }
 
 void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,

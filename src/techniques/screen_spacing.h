@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/camera.h"
@@ -48,8 +49,15 @@ class DiscEvidence {
   /// Once discs of `radius_scale` are drawn into `albedo`, depth and normal of the target. What is larger
   /// than usual may cover as much more.
   void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, const gl::Texture& albedo);
+  /// Of a part of a cloud: which pixels its points vouch for, in a view with a band around it, as
+  /// VisiblePoints::vouching. Nothing is there where nothing is to be taken away.
+  Image<std::uint32_t> points(Frame& frame, ScreenSpacings& spacings, float radius_scale);
+  /// `apply` with those of all parts.
+  void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, const gl::Texture& albedo,
+             const Image<std::uint32_t>& points);
 
  private:
+  std::optional<EvidenceReach> reach_of(const Frame& frame, ScreenSpacings& spacings, float radius_scale);
   Evidence evidence_;
 };
 

@@ -50,6 +50,8 @@ class Technique {
   virtual std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud&, Progress&) { return nullptr; }
   /// Whether parts of a cloud can be drawn by themselves and put together pixel by pixel (Frame::visible).
   virtual bool merges() const { return false; }
+  /// In how many rounds: in each what the pixels of all parts show after the one before is known.
+  virtual int rounds() const { return 1; }
   /// Draws into `frame.target`: linear premultiplied colour (coverage in alpha, no background), eye depth and
   /// world normal. Returns true when the image is final; false asks to be called again with the same frame.
   virtual bool render(Frame& frame) = 0;

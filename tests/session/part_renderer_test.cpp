@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "analysis/regions.h"
 #include "analysis/whole.h"
 #include "reference/gl_fixture.h"
 
@@ -47,14 +48,38 @@ std::vector<Part> parts_of(const PointCloud& cloud, std::size_t count,
   return parts;
 }
 
+/// The same, dealt out anew.
+std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count) {
+  PointCloud all = cloud;
+  all.source_index.resize(all.size());
+  std::iota(all.source_index.begin(), all.source_index.end(), 0u);
+  const analysis::CloudFacts facts = analysis::facts_of(all);
+  const auto whole = whole_of(facts, surroundings_of(all, facts), all.origin);
+  ColorSettings coloring;
+  coloring.color_by = "rgb", coloring.exposure = 1;
+  std::vector<Part> parts(count);
+  const auto regions = analysis::regions_of(whole->sample, count);
+  for (std::size_t k = 0; k < count; ++k) {
+    analysis::Share share =
+        analysis::share_of({analysis::points_near(all, regions[k], analysis::reach_of(*whole))}, regions[k]);
+    parts[k].renderer->set_part(std::move(share.own), whole, coloring, std::move(share.around));
+  }
+  return parts;
+}
+
 const Camera view = front_camera(160, 120, 3);
 
 /// Put together by the part of that number.
-Pictures picture(const std::vector<Part>& parts, std::size_t by) {
-  VisiblePoints all = parts[by].renderer->visible("points", view, {});
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    if (k != by) merge(all, parts[k].renderer->visible("points", view, {}));
-  return parts[by].renderer->picture(all, "points", view, {});
+Pictures picture(const std::vector<Part>& parts, std::size_t by, const std::string& technique = "points") {
+  VisiblePoints merged;
+  for (int round = 0; round < parts[by].renderer->rounds(technique); ++round) {
+    const VisiblePoints* before = round > 0 ? &merged : nullptr;
+    VisiblePoints all = parts[by].renderer->visible(technique, view, {}, before);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      if (k != by) merge(all, parts[k].renderer->visible(technique, view, {}, before));
+    merged.add_round(std::move(all));
+  }
+  return parts[by].renderer->picture(merged, technique, view, {});
 }
 
 TEST(PartRenderer, ThePictureIsOneWhoeverDrawsIt) {
@@ -68,6 +93,32 @@ TEST(PartRenderer, ThePictureIsOneWhoeverDrawsIt) {
     EXPECT_TRUE(std::ranges::equal(parts.color, whole.color)) << by;
     EXPECT_TRUE(std::ranges::equal(parts.depth, whole.depth)) << by;
   }
+}
+
+TEST(PartRenderer, SplatsAreOnePictureWhoeverDrawsIt) {
+  const PointCloud cloud = two_halves();
+  HeadlessRenderer one;
+  one.set_whole(true);
+  ColorSettings coloring;
+  coloring.color_by = "rgb", coloring.exposure = 1;
+  one.set_cloud(cloud, coloring);
+  const Pictures whole = one.render("splats", view, {}, std::nullopt);
+  const std::vector<Part> shares = shares_of(cloud, 3);
+  EXPECT_TRUE(shares.front().renderer->needs_around("splats"));
+  EXPECT_FALSE(shares.front().renderer->needs_around("points"));
+  const Pictures first = picture(shares, 0, "splats");
+  const auto differ = [](const Rgba8& a, const Rgba8& b) {
+    return std::abs(a.r - b.r) > 1 || std::abs(a.g - b.g) > 1 || std::abs(a.b - b.b) > 1;
+  };
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < first.color.size(); ++i)
+    different += differ(first.color.data()[i], whole.color.data()[i]);
+  EXPECT_LT(different, first.color.size() / 1000);
+  ASSERT_GT(std::ranges::count_if(first.color, [](const Rgba8& c) { return c.a == 255; }), 5000);
+  // Sums of other orders: their rounding may be a step.
+  const Pictures last = picture(shares, 2, "splats");
+  for (std::size_t i = 0; i < first.color.size(); ++i)
+    EXPECT_FALSE(differ(first.color.data()[i], last.color.data()[i])) << i;
 }
 
 TEST(PartRenderer, SaysWhatItCannotMerge) {

@@ -2,9 +2,12 @@
 
 #include <sfumato/cloud.h>
 
+#include <cmath>
 #include <exception>
+#include <limits>
 
 using sfumato::Image;
+using sfumato::PointCloud;
 using sfumato::vec3;
 using sfumato::vec4;
 using sfumato::VisiblePoints;
@@ -66,44 +69,88 @@ Bytes BytesOf(const Surroundings& around) {
 
 void Take(Bytes& bytes, Surroundings& around) { take(bytes, around.dots), take(bytes, around.noise); }
 
-/// Pixels that show something, and nothing of the others.
+namespace {
+
+/// Which pixels show something, and then nothing of the others.
+template <class T, class Shows>
+std::vector<std::uint32_t> PutPlaces(Bytes& bytes, const Image<T>& image, const Shows& shows) {
+  std::vector<std::uint32_t> places;
+  for (std::size_t i = 0; i < image.size(); ++i)
+    if (shows(image.data()[i])) places.push_back(std::uint32_t(i));
+  bytes.Put(image.width()), bytes.Put(image.height()), bytes.PutAll(places);
+  return places;
+}
+
+template <class T, class Value>
+void PutPixels(Bytes& bytes, const Image<T>& image, const std::vector<std::uint32_t>& places, const Value& value) {
+  std::vector<decltype(value(T()))> values;
+  values.reserve(places.size());
+  for (const std::uint32_t i : places) values.push_back(value(image.data()[i]));
+  bytes.PutAll(values);
+}
+
+struct Places {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> places;
+  explicit Places(Bytes& bytes) { bytes.Take(width), bytes.Take(height), bytes.TakeAll(places); }
+};
+
+template <class Sent, class T, class Value>
+void TakePixels(Bytes& bytes, const Places& at, Image<T>& image, const T& none, const Value& value) {
+  std::vector<Sent> values;
+  bytes.TakeAll(values);
+  image = Image<T>(at.width, at.height, none);
+  for (std::size_t k = 0; k < values.size(); ++k) image.data()[at.places[k]] = value(values[k]);
+}
+
+}  // namespace
+
 Bytes BytesOf(const VisiblePoints& visible) {
+  const auto whole = [](const auto& value) { return value; };
+  const auto is_there = [](std::uint32_t bits) { return bits != VisiblePoints::nothing; };
   Bytes bytes;
-  const int width = visible.depth_bits.width(), height = visible.depth_bits.height();
-  bytes.Put(width), bytes.Put(height), bytes.Put(!visible.normals.empty());
-  std::vector<std::uint32_t> places, depths, numbers;
-  std::vector<vec3> colors;
-  std::vector<vec4> normals;
-  for (std::size_t i = 0; i < visible.depth_bits.size(); ++i) {
-    if (visible.depth_bits.data()[i] == VisiblePoints::nothing) continue;
-    places.push_back(std::uint32_t(i));
-    depths.push_back(visible.depth_bits.data()[i]);
-    numbers.push_back(visible.number.data()[i]);
-    colors.push_back(vec3(visible.colors.data()[i]));
-    if (!visible.normals.empty()) normals.push_back(visible.normals.data()[i]);
-  }
-  bytes.PutAll(places), bytes.PutAll(depths), bytes.PutAll(numbers), bytes.PutAll(colors), bytes.PutAll(normals);
+  const auto points = PutPlaces(bytes, visible.depth_bits, is_there);
+  PutPixels(bytes, visible.depth_bits, points, whole), PutPixels(bytes, visible.number, points, whole);
+  PutPixels(bytes, visible.colors, points, [](const vec4& color) { return vec3(color); });
+  bytes.Put(!visible.normals.empty());
+  if (!visible.normals.empty()) PutPixels(bytes, visible.normals, points, whole);
+  const auto hits = PutPlaces(bytes, visible.nearest, [](float distance) { return std::isfinite(distance); });
+  PutPixels(bytes, visible.nearest, hits, whole);
+  PutPlaces(bytes, visible.vouching, is_there);  // whether, and not how far away
+  const auto surface = PutPlaces(bytes, visible.color_sum, [](const vec4& sum) { return sum.w > 0; });
+  PutPixels(bytes, visible.color_sum, surface, whole), PutPixels(bytes, visible.normal_sum, surface, whole);
   return bytes;
 }
 
 void Take(Bytes& bytes, VisiblePoints& visible) {
-  int width = 0, height = 0;
+  const auto whole = [](const auto& value) { return value; };
+  const Places points(bytes);
+  TakePixels<std::uint32_t>(bytes, points, visible.depth_bits, VisiblePoints::nothing, whole);
+  TakePixels<std::uint32_t>(bytes, points, visible.number, VisiblePoints::nothing, whole);
+  TakePixels<vec3>(bytes, points, visible.colors, vec4(0), [](const vec3& color) { return vec4(color, 1); });
   bool has_normals = false;
-  bytes.Take(width), bytes.Take(height), bytes.Take(has_normals);
-  visible.depth_bits = Image<std::uint32_t>(width, height, VisiblePoints::nothing);
-  visible.number = Image<std::uint32_t>(width, height, VisiblePoints::nothing);
-  visible.colors = Image<vec4>(width, height, vec4(0));
-  visible.normals = has_normals ? Image<vec4>(width, height, vec4(0, 0, 0, 1)) : Image<vec4>();
-  std::vector<std::uint32_t> places, depths, numbers;
-  std::vector<vec3> colors;
-  std::vector<vec4> normals;
-  bytes.TakeAll(places), bytes.TakeAll(depths), bytes.TakeAll(numbers), bytes.TakeAll(colors), bytes.TakeAll(normals);
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const std::size_t i = places[k];
-    visible.depth_bits.data()[i] = depths[k], visible.number.data()[i] = numbers[k];
-    visible.colors.data()[i] = vec4(colors[k], 1);
-    if (has_normals) visible.normals.data()[i] = normals[k];
-  }
+  bytes.Take(has_normals);
+  if (has_normals) TakePixels<vec4>(bytes, points, visible.normals, vec4(0, 0, 0, 1), whole);
+  TakePixels<float>(bytes, Places(bytes), visible.nearest, std::numeric_limits<float>::infinity(), whole);
+  const Places vouching(bytes);
+  visible.vouching = Image<std::uint32_t>(vouching.width, vouching.height, VisiblePoints::nothing);
+  for (const std::uint32_t i : vouching.places) visible.vouching.data()[i] = 0;
+  const Places surface(bytes);
+  TakePixels<vec4>(bytes, surface, visible.color_sum, vec4(0), whole);
+  TakePixels<vec4>(bytes, surface, visible.normal_sum, vec4(0), whole);
+}
+
+/// Points of ParaView's data have nothing else.
+Bytes BytesOf(const PointCloud& points) {
+  Bytes bytes;
+  bytes.Put(points.origin), bytes.PutAll(points.positions), bytes.PutAll(points.normals);
+  bytes.PutAll(points.colors), bytes.PutAll(points.source_index);
+  return bytes;
+}
+
+void Take(Bytes& bytes, PointCloud& points) {
+  bytes.Take(points.origin), bytes.TakeAll(points.positions), bytes.TakeAll(points.normals);
+  bytes.TakeAll(points.colors), bytes.TakeAll(points.source_index);
 }
 
 bool Ranks::Any(bool holds) {
@@ -146,4 +193,25 @@ Bytes Ranks::Receive(int from) {
   bytes.all.resize(std::size_t(length));
   Controller()->Receive(bytes.all.data(), length, from, tag);
   return bytes;
+}
+
+sfumato::analysis::Share Ranks::DealOut(const PointCloud& part, const sfumato::WholeCloud& whole) {
+  const auto regions = sfumato::analysis::regions_of(whole.sample, std::size_t(Count()));
+  const auto near = [&](int rank) {
+    return sfumato::analysis::points_near(part, regions[std::size_t(rank)], sfumato::analysis::reach_of(whole));
+  };
+  std::vector<PointCloud> parts{near(Own())};
+  // In pairs, each rank in one at a time, so that nobody waits for a rank that waits for it.
+  for (int step = 1; step / 2 < Count(); ++step) {
+    const int other = Own() ^ step;
+    if (other >= Count()) continue;
+    const Bytes bytes = BytesOf(near(other));
+    if (Own() < other) Send(bytes, other);
+    Bytes theirs = Receive(other);
+    if (Own() > other) Send(bytes, other);
+    Take(theirs, parts.emplace_back());
+  }
+  sfumato::analysis::Share share = sfumato::analysis::share_of(parts, regions[std::size_t(Own())]);
+  share.own.origin = share.around.origin = whole.origin;
+  return share;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/regions.h"
 #include "analysis/whole.h"
 #include "passes/visible_points.h"
 #include "vtkMultiProcessController.h"
@@ -47,9 +48,11 @@ class Bytes {
 Bytes BytesOf(const sfumato::analysis::CloudFacts& facts);
 Bytes BytesOf(const sfumato::analysis::Surroundings& around);
 Bytes BytesOf(const sfumato::VisiblePoints& visible);
+Bytes BytesOf(const sfumato::PointCloud& points);
 void Take(Bytes& bytes, sfumato::analysis::CloudFacts& facts);
 void Take(Bytes& bytes, sfumato::analysis::Surroundings& around);
 void Take(Bytes& bytes, sfumato::VisiblePoints& visible);
+void Take(Bytes& bytes, sfumato::PointCloud& points);
 
 /// The ranks of ParaView's process module. Every one has to call each of these, in the same order.
 class Ranks {
@@ -81,14 +84,17 @@ class Ranks {
   }
   /// The same on all ranks.
   template <class T>
-  static void MergeForAll(T& value) {
-    Merge(value);
+  static std::size_t MergeForAll(T& value) {
+    const std::size_t sent = Merge(value);
     Bytes bytes;
     if (Own() == 0) bytes = BytesOf(value);
     Broadcast(bytes);
     value = T();
     Take(bytes, value);
+    return sent;
   }
+  /// Of the points that all have, numbered, those of the region of this rank, and those around it.
+  static sfumato::analysis::Share DealOut(const sfumato::PointCloud& part, const sfumato::WholeCloud& whole);
 
  private:
   static vtkMultiProcessController* Controller() { return vtkMultiProcessController::GetGlobalController(); }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "cloud_of_blocks.h"
@@ -78,7 +79,9 @@ struct vtkSfumatoMapper::State {
   std::unique_ptr<sfumato::PartRenderer> part;
   std::unique_ptr<sfumato::gl::HostCanvas> canvas;
   std::uint64_t pictures = 0;
-  bool has_part = false, has_all = false;  ///< of the points that are shown; all: they were gathered
+  std::shared_ptr<const sfumato::WholeCloud> whole;
+  // Of the points that are shown; around: those were dealt out; all: they were gathered.
+  bool has_part = false, has_around = false, has_all = false;
 };
 
 vtkStandardNewMacro(vtkSfumatoMapper);
@@ -169,25 +172,34 @@ void vtkSfumatoMapper::ShowInput(vtkActor* actor) {
   this->Own->renderer->set_cloud(std::move(points), colors_of_host());
 }
 
-void vtkSfumatoMapper::ShowPart(vtkActor* actor) {
+void vtkSfumatoMapper::ShowPart(vtkActor* actor, bool with_around) {
+  State& own = *this->Own;
   sfumato::PointCloud part = this->CloudOf(actor).TakeOfOwnRank();
-  sfumato::analysis::CloudFacts facts = sfumato::analysis::facts_of(part);
-  Ranks::MergeForAll(facts);
-  this->Own->has_part = true;
-  this->Own->is_empty = facts.points == 0;
-  if (this->Own->is_empty) return;
-  sfumato::analysis::Surroundings around = surroundings_of(part, facts);
-  Ranks::MergeForAll(around);
+  if (!own.has_part) {
+    sfumato::analysis::CloudFacts facts = sfumato::analysis::facts_of(part);
+    Ranks::MergeForAll(facts);
+    own.has_part = true, own.has_around = false, own.whole.reset();
+    own.is_empty = facts.points == 0;
+    if (own.is_empty) return;
+    sfumato::analysis::Surroundings around = surroundings_of(part, facts);
+    Ranks::MergeForAll(around);
+    Ranks::Together([&] { own.whole = whole_of(facts, around, part.origin); });
+  }
+  std::optional<sfumato::PointCloud> around;
+  if (with_around) {
+    sfumato::analysis::Share share = Ranks::DealOut(part, *own.whole);
+    part = std::move(share.own), around = std::move(share.around);
+    own.has_around = true;
+  }
   Ranks::Together([&] {
-    auto whole = whole_of(facts, around, part.origin);
-    if (!this->Own->part) this->Own->part = std::make_unique<sfumato::PartRenderer>();
-    this->Own->part->set_part(std::move(part), std::move(whole), colors_of_host());
+    if (!own.part) own.part = std::make_unique<sfumato::PartRenderer>();
+    own.part->set_part(std::move(part), own.whole, colors_of_host(), std::move(around));
   });
 }
 
 void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
   State& own = *this->Own;
-  if (!own.has_part) this->ShowPart(actor);
+  if (!own.has_part) this->ShowPart(actor, false);
   if (own.is_empty) return;
   int left = 0, bottom = 0;
   sfumato::HostView view = view_of(renderer, left, bottom);
@@ -198,13 +210,15 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
   bytes.Take(view);
   if (view.width <= 0 || view.height <= 0) return;
   const sfumato::Camera camera = sfumato::camera_of_matrices(view.view, view.projection, view.width, view.height);
-  bool merges = false;
+  bool merges = false, needs_around = false;
+  int rounds = 1;
   std::string technique;
   sfumato::Parameters parameters;
   Ranks::Together([&] {
     technique = own.part->settle(this->Technique);
     parameters = changed_parameters(technique, this->Parameters);
     merges = own.part->merges(technique, camera, parameters);
+    needs_around = own.part->needs_around(technique), rounds = own.part->rounds(technique);
   });
   if (!merges) {
     if (!own.has_all) this->ShowInput(actor);
@@ -212,12 +226,20 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
     if (Ranks::Own() == 0) this->Draw(renderer);
     return;
   }
-  sfumato::VisiblePoints visible;
-  Ranks::Together([&] { visible = own.part->visible(technique, camera, parameters); });
-  const std::size_t sent = Ranks::Merge(visible);
+  if (needs_around && !own.has_around) this->ShowPart(actor, true);
+  sfumato::VisiblePoints merged;
+  std::size_t sent = 0;
+  for (int round = 0; round < rounds; ++round) {
+    sfumato::VisiblePoints visible;
+    Ranks::Together(
+        [&] { visible = own.part->visible(technique, camera, parameters, round > 0 ? &merged : nullptr); });
+    // All go on from it, but for the last.
+    sent += round + 1 < rounds ? Ranks::MergeForAll(visible) : Ranks::Merge(visible);
+    merged.add_round(std::move(visible));
+  }
   if (sent > 0) vtkTimerLog::FormatAndMarkEvent("sfumato: %zu bytes to another rank", sent);
   if (Ranks::Own() != 0) return;
-  const sfumato::Pictures picture = own.part->picture(visible, technique, camera, parameters);
+  const sfumato::Pictures picture = own.part->picture(merged, technique, camera, parameters);
   GLint framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   if (!own.canvas) own.canvas = std::make_unique<sfumato::gl::HostCanvas>();

@@ -48,8 +48,9 @@ class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
   std::string DescribeInput(vtkActor* actor);
   CloudOfBlocks CloudOf(vtkActor* actor);
   void ShowInput(vtkActor* actor);
-  /// What this rank has, and what all together are.
-  void ShowPart(vtkActor* actor);
+  /// What this rank has, or, where it has to know what lies around, has after points are dealt out by place; and
+  /// what all together are.
+  void ShowPart(vtkActor* actor, bool with_around);
   void Draw(vtkRenderer* renderer);
   void DrawParts(vtkRenderer* renderer, vtkActor* actor);
 };

@@ -54,6 +54,8 @@ class Splats final : public Technique {
   void describe(ParamList& p) override { parameters_.describe(p); }
 
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
+  bool merges() const override { return true; }
+  int rounds() const override { return 2; }
 
   int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // deeper_side.glsl
 
@@ -73,9 +75,19 @@ class Splats final : public Technique {
     blend.kernel = parameters_.kernel;
     blend.opaque = parameters_.blend == Parameters::Blend::opaque;
 
-    surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
-                  frame.timers);
-    if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
+    const bool clamps = parameters_.clamp_radius;
+    if (frame.visible) {
+      show_part(frame, view, shape, blend);
+      return true;
+    }
+    const SplatSurfaceTargets targets{albedo_, frame.target.depth, frame.target.normal};
+    if (frame.merged) {
+      surface_.normalize(view, frame.merged->color_sum, frame.merged->normal_sum, targets, frame.timers);
+      if (clamps) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_, frame.merged->vouching);
+    } else {
+      surface_.draw(frame.cloud, view, shape, blend, targets, frame.timers);
+      if (clamps) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
+    }
 
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
@@ -84,6 +96,20 @@ class Splats final : public Technique {
   }
 
  private:
+  /// The nearest hits of this part, and then its share of the surface that those of all parts begin.
+  void show_part(Frame& frame, const View& view, const SplatShape& shape, const SplatBlend& blend) {
+    VisiblePoints& visible = *frame.visible;
+    if (frame.merged) {
+      surface_.accumulate(frame.cloud, view, shape, blend, frame.merged->nearest, frame.timers);
+      visible.color_sum = surface_.color_sum().download<vec4>();
+      visible.normal_sum = surface_.normal_sum().download<vec4>();
+      return;
+    }
+    surface_.find_nearest(frame.cloud, view, shape, blend, frame.timers);
+    visible.nearest = surface_.nearest_t().download<float>();
+    if (parameters_.clamp_radius) visible.vouching = evidence_.points(frame, spacings_, shape.radius_scale);
+  }
+
   Parameters parameters_;
   SplatSurface surface_;
   ScreenSpacings spacings_;
