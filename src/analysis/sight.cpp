@@ -54,18 +54,6 @@ bool is_in_steps(std::vector<double> values, double low, double high) {
   return mean > 0 && 2 * closed > values.size() && open > all * mean * double(values.size() - 1);
 }
 
-/// The correlation of values with their place in the order.
-double correlation_with_order(const std::vector<double>& values) {
-  const double n = double(values.size()), middle = 0.5 * (n - 1);
-  double sum = 0, squares = 0, product = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += values[i], squares += values[i] * values[i];
-    product += values[i] * (double(i) - middle);
-  }
-  const double spread = (squares - sum * sum / n) * n * (n * n - 1) / 12;
-  return spread > 0 ? product / std::sqrt(spread) : 0;
-}
-
 }  // namespace
 
 Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up) {
@@ -100,13 +88,10 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   const double behind = 1 + 3 * width / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
-  return {double(seen) / double(depths.size()),
-          faces_up(nearest, side, {left, bottom}, {end, top}),
+  return {double(seen) / double(depths.size()), faces_up(nearest, side, {left, bottom}, {end, top}),
           left < 0 && end > 0 && bottom < 0 && top > 0 &&
               value_at_share(depths, 0.02) > near * value_at_share(depths, 0.5),
-          width,
-          is_in_steps(x, left, end) && is_in_steps(y, bottom, top),
-          -correlation_with_order(y)};
+          width, is_in_steps(x, left, end) && is_in_steps(y, bottom, top)};
 }
 
 double is_one_picture(const Sight& sight) {

@@ -19,9 +19,6 @@ struct Sight {
   /// Less than 3 degrees: no camera looks through such a window, the origin of a map does.
   bool is_narrow() const { return !(width > 0.05); }
   bool of_pixels = false;  ///< the lines of sight are in columns and rows, as those of an image
-  /// How much the points are in the order of an image's rows: the correlation of their place in the order
-  /// with how far down they appear, -1 where the last row comes first.
-  double downwards = 0;
 };
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie

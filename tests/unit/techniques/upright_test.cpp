@@ -612,7 +612,8 @@ TEST(Upright, OfACameraTheFloorIsSeenFromAbove) {
   EXPECT_EQ(guess_upright(seen).reason.rfind("guessed: ", 0), std::string::npos);
 }
 
-// A bumpy wall, in the order of an image: its rows run from top to bottom, whatever the custom of the axes.
+// A bumpy wall in an organised file: its rows run from top to bottom, whatever the custom of the axes and the
+// order of the points. Without rows the custom decides.
 TEST(Upright, RowsOfAPictureRunDownwards) {
   for (const float along : {1.0f, -1.0f})
     for (const float down : {1.0f, -1.0f})
@@ -623,8 +624,18 @@ TEST(Upright, RowsOfAPictureRunDownwards) {
           for (int column = -80; column <= 80; ++column) {
             const float depth = 3 + 0.1f * std::sin(0.1f * float(column)) * std::cos(0.1f * float(row));
             seen.positions.push_back(depth * vec3(0.005f * float(column), down * 0.005f * float(row), along));
+            seen.grid_index.push_back(std::uint32_t(seen.grid_index.size()));
           }
-        EXPECT_EQ(guess_upright(seen).up, down > 0 ? UpAxis::neg_y : UpAxis::pos_y) << along << " " << down;
+        seen.grids = {{0, seen.size(), 161, 121, {}}};
+        const auto shuffle = [](auto& values) {
+          std::shuffle(values.begin(), values.end(), std::mt19937(3));
+        };
+        for (const bool is_shuffled : {false, true}) {
+          if (is_shuffled) shuffle(seen.positions), shuffle(seen.grid_index);
+          EXPECT_EQ(guess_upright(seen).up, down > 0 ? UpAxis::neg_y : UpAxis::pos_y) << along << " " << down;
+        }
+        seen.grids.clear(), seen.grid_index.clear();
+        EXPECT_EQ(guess_upright(seen).up, along > 0 ? UpAxis::neg_y : UpAxis::pos_y) << along << " " << down;
       }
 }
 
