@@ -27,6 +27,30 @@ TEST_F(CommandTest, VersionAndHelp) {
   EXPECT_EQ(help.err, "");
 }
 
+// Commands that draw by the same options list and take only those that have an effect there.
+TEST_F(CommandTest, PublishAndServeLeaveOutWhatTheyDoNotDo) {
+  write_cube("cube.ply", 4);
+  for (const std::string command : {"publish", "serve"}) {
+    const Outcome help = run({command, "--help"});
+    if (command == "serve" && help.code != 0) continue;  // built without it
+    EXPECT_THAT(help.out, HasSubstr("--color-by NAME"));
+    for (const std::string option :
+         {"--output-depth=d.npy", "--path=orbit", "--quality=90", "--each", "--watch"}) {
+      EXPECT_THAT(help.out, ::testing::Not(HasSubstr("  " + option.substr(0, option.find('='))))) << command;
+    }
+    const Outcome refused = run({command, "cube.ply", "--quality", "90", command == "publish" ? "-o" : "-t",
+                                 command == "publish" ? "folder" : "points"});
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.err, HasSubstr("--quality does not go with " + command));
+  }
+  EXPECT_THAT(run({"publish", "--help"}).out, HasSubstr("-o, --output FOLDER"));
+  // What a preset holds for pictures has no effect.
+  write("look.json", R"({"sfumato": "1.0.0", "technique": "points", "options": {"quality": "90"}})");
+  const Outcome published = run({"publish", "cube.ply", "-o", "folder", "--preset", "look.json", "--views",
+                                 "3", "--resolution", "64x48"});
+  EXPECT_EQ(published.code, 0) << published.err;
+}
+
 TEST_F(CommandTest, WithoutADisplayAWindowNamesTheWayOut) {
   write_cube("cube.ply", 4);
   for (const std::vector<std::string>& words :

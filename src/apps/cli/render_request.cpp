@@ -54,6 +54,7 @@ bool RenderRequest::parse(const Words& words) {
   // A layer each: what comes later wins, also over names qualified by a technique.
   for (const Words& layer : {words_of(defaults_, choice), words_of(preset, choice)})
     if (!layer.empty()) line.parse(layer);
+  for (const char* name : excluded_) find_option(name)->reset(options);
   const std::string names = options.technique;
   if (!line.parse(words)) return false;
   options.technique = names;

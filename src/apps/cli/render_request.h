@@ -21,8 +21,9 @@ struct RenderRequest {
                          const std::string& description = "Renders point clouds to pictures.");
   /// The configuration, a preset and the words, one over the other. False when help was asked for, or listed.
   bool parse(const Words& words);
-  /// Options, by their long names, that the command does not have: not in its --help, and refused by `check`
-  /// with the reason, which ends the sentence "--NAME does not go with ...".
+  /// Options, by their long names, that the command does not have: not in its --help, of no effect in a
+  /// preset, and refused by `check` with the reason, which ends the sentence "--NAME does not go with ...".
+  /// Comes before `parse`.
   void exclude(std::vector<const char*> names, std::string reason);
   /// Everything that can be wrong before a file is opened. Throws Error(usage).
   void check();
