@@ -328,7 +328,7 @@ def ranks():
 
 
 def equal():
-    """The pictures that ranks made, however points were spread; of points however many ranks there were, of splats of so
+    """The pictures that ranks made, however points were spread; of points on 2 ranks and more alike, of splats on so
     many (their neighbours' stretch of the curve has other ends, and sums round otherwise). One process measures the noise
     that relief leaves out at other places: of points one pixel is another by one step."""
     names = sorted(glob.glob(os.path.join(SCRATCH, f"ranks_{ARGUMENTS[0]}_*_picture.png")))

@@ -1,5 +1,6 @@
 // A cloud of which each process has any points, dealt out anew: to each the points of one region, and what
-// lies around them, so that what is computed from neighbours is what it would be in the whole.
+// lies around them, so that what is computed from neighbours is what it would be in the whole, but where the
+// spacing is far above its median.
 #pragma once
 
 #include <vector>
@@ -15,7 +16,7 @@ namespace sfumato::analysis {
 std::vector<Bounds> regions_of(const PointCloud& sample, std::size_t count);
 
 /// How far from a point what decides about its disc may lie, scene units: the 1536 points of support.h, 22
-/// spacings on a surface, and what those are told by.
+/// spacings on a surface, and what those are told by. In median spacings of the whole.
 double reach_of(const WholeCloud& whole);
 
 /// The points of a region and those at most so far from it, in their order. `part.source_index` has their

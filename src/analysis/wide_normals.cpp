@@ -193,7 +193,7 @@ float error2_of_noise(float scatter, float points) {
 
 bool need_widening(std::span<const float> scatter) {
   const auto rough = std::count_if(scatter.begin(), scatter.end(), [](float s) { return s > calm_scatter; });
-  return !(float(rough) < few_rough * float(scatter.size()));
+  return rough > 0 && !(float(rough) < few_rough * float(scatter.size()));
 }
 
 float widen_normals(const std::vector<vec3>& positions, int neighbors, const std::vector<float>& scatter,

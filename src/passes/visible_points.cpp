@@ -27,10 +27,15 @@ void VisiblePoints::add_round(VisiblePoints next) {
 
 namespace {
 
+template <class T>
+void require_same_size(const Image<T>& a, const Image<T>& b) {
+  if (a.width() != b.width() || a.height() != b.height())
+    throw Error(ErrorCode::usage, "parts of different sizes cannot be merged: draw them with one camera");
+}
+
 template <class T, class Join>
 void merge_pixels(Image<T>& into, const Image<T>& of, const Join& join) {
-  if (into.width() != of.width() || into.height() != of.height())
-    throw Error(ErrorCode::usage, "parts of different sizes cannot be merged: draw them with one camera");
+  require_same_size(into, of);
   for (std::size_t i = 0; i < into.size(); ++i) into.data()[i] = join(into.data()[i], of.data()[i]);
 }
 
@@ -43,8 +48,7 @@ void merge(VisiblePoints& into, const VisiblePoints& of) {
   merge_pixels(into.vouching, of.vouching, nearer);
   merge_pixels(into.color_sum, of.color_sum, sum);
   merge_pixels(into.normal_sum, of.normal_sum, sum);
-  if (into.depth_bits.width() != of.depth_bits.width() || into.depth_bits.height() != of.depth_bits.height())
-    throw Error(ErrorCode::usage, "parts of different sizes cannot be merged: draw them with one camera");
+  require_same_size(into.depth_bits, of.depth_bits);
   const vec4 none(0, 0, 0, 1);
   if (into.normals.empty() && !of.normals.empty())
     into.normals = Image<vec4>(into.depth_bits.width(), into.depth_bits.height(), none);

@@ -18,7 +18,8 @@ struct VisiblePoints {
   Image<float> depth() const;  ///< +inf where nothing
 
   /// Of discs, in two rounds (passes/splat_surface.h); else empty. First, the nearest hit of each pixel along
-  /// its ray, +inf where none, and depths of points one pixel large, in a wider view (passes/evidence.h).
+  /// its ray, +inf where none, and where points one pixel large are in a wider view (passes/evidence.h):
+  /// `nothing`, or less.
   Image<float> nearest{};
   Image<std::uint32_t> vouching{};
   /// Then, of what counts as one surface with that hit: weighted colours and weight, weighted normals and

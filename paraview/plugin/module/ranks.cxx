@@ -196,22 +196,35 @@ Bytes Ranks::Receive(int from) {
 }
 
 sfumato::analysis::Share Ranks::DealOut(const PointCloud& part, const sfumato::WholeCloud& whole) {
-  const auto regions = sfumato::analysis::regions_of(whole.sample, std::size_t(Count()));
-  const auto near = [&](int rank) {
-    return sfumato::analysis::points_near(part, regions[std::size_t(rank)], sfumato::analysis::reach_of(whole));
-  };
-  std::vector<PointCloud> parts{near(Own())};
+  using sfumato::analysis::points_near;
+  std::vector<sfumato::analysis::Region> regions;
+  std::vector<PointCloud> parts;
+  std::vector<Bytes> pieces(std::size_t(Count()));
+  Together([&] {
+    regions = sfumato::analysis::regions_of(whole.sample, pieces.size());
+    const double reach = sfumato::analysis::reach_of(whole);
+    for (std::size_t rank = 0; rank < pieces.size(); ++rank)
+      if (int(rank) == Own())
+        parts.push_back(points_near(part, regions[rank], reach));
+      else
+        pieces[rank] = BytesOf(points_near(part, regions[rank], reach));
+  });
   // In pairs, each rank in one at a time, so that nobody waits for a rank that waits for it.
   for (int step = 1; step / 2 < Count(); ++step) {
     const int other = Own() ^ step;
     if (other >= Count()) continue;
-    const Bytes bytes = BytesOf(near(other));
-    if (Own() < other) Send(bytes, other);
+    Bytes& piece = pieces[std::size_t(other)];
+    if (Own() < other) Send(piece, other);
     Bytes theirs = Receive(other);
-    if (Own() > other) Send(bytes, other);
-    Take(theirs, parts.emplace_back());
+    if (Own() > other) Send(piece, other);
+    piece = std::move(theirs);
   }
-  sfumato::analysis::Share share = sfumato::analysis::share_of(parts, regions[std::size_t(Own())]);
+  sfumato::analysis::Share share;
+  Together([&] {
+    for (std::size_t rank = 0; rank < pieces.size(); ++rank)
+      if (int(rank) != Own()) Take(pieces[rank], parts.emplace_back());
+    share = sfumato::analysis::share_of(parts, regions[std::size_t(Own())]);
+  });
   share.own.origin = share.around.origin = whole.origin;
   return share;
 }

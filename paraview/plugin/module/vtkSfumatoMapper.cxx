@@ -178,8 +178,9 @@ void vtkSfumatoMapper::ShowPart(vtkActor* actor, bool with_around) {
   if (!own.has_part) {
     sfumato::analysis::CloudFacts facts = sfumato::analysis::facts_of(part);
     Ranks::MergeForAll(facts);
-    own.has_part = true, own.has_around = false, own.whole.reset();
+    own.has_around = false, own.whole.reset();
     own.is_empty = facts.points == 0;
+    own.has_part = own.is_empty;
     if (own.is_empty) return;
     sfumato::analysis::Surroundings around = surroundings_of(part, facts);
     Ranks::MergeForAll(around);
@@ -189,12 +190,13 @@ void vtkSfumatoMapper::ShowPart(vtkActor* actor, bool with_around) {
   if (with_around) {
     sfumato::analysis::Share share = Ranks::DealOut(part, *own.whole);
     part = std::move(share.own), around = std::move(share.around);
-    own.has_around = true;
   }
   Ranks::Together([&] {
     if (!own.part) own.part = std::make_unique<sfumato::PartRenderer>();
     own.part->set_part(std::move(part), own.whole, colors_of_host(), std::move(around));
   });
+  // Not before: what failed is tried again.
+  own.has_part = true, own.has_around = with_around;
 }
 
 void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
