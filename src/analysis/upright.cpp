@@ -172,10 +172,10 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   if (sight.is_narrow()) return {};
   const double seen = std::max(is_one_picture(sight), sight.ahead && colored ? of_photographs : 0) *
                       (sight.of_pixels ? 1 : 1 - lies(axis));
-  const double custom = positive ? -1 : 1, rows = custom * downwards(axis);
-  const double sign = rows < -in_rows ? -custom : custom;
+  const double custom = positive ? -1 : 1, down = custom * downwards(axis);
+  const double sign = down < -in_rows ? -custom : custom;
   const double floors = sign * std::clamp(sight.faces_up / sure_floors, -1.0, 1.0);
-  const double unsure = std::abs(rows) > in_rows ? 0 : not_of_pixels;
+  const double unsure = std::abs(down) > in_rows ? 0 : not_of_pixels;
   const double opposite = sight.of_pixels ? std::max(-floors, 0.0)
                                           : std::max(-opposed * floors, unsure * std::min(1 - floors, 1.0));
   const double turned = sign == custom ? opposite : 1 - opposite;
