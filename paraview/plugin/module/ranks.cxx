@@ -197,9 +197,9 @@ Bytes Ranks::Receive(int from) {
 
 sfumato::analysis::Share Ranks::DealOut(const PointCloud& part, const sfumato::WholeCloud& whole) {
   using sfumato::analysis::points_near;
-  std::vector<sfumato::analysis::Region> regions;
+  std::vector<sfumato::Bounds> regions;
   std::vector<PointCloud> parts;
-  std::vector<Bytes> pieces(std::size_t(Count()));
+  auto pieces = std::vector<Bytes>(std::size_t(Count()));
   Together([&] {
     regions = sfumato::analysis::regions_of(whole.sample, pieces.size());
     const double reach = sfumato::analysis::reach_of(whole);
