@@ -69,7 +69,7 @@ def test_it_ends_with_python(scan):
     ("nowhere.laz", {}, "io", "nowhere.laz"),
     (None, {"point_sise": 2}, "usage", "point-size"),
     (None, {"technique": "nonsense"}, "usage", "nonsense"),
-    (None, {"output": "x.png"}, "usage", "writes no files"),
+    (None, {"output": "x.png"}, "usage", "does not go with serve"),
 ])
 def test_mistakes_are_the_commands(scan, points, options, code, says):
     with pytest.raises(sfumato.Error, match=says) as raised:
