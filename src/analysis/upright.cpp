@@ -68,7 +68,7 @@ double ramp(double value, double none, double all) {
 }
 
 /// NaN of what is no part of the grid.
-double row_of(const Grid& grid, std::uint32_t place) {
+double row_of(const sfumato::Grid& grid, std::uint32_t place) {
   const std::uint32_t row = place / std::max(grid.width, 1u);
   return row < grid.height ? double(row) : std::numeric_limits<double>::quiet_NaN();
 }
