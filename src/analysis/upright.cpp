@@ -30,6 +30,8 @@ constexpr double base_height = 0.02;
 constexpr double foot_height = 0.05;
 /// Of columns that hold anything, those that end in both layers of a room, with floor and ceiling.
 constexpr double closed_columns = 0.6;
+/// What is on a plane is as near to it, of the diagonal.
+constexpr double on_plane = 0.01;
 
 /// The weights of the evidence, in the order of UpEvidence: a conditional logit (McFadden 1974). The first
 /// fit was to 119 labelled public scans that say no axis and, each with a weight of .3, 34 that do and 205
@@ -151,6 +153,7 @@ struct Sample {
     dvec3 up{0};
   };
   Stand stands(int axis, bool positive) const;
+  dvec3 ground(int axis, bool positive) const;
 };
 
 /// All is within 60 degrees of the axis, and each line of sight meets one surface only, as of no body or room
@@ -392,13 +395,36 @@ Sample::Support Sample::support(int axis, bool positive) const {
   return support;
 }
 
+/// The plane of three points, tilted by 40 degrees at most, that most others are near (Fischler and Bolles
+/// 1981). Where a quarter of them are, so many tries find it with 1 - (1 - 0.25^3)^300 = 99 %.
+struct Plane {
+  dvec3 up, place;
+  std::ptrdiff_t near = 0;
+};
+Plane plane_of(const std::vector<const dvec3*>& points, const dvec3& straight, double reach) {
+  constexpr double upright = 0.77;  // cos 40 degrees
+  std::mt19937 random(5);           // the same every time
+  Plane best{straight, dvec3(0)};
+  for (int tries = 0; tries < 300; ++tries) {
+    const dvec3 &a = *points[random() % points.size()], &b = *points[random() % points.size()],
+                &c = *points[random() % points.size()];
+    const dvec3 normal = glm::cross(b - a, c - a);
+    const double length = glm::length(normal), along = glm::dot(normal, straight);
+    if (!(std::abs(along) > upright * length)) continue;
+    const dvec3 up = normal / (along > 0 ? length : -length);
+    const std::ptrdiff_t near = std::count_if(
+        points.begin(), points.end(), [&](const dvec3* p) { return std::abs(glm::dot(*p - a, up)) < reach; });
+    if (near > best.near) best = {up, a, near};
+  }
+  return best;
+}
+
 /// Of the columns along an axis, the share that end below on one plane, tilted by 40 degrees at most,
 /// weighted by how broad that side is and by how much more lies above the plane than below: a floor and land
 /// reach everywhere below what stands on them, statues have a base, and the other end is as rough as what
 /// stands; the legs and the top of a table are in line from its side, but fill little of it. Nothing for
 /// tubes, seen from their end, and for boxes.
 Sample::Stand Sample::stands(int axis, bool positive) const {
-  constexpr double upright = 0.77, near = 0.01;  // cos 40 degrees; of the diagonal
   const dvec3 extent = glm::max(size(), dvec3(1e-300));
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   dvec3 straight(0);
@@ -419,24 +445,8 @@ Sample::Stand Sample::stands(int axis, bool positive) const {
     if (!here || (positive ? p[axis] < (*here)[axis] : p[axis] > (*here)[axis])) here = &p;
   }
   std::erase(last, nullptr);
-  // The plane of three of them that most others are near (Fischler and Bolles 1981), of as many tries as find
-  // one of a quarter of them with 1 - (1 - 0.25^3)^300 = 99 %.
-  std::mt19937 random(5);  // the same every time
-  std::ptrdiff_t most_near = 0;
-  const double reach = near * glm::length(extent);
-  dvec3 up = straight, place_on(0);
-  for (int tries = 0; tries < 300; ++tries) {
-    const dvec3 &a = *last[random() % last.size()], &b = *last[random() % last.size()],
-                &c = *last[random() % last.size()];
-    const dvec3 normal = glm::cross(b - a, c - a);
-    const double length = glm::length(normal);
-    if (!(std::abs(normal[axis]) > upright * length)) continue;
-    const dvec3 up_here = normal / ((normal[axis] > 0) == positive ? length : -length);
-    const std::ptrdiff_t count = std::count_if(last.begin(), last.end(), [&](const dvec3* p) {
-      return std::abs(glm::dot(*p - a, up_here)) < reach;
-    });
-    if (count > most_near) most_near = count, up = up_here, place_on = a;
-  }
+  const double reach = on_plane * glm::length(extent);
+  const auto [up, place_on, most_near] = plane_of(last, straight, reach);
   std::vector<unsigned> sides(std::size_t(across * across));
   for (const dvec3& p : points) {
     const double height = glm::dot(p - place_on, up);
@@ -449,6 +459,27 @@ Sample::Stand Sample::stands(int axis, bool positive) const {
   const double above = columns_with(1), below = columns_with(2), few = 0.1 * double(last.size());
   const double share = double(most_near) / double(last.size()) * broadness(axis);
   return {share * (above - below) / (above + below + few), up};
+}
+
+/// The way up from what the columns along an axis end on, where a plane that a quarter of all points are
+/// near says the same, which knows nothing of ends. Otherwise 0. By cameras such planes err by 8 degrees,
+/// axes by 17 (docs/measurements/first_view.md).
+dvec3 Sample::ground(int axis, bool positive) const {
+  constexpr double agree = 0.985, least = 0.25;  // cos 10 degrees
+  constexpr std::size_t fewest = 500, sampled = 4'000;
+  std::vector<const dvec3*> some;
+  const std::size_t stride = points.size() / sampled + 1;
+  for (std::size_t i = 0; i < points.size(); i += stride)
+    if (!glm::any(glm::lessThan(points[i], low)) && !glm::any(glm::greaterThan(points[i], high)))
+      some.push_back(&points[i]);
+  if (some.size() < fewest || !(glm::length(size()) > 0)) return dvec3(0);
+  const dvec3 lowest = stands(axis, positive).up;
+  dvec3 straight(0);
+  straight[axis] = positive ? 1 : -1;
+  const Plane plane = plane_of(some, straight, on_plane * glm::length(size()));
+  const bool is_certain =
+      double(plane.near) >= least * double(some.size()) && glm::dot(plane.up, lowest) > agree;
+  return is_certain ? lowest : dvec3(0);
 }
 
 }  // namespace
@@ -561,6 +592,11 @@ std::optional<UpAxis> height_of_map_coordinates(const PointCloud& cloud) {
   return {};
 }
 
+dvec3 up_from_ground(const PointCloud& cloud, UpAxis up) {
+  const int axis = int(up) / 2;
+  return Sample(cloud).ground(axis, int(up) % 2 == 0);
+}
+
 Upright guess_upright(const PointCloud& cloud, Progress& progress, bool is_obj) {
   constexpr std::size_t fewest = 100;
   Upright upright{cloud.up, "the convention of its format"};
@@ -576,6 +612,9 @@ Upright guess_upright(const PointCloud& cloud, Progress& progress, bool is_obj) 
   const std::vector<UpCandidate> candidates = up_candidates(cloud, progress, is_obj);
   const UpCandidate &best = candidates[0], &next = candidates[1];
   upright.up = best.up;
+  const bool is_of_pictures =
+      cloud.up == UpAxis::neg_y || best.evidence[std::size_t(UpEvidence::camera)] > 0.5;
+  if (is_of_pictures && up_vector(best.up).y != 0) upright.vertical = up_from_ground(cloud, best.up);
   // Why it is not the convention, or not the next.
   const UpCandidate& over =
       best.up == cloud.up ? next : *std::find_if(candidates.begin(), candidates.end(), [&](const auto& each) {

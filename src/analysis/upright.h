@@ -13,7 +13,10 @@ namespace sfumato::analysis {
 
 struct Upright {
   UpAxis up = UpAxis::pos_z;
-  std::string reason;        ///< what speaks for it: "a camera's view: y down"
+  std::string reason;  ///< what speaks for it: "a camera's view: y down"
+  /// Of length 1: what stands upright in the first picture where ground is tilted against axes of a camera;
+  /// else 0, for the axis.
+  dvec3 vertical{0};
   double azimuth_deg = -30;  ///< from where the first picture is taken, as --camera-azimuth-angle
   double elevation_deg = 30;
   /// The convention of the format where it is not that, else what it may be as well where nothing tells
@@ -56,6 +59,10 @@ struct UpCandidate {
 /// All six axes, the likeliest first; of clouds that are no survey. From a sample of at most 65,536 points.
 std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress = no_progress(),
                                        bool is_obj = false);
+
+/// Across the ground, of length 1 and at most 40 degrees from the axis, where that is certain; else 0. For
+/// clouds in the axes of a camera: where axes are plumb, tilted ground is a slope.
+dvec3 up_from_ground(const PointCloud& cloud, UpAxis up);
 
 /// The likeliest of the candidates, of which `cloud.up` is the convention of the file's format; LAS keeps
 /// that, and what is georeferenced otherwise has heights along z.

@@ -155,7 +155,7 @@ Camera first_view_of(const Opening& self, int width, int height) {
 /// The same, as far back as a turn needs.
 Camera first_of_turn(const Opening& self, int width, int height) {
   Camera camera = first_view_of(self, width, height);
-  step_back(camera, up_vector(self.pose().upright.up), self.pose().subject);
+  step_back(camera, self.pose().vertical(), self.pose().subject);
   return camera;
 }
 
@@ -209,7 +209,7 @@ void bind_levels(py::module_& module) {
       .def_property_readonly("up", [](const Opening& self) { return to_string(self.pose().upright.up); })
       .def_property_readonly("up_vector",
                              [](const Opening& self) {
-                               const dvec3 up = up_vector(self.pose().upright.up);
+                               const dvec3 up = self.pose().vertical();
                                return py::make_tuple(up.x, up.y, up.z);
                              })
       // Whether one cloud within the budget holds what all of these cameras show.

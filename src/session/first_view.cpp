@@ -29,6 +29,19 @@ dvec3 Compass::from(double azimuth, double elevation) const {
          std::sin(elevation) * up;
 }
 
+// The formula of Rodrigues for the angle between them.
+glm::dmat3 turn_between(const dvec3& from, const dvec3& to) {
+  const dvec3 v = glm::cross(from, to);
+  const glm::dmat3 cross(0, v.z, -v.y, -v.z, 0, v.x, v.y, -v.x, 0);  // columns
+  return glm::dmat3(1) + cross + cross * cross * (1 / (1 + glm::dot(from, to)));
+}
+
+void stand_on(Camera& camera, UpAxis axis, const dvec3& vertical) {
+  const glm::dmat3 turn = turn_between(up_vector(axis), vertical);
+  camera.position = camera.target + turn * (camera.position - camera.target);
+  camera.up = turn * camera.up;
+}
+
 // A point at (x, y) and z towards the camera is inside when |y - y_camera| <= tan (z_camera - z), x alike.
 void fit(Camera& camera, const std::vector<dvec3>& points) {
   if (std::all_of(points.begin(), points.end(), [&](const dvec3& p) { return p == points[0]; })) return;

@@ -50,6 +50,11 @@ std::vector<dvec3> scanners_of(const PointCloud& cloud);
 /// 50,000 points. `whole`: all but isolated outliers.
 Subject subject_of(const PointCloud& cloud, bool whole = false, Progress& progress = no_progress());
 
+/// The shortest turn that brings `from` to `to`, both of length 1 and not opposite.
+glm::dmat3 turn_between(const dvec3& from, const dvec3& to);
+/// Turns the camera about its target as that brings the axis to `vertical`.
+void stand_on(Camera& camera, UpAxis axis, const dvec3& vertical);
+
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points
 /// with a margin of 8 %, in which the discs of the outermost have room. Points in one place have no extent to
 /// fit: the camera stays.

@@ -30,16 +30,39 @@ void exaggerate(PointCloud& cloud, double factor) {
   cloud.up = axis;
 }
 
+namespace {
+
+/// Azimuth and elevation about what stands upright: the axis of a scan that is turned as its camera will be.
+Standpoint standpoint_for(Pose& pose) {
+  if (pose.upright.vertical == dvec3(0) || pose.subject.points.empty())
+    return standpoint_for(pose.subject, pose.upright.up);
+  Subject turned = pose.subject;
+  const glm::dmat3 turn = turn_between(pose.vertical(), up_vector(pose.upright.up));
+  turned.box = {dvec3(1e300), dvec3(-1e300)};
+  for (dvec3& p : turned.points) {
+    p = turn * p;
+    turned.box = {glm::min(turned.box.min, p), glm::max(turned.box.max, p)};
+  }
+  for (vec3& facing : turned.facing) facing = vec3(turn * dvec3(facing));
+  return standpoint_for(turned, pose.upright.up);
+}
+
+}  // namespace
+
 Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool cutaway,
                    double vertical_exaggeration, Progress& progress) {
   analysis::Upright upright;
-  if (asked)
+  const std::string format = scene.files.empty() ? "" : scene.files[0].format;
+  if (asked) {
     upright = {*asked, "--up"};
-  else if (scene.cloud.up_is_known)
-    upright = {scene.cloud.up, "the file says so"};
-  else
+  } else if (!scene.cloud.up_is_known) {
     upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud,
-                                      progress, !scene.files.empty() && scene.files[0].format == "obj");
+                                      progress, format == "obj");
+  } else {
+    upright = {scene.cloud.up, "the file says so"};
+    // The pictures say which axis is nearest.
+    if (format == "colmap") upright.vertical = analysis::up_from_ground(scene.cloud, upright.up);
+  }
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
   // Whoever cuts out a box has chosen what is shown.
@@ -52,12 +75,14 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   if (const auto sensor = sensor_of(scene.cloud, pose.subject)) {
     const Compass compass(upright.up);
     pose.sensor = sensor->place;
+    pose.upright.vertical = dvec3(0);  // its picture is as it took it
     look_from(glm::degrees(compass.azimuth(-sensor->along)), glm::degrees(compass.elevation(-sensor->along)));
   } else {
     progress.check();
     if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
     progress.check();
-    const Standpoint from = standpoint_for(pose.subject, upright.up);
+    if (pose.subject.room || vertical_exaggeration != 1) pose.upright.vertical = dvec3(0);
+    const Standpoint from = standpoint_for(pose);
     look_from(from.azimuth_deg, from.elevation_deg);
   }
   if (whole || pose.subject.room) return pose;
@@ -65,6 +90,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   const auto usual = [&] { return first_view(pose, 1280, 720); };
   if (const auto view = view_of_sweep(scene.cloud, pose.subject, usual, bool(pose.sensor))) {
     pose.sensor.reset(), pose.around = view->around;
+    pose.upright.vertical = dvec3(0);
     look_from(view->from.azimuth_deg, view->from.elevation_deg);
   }
   return pose;
@@ -74,6 +100,7 @@ Camera first_view(const Pose& pose, int width, int height) {
   const Subject subject = pose.around ? within(pose.subject, *pose.around) : pose.subject;
   Camera camera = frame(subject.box, pose.upright.up, width, height, glm::radians(pose.upright.azimuth_deg),
                         glm::radians(pose.upright.elevation_deg));
+  stand_on(camera, pose.upright.up, pose.vertical());
   if (pose.sensor)
     see_from(camera, *pose.sensor, subject);
   else

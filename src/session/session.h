@@ -39,6 +39,8 @@ struct Pose {
   std::optional<dvec3> sensor = {};         ///< the first view is that of the sensor that stood there
   std::optional<Surroundings> around = {};  ///< the first view is fitted to these
   double vertical_exaggeration = 1;         ///< of the points
+  /// What stands upright in the first picture, of length 1.
+  dvec3 vertical() const { return upright.vertical == dvec3(0) ? up_vector(upright.up) : upright.vertical; }
 };
 
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.

@@ -12,6 +12,12 @@ std::optional<double> radians(const std::optional<double>& degrees) {
   return degrees ? std::optional(glm::radians(*degrees)) : std::nullopt;
 }
 
+/// Whether it says more of where the camera stands than what suits the scan.
+bool says_side(const ViewWishes& wishes) {
+  return wishes.start || wishes.position || wishes.focal_point || wishes.azimuth || wishes.elevation ||
+         wishes.direction || wishes.view_up;
+}
+
 /// What suits the scan, from the side that is wished for.
 Camera framed(const Pose& pose, const ViewWishes& wishes) {
   const auto [width, height] = wishes.size.value_or(wishes.first_size);
@@ -31,6 +37,7 @@ Camera framed(const Pose& pose, const ViewWishes& wishes) {
   const bool is_fitted = wishes.orthographic && !is_placed;
   Camera camera = frame(pose.subject.box, up, width, height, azimuth, elevation, glm::radians(45.0),
                         is_fitted ? Projection::orthographic : Projection::perspective);
+  if (!says_side(wishes)) stand_on(camera, up, pose.vertical());
   if (wishes.view_up) camera.up = *wishes.view_up;
   fit(camera, pose.subject);
   return camera;
@@ -103,6 +110,10 @@ void set_pixel_size(Camera& camera, const Bounds& box, double pixel, const ViewW
 }
 
 }  // namespace
+
+dvec3 vertical_of(const Pose& pose, const ViewWishes& wishes) {
+  return says_side(wishes) ? up_vector(pose.upright.up) : pose.vertical();
+}
 
 Camera view_of(const Pose& pose, const ViewWishes& wishes) {
   Camera camera = wishes.start ? *wishes.start : framed(pose, wishes);

@@ -37,5 +37,7 @@ struct ViewWishes {
 /// looks at. A `start` with intrinsics of its own takes no size, fov or parallel projection: who asks refuses
 /// them first, by the names that they have there.
 Camera view_of(const Pose& pose, const ViewWishes& wishes);
+/// What stands upright in it: the first picture's vertical, but the axis where the side is wished for.
+dvec3 vertical_of(const Pose& pose, const ViewWishes& wishes);
 
 }  // namespace sfumato

@@ -58,8 +58,9 @@ dvec3 project(const Camera& camera, const dvec3& world) {
   return {k.cx + k.fx * eye.x / w, k.cy - k.fy * eye.y / w, -eye.z};
 }
 
-void Navigator::set_scene(UpAxis up, const Subject& subject) {
+void Navigator::set_scene(UpAxis up, const Subject& subject, const dvec3& vertical) {
   up_ = up;
+  vertical_ = vertical == dvec3(0) ? up_vector(up) : vertical;
   subject_ = subject;
   size_ = std::max(subject.box.diagonal(), 1e-9);
 }
@@ -67,7 +68,7 @@ void Navigator::set_scene(UpAxis up, const Subject& subject) {
 void Navigator::set_camera(const ViewCamera& camera) { camera_ = camera; }
 
 void Navigator::rotate(double dx_px, double dy_px, int height_px, const dvec3& pivot) {
-  const dvec3 up = up_vector(up_), from = -camera_.direction();
+  const dvec3 up = vertical_, from = -camera_.direction();
   const double step = pi / std::max(1, height_px);
   const double elevation = std::asin(std::clamp(glm::dot(from, up), -1.0, 1.0));
   // What was straight down or rolled comes upright with the first turn.
@@ -105,8 +106,7 @@ void Navigator::zoom(double steps, const dvec3& place) {
 void Navigator::fly(const dvec3& way, double seconds, double fast) {
   const dmat4 to_world = camera_.to_camera(1, 1).inverse_view();
   const dvec3 right(to_world[0]), forward = camera_.direction();
-  const dvec3 shift =
-      (way.x * right + way.y * up_vector(up_) + way.z * forward) * (0.25 * size_ * seconds * fast);
+  const dvec3 shift = (way.x * right + way.y * vertical_ + way.z * forward) * (0.25 * size_ * seconds * fast);
   camera_.position += shift;
   camera_.target += shift;
 }

@@ -31,8 +31,9 @@ dvec3 project(const Camera& camera, const dvec3& world);
 
 class Navigator {
  public:
-  /// Another scene: `up` is what rotation keeps upright, `subject` what views frame.
-  void set_scene(UpAxis up, const Subject& subject);
+  /// Another scene: `up` is its axis, `subject` what views frame, `vertical` what rotation keeps upright, of
+  /// length 1; 0: the axis.
+  void set_scene(UpAxis up, const Subject& subject, const dvec3& vertical = dvec3(0));
   /// The view that `reset` returns to.
   void set_home(const ViewCamera& home) { home_ = home; }
   void set_camera(const ViewCamera& camera);
@@ -67,6 +68,7 @@ class Navigator {
  private:
   ViewCamera camera_, home_;
   UpAxis up_ = UpAxis::pos_z;
+  dvec3 vertical_{0, 0, 1};
   Subject subject_;
   double size_ = 1;
 };

@@ -149,7 +149,7 @@ void Workbench::take_loaded(Loaded loaded) {
   for (const std::string& note : loaded.notes)
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
   if (!is_another_view) picked_.clear(), profile_.reset();
-  navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject);
+  navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject, loaded.pose.vertical());
   if (wishes_.frame_on_load && width_ > 0 && loaded.is_first) {
     ViewCamera first;
     try {

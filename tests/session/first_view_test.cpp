@@ -535,6 +535,66 @@ TEST(FirstView, WhatPhotographsReconstructedIsSeenFromTheFirst) {
   }
 }
 
+/// A square of ground and a block on it, in axes with y down that are turned by 25 degrees against it.
+PointCloud tilted_block(const dvec3& up) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const dvec3 right = glm::normalize(glm::cross(up, dvec3(0, 0, 1))), ahead = glm::cross(right, up);
+  PointCloud cloud;
+  cloud.up = UpAxis::neg_y;
+  const auto add = [&](const dvec3& p) {
+    cloud.positions.push_back(vec3(p.x * right + p.y * ahead + p.z * up));
+  };
+  for (int i = 0; i < 30'000; ++i) {
+    if (i % 2) add({6 * unit(random), 6 * unit(random), 0});
+    dvec3 side(unit(random), unit(random), unit(random));
+    side[i % 3] = i % 3 == 2 || i % 2 ? 1 : -1;
+    add(side * dvec3(1, 2, 1.5) + dvec3(0, 0, 1.5));
+  }
+  return cloud;
+}
+
+// What a picture shows of the block's edges is as plumb as the camera: their slopes come from where they are.
+TEST(FirstView, TiltedGroundIsLevelInIt) {
+  const double tilt = glm::radians(25.0);
+  const dvec3 up(std::sin(tilt), -std::cos(tilt), 0);
+  scene::Scene scene;
+  scene.cloud = tilted_block(up);
+  const Pose pose = stand_upright(scene);
+  EXPECT_EQ(pose.upright.up, UpAxis::neg_y);
+  const auto leans = [&](const Camera& camera) {  // degrees
+    const dvec3 seen = glm::dmat3(camera.view()) * up;
+    return glm::degrees(std::atan2(seen.x, seen.y));
+  };
+  const Camera camera = view_of(pose, {});
+  EXPECT_NEAR(leans(camera), 0, 3);  // a plane of three points within 1 % of the diagonal
+  EXPECT_LT(glm::distance(first_view(pose, 1280, 720).position, camera.position), 1e-9);
+  const auto [low, high] = extent(pose.subject.points, camera);
+  EXPECT_NEAR(std::max(high.x, high.y), 0.92, 0.01);
+  EXPECT_GT(glm::dot(-camera.direction(), up), 0.2) << "from above the ground";
+  // Who names a side names it about the axis.
+  ViewWishes wishes;
+  wishes.azimuth = 0, wishes.elevation = 0;
+  EXPECT_NEAR(std::abs(leans(view_of(pose, wishes))), 25, 1);
+  EXPECT_EQ(view_of(pose, wishes).up, dvec3(0, -1, 0));
+  EXPECT_EQ(stand_upright(scene, UpAxis::neg_y).vertical(), dvec3(0, -1, 0)) << "--up";
+  // The pictures beside a model of COLMAP say only which axis is nearest; other files mean what they say.
+  scene.cloud.set_up(UpAxis::neg_y);
+  EXPECT_EQ(stand_upright(scene).vertical(), dvec3(0, -1, 0));
+  scene.files.resize(1);
+  scene.files[0].format = "colmap";
+  EXPECT_GT(glm::dot(stand_upright(scene).vertical(), up), std::cos(glm::radians(3.0)));
+}
+
+TEST(FirstView, AShortTurnBringsOneDirectionToAnother) {
+  const dvec3 from = glm::normalize(dvec3(1, 2, -2)), to = glm::normalize(dvec3(2, 1, 1));
+  const glm::dmat3 turn = turn_between(from, to);
+  EXPECT_LT(glm::distance(turn * from, to), 1e-12);
+  const dvec3 still = glm::cross(from, to);
+  EXPECT_LT(glm::distance(turn * still, still), 1e-12);
+  EXPECT_NEAR(glm::determinant(turn), 1, 1e-12);
+}
+
 TEST(FirstView, TheOriginOfAMapIsNoSensor) {
   PointCloud wall = box_of({8, 0.02, 5});
   wall.normals.assign(wall.positions.size(), vec3(0, -1, 0));

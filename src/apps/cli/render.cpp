@@ -101,14 +101,17 @@ void check_names(const RenderOptions& options, const Choice& choice) {
   }
 }
 
-std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, UpAxis axis,
-                               const Subject& subject) {
-  if (options.publication)
-    return options.publication->cameras(first, axis, subject, !options.stands_somewhere());
+std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first, const Pose& pose) {
+  const Subject& subject = pose.subject;
+  const dvec3 up = options.camera_file.empty() ? vertical_of(pose, options.view) : up_vector(pose.upright.up);
+  if (options.publication) {
+    Camera start = first;  // its views are by azimuth and elevation about the axis
+    if (up != up_vector(pose.upright.up)) look_from(start, pose.upright.up, {}, {}, true);
+    return options.publication->cameras(start, pose.upright.up, subject, !options.stands_somewhere());
+  }
   if (options.path.empty()) return {first};
   if (options.path == "orbit") {
     Camera start = first;
-    const dvec3 up = up_vector(axis);
     if (!options.stands_somewhere()) step_back(start, up, subject);
     return orbit(start, up, options.frame_count(), options.degrees.value_or(360));
   }
@@ -166,9 +169,8 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
   if (!opening.has_levels()) sight.scene = tell_reading(opening.take(), options, report, console);
   tell_pose(pose, options, report, console);
   sight.camera = opening.camera();
-  sight.cameras = options.sequence || options.each
-                      ? std::vector{sight.camera}
-                      : cameras_of(options, sight.camera, pose.upright.up, pose.subject);
+  sight.cameras =
+      options.sequence || options.each ? std::vector{sight.camera} : cameras_of(options, sight.camera, pose);
   // A panorama sees what is behind it as well.
   for (const Note& note : notes_on(pose, options.panorama ? std::vector<Camera>() : sight.cameras))
     console.note(for_command(note));

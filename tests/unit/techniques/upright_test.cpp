@@ -167,6 +167,33 @@ TEST(Upright, GroundTellsHoweverItIsTilted) {
   }
 }
 
+// The axes of COLMAP are those of its first camera, which looked down; those of a survey are plumb, and a
+// slope is one.
+TEST(Upright, GroundIsLevelOnlyInTheAxesOfACamera) {
+  const glm::dmat3 y_down(1, 0, 0, 0, 0, 1, 0, -1, 0);
+  for (double tilt : {12.0, 30.0}) {
+    const glm::dmat3 by(glm::rotate(dmat4(1), glm::radians(tilt), glm::normalize(dvec3(1, 0.3, 0))));
+    PointCloud cloud = house();
+    turn(cloud, y_down * by);
+    cloud.up = UpAxis::neg_y;
+    const Upright guess = guess_upright(cloud);
+    EXPECT_EQ(guess.up, UpAxis::neg_y) << tilt;
+    EXPECT_GT(glm::dot(guess.vertical, y_down * by * dvec3(0, 0, 1)), std::cos(glm::radians(3.0))) << tilt;
+    cloud = house();
+    turn(cloud, by);
+    cloud.up = UpAxis::pos_z;
+    EXPECT_EQ(guess_upright(cloud).vertical, dvec3(0)) << tilt;
+  }
+  // Most is no ground and lies every way.
+  std::mt19937 random(48);
+  std::normal_distribution<float> normal;
+  PointCloud cloud;
+  cloud.up = UpAxis::neg_y;
+  for (int i = 0; i < 20'000; ++i)
+    cloud.positions.push_back({normal(random), normal(random), normal(random)});
+  EXPECT_EQ(guess_upright(cloud).vertical, dvec3(0));
+}
+
 /// A body that narrows upwards, with a head that leans forward, z up, scanned from all sides but below.
 PointCloud statue() {
   std::mt19937 random(21);
