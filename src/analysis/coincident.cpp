@@ -3,16 +3,6 @@
 #include <vector>
 
 namespace sfumato::analysis {
-namespace {
-
-template <class T>
-void keep_only(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
-  if (values.empty()) return;
-  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
-  values.resize(kept.size());
-}
-
-}  // namespace
 
 void thin_places(PreparedCloud& prepared) {
   // Equal positions are neighbours on the Morton curve, in file order.

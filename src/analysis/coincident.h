@@ -11,4 +11,12 @@ namespace sfumato::analysis {
 inline constexpr std::size_t most_in_one_place = 256;
 void thin_places(PreparedCloud& prepared);
 
+/// Of values of points those of some, in their order; of none none.
+template <class T>
+void keep_only(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
+}
+
 }  // namespace sfumato::analysis

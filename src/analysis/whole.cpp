@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "analysis/attributes.h"
+#include "analysis/coincident.h"
 #include "analysis/dots.h"
 #include "analysis/given_normals.h"
 #include "analysis/morton.h"
@@ -42,13 +43,6 @@ Discs discs_at(const Neighborhoods& around) {
     if (const auto frame = local_frame(near, 0, others)) discs.scatter.push_back(scatter_of(*frame));
   }
   return discs;
-}
-
-template <class T>
-void keep_values(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
-  if (values.empty()) return;
-  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
-  values.resize(kept.size());
 }
 
 PointCloud places_only(const PointCloud& cloud) {
@@ -105,7 +99,7 @@ PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < prepared.cloud.size(); ++i)
     if (prepared.cloud.source_index[i] < count) kept.push_back(i);
-  keep_values(prepared.shrunk, kept), keep_values(prepared.on_surface, kept);
+  keep_only(prepared.shrunk, kept), keep_only(prepared.on_surface, kept);
   prepared.cloud = select(prepared.cloud, kept);
   if (!numbers.empty())
     for (std::uint32_t& number : prepared.cloud.source_index) number = numbers[number];
