@@ -82,8 +82,10 @@ PartRenderer::PartRenderer() : state_(std::make_unique<State>()) {}
 PartRenderer::~PartRenderer() = default;
 
 void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole,
-                            const ColorSettings& coloring, std::optional<PointCloud> around) {
+                            const ColorSettings& coloring, std::optional<Around> around) {
   state_->worker.run([&] {
+    Attributes needs;
+    if (around) needs = state_->look_of(around->technique, {}).technique->needs();
     state_->drawing->forget_look();
     Request wanted;
     wanted.points.up = part.up;
@@ -93,9 +95,10 @@ void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> w
     const Opening opening(wanted, std::move(sample));
     scene::Scene scene;
     scene.cloud = std::move(part);
-    scene.whole = std::move(whole), scene.around = std::move(around);
+    scene.whole = std::move(whole);
+    if (around) scene.around = std::move(around->points);
     state_->drawing->session.set_scene(std::move(scene), opening.pose(), {{}, coloring, {}},
-                                       [](const Session::Suggest&) { return Attributes(); });
+                                       [&](const Session::Suggest&) { return needs; });
   });
 }
 
@@ -108,8 +111,9 @@ bool PartRenderer::merges(const std::string& technique, const Camera& camera, co
       [&] { return state_->drawing->session.merges(state_->look_of(technique, parameters), camera); });
 }
 
-bool PartRenderer::needs_around(const std::string& technique) {
-  return state_->worker.run([&] { return !state_->look_of(technique, {}).technique->needs().empty(); });
+bool PartRenderer::lacks(const std::string& technique) {
+  return state_->worker.run(
+      [&] { return !state_->drawing->session.has_needs(state_->look_of(technique, {})); });
 }
 
 int PartRenderer::rounds(const std::string& technique) {

@@ -24,15 +24,19 @@ class PartRenderer {
 
   /// `whole`: analysis::whole_of. The part may have no points; the whole has some. `part.source_index`,
   /// ascending, has the numbers of its points among all.
-  /// `around`: points of other parts (analysis/regions.h), for techniques that need attributes of surfaces.
+  /// Points of other parts (analysis/regions.h), for the technique that needs attributes of surfaces.
+  struct Around {
+    PointCloud points;
+    std::string technique;
+  };
   void set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole, const ColorSettings& coloring,
-                std::optional<PointCloud> around = std::nullopt);
+                std::optional<Around> around = std::nullopt);
   /// "auto" as the technique that suits the whole.
   std::string settle(const std::string& technique) const;
   /// Whether such a picture can be drawn part by part (Renderer::merges).
   bool merges(const std::string& technique, const Camera& camera, const Parameters& parameters);
-  /// Whether it needs what is around the part.
-  bool needs_around(const std::string& technique);
+  /// Whether the part has not yet all that it needs: what that is found from lies around the part, too.
+  bool lacks(const std::string& technique);
   /// So often parts are to be asked what they show, and that merged: Technique::rounds.
   int rounds(const std::string& technique);
   /// `merged`: of the rounds before.

@@ -331,10 +331,10 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
     };
     const std::size_t given = clouds[k].size();
     if (scene.around)
-      prepared.push_back(
-          {analysis::prepare_part(std::move(clouds[k]), *scene.around, Attribute::normal | Attribute::radius,
-                                  options.prepare, progress, whole_),
-           {}});
+      prepared.push_back({analysis::prepare_part(std::move(clouds[k]), *scene.around,
+                                                 needs([&] { return suggest({}, nullptr); }) | shown,
+                                                 options.prepare, progress, whole_),
+                          {}});
     else
       prepared.push_back(
           {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress, whole_),

@@ -62,7 +62,8 @@ std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     analysis::Share share =
         analysis::share_of({analysis::points_near(all, regions[k], analysis::reach_of(*whole))}, regions[k]);
-    parts[k].renderer->set_part(std::move(share.own), whole, coloring, std::move(share.around));
+    parts[k].renderer->set_part(std::move(share.own), whole, coloring,
+                                PartRenderer::Around{std::move(share.around), "splats"});
   }
   return parts;
 }
@@ -104,8 +105,10 @@ TEST(PartRenderer, SplatsAreOnePictureWhoeverDrawsIt) {
   one.set_cloud(cloud, coloring);
   const Pictures whole = one.render("splats", view, {}, std::nullopt);
   const std::vector<Part> shares = shares_of(cloud, 3);
-  EXPECT_TRUE(shares.front().renderer->needs_around("splats"));
-  EXPECT_FALSE(shares.front().renderer->needs_around("points"));
+  const std::vector<Part> alone = parts_of(cloud, 1, [](std::uint32_t) { return 0; });
+  EXPECT_TRUE(alone.front().renderer->lacks("splats"));
+  EXPECT_FALSE(alone.front().renderer->lacks("points"));
+  for (const Part& share : shares) EXPECT_FALSE(share.renderer->lacks("splats"));
   const Pictures first = picture(shares, 0, "splats");
   const auto differ = [](const Rgba8& a, const Rgba8& b) {
     return std::abs(a.r - b.r) > 1 || std::abs(a.g - b.g) > 1 || std::abs(a.b - b.b) > 1;

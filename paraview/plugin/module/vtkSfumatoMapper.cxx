@@ -80,8 +80,8 @@ struct vtkSfumatoMapper::State {
   std::unique_ptr<sfumato::gl::HostCanvas> canvas;
   std::uint64_t pictures = 0;
   std::shared_ptr<const sfumato::WholeCloud> whole;
-  // Of the points that are shown; around: those were dealt out; all: they were gathered.
-  bool has_part = false, has_around = false, has_all = false;
+  // Of the points that are shown; all: they were gathered.
+  bool has_part = false, has_all = false;
 };
 
 vtkStandardNewMacro(vtkSfumatoMapper);
@@ -172,13 +172,13 @@ void vtkSfumatoMapper::ShowInput(vtkActor* actor) {
   this->Own->renderer->set_cloud(std::move(points), colors_of_host());
 }
 
-void vtkSfumatoMapper::ShowPart(vtkActor* actor, bool with_around) {
+void vtkSfumatoMapper::ShowPart(vtkActor* actor, const std::string& technique_with_around) {
   State& own = *this->Own;
   sfumato::PointCloud part = this->CloudOf(actor).TakeOfOwnRank();
   if (!own.has_part) {
     sfumato::analysis::CloudFacts facts = sfumato::analysis::facts_of(part);
     Ranks::MergeForAll(facts);
-    own.has_around = false, own.whole.reset();
+    own.whole.reset();
     own.is_empty = facts.points == 0;
     own.has_part = own.is_empty;
     if (own.is_empty) return;
@@ -186,22 +186,22 @@ void vtkSfumatoMapper::ShowPart(vtkActor* actor, bool with_around) {
     Ranks::MergeForAll(around);
     Ranks::Together([&] { own.whole = whole_of(facts, around, part.origin); });
   }
-  std::optional<sfumato::PointCloud> around;
-  if (with_around) {
+  std::optional<sfumato::PartRenderer::Around> around;
+  if (!technique_with_around.empty()) {
     sfumato::analysis::Share share = Ranks::DealOut(part, *own.whole);
-    part = std::move(share.own), around = std::move(share.around);
+    part = std::move(share.own), around = sfumato::PartRenderer::Around{std::move(share.around), technique_with_around};
   }
   Ranks::Together([&] {
     if (!own.part) own.part = std::make_unique<sfumato::PartRenderer>();
     own.part->set_part(std::move(part), own.whole, colors_of_host(), std::move(around));
   });
   // Not before: what failed is tried again.
-  own.has_part = true, own.has_around = with_around;
+  own.has_part = true;
 }
 
 void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
   State& own = *this->Own;
-  if (!own.has_part) this->ShowPart(actor, false);
+  if (!own.has_part) this->ShowPart(actor, {});
   if (own.is_empty) return;
   int left = 0, bottom = 0;
   sfumato::HostView view = view_of(renderer, left, bottom);
@@ -212,7 +212,7 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
   bytes.Take(view);
   if (view.width <= 0 || view.height <= 0) return;
   const sfumato::Camera camera = sfumato::camera_of_matrices(view.view, view.projection, view.width, view.height);
-  bool merges = false, needs_around = false;
+  bool merges = false, lacks = false;
   int rounds = 1;
   std::string technique;
   sfumato::Parameters parameters;
@@ -220,7 +220,7 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
     technique = own.part->settle(this->Technique);
     parameters = changed_parameters(technique, this->Parameters);
     merges = own.part->merges(technique, camera, parameters);
-    needs_around = own.part->needs_around(technique), rounds = own.part->rounds(technique);
+    lacks = own.part->lacks(technique), rounds = own.part->rounds(technique);
   });
   if (!merges) {
     if (!own.has_all) this->ShowInput(actor);
@@ -228,7 +228,7 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
     if (Ranks::Own() == 0) this->Draw(renderer);
     return;
   }
-  if (needs_around && !own.has_around) this->ShowPart(actor, true);
+  if (Ranks::Any(lacks)) this->ShowPart(actor, technique);
   sfumato::VisiblePoints merged;
   std::size_t sent = 0;
   for (int round = 0; round < rounds; ++round) {

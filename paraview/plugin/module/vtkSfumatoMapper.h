@@ -50,7 +50,7 @@ class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
   void ShowInput(vtkActor* actor);
   /// What this rank has, or, where it has to know what lies around, has after points are dealt out by place; and
   /// what all together are.
-  void ShowPart(vtkActor* actor, bool with_around);
+  void ShowPart(vtkActor* actor, const std::string& technique_with_around);
   void Draw(vtkRenderer* renderer);
   void DrawParts(vtkRenderer* renderer, vtkActor* actor);
 };
