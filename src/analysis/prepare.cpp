@@ -36,13 +36,17 @@ void keep_viewpoints(PointCloud& cloud) {
 
 }  // namespace
 
-std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
+std::size_t batch_count(std::uint64_t points) {
   // A small scan gets smaller batches: its density varies as much as that of a large one, and a batch has one
   // spacing. 69,000 points of a street sweep in batches of 10,240 gave discs of 60 px among points 2 px
   // apart.
-  const std::size_t n = positions.size();
-  const std::size_t points = std::clamp(n / wanted_batches, smallest_batch, largest_batch);
-  const std::size_t count = (n + points - 1) / points;
+  const std::uint64_t each =
+      std::clamp<std::uint64_t>(points / wanted_batches, smallest_batch, largest_batch);
+  return std::size_t((points + each - 1) / each);
+}
+
+std::vector<Batch> cut_batches(const std::vector<vec3>& positions) {
+  const std::size_t n = positions.size(), count = batch_count(n);
   std::vector<Batch> batches(count);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
     const std::size_t first = b * n / count, last = (b + 1) * n / count;

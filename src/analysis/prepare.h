@@ -17,6 +17,8 @@ struct PrepareOptions {
   void describe(ParamList& p);
 };
 
+/// Of so many points.
+std::size_t batch_count(std::uint64_t points);
 /// Batches of 512 to 10,240 of the positions, some 512 of them, more for clouds of over 5 million.
 std::vector<Batch> cut_batches(const std::vector<vec3>& positions);
 

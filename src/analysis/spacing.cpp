@@ -1,5 +1,6 @@
 #include "analysis/spacing.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "analysis/morton.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
@@ -112,6 +114,11 @@ void fit_spacing(Batch& batch, std::span<const vec3> places, std::span<const flo
   batch.least_log2_spacing = least, batch.most_log2_spacing = most;
 }
 
+std::size_t stretch_of(const PlacedSpacing& spacing, std::uint64_t key) {
+  const auto after = std::upper_bound(spacing.begins.begin() + 1, spacing.begins.end(), key);
+  return std::size_t(after - spacing.begins.begin()) - 1;
+}
+
 }  // namespace
 
 float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress) {
@@ -150,6 +157,67 @@ float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progre
   for (Batch& batch : batches)
     if (!(batch.spacing > 0)) batch.set_even_spacing(spacing);
   return spacing;
+}
+
+PlacedSpacing spacing_along_curve(const Neighborhoods& around, const WholeCloud& whole,
+                                  std::size_t stretches) {
+  constexpr std::size_t eighth = 8;
+  PlacedSpacing out;
+  // However far a stray point lies, the curve tells apart what is near the usual ones.
+  const double reach = 100 * whole.usual_box.diagonal();
+  const bool has_size = reach > 0;
+  out.box_min =
+      vec3((has_size ? glm::max(whole.box.min, whole.usual_box.min - reach) : whole.box.min) - whole.origin);
+  out.box_max =
+      vec3((has_size ? glm::min(whole.box.max, whole.usual_box.max + reach) : whole.box.max) - whole.origin);
+  std::vector<vec3> places, sample;
+  for (const dvec3& place : around.places) places.emplace_back(place - whole.origin);
+  for (std::size_t i = 0; i < whole.sample.size(); ++i)
+    sample.emplace_back(whole.sample.world(i) - whole.origin);
+  const std::vector<std::uint64_t> keys = curve_keys(places, out.box_min, out.box_max);
+  std::vector<std::uint64_t> ends = curve_keys(sample, out.box_min, out.box_max);
+  std::sort(ends.begin(), ends.end());
+  stretches =
+      std::clamp<std::size_t>(stretches, 1, std::max<std::size_t>(1, places.size() / least_per_batch));
+  for (std::size_t k = 0; k < stretches; ++k)
+    out.begins.push_back(k == 0 || ends.empty() ? 0 : ends[k * ends.size() / stretches]);
+  std::vector<std::vector<vec3>> own(stretches);
+  std::vector<std::vector<float>> found(stretches);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::size_t last = std::min(eighth, around.nearest[i].size() - 1);
+    if (last == 0) continue;
+    const std::size_t k = stretch_of(out, keys[i]);
+    own[k].push_back(places[i]);
+    found[k].push_back(float(glm::distance(around.nearest[i][last], around.places[i]) *
+                             std::sqrt(std::numbers::pi / double(last))));
+  }
+  out.stretches.resize(stretches);
+  for (std::size_t k = 0; k < stretches; ++k) {
+    Batch& stretch = out.stretches[k];
+    stretch.set_even_spacing(whole.median_spacing);
+    std::vector<float> spacings = found[k];
+    const float median = median_of_positive(spacings);
+    if (!(median > 0)) continue;
+    stretch.set_even_spacing(median);
+    stretch.box_min = stretch.box_max = own[k].front();
+    for (const vec3& place : own[k])
+      stretch.box_min = glm::min(stretch.box_min, place), stretch.box_max = glm::max(stretch.box_max, place);
+    fit_spacing(stretch, own[k], found[k]);
+  }
+  return out;
+}
+
+std::vector<float> spacings_at(std::span<const vec3> positions, const PlacedSpacing& spacing,
+                               Progress& progress) {
+  std::vector<float> spacings(positions.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
+    progress.check();
+    const auto keys =
+        curve_keys(positions.subspan(range.begin(), range.size()), spacing.box_min, spacing.box_max);
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      spacings[i] = spacing.stretches[stretch_of(spacing, keys[i - range.begin()])].spacing_at(positions[i]);
+  });
+  return spacings;
 }
 
 }  // namespace sfumato::analysis

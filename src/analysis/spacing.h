@@ -1,6 +1,9 @@
 // How far apart the points of a cloud are: the one length that automatic sizes derive from.
 #pragma once
 
+#include <vector>
+
+#include "analysis/cloud_facts.h"
 #include "analysis/neighbors.h"
 #include "core/prepared_cloud.h"
 
@@ -16,5 +19,13 @@ namespace sfumato::analysis {
 /// logarithms. A batch that is all in one place of the cloud gets the cloud's spacing, and a cloud of a
 /// single place 1, so that results are always positive and finite. The same for any number of threads.
 float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress = no_progress());
+
+/// The same of a cloud that lies in parts, from what is around places of it: of so many stretches of the
+/// curve over `whole.box`, with as many points of its sample each.
+PlacedSpacing spacing_along_curve(const Neighborhoods& around, const WholeCloud& whole,
+                                  std::size_t stretches);
+/// Of every point, scene units.
+std::vector<float> spacings_at(std::span<const vec3> positions, const PlacedSpacing& spacing,
+                               Progress& progress = no_progress());
 
 }  // namespace sfumato::analysis

@@ -82,6 +82,7 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surrou
   const std::vector<vec3>& normals = whole->sample.normals;
   whole->has_normals = facts.with_normal == facts.points &&
                        !are_rough(normals, NeighborTree(whole->sample.positions), PrepareOptions().neighbors);
+  whole->spacing = spacing_along_curve(around.dots, *whole, batch_count(facts.points));
   whole->dots = dots_at(around.dots, origin, facts.points, whole->median_spacing);
   return whole;
 }

@@ -81,6 +81,14 @@ struct PlacedDots {
   std::vector<vec2> dots;
 };
 
+/// How spacing varies along the curve over a box, relative to the cloud's origin: a place has that of the
+/// stretch that its key lies in (analysis/spacing.h).
+struct PlacedSpacing {
+  vec3 box_min{0}, box_max{0};
+  std::vector<std::uint64_t> begins;  ///< keys
+  std::vector<Batch> stretches;       ///< of no points
+};
+
 /// What decides how points are drawn and follows from all points of a cloud of which only a part is here: the
 /// same for every part (analysis/whole.h).
 struct WholeCloud {
@@ -92,6 +100,7 @@ struct WholeCloud {
   bool is_rough = false;     ///< computed normals are to be averaged (analysis/wide_normals.h)
   bool has_normals = false;  ///< which its files brought, and which are used
   PlacedDots dots;
+  PlacedSpacing spacing;
   PointCloud sample;
 };
 

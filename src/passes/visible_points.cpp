@@ -20,7 +20,7 @@ void VisiblePoints::add_round(VisiblePoints next) {
     if (!other.empty()) own = std::move(other);
   };
   take(depth_bits, next.depth_bits), take(number, next.number);
-  take(colors, next.colors), take(normals, next.normals);
+  take(colors, next.colors), take(normals, next.normals), take(places, next.places);
   take(nearest, next.nearest), take(vouching, next.vouching);
   take(color_sum, next.color_sum), take(normal_sum, next.normal_sum);
 }
@@ -48,7 +48,7 @@ void merge(VisiblePoints& into, const VisiblePoints& of) {
   merge_pixels(into.vouching, of.vouching, nearer);
   merge_pixels(into.color_sum, of.color_sum, sum);
   merge_pixels(into.normal_sum, of.normal_sum, sum);
-  require_same_size(into.depth_bits, of.depth_bits);
+  require_same_size(into.depth_bits, of.depth_bits), require_same_size(into.places, of.places);
   const vec4 none(0, 0, 0, 1);
   if (into.normals.empty() && !of.normals.empty())
     into.normals = Image<vec4>(into.depth_bits.width(), into.depth_bits.height(), none);
@@ -59,6 +59,7 @@ void merge(VisiblePoints& into, const VisiblePoints& of) {
     if (!(other < own)) continue;
     into.depth_bits.data()[i] = other.first, into.number.data()[i] = other.second;
     into.colors.data()[i] = of.colors.data()[i];
+    if (!into.places.empty()) into.places.data()[i] = of.places.data()[i];
     if (!into.normals.empty()) into.normals.data()[i] = of.normals.empty() ? none : of.normals.data()[i];
   }
 }

@@ -16,6 +16,9 @@ struct VisiblePoints {
   Image<std::uint32_t> depth_bits, number;
   Image<vec4> colors, normals;
   Image<float> depth() const;  ///< +inf where nothing
+  /// Where it lies in eye space, for techniques that look around it; else empty.
+  static constexpr vec4 nowhere{0, 0, -3e38f, 0};
+  Image<vec4> places{};
 
   /// Of discs, in two rounds (passes/splat_surface.h); else empty. First, the nearest hit of each pixel along
   /// its ray, +inf where none, and where points one pixel large are in a wider view (passes/evidence.h):

@@ -114,6 +114,8 @@ Bytes BytesOf(const VisiblePoints& visible) {
   PutPixels(bytes, visible.colors, points, [](const vec4& color) { return vec3(color); });
   bytes.Put(!visible.normals.empty());
   if (!visible.normals.empty()) PutPixels(bytes, visible.normals, points, whole);
+  bytes.Put(!visible.places.empty());
+  if (!visible.places.empty()) PutPixels(bytes, visible.places, points, [](const vec4& place) { return vec3(place); });
   const auto hits = PutPlaces(bytes, visible.nearest, [](float distance) { return std::isfinite(distance); });
   PutPixels(bytes, visible.nearest, hits, whole);
   PutPlaces(bytes, visible.vouching, is_there);  // whether, and not how far away
@@ -128,9 +130,12 @@ void Take(Bytes& bytes, VisiblePoints& visible) {
   TakePixels<std::uint32_t>(bytes, points, visible.depth_bits, VisiblePoints::nothing, whole);
   TakePixels<std::uint32_t>(bytes, points, visible.number, VisiblePoints::nothing, whole);
   TakePixels<vec3>(bytes, points, visible.colors, vec4(0), [](const vec3& color) { return vec4(color, 1); });
-  bool has_normals = false;
+  bool has_normals = false, has_places = false;
   bytes.Take(has_normals);
   if (has_normals) TakePixels<vec4>(bytes, points, visible.normals, vec4(0, 0, 0, 1), whole);
+  bytes.Take(has_places);
+  if (has_places)
+    TakePixels<vec3>(bytes, points, visible.places, VisiblePoints::nowhere, [](const vec3& place) { return vec4(place, 0); });
   TakePixels<float>(bytes, Places(bytes), visible.nearest, std::numeric_limits<float>::infinity(), whole);
   const Places vouching(bytes);
   visible.vouching = Image<std::uint32_t>(vouching.width, vouching.height, VisiblePoints::nothing);

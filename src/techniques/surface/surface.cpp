@@ -17,6 +17,7 @@
 #include <string>
 #include <utility>
 
+#include "analysis/spacing.h"
 #include "passes/points_to_pixels.h"
 #include "passes/pyramid.h"
 #include "passes/shade.h"
@@ -103,6 +104,7 @@ class SurfaceTechnique final : public Technique {
   }
 
   bool shows(Shading shading) const override { return shading != Shading::weight; }
+  bool merges() const override { return true; }
 
   int reach_px(const GpuCloud& cloud, const Camera& camera) const override {
     // Hidden point removal looks at nine squares of up to 64 px, and at levels beside its own; then
@@ -130,10 +132,18 @@ class SurfaceTechnique final : public Technique {
     const View wide(camera, origin);
 
     // One pixel per point (Sec. 3), each with the spacing around it.
-    to_pixels_.draw(frame.cloud, wide, {SizeMode::pixels, 1}, layer_, frame.timers);
     const float same_spacing = point_spacing_.is_auto() ? 0 : point_spacing_.value();
-    to_pixels_.resolve_eye(frame.cloud, wide, layer_, pyramid_.points(camera.width, camera.height),
-                           same_spacing, frame.timers);
+    gl::Texture& points = pyramid_.points(camera.width, camera.height);
+    if (frame.merged) {
+      take_up(frame, wide, same_spacing, points);
+    } else {
+      to_pixels_.draw(frame.cloud, wide, {SizeMode::pixels, 1}, layer_, frame.timers);
+      to_pixels_.resolve_eye(frame.cloud, wide, layer_, points, same_spacing, frame.timers);
+    }
+    if (frame.visible) {
+      show_part(frame, points);
+      return true;
+    }
     wide.bind();
     {
       auto timing = frame.timers.scope("pyramid");  // Sec. 3.1.1
@@ -171,13 +181,62 @@ class SurfaceTechnique final : public Technique {
   }
 
  private:
+  /// What the points of this part show; spacings are those of the whole.
+  void show_part(Frame& frame, const gl::Texture& points) {
+    VisiblePoints& visible = *frame.visible;
+    visible = {layer_.depth_bits.download<std::uint32_t>(),
+               layer_.index.download<std::uint32_t>(),
+               layer_.shadowed.download<vec4>(),
+               {},
+               points.download<vec4>()};
+    for (vec4& place : visible.places) place.w = 0;
+    const auto [spacing, reach, limits] = evidence_of(frame);
+    if (filling_ == Filling::discs && limits)
+      visible.vouching =
+          evidence_.draw_points(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach)
+              .download<std::uint32_t>();
+  }
+
+  /// What `resolve_eye` would leave of the whole.
+  void take_up(const Frame& frame, const View& wide, float same_spacing, gl::Texture& points) {
+    const VisiblePoints& merged = *frame.merged;
+    Image<vec4> places = merged.places;
+    std::vector<vec4*> seen;
+    for (vec4& place : places)
+      if (place != VisiblePoints::nowhere) seen.push_back(&place);
+    const WholeCloud* whole = frame.cloud.prepared().whole.get();
+    if (same_spacing > 0 || !whole) {
+      const float spacing = same_spacing > 0 ? same_spacing : frame.cloud.median_spacing();
+      for (vec4* place : seen) place->w = spacing;
+    } else {
+      const glm::dmat4 cloud_from_eye = glm::inverse(wide.eye_from_cloud());
+      std::vector<vec3> positions;
+      for (const vec4* place : seen) positions.emplace_back(cloud_from_eye * glm::dvec4(vec3(*place), 1));
+      const std::vector<float> spacings = analysis::spacings_at(positions, whole->spacing, frame.progress);
+      for (std::size_t i = 0; i < seen.size(); ++i) seen[i]->w = spacings[i];
+    }
+    points.upload(places);
+    gl::ensure(layer_.shadowed, "color and shadow", GL_RGBA16F, places.width(), places.height());
+    layer_.shadowed.upload(merged.colors);
+  }
+
+  struct OfEvidence {
+    ScreenSpacing spacing;
+    EvidenceReach reach;
+    bool limits = false;
+  };
+  OfEvidence evidence_of(const Frame& frame) {
+    const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
+    const EvidenceReach reach = evidence_reach(spacing, frame.camera.whole_height());
+    return {spacing, reach, reach.limits() && spacing.largest_px * removal_.gap_scale > reach.beside};
+  }
+
   /// The second half of the default way: planes of the visible points, discs, and their average.
   void draw_discs(Frame& frame, const Tiles& tiles) {
     discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
     discs_options_.gap_scale = removal_.gap_scale;
-    const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
+    const auto [spacing, reach, limits] = evidence_of(frame);
     const int height = frame.camera.whole_height();
-    const EvidenceReach reach = evidence_reach(spacing, height);
     discs_options_.widest_px = std::min(64.0f, 1.3f * widest_disc_px(spacing, height));  // half of gap_scale
     discs_options_.with_shadow = frame.cloud.has_shadow();
     {
@@ -189,11 +248,7 @@ class SurfaceTechnique final : public Technique {
       auto timing = frame.timers.scope("discs");
       discs_.draw(view, discs_options_);
     }
-    const bool limits = reach.limits() && spacing.largest_px * removal_.gap_scale > reach.beside;
-    const gl::Texture& evidence =
-        limits ? evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach,
-                                frame.timers)
-               : discs_.about(3);  // not read
+    const gl::Texture& evidence = limits ? find_evidence(frame, reach) : discs_.about(3);  // not read
     auto timing = frame.timers.scope("compose");
     const RenderSettings& settings = frame.settings;
     ScreenPass& pass = compose_discs_[settings.shading];
@@ -219,6 +274,13 @@ class SurfaceTechnique final : public Technique {
               &discs_.about(3), &evidence},
              {&frame.target.color, &frame.target.depth, &frame.target.normal},
              {vec4(0), vec4(INFINITY), vec4(0, 0, 0, 1)});
+  }
+
+  const gl::Texture& find_evidence(Frame& frame, const EvidenceReach& reach) {
+    if (frame.merged)
+      return evidence_.find(frame.merged->vouching, frame.camera.width, frame.camera.height, reach);
+    return evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach,
+                          frame.timers);
   }
 
   /// Colours, and shadow factors in which points behind gaps do not count.
@@ -262,8 +324,9 @@ class SurfaceTechnique final : public Technique {
   std::pair<float, float> spacing_range(const Frame& frame) {
     point_spacing_.resolve(frame.cloud.median_spacing());
     float lo = point_spacing_.value(), hi = lo;
+    const PreparedCloud& prepared = frame.cloud.prepared();
     if (point_spacing_.is_auto())
-      for (const Batch& batch : frame.cloud.prepared().batches)
+      for (const Batch& batch : prepared.whole ? prepared.whole->spacing.stretches : prepared.batches)
         lo = std::min(lo, std::exp2(batch.least_log2_spacing)),
         hi = std::max(hi, std::exp2(batch.most_log2_spacing));
     return {lo, hi};
