@@ -129,7 +129,7 @@ void mass(Renderer& renderer) {
 
 double soft_share(const PreparedCloud& prepared) {
   soft::FieldSettings settings;
-  soft::Nearby nearby;
+  analysis::Nearby nearby;
   const soft::Field field = soft::evaluate(prepared, settings, nearby);
   const auto above =
       std::count_if(field.values.begin(), field.values.end(), [&](float f) { return f > field.threshold; });
@@ -149,17 +149,14 @@ void levels() {
     const PreparedCloud whole = analysis::prepare(synth::sample(synth::make_scene(name), options), needs, {});
     std::printf("| %s | %.1f %%", name, soft_share(whole));
     PointCloud stored = whole.cloud;
-    const std::vector<float> uncertainty = stored.scalar("uncertainty")->values;
     std::erase_if(stored.scalars, [](const ScalarField& s) { return s.name == "uncertainty"; });
-    ScalarField unevenness{analysis::unevenness_name, 0, uncertainty};
-    for (std::size_t i = 0; i < uncertainty.size(); ++i)
-      unevenness.values[i] = uncertainty[i] * (whole.shrunk.empty() ? 1 : whole.shrunk[i]) / stored.radii[i];
-    stored.set_scalar(std::move(unevenness));
+    const analysis::Nearby nearby(stored.positions, no_progress());
+    stored.set_scalar({analysis::stored_uncertainty, 0, analysis::scale_free_uncertainty(whole, nearby)});
     stored.radii.clear();
     for (std::size_t part : {4, 16}) {
       PointCloud with = subsample(stored, stored.size() / part), without = with;
       std::erase_if(without.scalars,
-                    [](const ScalarField& s) { return s.name == analysis::unevenness_name; });
+                    [](const ScalarField& s) { return s.name == analysis::stored_uncertainty; });
       without.normals.clear();
       std::printf(" | %.1f %%", soft_share(analysis::prepare(std::move(without), needs, {})));
       std::printf(" | %.1f %%", soft_share(analysis::prepare(std::move(with), needs, {})));

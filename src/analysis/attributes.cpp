@@ -182,14 +182,13 @@ class Completion {
   void run(bool normals, bool radii, bool uncertainty) {
     // Uncertainty is what the nearest neighbours disagree by: those of surfaces that are seen through their
     // noise agree. Normals that a call before this one computed are such.
-    const bool unevenness = uncertainty && !cloud_.scalar(unevenness_name),
-               find_normals = normals || (unevenness && prepared_.computed.has(Attribute::normal));
+    const bool find_normals = normals || (uncertainty && prepared_.computed.has(Attribute::normal));
     std::vector<vec3> nearest_normals;
     std::vector<float> new_radii;
     if (normals) nearest_normals = cloud_.normals;
     if (find_normals) nearest_normals.resize(cloud_.size(), vec3(0));
     if (radii) new_radii = cloud_.radii, new_radii.resize(cloud_.size(), 0.0f);
-    const bool keep = unevenness && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
+    const bool keep = uncertainty && cloud_.size() * k_ * sizeof(std::uint32_t) <= most_kept_bytes;
     KeptNeighbors kept(keep ? cloud_.size() : 0, k_);
 
     const Orientation orientation(cloud_);
@@ -264,15 +263,9 @@ class Completion {
       if (on_side[i]) prepared_.on_surface[i] = -std::max(prepared_.on_surface[i], least_on_surface);
     // A call before this one may have shrunk them for another technique: the same division brings them back.
     const Radii sized{radii ? new_radii : cloud_.radii, radii ? shrunk : prepared_.shrunk};
-    if (const ScalarField* stored = uncertainty ? cloud_.scalar(unevenness_name) : nullptr) {
-      ScalarField field{"uncertainty", 0, std::vector<float>(cloud_.size()), StoredType::float32};
-      for (std::size_t i = 0; i < field.values.size(); ++i)
-        field.values[i] = sized.on_surface(i) * float(stored->value(i));
-      cloud_.set_scalar(std::move(field));
-    } else if (uncertainty) {
+    if (uncertainty)
       cloud_.set_scalar(measure_uncertainty(find_normals ? nearest_normals : cloud_.normals, sized,
                                             keep ? &kept : nullptr));
-    }
     if (!shrunk.empty()) prepared_.shrunk = std::move(shrunk);
     if (normals) cloud_.normals = std::move(new_normals);
     if (!whole) prepared_.noise = std::max(prepared_.noise, noise);
@@ -444,7 +437,11 @@ Attributes attributes_of(const PointCloud& cloud) {
   Attributes found;
   if (complete_for_all(cloud.normals)) found = found | Attribute::normal;
   if (complete_for_all(cloud.radii)) found = found | Attribute::radius;
-  if (cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
+  const ScalarField* stored = cloud.scalar(stored_uncertainty);
+  // Of several files some may have none.
+  const bool is_stored = stored && std::none_of(stored->values.begin(), stored->values.end(),
+                                                [](float value) { return std::isnan(value); });
+  if (is_stored || cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
   if (cloud.scalar("cluster") && cloud.scalar("stroke_size") && cloud.scalar("stroke_room") &&
       cloud.scalar("stroke_detail") && cloud.scalar("stroke_axis"))
     found = found | Attribute::cluster;
@@ -500,8 +497,8 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   prepared.computed = prepared.computed | prepared.available.without(found);
   if (prepared.available.has(Attribute::radius) && !(prepared.median_radius > 0))
     prepared.median_radius = quantile(cloud.radii, 0.5);
-  if (prepared.available.has(Attribute::uncertainty))
-    prepared.uncertainty_range = quantiles(cloud.scalar("uncertainty")->values);
+  if (const ScalarField* values = cloud.scalar("uncertainty"))
+    prepared.uncertainty_range = quantiles(values->values);
 }
 
 }  // namespace sfumato::analysis

@@ -10,9 +10,8 @@
 
 namespace sfumato::analysis {
 
-/// A scalar that stands for an uncertainty measured at another density: F_i / r_i of Eq. 21, between 1 and 4,
-/// which `complete` multiplies by the radius of the points there are.
-inline const std::string unevenness_name = "unevenness";
+/// The scalar of a cloud that is part of a denser one: `scale_free_uncertainty` of that, in place of its own.
+inline const std::string stored_uncertainty = "scale_free_uncertainty";
 
 /// What is there for every point: a cloud with some zero normals or non-positive radii does not have them
 /// yet.

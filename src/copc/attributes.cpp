@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "analysis/attributes.h"
+#include "analysis/nearby.h"
 #include "analysis/prepare.h"
 
 namespace sfumato::copc {
@@ -15,7 +16,7 @@ using io::las::Field;
 using io::las::get;
 using io::las::put;
 
-constexpr double step = 1e-4;
+constexpr double step = 1e-4, step_of_uncertainty = 0.004;
 constexpr std::size_t longest_untyped = 255;
 
 bool has_field(const Schema& schema, const std::string& name) {
@@ -44,39 +45,42 @@ void describe_the_rest(Schema& schema) {
   }
 }
 
-std::int16_t steps_of(double value) { return std::int16_t(std::lround(std::clamp(value, -3.0, 3.0) / step)); }
+std::int16_t steps_of(double value) { return std::int16_t(std::lround(std::clamp(value, -1.0, 1.0) / step)); }
 
 }  // namespace
 
 void add_computed_fields(Schema& schema, Attributes wanted) {
   if (wanted.empty()) return;
   std::vector<Field> added;
-  const auto add = [&](const std::string& name) {
+  describe_the_rest(schema);
+  std::size_t length = schema.record_length;
+  const auto add = [&](const std::string& name, StoredType type, double scale) {
     Field field;
-    field.name = name, field.type = StoredType::int16, field.scale = step;
-    field.byte = std::uint16_t(schema.record_length + 2 * added.size());
+    field.name = name, field.type = type, field.scale = scale;
+    field.byte = std::uint16_t(length);
     added.push_back(field);
+    length += type == StoredType::uint8 ? 1 : 2;
     return field.byte;
   };
-  describe_the_rest(schema);
+  const auto add_normal = [&](const std::string& name) { return add(name, StoredType::int16, step); };
   if (wanted.has(Attribute::normal)) {
     if (has_field(schema, "nx"))
       schema.notes.push_back("the files have normals, which are kept: none are computed");
     else
-      schema.normal_byte = add("nx"), add("ny"), add("nz");
+      schema.normal_byte = add_normal("nx"), add_normal("ny"), add_normal("nz");
   }
   if (wanted.has(Attribute::uncertainty)) {
-    if (has_field(schema, "uncertainty") || has_field(schema, analysis::unevenness_name))
+    if (has_field(schema, "uncertainty") || has_field(schema, analysis::stored_uncertainty))
       schema.notes.push_back("the files have an uncertainty, which is kept: none is computed");
     else
-      schema.unevenness_byte = add(analysis::unevenness_name);
+      schema.uncertainty_byte = add(analysis::stored_uncertainty, StoredType::uint8, step_of_uncertainty);
   }
-  if (schema.record_length + 2 * added.size() > 65535)
+  if (length > 65535)
     throw Error(ErrorCode::usage,
                 "the files have so many extra attributes that a record has no room for --attributes");
   const std::vector<std::uint8_t> described = io::las::extra_bytes_record(added);
   schema.extra_bytes.insert(schema.extra_bytes.end(), described.begin(), described.end());
-  schema.record_length = std::uint16_t(schema.record_length + 2 * added.size());
+  schema.record_length = std::uint16_t(length);
 }
 
 void compute_fields(const Schema& schema, std::span<std::uint8_t> records, std::span<const std::uint8_t> halo,
@@ -84,6 +88,7 @@ void compute_fields(const Schema& schema, std::span<std::uint8_t> records, std::
   const std::size_t length = schema.record_length, count = records.size() / length;
   if (count == 0 || !schema.computes()) return;
   PointCloud cloud;
+  cloud.las.emplace();  // as which it is read: strips of a survey are no sheets
   cloud.positions.reserve(count + halo.size() / length);
   std::int32_t first[3];
   std::memcpy(first, records.data(), sizeof first);
@@ -104,19 +109,20 @@ void compute_fields(const Schema& schema, std::span<std::uint8_t> records, std::
   analysis::PrepareOptions options;
   options.clutter_radius = 1;  // radii are of what is drawn, and not stored
   Attributes needs = Attribute::normal;
-  if (schema.unevenness_byte) needs = needs | Attribute::uncertainty | Attribute::radius;
+  if (schema.uncertainty_byte) needs = needs | Attribute::uncertainty | Attribute::radius;
   const PreparedCloud prepared = analysis::prepare(std::move(cloud), needs, options, progress);
   const PointCloud& found = prepared.cloud;
-  const ScalarField* uncertainty = schema.unevenness_byte ? found.scalar("uncertainty") : nullptr;
+  std::vector<float> uncertainty;
+  if (schema.uncertainty_byte)
+    uncertainty = analysis::scale_free_uncertainty(prepared, analysis::Nearby(found.positions, progress));
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (found.source_index[i] >= count) continue;
     std::uint8_t* record = records.data() + found.source_index[i] * length;
     for (int axis = 0; schema.normal_byte && axis < 3; ++axis)
       put(record + schema.normal_byte + 2 * axis, steps_of(found.normals[i][axis]));
-    // 1 on a plane, 7/3 among directions by chance: 16 bits hold 3 in these steps, and what is more counts
-    // as 3.
-    if (uncertainty && found.radii[i] > 0)
-      put(record + schema.unevenness_byte, steps_of(double(uncertainty->values[i]) / found.radii[i]));
+    if (schema.uncertainty_byte)
+      put(record + schema.uncertainty_byte,
+          std::uint8_t(std::lround(double(uncertainty[i]) / step_of_uncertainty)));
   }
 }
 

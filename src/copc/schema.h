@@ -15,9 +15,9 @@ namespace sfumato::copc {
 struct Schema {
   int format = 6;  ///< LAS point format, 6 to 8
   std::uint16_t record_length = 30;
-  std::uint16_t file_length = 30;                      ///< of it what the files bring; computed fields follow
-  std::uint16_t normal_byte = 0, unevenness_byte = 0;  ///< of computed fields; 0: there is none
-  bool computes() const { return normal_byte || unevenness_byte; }
+  std::uint16_t file_length = 30;  ///< of it what the files bring; computed fields follow
+  std::uint16_t normal_byte = 0, uncertainty_byte = 0;  ///< of computed fields; 0: there is none
+  bool computes() const { return normal_byte || uncertainty_byte; }
   dvec3 scale{0.001}, offset{0};
   std::uint16_t global_encoding = 0;
   std::vector<std::uint8_t> extra_bytes;  ///< payload of the record LASF_Spec 4; empty when there are none

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/attributes.h"
 #include "analysis/clusters.h"
 #include "analysis/distances.h"
 #include "analysis/prepare.h"
@@ -38,7 +39,9 @@ PreparedCloud prepare(const Cloud& cloud, Attributes needs, Attributes anew, con
   if (anew.has(Attribute::normal)) points.normals = {};
   if (anew.has(Attribute::radius)) points.radii = {};
   if (anew.has(Attribute::uncertainty))
-    std::erase_if(points.scalars, [](const auto& s) { return s.name == "uncertainty"; });
+    std::erase_if(points.scalars, [](const auto& s) {
+      return s.name == "uncertainty" || s.name == analysis::stored_uncertainty;
+    });
   return analysis::prepare(std::move(points), needs, options, progress);
 }
 

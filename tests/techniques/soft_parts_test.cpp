@@ -338,7 +338,7 @@ TEST_F(SoftParts, SoftPointsAreLit) {
 
 /// Points on a line along x, at 0, 1 ... 10, with class and confidence.
 soft::Field evaluated(const PreparedCloud& cloud, soft::FieldSettings& settings) {
-  soft::Nearby nearby;
+  analysis::Nearby nearby;
   return soft::evaluate(cloud, settings, nearby);
 }
 

@@ -1,14 +1,20 @@
 // Soft transparency on scans as they come: random samples without normals, forests over known ground, real
 // statues.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
+#include <map>
+#include <tuple>
 
+#include "analysis/attributes.h"
+#include "copc/build.h"
+#include "copc/tree.h"
 #include "io/io.h"
 #include "reference/gl_fixture.h"
 #include "synth/synth.h"
 #include "techniques/soft/field.h"
-#include "techniques/soft/nearby.h"
 #include "unit/io/truth.h"
 
 using namespace sfumato;
@@ -199,7 +205,7 @@ TEST_F(SoftScans, SensorKnowsRangeAngleAndReturns) {
 
   soft::FieldSettings settings;
   settings.field = "sensor";
-  soft::Nearby nearby;
+  analysis::Nearby nearby;
   const soft::Field field = soft::evaluate(prepared, settings, nearby);
   double soft_sum = 0, solid_sum = 0, wrong = 0;
   std::size_t soft_count = 0, solid_count = 0;
@@ -221,7 +227,7 @@ TEST_F(SoftScans, SensorNeedsAFileThatKnowsIt) {
   PreparedCloud prepared = analysis::prepare(cloud, technique_->needs(), {});
   soft::FieldSettings settings;
   settings.field = "sensor";
-  soft::Nearby nearby;
+  analysis::Nearby nearby;
   EXPECT_THROW(soft::evaluate(prepared, settings, nearby), Error);
   cloud.scanners.assign(1, dvec3(std::numeric_limits<double>::quiet_NaN()));
   prepared = analysis::prepare(cloud, technique_->needs(), {});
@@ -251,23 +257,72 @@ TEST_F(SoftScans, SensorNeedsAFileThatKnowsIt) {
 TEST_F(SoftScans, UncertainPointsOfAForestAreLeaves) {
   const PointCloud scan = forest_scan(100'000);
   const PreparedCloud prepared = analysis::prepare(scan, Attribute::uncertainty, {});
-  const soft::Nearby nearby(prepared.cloud.positions, no_progress());
-  const std::vector<float> field = soft::scale_free_uncertainty(prepared, nearby);
+  const analysis::Nearby nearby(prepared.cloud.positions, no_progress());
+  const std::vector<float> field = analysis::scale_free_uncertainty(prepared, nearby);
   const ScalarField* classes = prepared.cloud.scalar("classification");
   std::size_t soft = 0, ground = 0, together = 0;
   for (std::size_t i = 0; i < field.size(); ++i) {
     EXPECT_GE(field[i], 0);
     EXPECT_LE(field[i], 1);
-    if (field[i] <= soft::uncertain_from) continue;
+    if (field[i] <= analysis::uncertain_from) continue;
     ++soft;
     ground += classes->value(i) == 2;
     std::size_t like = 0;
-    for (std::uint32_t j : nearby.of(i)) like += field[j] > soft::uncertain_from;
+    for (std::uint32_t j : nearby.of(i)) like += field[j] > analysis::uncertain_from;
     together += 2 * like > nearby.of(i).size();
   }
   EXPECT_GT(soft, field.size() / 10);
   EXPECT_LT(ground, soft / 100);
   EXPECT_GT(together, soft * 9 / 10);
+}
+
+/// Above what is uncertain by itself, by place in tenths of a millimetre.
+std::map<std::tuple<long, long, long>, bool> uncertain_places(const PointCloud& cloud) {
+  const PreparedCloud prepared = analysis::prepare(cloud, Attribute::uncertainty | Attribute::radius, {});
+  soft::FieldSettings settings;
+  analysis::Nearby nearby;
+  const soft::Field field = soft::evaluate(prepared, settings, nearby);
+  std::map<std::tuple<long, long, long>, bool> places;
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    const dvec3 at = 1e4 * prepared.cloud.world(i);
+    places[{std::lround(at.x), std::lround(at.y), std::lround(at.z)}] =
+        field.values[i] > analysis::uncertain_from;
+  }
+  return places;
+}
+
+// A point of a coarse level is soft where it is in the whole, though its neighbours are far apart there.
+TEST_F(SoftScans, LevelsHaveTheUncertaintyOfTheWhole) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "sfumato_soft_levels";
+  std::filesystem::create_directories(folder);
+  synth::SampleOptions sampling;
+  sampling.points = 200'000;
+  sampling.normals.user = false;
+  io::write(folder / "in.laz", synth::sample(synth::make_scene("courtyard"), sampling));
+  copc::BuildOptions options;
+  options.attributes = Attribute::uncertainty;
+  copc::build({folder / "in.laz"}, folder / "out.copc.laz", options);
+  const auto whole = uncertain_places(io::read(folder / "in.laz").cloud);
+
+  const copc::Tree tree = copc::read_tree(folder / "out.copc.laz");
+  std::vector<std::size_t> root;
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+    if (tree.nodes[i].key.level == 0) root.push_back(i);
+  PointCloud level = copc::read_nodes(tree, root).cloud;
+  const auto differing = [&] {
+    double either = 0, differ = 0;
+    for (const auto& [place, is_soft] : uncertain_places(level)) {
+      const auto same = whole.find(place);
+      if (same == whole.end()) continue;  // one in a hundred lies between two tenths
+      either += is_soft || same->second, differ += is_soft != same->second;
+    }
+    EXPECT_GT(either, 200);
+    return differ / either;
+  };
+  EXPECT_LT(differing(), 0.05);  // values in steps of 0.004, of which few lie next to the threshold
+  std::erase_if(level.scalars, [](const auto& s) { return s.name == analysis::stored_uncertainty; });
+  EXPECT_GT(differing(), 0.3);  // by the points of the level alone
+  std::filesystem::remove_all(folder);
 }
 
 /// Pixels at least four away from what `splats` leaves open, and those of them that `soft` lets light
@@ -340,8 +395,8 @@ TEST_F(SoftScans, SparsePartsAreClosedAndStraysStaySmall) {
   // Radii of what floats: at most four times that of the six nearest of its group, or of the plane below.
   const PreparedCloud prepared = analysis::prepare(cloud, Attribute::radius, {});
   std::vector<float> radii = prepared.cloud.radii;
-  soft::limit_isolated(prepared.cloud.positions, soft::Nearby(prepared.cloud.positions, no_progress()),
-                       radii);
+  analysis::limit_isolated(prepared.cloud.positions,
+                           analysis::Nearby(prepared.cloud.positions, no_progress()), radii);
   std::size_t floating = 0;
   for (std::size_t i = 0; i < radii.size(); ++i) {
     if (prepared.cloud.positions[i].z < 0.2f) continue;

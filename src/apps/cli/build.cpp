@@ -54,7 +54,7 @@ int build_command(const Words& words) {
   line.text("--box", box, "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates");
   line.text(
       "--attributes", attributes, "normal,uncertainty",
-      "compute these of all points and store them, so that coarse levels carry the normals of the surface");
+      "compute these of all points and store them, so that coarse levels carry what holds of the whole");
   line.flag("--average-colors", options.average_colors,
             "points of coarse levels get the mean colour around them");
   common.declare(line);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/attributes.h"
 #include "analysis/quantiles.h"
 #include "core/error.h"
 #include "techniques/soft/sensor.h"
@@ -120,21 +121,26 @@ void FieldSettings::describe(ParamList& p) {
   p.add("field_invert", invert).help("low values are soft instead of high ones (confidence, for example)");
 }
 
-Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& nearby, Progress& progress) {
+Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis::Nearby& nearby,
+               Progress& progress) {
   Field field;
   const PointCloud& cloud = prepared.cloud;
   if (cloud.empty()) return field;
   // A file may bring an uncertainty of its own, whose scale is its own, too.
-  const bool measured = settings.field == "uncertainty" && prepared.computed.has(Attribute::uncertainty);
+  const bool is_own = prepared.computed.has(Attribute::uncertainty);
+  const ScalarField* stored = is_own ? nullptr : cloud.scalar(analysis::stored_uncertainty);
+  const bool measured = settings.field == "uncertainty" && (is_own || stored);
   if (settings.field == "class")
     field.values = classes(cloud, settings.classes);
   else if (settings.field == "distance")
     field.values = distances(cloud, settings);
   else if (settings.field == "sensor")
     field.values = sensor_uncertainty(prepared, field.notes);
+  else if (measured && stored)
+    field.values = stored->values;
   else if (measured) {
-    if (nearby.size() != cloud.size()) nearby = Nearby(cloud.positions, progress);
-    field.values = scale_free_uncertainty(prepared, nearby);
+    if (nearby.size() != cloud.size()) nearby = analysis::Nearby(cloud.positions, progress);
+    field.values = analysis::scale_free_uncertainty(prepared, nearby);
   } else {
     field.values = scalar_values(prepared, settings.field, field.notes);
   }
@@ -157,8 +163,8 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& n
     field.modulation_threshold = std::max(field.modulation_threshold, 0.75f);
     if (*most <= field.threshold) field.notes.push_back("nothing is uncertain: every point is solid");
   } else if (measured && !settings.invert) {
-    field.threshold = std::max(field.threshold, uncertain_from);
-    field.modulation_threshold = std::max(field.modulation_threshold, fully_uncertain);
+    field.threshold = std::max(field.threshold, analysis::uncertain_from);
+    field.modulation_threshold = std::max(field.modulation_threshold, analysis::fully_uncertain);
     if (*most <= field.threshold) field.notes.push_back("nothing is uncertain: every point is solid");
   } else if (field.threshold >= *most && *most > *least) {
     field.threshold = 0.5f * (*least + *most);

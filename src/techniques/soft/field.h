@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "analysis/nearby.h"
 #include "core/param.h"
 #include "core/prepared_cloud.h"
-#include "techniques/soft/nearby.h"
 
 namespace sfumato::soft {
 
@@ -36,7 +36,7 @@ struct Field {
 /// Evaluates the field. Throws Error(usage) that names the nearest scalar when there is none of that name, or
 /// the text that is no position.
 /// `nearby`, filled when it is needed, has the points around each other.
-Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, Nearby& nearby,
+Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis::Nearby& nearby,
                Progress& progress = no_progress());
 
 }  // namespace sfumato::soft

@@ -327,7 +327,7 @@ class Soft final : public Technique {
   std::optional<FieldKey> field_key_;
   std::shared_ptr<const GpuCloud::Values> field_buffers_;
   Derived<CastersKey, std::shared_ptr<const GpuCloud::Casters>> casters_;
-  Nearby nearby_;
+  analysis::Nearby nearby_;
   SplatSurface surface_;
   ScreenSpacings spacings_;
   DiscEvidence evidence_;

@@ -34,7 +34,7 @@ PreparedCloud part_of(const PreparedCloud& prepared, const std::vector<std::uint
 }  // namespace
 
 void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float threshold, bool among_themselves,
-                       bool clamp, const Nearby* all, Progress& progress) {
+                       bool clamp, const analysis::Nearby* all, Progress& progress) {
   const Key key{gpu.serial(), gpu.field(), threshold, among_themselves, clamp};
   if (key_ == key) return;
   key_.reset();  // nothing is kept when the user stops what follows
@@ -50,7 +50,9 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
     analysis::PrepareOptions options;
     options.neighbors = prepared.neighbors;
     analysis::complete(part, Attribute::normal | Attribute::radius, options, progress);
-    if (clamp) limit_isolated(part.cloud.positions, Nearby(part.cloud.positions, progress), part.cloud.radii);
+    if (clamp)
+      analysis::limit_isolated(part.cloud.positions, analysis::Nearby(part.cloud.positions, progress),
+                               part.cloud.radii);
     std::vector<vec3> normals = prepared.cloud.normals;
     std::vector<float> surface(part.on_surface.empty() ? 0 : normals.size(), 1.0f);
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -63,7 +65,8 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
       spacing_ = part.median_radius / (2 * std::numbers::inv_sqrtpi_v<float>);
     shapes_ = gpu.make_shapes(normals, radii, surface);
   } else if (clamp) {
-    limit_isolated(prepared.cloud.positions, all ? *all : Nearby(prepared.cloud.positions, progress), radii);
+    analysis::limit_isolated(prepared.cloud.positions,
+                             all ? *all : analysis::Nearby(prepared.cloud.positions, progress), radii);
     shapes_ = gpu.make_shapes({}, radii, prepared.on_surface);
   }
   key_ = key;

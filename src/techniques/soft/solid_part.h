@@ -5,8 +5,8 @@
 
 #include <optional>
 
+#include "analysis/nearby.h"
 #include "passes/gpu_cloud.h"
-#include "techniques/soft/nearby.h"
 
 namespace sfumato::soft {
 
@@ -17,7 +17,7 @@ class SolidPart {
   /// points that stand alone are cut to `isolated` times the expected; `all` has the surroundings of every
   /// point of the cloud.
   void update(GpuCloud& cloud, std::span<const float> field, float threshold, bool among_themselves,
-              bool clamp, const Nearby* all, Progress& progress);
+              bool clamp, const analysis::Nearby* all, Progress& progress);
   /// Spacing of the solid points, scene units; the cloud's unless measured among themselves.
   float spacing() const { return spacing_; }
   /// Normals and radii of the solid part; null: those of the cloud.

@@ -12,6 +12,7 @@
 #include <random>
 
 #include "analysis/attributes.h"
+#include "analysis/nearby.h"
 #include "copc/attributes.h"
 #include "copc/file_writer.h"
 #include "copc/tree.h"
@@ -182,18 +183,19 @@ TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
       io::read(input).cloud, Attribute::normal | Attribute::radius | Attribute::uncertainty, whole);
   ASSERT_EQ(got.size(), 450'000u);
   ASSERT_EQ(got.normals.size(), got.size());
-  const ScalarField* unevenness = got.scalar(analysis::unevenness_name);
-  ASSERT_TRUE(unevenness);
+  const ScalarField* stored = got.scalar(analysis::stored_uncertainty);
+  ASSERT_TRUE(stored);
+  const std::vector<float> uncertainty =
+      analysis::scale_free_uncertainty(expected, analysis::Nearby(expected.cloud.positions, no_progress()));
   const std::map<double, std::size_t> at = by_time(got);
-  std::size_t turned = 0, uneven = 0, near_rim = 0;
+  std::size_t turned = 0, uncertain = 0, near_rim = 0;
   for (std::size_t i = 0; i < expected.cloud.size(); ++i) {
     const std::size_t k = at.at(expected.cloud.scalar("gps_time")->value(i));
     // Steps of 1e-4 turn a normal by no more than 1e-4; half a degree is another neighbourhood, or, where
     // walls stand on the ground, another group of eight among those that tell the wider planes.
     turned +=
         std::abs(glm::dot(got.normals[k], expected.cloud.normals[i])) < std::cos(0.5 * 3.14159265 / 180);
-    const double even = double(expected.cloud.scalar("uncertainty")->values[i]) / expected.cloud.radii[i];
-    uneven += std::abs(unevenness->value(k) - std::min(even, 3.0)) > 0.02;
+    uncertain += std::abs(stored->value(k) - double(uncertainty[i])) > 0.006;  // half a step is 0.002
     const dvec3 from_middle = glm::abs(got.world(k) - dvec3(500050, 4100050, 100));
     near_rim += std::min(from_middle.x, from_middle.y) < 0.5;
   }
@@ -201,11 +203,11 @@ TEST_F(CopcBuild, AttributesAreThoseOfTheWhole) {
   // may what such a point means for others.
   EXPECT_GT(near_rim, 6000u);
   EXPECT_LT(turned, 4500u);  // 1 %
-  EXPECT_LT(uneven, 200u);
+  EXPECT_LT(uncertain, 200u);
   // Such a cloud is drawn with them.
   const PreparedCloud drawn = analysis::prepare(got, Attribute::normal | Attribute::uncertainty, whole);
-  EXPECT_TRUE(drawn.computed.has(Attribute::uncertainty));
-  EXPECT_FALSE(drawn.computed.has(Attribute::normal));
+  EXPECT_TRUE(drawn.available.has(Attribute::uncertainty));
+  EXPECT_TRUE(drawn.computed.empty());
 }
 
 TEST_F(CopcBuild, AttributesOfTheFilesAreKept) {
@@ -218,7 +220,7 @@ TEST_F(CopcBuild, AttributesOfTheFilesAreKept) {
   EXPECT_THAT(report.notes, testing::Contains(HasSubstr("have normals, which are kept")));
   const PointCloud got = io::read(path("out.copc.laz")).cloud;
   for (const vec3& normal : got.normals) ASSERT_EQ(normal, vec3(0, 0.6f, 0.8f));
-  EXPECT_TRUE(got.scalar(analysis::unevenness_name));
+  EXPECT_TRUE(got.scalar(analysis::stored_uncertainty));
 }
 
 TEST(CopcSchema, ComputedFieldsStandBehindBytesThatNobodyDescribes) {

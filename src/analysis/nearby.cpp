@@ -1,4 +1,4 @@
-#include "techniques/soft/nearby.h"
+#include "analysis/nearby.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -11,7 +11,7 @@
 #include "analysis/neighbors.h"
 #include "core/order.h"
 
-namespace sfumato::soft {
+namespace sfumato::analysis {
 namespace {
 
 template <class Body>
@@ -31,8 +31,8 @@ Nearby::Nearby(std::span<const vec3> positions, Progress& progress)
     : each_(positions.size() > most ? most : std::max<std::size_t>(positions.size(), 1) - 1),
       ids_(positions.size() * each_) {
   if (each_ == 0) return;
-  analysis::for_each_neighborhood(
-      analysis::NeighborTree(positions), int(each_),
+  for_each_neighborhood(
+      NeighborTree(positions), int(each_),
       [&](std::uint32_t i, std::span<const std::uint32_t> ids, auto) {
         std::copy(ids.begin(), ids.end(), ids_.begin() + std::ptrdiff_t(i * each_));
       },
@@ -106,4 +106,4 @@ std::vector<float> scale_free_uncertainty(const PreparedCloud& prepared, const N
   return values;
 }
 
-}  // namespace sfumato::soft
+}  // namespace sfumato::analysis

@@ -9,7 +9,7 @@
 #include "core/prepared_cloud.h"
 #include "core/progress.h"
 
-namespace sfumato::soft {
+namespace sfumato::analysis {
 
 class Nearby {
  public:
@@ -49,4 +49,4 @@ std::vector<float> scale_free_uncertainty(const PreparedCloud& prepared, const N
 inline constexpr float random_normals = 4.0f / 9, uncertain_from = 0.6f * random_normals,
                        fully_uncertain = 0.75f * random_normals;
 
-}  // namespace sfumato::soft
+}  // namespace sfumato::analysis
