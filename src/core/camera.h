@@ -82,8 +82,7 @@ struct Camera {
 Camera camera_of_matrices(const dmat4& view, const dmat4& projection, int width, int height);
 
 /// The camera that frames `box` from the direction given by azimuth and elevation (radians; azimuth turns
-/// counter-clockwise about `up`, 0 looks from the front; the default view is azimuth -45, elevation 30
-/// degrees).
+/// counter-clockwise about `up`, 0 looks from the front).
 Camera frame(const Bounds& box, UpAxis up, int width, int height, double azimuth, double elevation,
              double fov_y = glm::radians(45.0), Projection projection = Projection::perspective);
 

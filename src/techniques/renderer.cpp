@@ -447,7 +447,6 @@ void Renderer::set_colors(std::vector<Rgba8> colors, std::size_t cloud) {
   state_->clouds.at(cloud)->gpu->set_colors(std::make_shared<const GpuCloud::Colors>(std::move(colors)));
 }
 
-std::size_t Renderer::cloud_count() const { return state_->clouds.size(); }
 const std::vector<Rgba8>& Renderer::colors(std::size_t cloud) const {
   return state_->clouds.at(cloud)->gpu->colors();
 }

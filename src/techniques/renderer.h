@@ -73,7 +73,6 @@ class Renderer {
   /// The clouds of a scene, of one origin. Throws Error(usage) when they have several.
   void set_clouds(std::vector<ColoredCloud> clouds, std::uint32_t max_chunk_points = 0);
   void set_colors(std::vector<Rgba8> colors, std::size_t cloud = 0);
-  std::size_t cloud_count() const;
   const std::vector<Rgba8>& colors(std::size_t cloud = 0) const;
   /// Until the next picture or the next that is completed.
   const PreparedCloud& prepared(std::size_t cloud = 0) const;
