@@ -72,7 +72,7 @@ struct RenderSettings {
   /// coarse. Set by whoever chose the colours, and no parameter.
   bool photographed = true;
   /// Share of the light from everywhere that what is around takes; automatic: Session.
-  static constexpr float usual_occlusion = 0.7f;
+  static constexpr float usual_occlusion = 1;
   Auto<float> ambient_occlusion;
   /// Linear colours of categories: a surface shows one of them and nothing between them. At most
   /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
