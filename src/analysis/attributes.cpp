@@ -433,15 +433,17 @@ class Completion {
 
 }  // namespace
 
+const ScalarField* whole_stored_uncertainty(const PointCloud& cloud) {
+  const ScalarField* stored = cloud.scalar(stored_uncertainty);
+  const auto lacks = [](float value) { return std::isnan(value); };
+  return stored && std::none_of(stored->values.begin(), stored->values.end(), lacks) ? stored : nullptr;
+}
+
 Attributes attributes_of(const PointCloud& cloud) {
   Attributes found;
   if (complete_for_all(cloud.normals)) found = found | Attribute::normal;
   if (complete_for_all(cloud.radii)) found = found | Attribute::radius;
-  const ScalarField* stored = cloud.scalar(stored_uncertainty);
-  // Of several files some may have none.
-  const bool is_stored = stored && std::none_of(stored->values.begin(), stored->values.end(),
-                                                [](float value) { return std::isnan(value); });
-  if (is_stored || cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
+  if (whole_stored_uncertainty(cloud) || cloud.scalar("uncertainty")) found = found | Attribute::uncertainty;
   if (cloud.scalar("cluster") && cloud.scalar("stroke_size") && cloud.scalar("stroke_room") &&
       cloud.scalar("stroke_detail") && cloud.scalar("stroke_axis"))
     found = found | Attribute::cluster;

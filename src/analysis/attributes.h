@@ -13,6 +13,9 @@ namespace sfumato::analysis {
 /// The scalar of a cloud that is part of a denser one: `scale_free_uncertainty` of that, in place of its own.
 inline const std::string stored_uncertainty = "scale_free_uncertainty";
 
+/// The stored uncertainty, where every point has one: of several files some may have none. Else null.
+const ScalarField* whole_stored_uncertainty(const PointCloud& cloud);
+
 /// What is there for every point: a cloud with some zero normals or non-positive radii does not have them
 /// yet.
 Attributes attributes_of(const PointCloud& cloud);

@@ -23,7 +23,7 @@ void for_each_point(std::size_t count, const Body& body) {
 
 /// Eq. 21 over its radius is the mean of (2 - |n . n_j|)^2: 1 on a plane, 4 at most, 7/3 where directions are
 /// independent and equally likely (|n . n_j| is then uniform in [0,1]): `random_normals` of the way.
-constexpr float flat = 1, most_bent = 4;
+constexpr float unbent = 1, most_bent = 4;
 
 }  // namespace
 
@@ -95,13 +95,13 @@ std::vector<float> scale_free_uncertainty(const PreparedCloud& prepared, const N
   constexpr float rim = std::numbers::sqrt2_v<float>;
   for_each_point(values.size(), [&](std::size_t i) {
     const float size = around[i] > 0 ? std::clamp(radii[i] / (rim * around[i]), 1.0f, isolated / rim) : 1;
-    values[i] = radii[i] > 0 ? size * uncertainty[i] / radii[i] : flat;
+    values[i] = radii[i] > 0 ? size * uncertainty[i] / radii[i] : unbent;
   });
   constexpr int times = 4;  // over about seven spacings
   values = nearby.smoothed(std::move(values), times);
   for_each_point(values.size(), [&](std::size_t i) {
     const bool alone = around[i] > 0 && radii[i] > isolated * around[i];
-    values[i] = alone ? 1 : std::clamp((values[i] - flat) / (most_bent - flat), 0.0f, 1.0f);
+    values[i] = alone ? 1 : std::clamp((values[i] - unbent) / (most_bent - unbent), 0.0f, 1.0f);
   });
   return values;
 }

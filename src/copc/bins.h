@@ -15,7 +15,8 @@ namespace sfumato::copc {
 // Of the memory: bins that wait, neighbours of bins.
 inline constexpr double share_of_bins = 0.25, share_of_halos = 0.1;
 // A cell keeps what lies within this share of its width around it as neighbours for attributes. Of
-// points_per_bin on a surface, 512 lie side by side: 24 neighbours reach three of them, and ten are kept.
+// points_per_bin on a surface, 512 lie side by side: 24 neighbours reach three of them, and ten are kept. Of
+// the stored uncertainty, smoothed over seven, what is farther than ten counts little.
 inline constexpr double halo_share = 0.02;
 inline constexpr std::uint64_t points_per_bin = 1 << 18;
 

@@ -128,7 +128,7 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis:
   if (cloud.empty()) return field;
   // A file may bring an uncertainty of its own, whose scale is its own, too.
   const bool is_own = prepared.computed.has(Attribute::uncertainty);
-  const ScalarField* stored = is_own ? nullptr : cloud.scalar(analysis::stored_uncertainty);
+  const ScalarField* stored = is_own ? nullptr : analysis::whole_stored_uncertainty(cloud);
   const bool measured = settings.field == "uncertainty" && (is_own || stored);
   if (settings.field == "class")
     field.values = classes(cloud, settings.classes);
