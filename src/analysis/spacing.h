@@ -21,7 +21,7 @@ namespace sfumato::analysis {
 float measure_spacing(std::span<Batch> batches, const NeighborTree& tree, Progress& progress = no_progress());
 
 /// The same of a cloud that lies in parts, from what is around places of it: of so many stretches of the
-/// curve over `whole.box`, with as many points of its sample each.
+/// curve over `whole.box`, at most one for each 16 places, with as many points of its sample each.
 PlacedSpacing spacing_along_curve(const Neighborhoods& around, const WholeCloud& whole,
                                   std::size_t stretches);
 /// Of every point, scene units.

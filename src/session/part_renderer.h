@@ -22,13 +22,13 @@ class PartRenderer {
   PartRenderer(const PartRenderer&) = delete;
   PartRenderer& operator=(const PartRenderer&) = delete;
 
-  /// `whole`: analysis::whole_of. The part may have no points; the whole has some. `part.source_index`,
-  /// ascending, has the numbers of its points among all.
   /// Points of other parts (analysis/regions.h), for the technique that needs attributes of surfaces.
   struct Around {
     PointCloud points;
     std::string technique;
   };
+  /// `whole`: analysis::whole_of. The part may have no points; the whole has some. `part.source_index`,
+  /// ascending, has the numbers of its points among all.
   void set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole, const ColorSettings& coloring,
                 std::optional<Around> around = std::nullopt);
   /// "auto" as the technique that suits the whole.

@@ -361,7 +361,8 @@ TEST_F(PartsTest, NoPartOfASurfaceDecidesAlone) {
   const Parts parts = cut(cloud, members);
   // With the spacings of one part in four, twice as large.
   const PointCloud& last = parts.clouds.back();
-  const auto own = cut(last, split(last, 1, [](std::uint32_t) { return 0; })).whole;
+  auto own = std::make_shared<WholeCloud>(*parts.whole);
+  own->spacing = cut(last, split(last, 1, [](std::uint32_t) { return 0; })).whole->spacing;
   EXPECT_GT(differing(by_parts({parts.clouds, own}, members), by_parts(parts, members), 12), 0.005);
 }
 
