@@ -462,8 +462,8 @@ Sample::Stand Sample::stands(int axis, bool positive) const {
 }
 
 /// The way up from what the columns along an axis end on, where a plane that a quarter of all points are
-/// near says the same, which knows nothing of ends. Otherwise 0. By cameras such planes err by 8 degrees,
-/// axes by 17 (docs/measurements/first_view.md).
+/// near says the same, which knows nothing of ends. Otherwise 0. By cameras such planes err by 7 degrees,
+/// axes by 19 (docs/measurements/first_view.md).
 dvec3 Sample::ground(int axis, bool positive) const {
   constexpr double agree = 0.985, least = 0.25;  // cos 10 degrees
   constexpr std::size_t fewest = 500, sampled = 4'000;

@@ -209,6 +209,11 @@ void bind_levels(py::module_& module) {
       .def_property_readonly("up", [](const Opening& self) { return to_string(self.pose().upright.up); })
       .def_property_readonly("up_vector",
                              [](const Opening& self) {
+                               const dvec3 up = up_vector(self.pose().upright.up);
+                               return py::make_tuple(up.x, up.y, up.z);
+                             })
+      .def_property_readonly("vertical",  // of the first view
+                             [](const Opening& self) {
                                const dvec3 up = self.pose().vertical();
                                return py::make_tuple(up.x, up.y, up.z);
                              })

@@ -134,7 +134,7 @@ bool selects(const Selection& selection) {
 
 void narrow(Scene& scene, const std::vector<SceneFile>& files, const SceneOptions& options) {
   constexpr std::size_t enough_for_upright = 65'536;
-  if (!scene.cloud.up_is_known && selects(options.selection))
+  if (selects(options.selection))
     scene.before_selection = std::make_shared<const PointCloud>(subsample(scene.cloud, enough_for_upright));
   const std::string whose = files.size() == 1 ? files[0].name + ": " : std::string();
   try {

@@ -52,7 +52,7 @@ Subject subject_of(const PointCloud& cloud, bool whole = false, Progress& progre
 
 /// The shortest turn that brings `from` to `to`, both of length 1 and not opposite.
 glm::dmat3 turn_between(const dvec3& from, const dvec3& to);
-/// Turns the camera about its target as that brings the axis to `vertical`.
+/// Turns the camera about its target by the rotation that takes the axis to `vertical`.
 void stand_on(Camera& camera, UpAxis axis, const dvec3& vertical);
 
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points

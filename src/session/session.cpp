@@ -32,10 +32,8 @@ void exaggerate(PointCloud& cloud, double factor) {
 
 namespace {
 
-/// Azimuth and elevation about what stands upright: the axis of a scan that is turned as its camera will be.
-Standpoint standpoint_for(Pose& pose) {
-  if (pose.upright.vertical == dvec3(0) || pose.subject.points.empty())
-    return standpoint_for(pose.subject, pose.upright.up);
+/// Azimuth and elevation about its vertical: the axis of a scan that is turned as its camera will be.
+Standpoint standpoint_on_ground(const Pose& pose) {
   Subject turned = pose.subject;
   const glm::dmat3 turn = turn_between(pose.vertical(), up_vector(pose.upright.up));
   turned.box = {dvec3(1e300), dvec3(-1e300)};
@@ -52,16 +50,16 @@ Standpoint standpoint_for(Pose& pose) {
 Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool cutaway,
                    double vertical_exaggeration, Progress& progress) {
   analysis::Upright upright;
+  const PointCloud& all = scene.before_selection ? *scene.before_selection : scene.cloud;
   const std::string format = scene.files.empty() ? "" : scene.files[0].format;
   if (asked) {
     upright = {*asked, "--up"};
   } else if (!scene.cloud.up_is_known) {
-    upright = analysis::guess_upright(scene.before_selection ? *scene.before_selection : scene.cloud,
-                                      progress, format == "obj");
+    upright = analysis::guess_upright(all, progress, format == "obj");
   } else {
     upright = {scene.cloud.up, "the file says so"};
     // The pictures say which axis is nearest.
-    if (format == "colmap") upright.vertical = analysis::up_from_ground(scene.cloud, upright.up);
+    if (format == "colmap") upright.vertical = analysis::up_from_ground(all, upright.up);
   }
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);
@@ -81,8 +79,10 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
     progress.check();
     if (cutaway) pose.subject.room = analysis::find_room(scene.cloud);
     progress.check();
-    if (pose.subject.room || vertical_exaggeration != 1) pose.upright.vertical = dvec3(0);
-    const Standpoint from = standpoint_for(pose);
+    Standpoint from = standpoint_for(pose.subject, upright.up);
+    if (pose.subject.room || vertical_exaggeration != 1 || pose.subject.points.empty())
+      pose.upright.vertical = dvec3(0);
+    if (pose.upright.vertical != dvec3(0)) from = standpoint_on_ground(pose);
     look_from(from.azimuth_deg, from.elevation_deg);
   }
   if (whole || pose.subject.room) return pose;

@@ -112,6 +112,7 @@ class Loader::Work {
   std::shared_ptr<scene::StandardInput> standard_input_;  ///< kept, once it was named: it comes only once
   PointCloud first_sample_;                               ///< some of it, until the file is read
   std::optional<UpAxis> sample_up_;
+  dvec3 sample_vertical_{0};
   std::unique_ptr<io::RecordTap> tap_;
 };
 
@@ -200,7 +201,8 @@ Loaded Loader::Work::sample_of(const LoadJob& job, scene::Scene scene) {
   scene.levels.reset();
   Opening opening(request, std::move(scene));
   out.pose = opening.pose();
-  sample_up_ = out.pose.upright.up;
+  if (sample_up_) out.pose.upright.vertical = sample_vertical_;
+  sample_up_ = out.pose.upright.up, sample_vertical_ = out.pose.upright.vertical;
   out = finish(opening.take(), std::move(out));
   out.whole = {};
   out.points_shown = out.sample.cloud.size();

@@ -67,8 +67,13 @@ void Navigator::set_scene(UpAxis up, const Subject& subject, const dvec3& vertic
 
 void Navigator::set_camera(const ViewCamera& camera) { camera_ = camera; }
 
+dvec3 Navigator::upright() const {
+  const dvec3 axis = up_vector(up_);
+  return glm::dot(camera_.up, vertical_) > glm::dot(camera_.up, axis) ? vertical_ : axis;
+}
+
 void Navigator::rotate(double dx_px, double dy_px, int height_px, const dvec3& pivot) {
-  const dvec3 up = vertical_, from = -camera_.direction();
+  const dvec3 up = upright(), from = -camera_.direction();
   const double step = pi / std::max(1, height_px);
   const double elevation = std::asin(std::clamp(glm::dot(from, up), -1.0, 1.0));
   // What was straight down or rolled comes upright with the first turn.
@@ -106,7 +111,7 @@ void Navigator::zoom(double steps, const dvec3& place) {
 void Navigator::fly(const dvec3& way, double seconds, double fast) {
   const dmat4 to_world = camera_.to_camera(1, 1).inverse_view();
   const dvec3 right(to_world[0]), forward = camera_.direction();
-  const dvec3 shift = (way.x * right + way.y * vertical_ + way.z * forward) * (0.25 * size_ * seconds * fast);
+  const dvec3 shift = (way.x * right + way.y * upright() + way.z * forward) * (0.25 * size_ * seconds * fast);
   camera_.position += shift;
   camera_.target += shift;
 }

@@ -66,6 +66,9 @@ class Navigator {
   double scene_size() const { return size_; }
 
  private:
+  /// What rotation keeps upright: the vertical of the scene, or the axis for views about that.
+  dvec3 upright() const;
+
   ViewCamera camera_, home_;
   UpAxis up_ = UpAxis::pos_z;
   dvec3 vertical_{0, 0, 1};

@@ -380,9 +380,14 @@ class Renderer:
         return camera
 
     def orbit(self, frames=120, degrees=360.0, start=None, size=None):
-        """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view, from as far away as the other sides need."""
-        camera = self._camera(start, size) or self._opening.first_of_turn(*_size(size or (1280, 720)))
-        return orbit(camera, frames, degrees, self._opening.up_vector)
+        """A turn about the up axis: a list of `Camera`, the first of which is `start` or the first view, from as far away as the other sides need.
+
+        Without `start` about what is vertical in the first view: in reconstructions that is across tilted ground.
+        """
+        camera = self._camera(start, size)
+        if camera is not None:
+            return orbit(camera, frames, degrees, self._opening.up_vector)
+        return orbit(self._opening.first_of_turn(*_size(size or (1280, 720))), frames, degrees, self._opening.vertical)
 
     def frames(self, cameras, technique=None, outputs=("rgba",), progress=None, **parameters):
         """Yields a `Picture` for each camera. The light stays where it is for the first.

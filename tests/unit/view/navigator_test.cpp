@@ -27,6 +27,21 @@ class NavigatorTest : public ::testing::Test {
 // What rounding leaves of positions about 10 units away, in pixels.
 constexpr double rounding = 1e-6;
 
+// The first picture of tilted ground turns about its vertical, other views about the axis: neither rolls.
+TEST_F(NavigatorTest, RotationDoesNotRollAViewOfTiltedGround) {
+  const dvec3 vertical = glm::normalize(dvec3(0.4, 0.2, 1)), axis(0, 0, 1);
+  const auto right = [&] { return dvec3(hand_.camera().to_camera(8, 6).inverse_view()[0]); };
+  hand_.set_scene(UpAxis::pos_z, cube(), vertical);
+  hand_.set_camera({{3, -6, 2}, {0.2, 0.1, 0}, vertical, 45, false});
+  hand_.rotate(10, 5, 600, place_);
+  EXPECT_EQ(hand_.camera().up, vertical);
+  EXPECT_NEAR(glm::dot(right(), vertical), 0, 1e-12);
+  hand_.show({"front", 0, 0}, 800, 600);
+  hand_.rotate(10, 5, 600, place_);
+  EXPECT_EQ(hand_.camera().up, axis);
+  EXPECT_NEAR(glm::dot(right(), axis), 0, 1e-12);
+}
+
 TEST_F(NavigatorTest, RotationKeepsThePivotWhereItIsSeen) {
   const dvec3 before = seen(place_);
   for (const auto& [dx, dy] : {std::pair(120, 0), {0, -70}, {-33, 51}}) {
