@@ -129,9 +129,9 @@ TEST_F(RenderTest, SameCommandGivesTheSameBytes) {
 }
 
 TEST_F(RenderTest, BackgroundAndTransparency) {
-  ASSERT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--background-color", "0,0.5,1"}).code,
+  ASSERT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "32x32", "--background-color", "0,0.6,1"}).code,
             0);
-  EXPECT_EQ(read_png("a.png").at(0, 0), (Rgba8{0, 128, 255, 255}));
+  EXPECT_EQ(read_png("a.png").at(0, 0), (Rgba8{0, 153, 255, 255}));
   ASSERT_EQ(run({"cube.ply", "-o", "b.png", "--resolution", "32x32", "--no-background"}).code, 0);
   EXPECT_EQ(read_png("b.png").at(0, 0).a, 0);
   EXPECT_EQ(read_png("b.png").at(16, 16).a, 255);
