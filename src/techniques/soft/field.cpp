@@ -127,16 +127,17 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis:
   const PointCloud& cloud = prepared.cloud;
   if (cloud.empty()) return field;
   // A file may bring an uncertainty of its own, whose scale is its own, too.
-  const bool is_own = prepared.computed.has(Attribute::uncertainty);
-  const ScalarField* stored = is_own ? nullptr : analysis::whole_stored_uncertainty(cloud);
-  const bool measured = settings.field == "uncertainty" && (is_own || stored);
+  const bool is_own = prepared.computed.has(Attribute::uncertainty),
+             is_asked = settings.field == "uncertainty";
+  const ScalarField* stored = is_asked && !is_own ? analysis::whole_stored_uncertainty(cloud) : nullptr;
+  const bool measured = is_asked && (is_own || stored);
   if (settings.field == "class")
     field.values = classes(cloud, settings.classes);
   else if (settings.field == "distance")
     field.values = distances(cloud, settings);
   else if (settings.field == "sensor")
     field.values = sensor_uncertainty(prepared, field.notes);
-  else if (measured && stored)
+  else if (stored)
     field.values = stored->values;
   else if (measured) {
     if (nearby.size() != cloud.size()) nearby = analysis::Nearby(cloud.positions, progress);
