@@ -278,9 +278,14 @@ std::vector<std::string> guess_names(const File& file, const Beginning& beginnin
   return names;
 }
 
+struct Naming {
+  std::vector<std::string> names;
+  bool is_depth = false;  ///< z is
+};
+
 /// Names of the columns: what the user says, else the header line, else the guess.
-std::vector<std::string> name_columns(const File& file, const Beginning& beginning, const Dialect& dialect,
-                                      const ReadOptions& options, ReadReport& report) {
+Naming name_columns(const File& file, const Beginning& beginning, const Dialect& dialect,
+                    const ReadOptions& options, ReadReport& report) {
   std::size_t width = most_columns + 1;
   for (const std::vector<double>& row : beginning.rows) width = std::min(width, row.size());
   const std::string place = "line " + std::to_string(beginning.first_line);
@@ -292,7 +297,7 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
       bad_input(file.path(), place,
                 "found " + std::to_string(width) + " numbers, expected " +
                     std::to_string(options.columns.size()) + " as the columns given; name fewer");
-    return options.columns;
+    return {options.columns};
   }
   if (width < 3 || width > most_columns)
     bad_input(file.path(), place,
@@ -316,7 +321,7 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
     if (names.size() == 3 && width > 3 && !has_row_names) names = guess_columns(rows, width, names);
     if (names_degrees(*header)) report.crs = degrees_crs;
     report.notes.push_back("columns from the header line: " + join(names));
-    return names;
+    return {std::move(names), names_depth(*header)};
   }
   // A count on top makes it a PTS, whose columns are fixed: x y z [intensity] [r g b].
   if (beginning.has_count && !dialect.words && (width == 4 || width == 6 || width == 7)) {
@@ -324,9 +329,22 @@ std::vector<std::string> name_columns(const File& file, const Beginning& beginni
     if (width != 6) names.push_back("intensity");
     if (width != 4) names.insert(names.end(), {"red", "green", "blue"});
     report.notes.push_back("columns of a PTS: " + join(names) + " (--columns names them otherwise)");
-    return names;
+    return {std::move(names)};
   }
-  return guess_names(file, beginning, dialect, width, report.notes);
+  return {guess_names(file, beginning, dialect, width, report.notes)};
+}
+
+/// Depths below a surface become heights, which x and y east and north of maps go with. Those that are
+/// written as negative numbers are heights already.
+void turn_depths_over(ReadResult& result) {
+  PointCloud& cloud = result.cloud;
+  std::size_t below = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) below += cloud.world(i).z > 0;
+  if (2 * below <= cloud.size()) return;
+  cloud.origin.z = -cloud.origin.z;
+  for (vec3& position : cloud.positions) position.z = -position.z;
+  for (vec3& normal : cloud.normals) normal.z = -normal.z;
+  result.report.notes.push_back("z is a depth, and drawn downwards (--columns x,y,z takes it for a height)");
 }
 
 }  // namespace
@@ -361,7 +379,7 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   const Beginning beginning = look_at_beginning(file, options.columns, dialect);
   ReadResult result;
   if (dialect.decimal_commas) result.report.notes.push_back("commas are decimal: 1,5 is one and a half");
-  std::vector<std::string> names = name_columns(file, beginning, dialect, options, result.report);
+  auto [names, is_depth] = name_columns(file, beginning, dialect, options, result.report);
   while (!names.empty() && names.back() == "_") names.pop_back();  // nobody reads what stands behind
   result.cloud.crs = result.report.crs;
   std::vector<Column> columns;
@@ -380,6 +398,7 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   if (result.report.points == 0)
     bad_input(path, "line " + std::to_string(text.lines),
               "the file ends without a point; this is no text of points");
+  if (is_depth) turn_depths_over(result);
   // Text says nothing about types: float unless the numbers need the offset.
   for (ScalarField& field : result.cloud.scalars)
     field.type = field.offset == 0 ? StoredType::float32 : StoredType::float64;

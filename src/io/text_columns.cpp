@@ -90,8 +90,11 @@ const Names words_of_axes[3] = {
     {"y", "northing", "north", "n", "hochwert", "hoch", "nordwert", "nord", "norte", "latitude", "lat"},
     {"z", "elevation", "height", "altitude", "elev", "ele", "alt", "h", "hoehe", "hoehenwert", "cota",
      "quota", "altura", "rl", "level"}};
+/// What counts downwards, as soundings do; z only where no column is called by one of the words above.
+const Names words_of_depth = {"depth", "tiefe", "profondeur", "profundidad"};
 
-void use_names_of_axes(Names& names) {
+/// The names of the axes in place of other words for them. Returns whether z is a depth.
+bool use_names_of_axes(Names& names) {
   Names low = names, cores;
   for (std::string& name : low) {
     cores.push_back(core_of(name));
@@ -100,12 +103,17 @@ void use_names_of_axes(Names& names) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string own(1, "xyz"[axis]);
     if (std::find(low.begin(), low.end(), own) != low.end()) continue;
-    for (const std::string& word : words_of_axes[axis])
-      if (const auto found = std::find(cores.begin(), cores.end(), word); found != cores.end()) {
-        names[std::size_t(found - cores.begin())] = own;
-        break;
-      }
+    const auto use_one_of = [&](const Names& words) {
+      for (const std::string& word : words)
+        if (const auto found = std::find(cores.begin(), cores.end(), word); found != cores.end()) {
+          names[std::size_t(found - cores.begin())] = own;
+          return true;
+        }
+      return false;
+    };
+    if (!use_one_of(words_of_axes[axis]) && axis == 2) return use_one_of(words_of_depth);
   }
+  return false;
 }
 
 bool has_axes(const Names& names) {
@@ -249,6 +257,15 @@ std::vector<std::string> names_in(std::string_view line, std::size_t width) {
       return names;
     }
   return {};
+}
+
+bool names_depth(std::string_view line) {
+  for (const std::string_view text : {line, behind_title(line)})
+    for (const char separator : {' ', ';', ',', '\t'}) {
+      Names names = cells_of(text, separator);
+      if (use_names_of_axes(names) && has_axes(names)) return true;
+    }
+  return false;
 }
 
 bool names_degrees(std::string_view line) {

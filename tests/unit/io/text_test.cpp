@@ -157,6 +157,21 @@ TEST(TextTest, DecimalCommasAndQuotesAreRead) {
   EXPECT_NE(colored.report.notes.at(0).find("commas are decimal"), std::string::npos);
 }
 
+TEST(TextTest, DepthsAreBelow) {
+  const io::ReadResult soundings = read_text("X,Y,Depth (m)\n363643.5,5800993.25,6.5\n363644,5800993,0.5\n");
+  EXPECT_EQ(soundings.cloud.world(0), dvec3(363643.5, 5800993.25, -6.5));
+  EXPECT_EQ(soundings.cloud.world(1), dvec3(363644, 5800993, -0.5));
+  EXPECT_NE(soundings.report.notes.back().find("depth"), std::string::npos);
+  // Written as heights they are some; beside z a depth is a number of the points; who names columns is right.
+  EXPECT_EQ(read_text("lon;lat;Tiefe\n1;2;-3\n").cloud.positions.at(0), vec3(1, 2, -3));
+  const PointCloud cloud = read_text("x y z depth\n1 2 3 4\n").cloud;
+  EXPECT_EQ(cloud.positions.at(0), vec3(1, 2, 3));
+  EXPECT_TRUE(cloud.scalar("depth"));
+  io::ReadOptions named;
+  named.columns = {"x", "y", "z"};
+  EXPECT_EQ(read_text("x y depth\n1 2 3\n", "a.txt", named).cloud.positions.at(0), vec3(1, 2, 3));
+}
+
 TEST(TextTest, HeadersOfSurveyorsNameTheAxes) {
   for (const char* header : {"Easting,Northing,Elevation,Class\n", "E [m],N [m],H (m),class\n",
                              "// y_coord; x_coord; z; Class\n"}) {
