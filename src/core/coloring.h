@@ -79,4 +79,9 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 /// would be lost; of one colour, as of clay, white where it shows. sRGB, 0..1.
 vec3 contrasting_background(const std::vector<Rgba8>& colors);
 
+/// Behind photographed colours: black ones have a contrast of 2 with it, white ones one of 10, and neither of
+/// them is taken for a gap. Of three pages and three greys what readers marked best
+/// (docs/measurements/first_view.md).
+inline constexpr vec3 background_of_photographs{0.27f, 0.28f, 0.29f};
+
 }  // namespace sfumato

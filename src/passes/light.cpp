@@ -130,7 +130,7 @@ void RenderSettings::describe(ParamList& p) {
       .range(0, 1)
       .help(
           "darkening of hollows by the share of the sky that their surroundings occlude, at several scales "
-          "(auto: 0.7)");
+          "(auto: 1)");
   p.add("samples", samples)
       .range(1, 64)
       .help("samples per pixel, averaged: the smoothest outlines, at that many times the cost");

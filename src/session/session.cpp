@@ -247,11 +247,11 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
     if (settings.color_by != coloring_.source) color_all();
   }
   const std::vector<Rgba8>& all = of_all ? of_all->colors : coloring_.colors;
-  contrasting_ = contrasting_background(all);
   // One part of a cloud may have fewer colours than the next.
   const std::vector<Rgba8>& deciding = whole_ ? all : coloring_.colors;
   are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
                       !options_.color.solid && distinct_colors(all, RenderSettings::palette_limit).empty();
+  contrasting_ = are_photographed_ ? background_of_photographs : contrasting_background(all);
   if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
     for (Rgba8& c : coloring_.colors)
       if (c == black) c = drawn_for_black;

@@ -421,22 +421,22 @@ TEST(Coloring, WrongNameNamesTheNearest) {
 
 TEST(Coloring, DarkColoursOfAFileAreRaisedAndOthersAreKept) {
   PointCloud cloud = ramp(10);
-  const std::vector<Rgba8> light(10, Rgba8{40, 140, 90, 255});
+  const std::vector<Rgba8> light(10, Rgba8{60, 215, 140, 255});
   cloud.colors = light;
   EXPECT_EQ(color_points(cloud, {"rgb"}).colors, light);
   // A twentieth darker than that: 1.05 times as bright would be seen by nobody, and said to everybody.
-  cloud.colors.assign(10, Rgba8{40, 132, 90, 255});
+  cloud.colors.assign(10, Rgba8{60, 208, 140, 255});
   EXPECT_EQ(color_points(cloud, {"rgb"}).colors, cloud.colors);
   EXPECT_TRUE(color_points(cloud, {"rgb"}).notes.empty());
-  cloud.colors.assign(10, Rgba8{26, 80, 52, 255});
+  cloud.colors.assign(10, Rgba8{46, 140, 90, 255});
   cloud.colors[0] = {255, 255, 255, 255}, cloud.colors[1] = {0, 0, 0, 255};
   const Coloring raised = color_points(cloud, {"rgb"});
-  EXPECT_NEAR(raised.colors[5].g, 134, 3) << "0.24 in linear light, which is what a tenth should exceed";
+  EXPECT_NEAR(raised.colors[5].g, 211, 3) << "0.65 in linear light, which is what a tenth should exceed";
   EXPECT_EQ(raised.colors[0], cloud.colors[0]) << "white stays white";
   EXPECT_EQ(raised.colors[1], cloud.colors[1]);
   // The same hue: channels keep their ratios in linear light.
   const auto linear = [](int code) { return std::pow((double(code) / 255 + 0.055) / 1.055, 2.4); };
-  EXPECT_NEAR(linear(raised.colors[5].b) / linear(raised.colors[5].g), linear(52) / linear(80), 0.02);
+  EXPECT_NEAR(linear(raised.colors[5].b) / linear(raised.colors[5].g), linear(90) / linear(140), 0.02);
   ASSERT_EQ(raised.notes.size(), 1u);
   ColorSettings as_they_are;
   as_they_are.exposure = 1;
