@@ -11,6 +11,9 @@
 
 namespace sfumato {
 
+/// The share of the page that a fitted view fills.
+constexpr double filled_share = 0.92;
+
 Compass::Compass(UpAxis axis)
     : up(up_vector(axis)),
       front(std::abs(up.y) > 0.5 ? dvec3(0, 0, 1) : dvec3(0, -1, 0)),
@@ -46,8 +49,9 @@ void stand_on(Camera& camera, UpAxis axis, const dvec3& vertical) {
 void fit(Camera& camera, const std::vector<dvec3>& points) {
   if (std::all_of(points.begin(), points.end(), [&](const dvec3& p) { return p == points[0]; })) return;
   const dmat4 to_eye = camera.view(), to_world = camera.inverse_view();
-  const double shown = 0.92, target_z = -glm::length(camera.target - camera.position);
-  const double tan_y = std::tan(0.5 * camera.fov_y) * shown, tan_x = tan_y * camera.width / camera.height;
+  const double target_z = -glm::length(camera.target - camera.position);
+  const double tan_y = std::tan(0.5 * camera.fov_y) * filled_share,
+               tan_x = tan_y * camera.width / camera.height;
   const double slope_x = camera.orthographic() ? 0 : tan_x, slope_y = camera.orthographic() ? 0 : tan_y;
   double left = -1e300, right = -1e300, bottom = -1e300, top = -1e300;
   std::vector<dvec3> seen;
@@ -63,7 +67,7 @@ void fit(Camera& camera, const std::vector<dvec3>& points) {
   dvec3 eye(0.5 * (right - left), 0.5 * (top - bottom), 0);
   if (camera.orthographic()) {
     camera.height_world =
-        std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / shown;
+        std::max({top + bottom, (right + left) * camera.height / camera.width, 1e-9}) / filled_share;
   } else {
     eye.z = std::max({0.5 * (right + left) / tan_x, 0.5 * (top + bottom) / tan_y, 0.95 * target_z});
   }
@@ -189,8 +193,8 @@ std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3&
 }
 
 void see_from(Camera& camera, const dvec3& place, const Subject& subject) {
-  constexpr double widest = 3.7;                             // tan 75 degrees
-  constexpr double shown = 0.92 * (1 - 2 * beyond_picture);  // as `fit` an even picture
+  constexpr double widest = 3.7;                                     // tan 75 degrees
+  constexpr double shown = filled_share * (1 - 2 * beyond_picture);  // as `fit` an even picture
   const dvec3 along = camera.direction();
   const auto [low, high] = slopes_of(subject, place, along, camera.up, beyond_picture);
   const glm::dvec2 most = glm::max(-low, high);
