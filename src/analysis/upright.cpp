@@ -484,7 +484,7 @@ dvec3 Sample::ground(int axis, bool positive) const {
 
 }  // namespace
 
-std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress, bool is_obj) {
+std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress) {
   progress.check();
   const Sample sample(cloud);
   const std::optional<UpAxis> room = sample.up_in_room();
@@ -525,6 +525,7 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
   }
   const Facets facets(sample.points, sample.normals, sample.low, sample.high);
   const bool is_box = sample.is_box();
+  const bool is_model = cloud.provenance == Provenance::model;
   const bool by_photographs = cloud.up == UpAxis::neg_y;  // COLMAP, splats, depth images
   double all = 0;
   for (int i = 0; i < 6; ++i) {
@@ -540,7 +541,7 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
     const double unseen = 1 - camera[std::size_t(i)];  // what a camera explains is not unusual
     set(UpEvidence::y_for_z, unseen * (cloud.up == UpAxis::pos_z && up == UpAxis::pos_y));
     set(UpEvidence::z_for_y, cloud.up == UpAxis::pos_y && up == UpAxis::pos_z);
-    set(UpEvidence::z_in_obj, is_obj && cloud.up == UpAxis::pos_y && up == UpAxis::pos_z);
+    set(UpEvidence::z_in_obj, is_model && cloud.up == UpAxis::pos_y && up == UpAxis::pos_z);
     const bool rare = (axis == 0 || up == UpAxis::neg_z) && up != cloud.up;
     set(UpEvidence::down, unseen * (!rare && (up == UpAxis::neg_y) != (cloud.up == UpAxis::neg_y)));
     set(UpEvidence::rare, rare);
@@ -597,7 +598,7 @@ dvec3 up_from_ground(const PointCloud& cloud, UpAxis up) {
   return Sample(cloud).ground(axis, int(up) % 2 == 0);
 }
 
-Upright guess_upright(const PointCloud& cloud, Progress& progress, bool is_obj) {
+Upright guess_upright(const PointCloud& cloud, Progress& progress) {
   constexpr std::size_t fewest = 100;
   Upright upright{cloud.up, "the convention of its format"};
   if (cloud.size() < fewest) return upright;
@@ -609,7 +610,7 @@ Upright guess_upright(const PointCloud& cloud, Progress& progress, bool is_obj) 
   };
   if (!cloud.crs.empty()) return says(UpAxis::pos_z, "heights of its coordinate system");
   if (const auto up = height_of_map_coordinates(cloud)) return says(*up, "heights of map coordinates");
-  const std::vector<UpCandidate> candidates = up_candidates(cloud, progress, is_obj);
+  const std::vector<UpCandidate> candidates = up_candidates(cloud, progress);
   const UpCandidate &best = candidates[0], &next = candidates[1];
   upright.up = best.up;
   const bool is_of_pictures =

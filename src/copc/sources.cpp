@@ -54,7 +54,7 @@ class CloudSource final : public Source {
     notes.insert(notes.end(), layout.notes.begin(), layout.notes.end());
     const UpAxis up = cloud.up == UpAxis::pos_z || cloud.up_is_known
                           ? cloud.up
-                          : analysis::guess_upright(cloud, progress, result.report.format == "obj").up;
+                          : analysis::guess_upright(cloud, progress).up;
     if (up != UpAxis::pos_z)
       notes.push_back(to_string(up) + " is up in it, and COPC files are taken as +Z up: render with --up " +
                       to_string(up));

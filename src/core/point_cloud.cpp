@@ -184,7 +184,7 @@ void leave_numbers(PointCloud& cloud, std::size_t count) {
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {
   PointCloud out;
   out.origin = cloud.origin;
-  out.up = cloud.up, out.up_is_known = cloud.up_is_known;
+  out.up = cloud.up, out.up_is_known = cloud.up_is_known, out.provenance = cloud.provenance;
   out.crs = cloud.crs;
   out.las = cloud.las;
   out.scanners = cloud.scanners;

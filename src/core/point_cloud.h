@@ -66,6 +66,9 @@ dvec3 up_vector(UpAxis up);
 std::optional<UpAxis> parse_up_axis(std::string_view text);
 std::string to_string(UpAxis up);
 
+/// How points came about, where the format of their file tells: as vertices of a model (OBJ).
+enum class Provenance { unknown, model };
+
 struct Bounds {
   dvec3 min{0}, max{0};
   dvec3 center() const { return 0.5 * (min + max); }
@@ -88,7 +91,8 @@ struct PointCloud {
   std::vector<dvec3> scanners;
   UpAxis up = UpAxis::pos_z;
   bool up_is_known = false;  ///< else it is the custom of the format, or a guess
-  std::string crs;           ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
+  Provenance provenance = Provenance::unknown;
+  std::string crs;  ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
   std::optional<LasScaling> las;
 
   std::size_t size() const { return positions.size(); }

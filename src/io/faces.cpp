@@ -142,7 +142,7 @@ class Samples {
   PointCloud take(Progress& progress) {
     PointCloud out;
     out.origin = cloud_.origin, out.up = cloud_.up, out.up_is_known = cloud_.up_is_known,
-    out.crs = cloud_.crs;
+    out.provenance = cloud_.provenance, out.crs = cloud_.crs;
     const std::size_t n = std::size_t(count_);
     out.positions.resize(n), out.normals.resize(n);
     const bool colored = !cloud_.colors.empty() || !faces_.colors.empty() || !faces_.textures.empty();

@@ -179,8 +179,8 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of these are no returns.
-  if (format.name != "e57" && format.name != "obj" && format.name != "vtk" && format.name != "vtp" &&
-      format.name != "grid" && format.name != "colmap")
+  if (result.cloud.provenance == Provenance::unknown && format.name != "e57" && format.name != "vtk" &&
+      format.name != "vtp" && format.name != "grid" && format.name != "colmap")
     leave_out_no_returns(result, format.name == "kitti");
   stand_as_pictures(file, format, result);
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);

@@ -65,7 +65,7 @@ ReadResult read_vertices(const File& file, bool keep_places, Progress& progress)
   assign_roles(columns);
   const TextBlocks text = cut_lines(file, 0, 1, grammar, progress);
   ReadResult result;
-  result.cloud.up = UpAxis::pos_y;
+  result.cloud.up = UpAxis::pos_y, result.cloud.provenance = Provenance::model;
   read_rows(file, text, 0, text.rows, grammar, std::move(columns), keep_places, progress, result);
   return result;
 }

@@ -55,7 +55,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   if (asked) {
     upright = {*asked, "--up"};
   } else if (!scene.cloud.up_is_known) {
-    upright = analysis::guess_upright(all, progress, format == "obj");
+    upright = analysis::guess_upright(all, progress);
   } else {
     upright = {scene.cloud.up, "the file says so"};
     // The pictures say which axis is nearest.

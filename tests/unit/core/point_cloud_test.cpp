@@ -110,12 +110,14 @@ TEST(PointCloud, AppendLeavesNumbersOfScannersWithoutPlaces) {
 }
 
 TEST(PointCloud, SubsampleIsDeterministicAndKeepsSourceIndex) {
-  const PointCloud cloud = line(1000, {0, 0, 0});
+  PointCloud cloud = line(1000, {0, 0, 0});
+  cloud.provenance = Provenance::model;
   const PointCloud a = subsample(cloud, 100), b = subsample(cloud, 100);
   ASSERT_EQ(a.size(), 100u);
   EXPECT_EQ(a.source_index, b.source_index);
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a.positions[i].x, float(a.source_index[i]));
   EXPECT_TRUE(std::is_sorted(a.source_index.begin(), a.source_index.end()));
+  EXPECT_EQ(a.provenance, Provenance::model);
   EXPECT_EQ(subsample(cloud, 5000).size(), 1000u);
 }
 

@@ -37,6 +37,8 @@ TEST(FacesTest, ASquareIsFilledEvenly) {
   EXPECT_NEAR(double(cloud.size()), 720 * 720 / 2, 2);
   EXPECT_TRUE(has_note(result, "1 face sampled to 259200 points (--vertices: the vertices alone)"));
   EXPECT_EQ(result.report.points, cloud.size());
+  EXPECT_EQ(cloud.up, UpAxis::pos_y);
+  EXPECT_EQ(cloud.provenance, Provenance::model);
   const int cells = 180;  // of 8 points each, or of 2 of 4 spacings' side
   std::vector<int> counts(cells * cells, 0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -15,6 +15,7 @@ TEST(ObjTest, ReadsVerticesAndPassesOverTheRest) {
   EXPECT_EQ(result.report.format, "obj");
   EXPECT_EQ(result.cloud.positions, (std::vector<vec3>{{1, 2, 3}, {-1.5f, 20, 0.5f}}));
   EXPECT_EQ(result.cloud.up, UpAxis::pos_y);
+  EXPECT_EQ(result.cloud.provenance, Provenance::model);
   EXPECT_TRUE(result.cloud.colors.empty());
 }
 

@@ -770,11 +770,12 @@ TEST(Upright, ObjKeepsItsConventionWherePlyDoesNot) {
     cloud.positions.push_back(5.f + p);
   }
   cloud.up = UpAxis::pos_y;
-  EXPECT_EQ(guess_upright(cloud, no_progress(), false).up, UpAxis::pos_z);
-  EXPECT_EQ(guess_upright(cloud, no_progress(), true).up, UpAxis::pos_y);
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+  cloud.provenance = Provenance::model;
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_y);
   PointCloud ground = street_sweep();
-  ground.up = UpAxis::pos_y;
-  EXPECT_EQ(guess_upright(ground, no_progress(), true).up, UpAxis::pos_z) << "what is clear stays so";
+  ground.up = UpAxis::pos_y, ground.provenance = Provenance::model;
+  EXPECT_EQ(guess_upright(ground).up, UpAxis::pos_z) << "what is clear stays so";
 }
 
 // The front of a head, open behind: its normals point to the viewer, which is no way up.
@@ -789,9 +790,9 @@ TEST(Upright, NormalsOfAShellPointToItsFront) {
     cloud.positions.push_back(size * way + vec3(0, 0, 3));
     cloud.normals.push_back(glm::normalize(way / size));
   }
-  for (const bool is_obj : {false, true}) {
-    cloud.up = UpAxis::pos_y;
-    const std::vector<UpCandidate> all = up_candidates(cloud, no_progress(), is_obj);
+  for (const Provenance provenance : {Provenance::unknown, Provenance::model}) {
+    cloud.up = UpAxis::pos_y, cloud.provenance = provenance;
+    const std::vector<UpCandidate> all = up_candidates(cloud);
     for (const UpCandidate& each : all)
       EXPECT_EQ(each.evidence[std::size_t(UpEvidence::normals)], 0) << to_string(each.up);
     EXPECT_NE(all[0].up, UpAxis::pos_z);
