@@ -66,8 +66,9 @@ dvec3 up_vector(UpAxis up);
 std::optional<UpAxis> parse_up_axis(std::string_view text);
 std::string to_string(UpAxis up);
 
-/// How points came about, where the format of their file tells: as vertices of a model (OBJ).
-enum class Provenance { unknown, model };
+/// How points came about, where the format of their file tells: as vertices of a model (OBJ), or
+/// reconstructed from photographs (COLMAP).
+enum class Provenance { unknown, model, photographs };
 
 struct Bounds {
   dvec3 min{0}, max{0};

@@ -97,6 +97,7 @@ ReadResult read_colmap_points(const std::filesystem::path& path, const ReadOptio
   }
   ReadResult result;
   table.build(false, progress, result);
+  result.cloud.provenance = Provenance::photographs;
   result.cloud.up = UpAxis::neg_y;  // of the first camera, whose y looks down
   return result;
 }

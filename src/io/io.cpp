@@ -148,7 +148,8 @@ void stand_as_pictures(const std::filesystem::path& file, const Format& format, 
   PointCloud& cloud = result.cloud;
   if (cloud.up_is_known || cloud.las) return;
   if (cloud.scalar("POINT3D_ID")) cloud.up = UpAxis::neg_y;
-  if (!(format.name == "colmap" || format.name == "ply" || cloud.scalar("POINT3D_ID"))) return;
+  if (cloud.provenance != Provenance::photographs && format.name != "ply" && !cloud.scalar("POINT3D_ID"))
+    return;
   const std::optional<UpAxis> up = up_of_pictures(file);
   if (!up) return;
   cloud.set_up(*up);
@@ -180,7 +181,7 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of these are no returns.
   if (result.cloud.provenance == Provenance::unknown && format.name != "e57" && format.name != "vtk" &&
-      format.name != "vtp" && format.name != "grid" && format.name != "colmap")
+      format.name != "vtp" && format.name != "grid")
     leave_out_no_returns(result, format.name == "kitti");
   stand_as_pictures(file, format, result);
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);

@@ -51,7 +51,6 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
                    double vertical_exaggeration, Progress& progress) {
   analysis::Upright upright;
   const PointCloud& all = scene.before_selection ? *scene.before_selection : scene.cloud;
-  const std::string format = scene.files.empty() ? "" : scene.files[0].format;
   if (asked) {
     upright = {*asked, "--up"};
   } else if (!scene.cloud.up_is_known) {
@@ -59,7 +58,8 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   } else {
     upright = {scene.cloud.up, "the file says so"};
     // The pictures say which axis is nearest.
-    if (format == "colmap") upright.vertical = analysis::up_from_ground(all, upright.up);
+    if (all.provenance == Provenance::photographs)
+      upright.vertical = analysis::up_from_ground(all, upright.up);
   }
   scene.cloud.up = upright.up;
   if (vertical_exaggeration != 1) exaggerate(scene.cloud, vertical_exaggeration);

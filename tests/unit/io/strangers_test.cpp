@@ -504,6 +504,7 @@ TEST(StrangersKinds, PointsOfColmapInBinary) {
   }
   const io::ReadResult read = io::read(write_file("points3D.bin", bytes));
   EXPECT_EQ(read.report.format, "colmap");
+  EXPECT_EQ(read.cloud.provenance, Provenance::photographs);
   EXPECT_EQ(read.cloud.world(2), dvec3(2, 2.5, -3.5));
   EXPECT_EQ(read.cloud.colors.at(1), (Rgba8{10, 20, 30, 255}));
   test::expect_cuts_are_safe("points3D.bin", bytes, 3);
