@@ -152,9 +152,10 @@ struct Sample {
     double sure = 0;
     dvec3 up{0};
   };
-  Stand stands(int axis, bool positive) const;
-  dvec3 ground(int axis, bool positive) const;
+  Stand stands(UpAxis way) const;
+  dvec3 ground(UpAxis up, const Stand& stand) const;
 };
+using Stands = std::array<Sample::Stand, 6>;  ///< of each UpAxis
 
 /// All is within 60 degrees of the axis, and each line of sight meets one surface only, as of no body or room
 /// that was scanned from several sides; but not land, which any place above it sees so, unless the lines are
@@ -424,11 +425,10 @@ Plane plane_of(const std::vector<const dvec3*>& points, const dvec3& straight, d
 /// reach everywhere below what stands on them, statues have a base, and the other end is as rough as what
 /// stands; the legs and the top of a table are in line from its side, but fill little of it. Nothing for
 /// tubes, seen from their end, and for boxes.
-Sample::Stand Sample::stands(int axis, bool positive) const {
-  const dvec3 extent = glm::max(size(), dvec3(1e-300));
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  dvec3 straight(0);
-  straight[axis] = positive ? 1 : -1;
+Sample::Stand Sample::stands(UpAxis way) const {
+  const dvec3 extent = glm::max(size(), dvec3(1e-300)), straight = up_vector(way);
+  const int axis = int(way) / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const bool positive = int(way) % 2 == 0;
   if (!(glm::length(size()) > 0)) return {0, straight};
   const Ends ends = ends_along(axis);
   if (extent[axis] > 2 * std::max(extent[u], extent[v]) && ends.both > closed_columns) return {0, straight};
@@ -464,7 +464,7 @@ Sample::Stand Sample::stands(int axis, bool positive) const {
 /// The way up from what the columns along an axis end on, where a plane that a quarter of all points are
 /// near says the same, which knows nothing of ends. Otherwise 0. By cameras such planes err by 7 degrees,
 /// axes by 19 (docs/measurements/first_view.md).
-dvec3 Sample::ground(int axis, bool positive) const {
+dvec3 Sample::ground(UpAxis up, const Stand& stand) const {
   constexpr double agree = 0.985, least = 0.25;  // cos 10 degrees
   constexpr std::size_t fewest = 500, sampled = 4'000;
   std::vector<const dvec3*> some;
@@ -473,20 +473,23 @@ dvec3 Sample::ground(int axis, bool positive) const {
     if (!glm::any(glm::lessThan(points[i], low)) && !glm::any(glm::greaterThan(points[i], high)))
       some.push_back(&points[i]);
   if (some.size() < fewest || !(glm::length(size()) > 0)) return dvec3(0);
-  const dvec3 lowest = stands(axis, positive).up;
-  dvec3 straight(0);
-  straight[axis] = positive ? 1 : -1;
-  const Plane plane = plane_of(some, straight, on_plane * glm::length(size()));
+  const Plane plane = plane_of(some, up_vector(up), on_plane * glm::length(size()));
   const bool is_certain =
-      double(plane.near) >= least * double(some.size()) && glm::dot(plane.up, lowest) > agree;
-  return is_certain ? lowest : dvec3(0);
+      double(plane.near) >= least * double(some.size()) && glm::dot(plane.up, stand.up) > agree;
+  return is_certain ? stand.up : dvec3(0);
 }
 
-}  // namespace
+Stands stands_of(const Sample& sample, Progress& progress) {
+  Stands stands;
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    progress.check();
+    stands[i] = sample.stands(UpAxis(i));
+  }
+  return stands;
+}
 
-std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress) {
-  progress.check();
-  const Sample sample(cloud);
+std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sample, const Stands& stands,
+                                       Progress& progress) {
   const std::optional<UpAxis> room = sample.up_in_room();
   // Depth cameras look along z with y down, renderers along -z with y up, robots along x with z up. What
   // faces -z where the file has normals was seen by a depth camera too: nothing that one walks on faces down.
@@ -516,13 +519,8 @@ std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progre
   const double wall = is_wall ? sample.lies(1) : 0;
   const dvec3 lies(0, is_wall ? 0 : sample.lies(1), sample.lies(2));
   std::vector<UpCandidate> candidates;
-  std::array<Sample::Stand, 6> stands{};
   double grounded = 0;  // how surely any way
-  for (std::size_t i = 0; i < stands.size(); ++i) {
-    progress.check();
-    stands[i] = sample.stands(int(i) / 2, i % 2 == 0);
-    grounded = std::max(grounded, stands[i].sure);
-  }
+  for (const Sample::Stand& stand : stands) grounded = std::max(grounded, stand.sure);
   const Facets facets(sample.points, sample.normals, sample.low, sample.high);
   const bool is_box = sample.is_box();
   const bool is_model = cloud.provenance == Provenance::model;
@@ -593,9 +591,17 @@ std::optional<UpAxis> height_of_map_coordinates(const PointCloud& cloud) {
   return {};
 }
 
+}  // namespace
+
+std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress) {
+  progress.check();
+  const Sample sample(cloud);
+  return candidates_of(cloud, sample, stands_of(sample, progress), progress);
+}
+
 dvec3 up_from_ground(const PointCloud& cloud, UpAxis up) {
-  const int axis = int(up) / 2;
-  return Sample(cloud).ground(axis, int(up) % 2 == 0);
+  const Sample sample(cloud);
+  return sample.ground(up, sample.stands(up));
 }
 
 Upright guess_upright(const PointCloud& cloud, Progress& progress) {
@@ -610,12 +616,16 @@ Upright guess_upright(const PointCloud& cloud, Progress& progress) {
   };
   if (!cloud.crs.empty()) return says(UpAxis::pos_z, "heights of its coordinate system");
   if (const auto up = height_of_map_coordinates(cloud)) return says(*up, "heights of map coordinates");
-  const std::vector<UpCandidate> candidates = up_candidates(cloud, progress);
+  progress.check();
+  const Sample sample(cloud);
+  const Stands stands = stands_of(sample, progress);
+  const std::vector<UpCandidate> candidates = candidates_of(cloud, sample, stands, progress);
   const UpCandidate &best = candidates[0], &next = candidates[1];
   upright.up = best.up;
   const bool is_of_pictures =
       cloud.up == UpAxis::neg_y || best.evidence[std::size_t(UpEvidence::camera)] > 0.5;
-  if (is_of_pictures && up_vector(best.up).y != 0) upright.vertical = up_from_ground(cloud, best.up);
+  if (is_of_pictures && up_vector(best.up).y != 0)
+    upright.vertical = sample.ground(best.up, stands[std::size_t(best.up)]);
   // Why it is not the convention, or not the next.
   const UpCandidate& over =
       best.up == cloud.up ? next : *std::find_if(candidates.begin(), candidates.end(), [&](const auto& each) {
