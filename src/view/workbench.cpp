@@ -194,11 +194,12 @@ void Workbench::shoot(const Wishes& wishes, int width, int height) {
 void Workbench::paint_shot(const Wishes& wishes, int width, int height) {
   PictureJob job = job_for(wishes, Refinement::ladder[0], width, height);
   job.id = next_id_++;
-  waiting_shots_.emplace_back(job.id, Shot{{},
-                                           wishes.words(width, height),
-                                           wishes.furniture,
-                                           scene_ ? scene_->pose.upright.up : UpAxis::pos_z,
-                                           scene_ ? scene_->crs : ""});
+  Shot shot{{}, wishes.words(width, height), wishes.furniture};
+  if (scene_) {
+    shot.up = scene_->pose.upright.up, shot.crs = scene_->crs;
+    shot.cutaway = note_on_cutaway(scene_->pose, {&job.camera, 1});
+  }
+  waiting_shots_.emplace_back(job.id, std::move(shot));
   whole_->paint_for_keeps(std::move(job));
 }
 

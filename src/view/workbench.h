@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "session/notes.h"
 #include "view/history.h"
 #include "view/key_frames.h"
 #include "view/loader.h"
@@ -58,6 +59,7 @@ struct Shot {
   Furniture furniture = {};
   UpAxis up = UpAxis::pos_z;
   std::string crs = {};
+  std::optional<Note> cutaway = {};
 };
 
 class Workbench {

@@ -149,6 +149,18 @@ TEST_F(WindowTest, ShowsASampleWhileItReads) {
   expect_reproducible(turned);
 }
 
+TEST_F(WindowTest, PicturesOfRoomsThatAreCutOpenSaySo) {
+  ASSERT_EQ(run({"synth", "room", "--points", "60k", "-o", "room.ply", "--quiet"}).code, 0);
+  open({"room.ply", "-t", "points", "--up", "+Z"});
+  wait_for("final picture");
+  const std::string name = save();
+  expect_reproducible(name);
+  const std::string description = png_texts(name)["Description"];
+  EXPECT_THAT(description, HasSubstr("--whole"));
+  EXPECT_EQ(description, png_texts("again.png")["Description"]);
+  close();
+}
+
 TEST_F(WindowTest, DragsTheLight) {
   make_forest();
   open({"forest.laz", "-t", "surface", "--no-edl"});

@@ -19,11 +19,17 @@ std::string command_of(std::vector<std::string> words, const std::string& name) 
   return quote(words);
 }
 
+io::PngTexts texts_of(const std::string& command, const Camera& camera, const std::optional<Note>& cutaway) {
+  io::PngTexts texts = {{"Software", std::string("sfumato ") + version()},
+                        {"Command", command},
+                        {"Camera", io::camera_to_json(camera)}};
+  if (cutaway) texts.emplace_back("Description", for_command(*cutaway));
+  return texts;
+}
+
 io::PngTexts finish(view::Shot& shot, const std::string& name) {
   draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
-  return {{"Software", std::string("sfumato ") + version()},
-          {"Command", command_of(shot.words, name)},
-          {"Camera", io::camera_to_json(shot.picture.camera)}};
+  return texts_of(command_of(shot.words, name), shot.picture.camera, shot.cutaway);
 }
 
 }  // namespace sfumato

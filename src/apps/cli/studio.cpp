@@ -14,6 +14,7 @@
 #include "io/npy.h"
 #include "labels/furniture.h"
 #include "session/notes.h"
+#include "shot.h"
 
 namespace sfumato::cli {
 
@@ -292,13 +293,7 @@ void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, c
 }
 
 io::PngTexts Studio::texts_of(const Camera& camera) const {
-  io::PngTexts texts = {{"Software", std::string("sfumato ") + version()},
-                        {"Command", command_},
-                        {"Camera", io::camera_to_json(camera)}};
-  // What the console says does not travel with the picture.
-  if (const auto cutaway = note_on_cutaway(session_.pose(), {&camera, 1}))
-    texts.emplace_back("Description", for_command(*cutaway));
-  return texts;
+  return sfumato::texts_of(command_, camera, note_on_cutaway(session_.pose(), {&camera, 1}));
 }
 
 void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {
