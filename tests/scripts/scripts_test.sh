@@ -97,6 +97,15 @@ stub make 'echo "FILE=$FILE"'
 demo "my scan.laz" || fail "demo with a blank in the name"
 grep -q "^FILE=$work/my scan.laz" "$work/output" || fail "demo does not pass on a relative name with a blank"
 
+# What containers do without goes, in the named root only; licences stay.
+root=$work/root
+mkdir -p "$root/usr/share/doc/libx" "$root/usr/share/man/man1" "$root/usr/lib/any/gconv" "$root/var/lib/apt/lists/x"
+touch "$root/usr/share/doc/libx/copyright" "$root/usr/share/doc/libx/README"
+"$source_dir/scripts/slim" "$root" || fail "slim"
+[ -z "$(find "$root" -name 'README' -o -name man1 -o -name gconv -o -name x)" ] || fail "slim left what no container needs"
+[ -e "$root/usr/share/doc/libx/copyright" ] || fail "slim removed a licence"
+if "$source_dir/scripts/slim" 2>/dev/null; then fail "slim without a root"; fi
+
 echo "all scripts keep their promises"
 
 # What was installed can be taken away again, and nothing else.
