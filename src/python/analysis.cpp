@@ -16,16 +16,6 @@ namespace {
 
 using CloudPtr = std::shared_ptr<Cloud>;
 
-void set_all(ParamList& parameters, const Settings& settings, const std::string& whose) {
-  std::vector<std::string> names;
-  for (const Param& param : parameters.all()) names.push_back(param.name);
-  for (const auto& [name, value] : settings) {
-    Param* param = parameters.find(name);
-    if (!param) refuse_name(whose, name, names);
-    param->set(value);
-  }
-}
-
 /// A copy of the points with their own numbers, sorted and measured.
 PreparedCloud prepare(const Cloud& cloud, Attributes needs, Attributes anew, const Settings& settings,
                       Progress& progress) {
@@ -90,14 +80,11 @@ double spacing(const CloudPtr& cloud, const py::object& progress) {
 
 py::object clusters(const CloudPtr& cloud, const py::dict& wishes, const py::object& progress) {
   analysis::ClusterOptions options;
-  if (wishes.contains("neighbors")) options.neighbors = wishes["neighbors"].cast<int>();
-  if (wishes.contains("point_threshold")) options.point_threshold = wishes["point_threshold"].cast<float>();
-  if (wishes.contains("region_threshold"))
-    options.region_threshold = wishes["region_threshold"].cast<float>();
-  if (wishes.contains("gap")) options.gap = wishes["gap"].cast<float>();
-  if (wishes.contains("min_size")) options.min_size = wishes["min_size"].cast<int>();
-  if (wishes.contains("angle")) options.angle_deg = wishes["angle"].cast<float>();
-  if (wishes.contains("bend")) options.bend_deg = wishes["bend"].cast<float>();
+  take(wishes, "neighbors", options.neighbors), take(wishes, "min_size", options.min_size);
+  take(wishes, "point_threshold", options.point_threshold);
+  take(wishes, "region_threshold", options.region_threshold);
+  take(wishes, "gap", options.gap);
+  take(wishes, "angle", options.angle_deg), take(wishes, "bend", options.bend_deg);
   if (options.neighbors < 1 || options.min_size < 1)
     throw Error(ErrorCode::usage, "neighbors and min_size are at least 1");
   PreparedCloud prepared;

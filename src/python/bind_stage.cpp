@@ -33,32 +33,25 @@ struct StageHandle {
   }
 };
 
-std::optional<std::string> text_in(const py::dict& wishes, const char* key) {
-  if (!wishes.contains(key) || wishes[key].is_none()) return std::nullopt;
-  return wishes[key].cast<std::string>();
-}
-
 ColorSettings colors_of(const py::dict& wishes) {
   ColorSettings color;
-  if (const auto name = text_in(wishes, "color_by")) color.color_by = *name;
-  if (const auto name = text_in(wishes, "colormap")) Colormap::named(color.colormap = *name);
-  if (wishes.contains("range")) {
-    const auto range = wishes["range"].cast<std::array<double, 2>>();
-    if (range[0] == range[1]) throw Error(ErrorCode::usage, "range: it is empty");
-    color.range = range;
-  }
-  if (const auto text = text_in(wishes, "class_colors")) {
+  std::optional<std::string> colormap, class_colors, name;
+  take(wishes, "color_by", color.color_by), take(wishes, "colormap", colormap);
+  if (colormap) Colormap::named(color.colormap = *colormap);
+  take(wishes, "range", color.range);
+  if (color.range && color.range->at(0) == color.range->at(1))
+    throw Error(ErrorCode::usage, "range: it is empty");
+  take(wishes, "class_colors", class_colors);
+  if (class_colors) {
     Request request;
-    find_option("class-colors")->set(request, "class_colors", *text);
+    find_option("class-colors")->set(request, "class_colors", *class_colors);
     color.class_colors = request.color.class_colors;
   }
-  if (wishes.contains("exposure")) {
-    const double exposure = wishes["exposure"].cast<double>();
-    if (!(exposure >= 0.1 && exposure <= 100))
-      throw Error(ErrorCode::usage, "exposure: it is outside [0.1, 100]");
-    color.exposure = exposure;
-  }
-  if (const auto name = text_in(wishes, "color")) {
+  take(wishes, "exposure", color.exposure);
+  if (color.exposure && !(*color.exposure >= 0.1 && *color.exposure <= 100))
+    throw Error(ErrorCode::usage, "exposure: it is outside [0.1, 100]");
+  take(wishes, "color", name);
+  if (name) {
     if (color.color_by != "auto")
       throw Error(ErrorCode::usage, "color and color_by contradict each other: give one of them");
     if (!color.colormap.empty() || color.range)
@@ -73,17 +66,17 @@ StageOptions options_of(const std::string& technique, const Settings& parameters
   options.technique = technique;
   options.parameters = parameters;
   options.color = colors_of(wishes);
-  if (wishes.contains("preset_parameters")) {
-    options.preset.parameters = wishes["preset_parameters"].cast<NamesAndValues>();
-    options.preset.file = wishes["preset_file"].cast<std::string>();
-  }
-  if (const auto text = text_in(wishes, "background"); text == "transparent")
+  take(wishes, "preset_parameters", options.preset.parameters);
+  take(wishes, "preset_file", options.preset.file);
+  std::string background = "auto";
+  take(wishes, "background", background);
+  if (background == "transparent")
     options.transparent = true;
-  else if (text && text != "auto")
-    options.background = parse_color_of("background", *text);
-  if (wishes.contains("draw"))
-    for (const py::handle& rule : wishes["draw"])
-      options.draw.push_back(DrawRule::parse(rule.cast<std::string>()));
+  else if (background != "auto")
+    options.background = parse_color_of("background", background);
+  std::vector<std::string> rules;
+  take(wishes, "draw", rules);
+  for (const std::string& rule : rules) options.draw.push_back(DrawRule::parse(rule));
   return options;
 }
 
@@ -112,13 +105,11 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, const Ope
 
 ViewWishes view_wishes(const py::dict& wishes) {
   ViewWishes out;
-  const auto number = [&](const char* key, std::optional<double>& to) {
-    if (wishes.contains(key)) to = wishes[key].cast<double>();
-  };
-  number("azimuth", out.azimuth), number("elevation", out.elevation), number("fov", out.fov),
-      number("distance", out.distance), number("pixel_size", out.pixel_size),
-      number("scale", out.print_scale);
-  if (wishes.contains("dpi")) out.dpi = wishes["dpi"].cast<double>();
+  const auto take = [&](const char* key, auto& to) { python::take(wishes, key, to); };
+  take("azimuth", out.azimuth), take("elevation", out.elevation), take("fov", out.fov);
+  take("distance", out.distance), take("pixel_size", out.pixel_size), take("scale", out.print_scale);
+  take("dpi", out.dpi), take("start", out.start), take("zoom", out.zoom), take("roll", out.roll);
+  take("orthographic", out.orthographic), take("side", out.side), take("size", out.size);
   for (const auto& [key, value] :
        {std::pair("pixel_size", out.pixel_size), {"scale", out.print_scale}, {"dpi", out.dpi}})
     if (value && !(*value > 0)) throw Error(ErrorCode::usage, std::string(key) + ": it is not more than 0");
@@ -130,9 +121,10 @@ ViewWishes view_wishes(const py::dict& wishes) {
     throw Error(ErrorCode::usage, "fov: it is outside [0.001, 179] degrees");
   if (out.distance && !(*out.distance > 0)) throw Error(ErrorCode::usage, "distance: it is not more than 0");
   const auto triple = [&](const char* key, std::optional<dvec3>& to) {
-    if (!wishes.contains(key)) return;
-    const auto v = wishes[key].cast<std::array<double, 3>>();
-    to = dvec3(v[0], v[1], v[2]);
+    std::optional<std::array<double, 3>> v;
+    take(key, v);
+    if (!v) return;
+    to = dvec3(v->at(0), v->at(1), v->at(2));
     if (!(glm::length(*to) <= 2e15))
       throw Error(ErrorCode::usage, std::string(key) + ": it is beyond 1e15, where no point can be seen");
   };
@@ -151,13 +143,7 @@ ViewWishes view_wishes(const py::dict& wishes) {
                   std::string(name) + " and azimuth or elevation contradict each other: give one of them");
   if (out.position && out.distance)
     throw Error(ErrorCode::usage, "position and distance contradict each other: give one of them");
-  if (wishes.contains("start")) out.start = wishes["start"].cast<Camera>();
-  if (wishes.contains("zoom")) out.zoom = wishes["zoom"].cast<double>();
   if (out.zoom && !(*out.zoom > 0)) throw Error(ErrorCode::usage, "zoom: it is not more than 0");
-  if (wishes.contains("roll")) out.roll = wishes["roll"].cast<double>();
-  if (wishes.contains("orthographic")) out.orthographic = wishes["orthographic"].cast<bool>();
-  if (wishes.contains("side")) out.side = wishes["side"].cast<std::string>();
-  if (wishes.contains("size")) out.size = wishes["size"].cast<std::pair<int, int>>();
   if (out.size && (out.size->first < 1 || out.size->second < 1))
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
   if (out.start && out.start->custom_intrinsics && (out.size || out.fov || out.orthographic))
@@ -311,6 +297,22 @@ py::object value_of(const Setting& setting) {
   }
 }
 
+void set_all(ParamList& parameters, const Settings& settings, const std::string& whose) {
+  std::vector<std::string> names;
+  for (const Param& param : parameters.all()) names.push_back(param.name);
+  for (const auto& [name, value] : settings) {
+    Param* param = parameters.find(name);
+    if (!param) refuse_name(whose, name, names);
+    param->set(value);
+  }
+}
+
+py::list describe_all(const ParamList& parameters) {
+  py::list rows;
+  for (const Param& param : parameters.all()) rows.append(describe(param));
+  return rows;
+}
+
 py::dict describe(const Param& param) {
   py::dict out;
   out["name"] = param.name;
@@ -401,9 +403,7 @@ void bind_stage(py::module_& module) {
     analysis::PrepareOptions options;
     ParamList parameters;
     options.describe(parameters);
-    py::list rows;
-    for (const Param& param : parameters.all()) rows.append(describe(param));
-    return rows;
+    return describe_all(parameters);
   });
   module.def("colormap_names", &Colormap::names);
   module.def("colormap", [](const std::string& name, int count) {

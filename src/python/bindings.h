@@ -45,6 +45,16 @@ py::dict describe(const Param& param);
 [[noreturn]] void refuse_name(const std::string& what, const std::string& name,
                               const std::vector<std::string>& names);
 
+/// Throws Error(usage) for a name that is none of theirs: "`whose` 'nme'; did you mean 'name'?".
+void set_all(ParamList& parameters, const Settings& settings, const std::string& whose);
+py::list describe_all(const ParamList& parameters);
+
+/// What was given under a name; `to` stays where that is nothing or None.
+template <class T>
+void take(const py::dict& given, const char* name, T& to) {
+  if (given.contains(name) && !given[name].is_none()) to = given[name].cast<T>();
+}
+
 /// A view of memory that `owner` keeps.
 template <class T>
 py::array view(T* data, std::vector<py::ssize_t> shape, const py::object& owner) {

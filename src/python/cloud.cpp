@@ -78,13 +78,7 @@ CloudPtr synthesise(const std::string& name, const Settings& settings, const std
   synth::SampleOptions options;
   ParamList parameters;
   options.describe(parameters);
-  std::vector<std::string> names;
-  for (const Param& param : parameters.all()) names.push_back(param.name);
-  for (const auto& [key, value] : settings) {
-    Param* param = parameters.find(key);
-    if (!param) refuse_name("synth has no parameter", key, names);
-    param->set(value);
-  }
+  set_all(parameters, settings, "synth has no parameter");
   auto cloud = std::make_shared<Cloud>();
   run(
       [&](Progress& reporter) {
@@ -195,10 +189,7 @@ std::optional<UpAxis> up_axis(const std::optional<std::string>& text) {
 
 Request request_of(const py::dict& wishes) {
   Request request;
-  const auto take = [&](const char* key, auto& to) {
-    if (wishes.contains(key) && !wishes[key].is_none())
-      to = wishes[key].cast<std::remove_reference_t<decltype(to)>>();
-  };
+  const auto take = [&](const char* key, auto& to) { python::take(wishes, key, to); };
   const auto box = [&](const char* key) -> std::optional<Bounds> {
     std::optional<std::vector<double>> v;
     take(key, v);
@@ -312,9 +303,7 @@ void bind_cloud(py::module_& module) {
     synth::SampleOptions options;
     ParamList parameters;
     options.describe(parameters);
-    py::list rows;
-    for (const Param& param : parameters.all()) rows.append(describe(param));
-    return rows;
+    return describe_all(parameters);
   });
   module.def("formats", [] {
     py::list rows;
