@@ -10,7 +10,6 @@
 #include "io/color_depth.h"
 #include "io/columns.h"
 #include "io/large_vector.h"
-#include "io/parallel.h"
 
 namespace sfumato::io {
 namespace {

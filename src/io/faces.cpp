@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "core/counted.h"
-#include "core/order.h"
-#include "io/columns.h"
 #include "io/face_normals.h"
 #include "io/parallel.h"
 

@@ -17,7 +17,6 @@
 #include "io/file.h"
 #include "io/flat_records.h"
 #include "io/format.h"
-#include "io/parallel.h"
 
 namespace sfumato::io {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "io/atomic_writer.h"
 #include "io/las.h"
-#include "io/las_points.h"
 #include "io/las_layout.h"
 #include "io/laz_point.h"
 

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "io/columns.h"
-#include "io/format.h"
 #include "io/text_dialect.h"
 
 namespace sfumato::io {

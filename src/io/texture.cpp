@@ -8,7 +8,6 @@
 #include <cmath>
 #include <csetjmp>
 
-#include "core/error.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/png_read.h"
