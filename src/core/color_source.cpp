@@ -7,7 +7,6 @@
 #include <map>
 #include <set>
 
-#include "core/color.h"
 #include "core/coloring.h"
 #include "core/error.h"
 #include "core/order.h"

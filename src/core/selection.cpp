@@ -8,7 +8,6 @@
 
 #include "core/classes.h"
 #include "core/numbers.h"
-#include "core/param.h"
 
 namespace sfumato {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "console.h"
 #include "core/error.h"
-#include "core/param.h"
 #include "help_text.h"
 #include "suggestions.h"
 
