@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/error.h"
 #include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"

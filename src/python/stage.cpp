@@ -4,7 +4,7 @@
 
 #include "core/counted.h"
 #include "core/error.h"
-#include "passes/shadows.h"
+#include "passes/light.h"
 #include "session/notes.h"
 #include "session/point_index.h"
 

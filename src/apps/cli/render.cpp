@@ -12,7 +12,7 @@
 #include "help.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"
-#include "passes/shadows.h"
+#include "passes/light.h"
 #include "publish.h"
 #include "render_options.h"
 #include "render_request.h"
