@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/error.h"
 #include "io/byte_source.h"
 #include "scene/assemble.h"
 

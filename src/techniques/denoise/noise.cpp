@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "analysis/attributes.h"
 #include "analysis/neighbors.h"
 #include "analysis/quantiles.h"
 #include "core/order.h"

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "gl/commands.h"
-#include "gl/context.h"
-#include "passes/bindings.h"
 
 namespace sfumato::soft {
 

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "analysis/quantiles.h"
-#include "core/error.h"
 #include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"

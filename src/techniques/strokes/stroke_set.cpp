@@ -7,7 +7,6 @@
 #include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/draw.h"
-#include "gl/state.h"
 #include "passes/bindings.h"
 
 namespace sfumato::strokes {
