@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "analysis/neighbors.h"
-#include "core/param.h"
 #include "core/point_cloud.h"
 #include "core/progress.h"
 

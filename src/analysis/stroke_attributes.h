@@ -8,6 +8,7 @@
 
 #include "analysis/clusters.h"
 #include "analysis/stroke_detail.h"
+#include "core/param.h"
 #include "core/prepared_cloud.h"
 
 namespace sfumato::analysis {

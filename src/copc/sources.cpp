@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "analysis/upright.h"
+#include "copc/spool.h"
 #include "io/color_depth.h"
 #include "io/io.h"
 #include "io/las.h"

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "copc/spool.h"
 #include "core/progress.h"
 #include "io/las_records.h"
 
