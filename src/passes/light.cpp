@@ -12,7 +12,8 @@ namespace sfumato {
 
 Light Light::parse(std::string_view text) {
   Light light;
-  if (text == "headlight") return light;
+  if (text == "shoulder") return light;
+  if (text == "headlight") return {Kind::headlight};
   const bool directional = text.starts_with("dir:");
   // Doubles: a point light may stand at UTM coordinates.
   std::string_view numbers = text.substr(directional ? 4 : 0);
@@ -22,7 +23,7 @@ Light Light::parse(std::string_view text) {
     const auto number = end == numbers.npos ? std::nullopt : parse_real(numbers.substr(0, end));
     if (!number || !std::isfinite(*number))
       throw Error(ErrorCode::usage,
-                  "--light '" + std::string(text) + "' is not headlight, X,Y,Z or dir:X,Y,Z");
+                  "--light '" + std::string(text) + "' is not shoulder, headlight, X,Y,Z or dir:X,Y,Z");
     light.vector[axis] = *number;
     numbers.remove_prefix(axis < 2 ? end + 1 : end);
   }
@@ -64,8 +65,7 @@ std::string light_text_of(const dvec3& towards) {
 }
 
 void fix_light(RenderSettings& settings, const Camera& camera, UpAxis up) {
-  if (settings.shadows == Shadows::off || Light::parse(settings.light_text).kind != Light::Kind::headlight)
-    return;
+  if (settings.shadows == Shadows::off || !Light::parse(settings.light_text).is_of_camera()) return;
   settings.light_text = light_text_of(key_light(camera, up).vector);
 }
 
@@ -75,7 +75,10 @@ void RenderSettings::describe(ParamList& p) {
           "what the colour of a pixel shows; occlusion, hidden: hidden point removal at work (surface only); "
           "weight: of the chosen bin (denoise only)");
   p.add("light", light_text)
-      .help("headlight | X,Y,Z (point light, world) | dir:X,Y,Z (direction it comes from)");
+      .help(
+          "shoulder (from the upper left) | headlight (from the eye) | X,Y,Z (point light, world) | "
+          "dir:X,Y,Z "
+          "(direction it comes from)");
   p.add("ambient", phong.ambient)
       .range(0, 1)
       .help(
@@ -96,7 +99,8 @@ void RenderSettings::describe(ParamList& p) {
   p.add("shininess", phong.shininess).range(1, 1000).help("sharpness of highlights");
   p.add("shadows", shadows, {"off", "hard", "soft", "stored"})
       .help(
-          "shadows between points; a headlight then moves to the upper left, where its shadows can be seen, "
+          "shadows between points; a light of the camera then moves farther to the upper left, where its "
+          "shadows can be seen, "
           "and stays there on a path; stored: the scalar `shadow` of the points (convert --shadows)")
       .paper("Dobrev 2010, Sec. 4");
   p.add("light_size", light_size)

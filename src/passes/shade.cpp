@@ -12,6 +12,8 @@ void set_light_uniforms(gl::Program& program, const View& view, const RenderSett
     light_eye = vec4(view.eye_from_cloud() * glm::dvec4(light.vector - cloud_origin, 1));
   else if (light.kind == Light::Kind::directional)
     light_eye = vec4(view.eye_from_cloud() * glm::dvec4(light.vector, 0));
+  else if (light.kind == Light::Kind::shoulder)
+    light_eye = vec4(over_shoulder, 0);
   else if (view.camera().orthographic())
     light_eye = vec4(0, 0, 1, 0);
   program.set("light_eye", light_eye);

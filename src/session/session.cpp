@@ -431,7 +431,7 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
   RenderSettings& settings = look.settings;
   std::vector<Item> items;
   const bool is_photographed = are_photographed_ && settings.shadows == Shadows::off &&
-                               Light::parse(settings.light_text).kind == Light::Kind::headlight;
+                               Light::parse(settings.light_text).kind == Light::Kind::shoulder;
   bool has_hard_edges = false;
   // Shadows on a ground show on white, as in the figures of papers; and who asks for no background puts the
   // picture on a page.

@@ -33,7 +33,7 @@ void share_by_place(const PreparedCloud& prepared, const PointCloud& cloud, std:
 std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud, RenderSettings& settings,
                                   Progress& progress) {
   const Light light = Light::parse(settings.light_text);
-  if (!casts_shadows(settings.shadows) || light.kind == Light::Kind::headlight)
+  if (!casts_shadows(settings.shadows) || light.is_of_camera())
     throw Error(ErrorCode::usage,
                 "shadow factors are those of --shadows hard or soft and a light that stands somewhere");
   if (cloud.empty()) return {};

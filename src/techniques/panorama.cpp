@@ -82,7 +82,10 @@ RenderOutput render_panorama(Renderer& renderer, std::span<const Item> items, co
   const dvec3 right = glm::cross(ahead, level_up);
 
   RenderSettings fixed = settings;
-  if (settings.shadows != Shadows::off && Light::parse(settings.light_text).kind == Light::Kind::headlight) {
+  const Light light = Light::parse(settings.light_text);
+  if (settings.shadows == Shadows::off && light.kind == Light::Kind::shoulder) {
+    fixed.light_text = "headlight";  // the same from all six faces
+  } else if (settings.shadows != Shadows::off && light.is_of_camera()) {
     const dvec3 from =
         glm::normalize(1.2 * level_up - 0.6 * ahead - 0.7 * right);  // as key_light, for all six
     fixed.light_text = light_text_of(from);

@@ -324,8 +324,8 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   const bool has_ground = settings.ground && has_shadows && casts_shadows(settings.shadows);
   Light light = Light::parse(settings.light_text);
   Ground ground_plane;
-  // The shadows of a headlight are hidden behind what casts them: let it shine over the left shoulder.
-  if (has_shadows && light.kind == Light::Kind::headlight) light = key_light(camera, first.up);
+  // The shadows of a light at the eye are hidden behind what casts them.
+  if (has_shadows && light.is_of_camera()) light = key_light(camera, first.up);
   if (has_shadows && settings.shadows == Shadows::stored) {
     shadows.use_stored(all);
   } else if (has_shadows) {

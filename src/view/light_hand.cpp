@@ -19,8 +19,10 @@ dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 dvec3 towards_light(const RenderSettings& settings, const Camera& camera, UpAxis up) {
   const Light parsed = Light::parse(settings.light_text);
   if (parsed.kind == Light::Kind::directional) return parsed.vector;
-  if (parsed.kind == Light::Kind::headlight)
-    return settings.shadows != Shadows::off ? key_light(camera, up).vector : -camera.direction();
+  if (parsed.is_of_camera() && settings.shadows != Shadows::off) return key_light(camera, up).vector;
+  if (parsed.kind == Light::Kind::shoulder)
+    return dvec3(camera.inverse_view() * glm::dvec4(dvec3(over_shoulder), 0));
+  if (parsed.kind == Light::Kind::headlight) return -camera.direction();
   const dvec3 way = parsed.vector - camera.target;
   return glm::length(way) > 0 ? glm::normalize(way) : -camera.direction();
 }

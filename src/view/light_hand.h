@@ -10,8 +10,8 @@
 
 namespace sfumato::view {
 
-/// Unit direction towards the light, world, as seen from the camera's target. A headlight is where the eye
-/// is, or, with shadows, over the left shoulder, as the renderer has it. Throws Error(usage) as Light::parse.
+/// Unit direction towards the light, world, as seen from the camera's target; of lights of the camera
+/// where they stand now, as the renderer has it. Throws Error(usage) as Light::parse.
 dvec3 towards_light(const RenderSettings& settings, const Camera& camera, UpAxis up);
 /// The light after a drag of so many pixels: what is seen of the ball follows the cursor, half a turn over
 /// the height of the picture. A light at a place keeps its distance from the target; others become

@@ -22,7 +22,7 @@ TEST_F(CommandTest, VersionAndHelp) {
   const Outcome help = run({"-t", "points", "--help"});
   EXPECT_EQ(help.code, 0);
   for (const char* word : {"--resolution WxH", "--camera-azimuth-angle DEG", "--point-size FLOAT",
-                           "--color-by NAME", "(headlight)", "px"})
+                           "--color-by NAME", "(shoulder)", "px"})
     EXPECT_THAT(help.out, HasSubstr(word));
   EXPECT_EQ(help.err, "");
 }

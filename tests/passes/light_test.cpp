@@ -13,6 +13,7 @@ namespace {
 
 TEST(LightTest, IsReadFromText) {
   EXPECT_EQ(Light::parse("headlight").kind, Light::Kind::headlight);
+  EXPECT_EQ(Light::parse("shoulder").kind, Light::Kind::shoulder);
   EXPECT_EQ(Light::parse("500000.25,-3,+1e2").vector, dvec3(500000.25, -3, 100));
   EXPECT_EQ(Light::parse("1, 2, 3").vector, dvec3(1, 2, 3));
   EXPECT_EQ(Light::parse("dir:0,0,2").vector, dvec3(0, 0, 1));

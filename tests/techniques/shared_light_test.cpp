@@ -71,7 +71,11 @@ TEST_P(SharedLight, IsThatOfPhong) {
   double brightest = 0;
   const bool is_surface = GetParam().technique == std::string("surface");
   const double tolerance = is_surface ? 4e-3 : 2e-3;  // it keeps the colours of its discs as halves
-  for (const char* light : {"headlight", "2,-3,4", "dir:-1,-2,2"}) {
+  const dvec3 ahead = camera.direction(), right = glm::normalize(glm::cross(ahead, camera.up)),
+              above = glm::cross(right, ahead);
+  const double aside = glm::radians(25.0);
+  const dvec3 shoulder = -std::cos(aside) * ahead + std::sin(aside) * std::sqrt(0.5) * (above - right);
+  for (const char* light : {"shoulder", "headlight", "2,-3,4", "dir:-1,-2,2"}) {
     settings.light_text = light;
     const RenderOutput out = render();
     int seen = 0;
@@ -82,6 +86,7 @@ TEST_P(SharedLight, IsThatOfPhong) {
         if (c.a < 0.999f || std::isinf(out.depth.at(x, y)) || glm::length(n) < 0.5) continue;
         const dvec3 p = world_position(camera, x, y, out.depth.at(x, y)), v = to_eye(p);
         const dvec3 l = std::string(light) == "headlight" ? v
+                        : light[0] == 's'                 ? shoulder
                         : light[0] == 'd'                 ? sun
                                                           : glm::normalize(lamp - p);
         ASSERT_GE(glm::dot(n, v), -1e-4) << "the picture's normal faces away";

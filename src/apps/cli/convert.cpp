@@ -61,7 +61,7 @@ class ShadowOptions {
 
   /// Gives the points the scalar `shadow` and says of which light.
   void add(scene::Scene& scene, const std::optional<UpAxis>& up, gl::Context& context, Console& console) {
-    if (Light::parse(settings_.light_text).kind == Light::Kind::headlight) {
+    if (Light::parse(settings_.light_text).is_of_camera()) {
       const UpAxis as_read = scene.cloud.up;  // a guess is of no concern to what is written
       const Pose pose = stand_upright(scene, up);
       fix_light(settings_, first_view(pose, 1280, 720), scene.cloud.up);

@@ -236,10 +236,12 @@ void Interface::light_panel() {
   const bool by_direction = light.starts_with("dir:");
   if (const auto chosen = choose("comes from",
                                  by_direction           ? "a direction"
+                                 : light == "shoulder"  ? "the upper left"
                                  : light == "headlight" ? "the eye"
                                                         : "a place",
-                                 {"the eye", "a direction", "a place"})) {
+                                 {"the upper left", "the eye", "a direction", "a place"})) {
     const dvec3 eye = bench_.wishes().camera.position;
+    if (*chosen == "the upper left") set("light", "shoulder");
     if (*chosen == "the eye") set("light", "headlight");
     if (*chosen == "a direction") {
       const Light key = key_light(bench_.camera(), bench_.navigator().up_axis());

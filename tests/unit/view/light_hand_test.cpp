@@ -35,6 +35,9 @@ TEST(LightHand, TheBallFollowsTheCursor) {
   };
   // A quarter of a turn is half the height of the picture.
   expect_direction(drag("headlight", 0, 0), {0, -1, 0});
+  // 25 degrees from there, as far left as up.
+  expect_direction(drag("shoulder", 0, 0), {-std::sin(0.43633) * std::sqrt(0.5), -std::cos(0.43633),
+                                            std::sin(0.43633) * std::sqrt(0.5)});
   expect_direction(drag("headlight", 300, 0), {1, 0, 0});
   expect_direction(drag("headlight", -300, 0), {-1, 0, 0});
   expect_direction(drag("headlight", 0, 300), {0, 0, -1});
