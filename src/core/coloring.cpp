@@ -57,16 +57,42 @@ std::array<double, 2> stretch(const ScalarField& field, bool is_height, bool is_
   return {field.offset + low, field.offset + high};
 }
 
+/// Between even steps of height and even numbers of points (histogram equalization): most of land is ground,
+/// which roofs and crowns above it leave in one colour. Readers mark .35 and .7 higher than 0
+/// (docs/measurements/first_view.md).
+std::vector<double> places_by_number(const ScalarField& field, const std::array<double, 2>& range) {
+  constexpr double by_number = 0.35;
+  constexpr std::size_t steps = 32;
+  const double span = range[1] - range[0];
+  if (!(span > 0)) return {};
+  std::array<std::size_t, steps> counts{};
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    const double place = (field.value(i) - range[0]) / span * double(steps);
+    if (place >= 0 && place < double(steps)) ++counts[std::size_t(place)], ++all;
+  }
+  if (all == 0) return {};
+  std::vector<double> places{0};
+  std::size_t below = 0;
+  for (std::size_t step = 0; step < steps; ++step) {
+    below += counts[step];
+    places.push_back(std::lerp(double(step + 1) / double(steps), double(below) / double(all), by_number));
+  }
+  return places;
+}
+
 void color_scalar(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
   out.kind = ColorKind::scalar;
   out.colormap = !settings.colormap.empty()  ? settings.colormap
                  : out.source == "intensity" ? "gray"
                  : out.source == "elevation" ? "land"
                                              : "viridis";
-  const Colormap map = Colormap::named(out.colormap);
   const std::array<double, 2> range =
       settings.range ? *settings.range : stretch(field, out.source == "elevation", out.source == "intensity");
   out.low = range[0], out.high = range[1];
+  const bool is_own = settings.range || !settings.colormap.empty();
+  out.places = out.source == "elevation" && !is_own ? places_by_number(field, range) : settings.places;
+  const Colormap map = out.ramp();
   std::array<Rgba8, 1024> table;
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = map.at(double(i) / double(table.size() - 1));
   const double span = out.high - out.low;
@@ -219,6 +245,7 @@ constexpr float told_exposure = 2;
 
 /// Brings the colour that a tenth of the points exceed to `light_enough`.
 double automatic_exposure(const std::vector<Rgba8>& colors) {
+  if (!distinct_colors(colors, most_label_colors).empty()) return 1;
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::vector<std::uint8_t> strongest;
   for (std::size_t i = 0; i < colors.size(); i += stride)
@@ -356,6 +383,11 @@ vec3 contrasting_background(const std::vector<Rgba8>& colors) {
   for (std::size_t i = 0; i < colors.size(); i += stride) same += colors[i] == most;
   if (double(same) >= 0.95 * double(seen)) return 3 * light > seen ? dark : white;
   return 2 * deep > seen ? white : dark;
+}
+
+Colormap Coloring::ramp() const {
+  const Colormap map = Colormap::named(colormap);
+  return places.empty() ? map : map.spread(places);
 }
 
 Rgba8 Coloring::color_of_class(int id) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/classes.h"
+#include "core/colormap.h"
 #include "core/point_cloud.h"
 #include "core/vec.h"
 
@@ -20,6 +21,9 @@ struct ColorSettings {
       "auto";  ///< auto, rgb, intensity, classification, elevation, normal, clay or any scalar; A*SCALAR
   std::string colormap;  ///< empty: gray for intensity, land for heights, viridis for everything else
   std::optional<std::array<double, 2>> range;  ///< empty: 2-98 %; heights more, intensity less
+  /// Where values that are equally spaced over the range lie on the map, 0 to 1; empty: equally spaced, but
+  /// heights with neither map nor range of their own by how many points there are.
+  std::vector<double> places;
   std::optional<std::array<double, 2>> shade;  ///< of A*SCALAR: black and full; empty: as `range`
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
@@ -45,12 +49,15 @@ struct Coloring {
   std::string source;                          ///< what `auto` became
   std::string colormap;                        ///< scalar only
   double low = 0, high = 1;                    ///< scalar only: values at the ends of the colour map
+  std::vector<double> places;                  ///< scalar only: as in the settings
   std::optional<std::array<double, 2>> shade;  ///< A*SCALAR only: values that are black and full
   std::vector<ClassShare> classes;             ///< classes only: those that occur, ascending
   std::vector<Swatch> swatches;                ///< classes and files: what the legend lists, in its order
   double exposure = 1;             ///< rgb only: how many times as bright the darkest of them became
   std::vector<std::string> notes;  ///< settings that have no effect on these colours
 
+  /// Scalar only: from `low` to `high`.
+  Colormap ramp() const;
   /// As it is drawn; of a class that is not drawn, what it has by default.
   Rgba8 color_of_class(int id) const;
 };
@@ -63,14 +70,17 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 
 /// Colours every point. Elevation is the world coordinate along the cloud's up axis; a NaN value is mid-gray.
 /// `normal` needs normals: Error(usage) without. "rgb*intensity" is the first darkened by the second, as
-/// layers are multiplied. Colours of the file whose lightest tenth is dark, as of a dim room, are raised: the
-/// dark ones by `exposure`, in linear light, the lighter the less, so that hues stay and white stays white.
-/// Categories and scalars never are.
+/// layers are multiplied. Photographed colours whose lightest tenth is dark, as of a dim room, are raised:
+/// the dark ones by `exposure`, in linear light, the lighter the less, so that hues stay and white stays
+/// white. Categories and scalars never are.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
 /// Numbers that tell things apart instead of measuring them, by their name, and are few: a ramp between
 /// flight line 66 and 67 shows nothing.
 bool names_things(const ScalarField& field);
+
+/// Colours of a file are labels when they are no more than these; else it was photographed.
+inline constexpr std::size_t most_label_colors = 64;
 
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.
 std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit);

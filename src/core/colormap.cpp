@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <numbers>
 #include <optional>
 
@@ -141,6 +142,22 @@ Rgba8 Colormap::at(double t) const {
   };
   const Rgba8 &a = stops_[i], &b = stops_[i + 1];
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b), 255};
+}
+
+Colormap Colormap::spread(const std::vector<double>& places) const {
+  Colormap map;
+  for (const double place : places) map.stops_.push_back(at(place));
+  return map;
+}
+
+std::string Colormap::text() const {
+  std::string text;
+  for (const Rgba8& c : stops_) {
+    char stop[8];
+    std::snprintf(stop, sizeof stop, "#%02x%02x%02x", c.r, c.g, c.b);
+    text += (text.empty() ? "" : ",") + std::string(stop);
+  }
+  return text;
 }
 
 }  // namespace sfumato

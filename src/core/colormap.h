@@ -20,6 +20,10 @@ class Colormap {
 
   /// `t` is clamped to [0,1]; between the stops the sRGB values are interpolated.
   Rgba8 at(double t) const;
+  /// The map whose equally spaced stops are those of this one at `places`, two or more.
+  Colormap spread(const std::vector<double>& places) const;
+  /// As `named` takes it: "#6994c1,#5e9ebc,...".
+  std::string text() const;
 
  private:
   std::vector<Rgba8> stops_;  // equally spaced over [0,1]

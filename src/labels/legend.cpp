@@ -59,7 +59,7 @@ void draw_bar(const Sheet& sheet, const Coloring& coloring, const vec3& backgrou
   const Rgba8 ink = ink_on(background);
   const int left = panel.x + panel.pad, top = panel.y + panel.pad + 2 * em - em / 2;
   sheet.write(text, left, panel.y + panel.pad + em * 3 / 4, title, ink);
-  const Colormap map = Colormap::named(coloring.colormap);
+  const Colormap map = coloring.ramp();
   for (int row = 0; row < bar_height; ++row)
     sheet.fill(left, top + row, bar_width, 1, map.at(1 - (row + 0.5) / bar_height));
   for (const auto& [row, label] : rows) {

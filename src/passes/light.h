@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/coloring.h"
 #include "core/param.h"
 #include "core/vec.h"
 
@@ -43,7 +44,8 @@ struct Phong {
 };
 
 /// Unit direction towards a light over the left shoulder, in the axes of the camera (x right, z backwards):
-/// 25 degrees from the line of sight, which readers prefer to 0 and 45 (docs/measurements/relief.md).
+/// 25 degrees from the line of sight, which readers prefer to 0 and 45 (docs/measurements/relief.md); nearer
+/// to it where surfaces are seen edge-on.
 inline constexpr vec3 over_shoulder{-0.298836f, 0.298836f, 0.906308f};
 
 /// A light that casts shadows which are seen: farther to the left and high along `up`.
@@ -83,7 +85,7 @@ struct RenderSettings {
   /// Linear colours of categories: a surface shows one of them and nothing between them. At most
   /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
   std::vector<vec3> palette;
-  static constexpr std::size_t palette_limit = 64;
+  static constexpr std::size_t palette_limit = most_label_colors;
   vec3 background{1};        ///< sRGB 0..1
   bool transparent = false;  ///< --no-background
   int samples = 1;           ///< places in a pixel whose pictures are averaged

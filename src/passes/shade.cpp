@@ -6,14 +6,14 @@ namespace sfumato {
 
 void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings,
                         const Light& light, const dvec3& cloud_origin) {
-  // Light in eye space: w = 1 a position, w = 0 a direction towards it.
+  // As shaders/lighting.glsl has it.
   vec4 light_eye(0, 0, 0, 1);
   if (light.kind == Light::Kind::point)
     light_eye = vec4(view.eye_from_cloud() * glm::dvec4(light.vector - cloud_origin, 1));
   else if (light.kind == Light::Kind::directional)
     light_eye = vec4(view.eye_from_cloud() * glm::dvec4(light.vector, 0));
   else if (light.kind == Light::Kind::shoulder)
-    light_eye = vec4(over_shoulder, 0);
+    light_eye = vec4(over_shoulder, -1);
   else if (view.camera().orthographic())
     light_eye = vec4(0, 0, 1, 0);
   program.set("light_eye", light_eye);

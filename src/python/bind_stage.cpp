@@ -233,7 +233,8 @@ py::object legend_of(const Shot& shot) {
   py::dict out;
   out["title"] = coloring.source;
   if (coloring.kind == ColorKind::scalar) {
-    out["low"] = coloring.low, out["high"] = coloring.high, out["colormap"] = coloring.colormap;
+    out["low"] = coloring.low, out["high"] = coloring.high;
+    out["colormap"] = coloring.places.empty() ? coloring.colormap : coloring.ramp().text();
     return out;
   }
   if (coloring.swatches.empty()) return py::none();

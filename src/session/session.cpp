@@ -177,7 +177,8 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   if (!of_all) return color_points(cloud, settings);
   ColorSettings settled = settings;
   if (settings.color_by == "auto") settled.color_by = of_all->source;
-  if (of_all->kind == ColorKind::scalar) settled.range = {of_all->low, of_all->high};
+  if (of_all->kind == ColorKind::scalar)
+    settled.range = {of_all->low, of_all->high}, settled.places = of_all->places;
   if (of_all->kind == ColorKind::rgb) settled.exposure = of_all->exposure;
   settled.shade = of_all->shade;
   try {
@@ -250,7 +251,7 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   // One part of a cloud may have fewer colours than the next.
   const std::vector<Rgba8>& deciding = whole_ ? all : coloring_.colors;
   are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
-                      !options_.color.solid && distinct_colors(all, RenderSettings::palette_limit).empty();
+                      !options_.color.solid && distinct_colors(all, most_label_colors).empty();
   contrasting_ = are_photographed_ ? background_of_photographs : contrasting_background(all);
   if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
     for (Rgba8& c : coloring_.colors)

@@ -86,9 +86,10 @@ TEST_P(SharedLight, IsThatOfPhong) {
         if (c.a < 0.999f || std::isinf(out.depth.at(x, y)) || glm::length(n) < 0.5) continue;
         const dvec3 p = world_position(camera, x, y, out.depth.at(x, y)), v = to_eye(p);
         const dvec3 l = std::string(light) == "headlight" ? v
-                        : light[0] == 's'                 ? shoulder
-                        : light[0] == 'd'                 ? sun
-                                                          : glm::normalize(lamp - p);
+                        : light[0] == 's'
+                            ? glm::normalize(glm::mix(v, shoulder, glm::smoothstep(0.0, 0.5, glm::dot(n, v))))
+                        : light[0] == 'd' ? sun
+                                          : glm::normalize(lamp - p);
         ASSERT_GE(glm::dot(n, v), -1e-4) << "the picture's normal faces away";
         if (glm::dot(n, v) < 1e-3) continue;  // seen edge-on, either side of it may be lit
         const double diffuse = std::max(0.0, glm::dot(n, l));

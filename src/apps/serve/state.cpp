@@ -88,7 +88,7 @@ Json colors(const Workbench& bench) {
   const Coloring& coloring = bench.picture()->coloring;
   json["source"] = coloring.source;
   if (coloring.kind == ColorKind::scalar) {
-    const Colormap map = Colormap::named(coloring.colormap);
+    const Colormap map = coloring.ramp();
     Json bar = Json::array();
     for (int i = 0; i <= 16; ++i) bar.push_back(hex(map.at(i / 16.0)));
     const double span = std::abs(coloring.high - coloring.low);

@@ -61,7 +61,7 @@ void Interface::color_panel() {
             choose("map", wishes.color.colormap.empty() ? coloring.colormap : wishes.color.colormap, maps))
       bench_.change("colormap", [&](view::Wishes& next) { next.color.colormap = *chosen; });
     // The map itself, as a bar.
-    const Colormap map = Colormap::named(coloring.colormap);
+    const Colormap map = coloring.ramp();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = 10 * window_.scale();
     constexpr int steps = 48;
@@ -130,7 +130,7 @@ void Interface::histogram(const Coloring& coloring) {
     histogram_ = view::histogram_of(*scene->near, coloring.source, steps);
   }
   if (histogram_.counts.empty()) return;
-  const Colormap map = Colormap::named(coloring.colormap);
+  const Colormap map = coloring.ramp();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = 54 * window_.scale();
   ImDrawList* list = ImGui::GetWindowDrawList();

@@ -419,32 +419,73 @@ TEST(Coloring, WrongNameNamesTheNearest) {
               ::testing::HasSubstr("no normals"));
 }
 
-TEST(Coloring, DarkColoursOfAFileAreRaisedAndOthersAreKept) {
-  PointCloud cloud = ramp(10);
-  const std::vector<Rgba8> light(10, Rgba8{60, 215, 140, 255});
-  cloud.colors = light;
-  EXPECT_EQ(color_points(cloud, {"rgb"}).colors, light);
-  // A twentieth darker than that: 1.05 times as bright would be seen by nobody, and said to everybody.
-  cloud.colors.assign(10, Rgba8{60, 208, 140, 255});
+TEST(Coloring, DarkPhotographsAreRaisedAndOtherColoursAreKept) {
+  PointCloud cloud = ramp(100);
+  const auto photograph = [&](std::uint8_t green) {  // a hundred colours
+    std::vector<Rgba8> colors;
+    for (int i = 0; i < 100; ++i) colors.push_back({46, green, std::uint8_t(20 + i), 255});
+    return colors;
+  };
+  cloud.colors = photograph(215);
   EXPECT_EQ(color_points(cloud, {"rgb"}).colors, cloud.colors);
-  EXPECT_TRUE(color_points(cloud, {"rgb"}).notes.empty());
-  cloud.colors.assign(10, Rgba8{46, 140, 90, 255});
+  // A little darker than the 211 that a tenth should exceed: 1.09 times as bright would be seen by nobody.
+  cloud.colors = photograph(208);
+  EXPECT_EQ(color_points(cloud, {"rgb"}).colors, cloud.colors);
+  cloud.colors = photograph(140);
   cloud.colors[0] = {255, 255, 255, 255}, cloud.colors[1] = {0, 0, 0, 255};
   const Coloring raised = color_points(cloud, {"rgb"});
-  EXPECT_NEAR(raised.colors[5].g, 211, 3) << "0.65 in linear light, which is what a tenth should exceed";
+  EXPECT_NEAR(raised.colors[50].g, 211, 3) << "0.65 in linear light, which is what a tenth should exceed";
   EXPECT_EQ(raised.colors[0], cloud.colors[0]) << "white stays white";
   EXPECT_EQ(raised.colors[1], cloud.colors[1]);
   // The same hue: channels keep their ratios in linear light.
   const auto linear = [](int code) { return std::pow((double(code) / 255 + 0.055) / 1.055, 2.4); };
-  EXPECT_NEAR(linear(raised.colors[5].b) / linear(raised.colors[5].g), linear(90) / linear(140), 0.02);
+  EXPECT_NEAR(linear(raised.colors[70].b) / linear(raised.colors[70].g), linear(90) / linear(140), 0.02);
   ASSERT_EQ(raised.notes.size(), 1u);
   ColorSettings as_they_are;
   as_they_are.exposure = 1;
   EXPECT_EQ(color_points(cloud, as_they_are).colors, cloud.colors);
   EXPECT_TRUE(color_points(cloud, as_they_are).notes.empty());
-  // What stands for a value is never raised.
-  cloud.set_scalar(field("classification", std::vector<float>(10, 2)));
+  // What stands for a value is never raised, nor are labels in the file's own colours.
+  cloud.set_scalar(field("classification", std::vector<float>(100, 2)));
   EXPECT_EQ(color_points(cloud, {"classification", "", std::nullopt}).colors[5], class_color(2));
+  cloud.colors.assign(100, Rgba8{46, 140, 90, 255});
+  EXPECT_EQ(color_points(cloud, {"rgb"}).colors, cloud.colors);
+}
+
+TEST(Coloring, HeightsAreSpreadByTheNumberOfPoints) {
+  // 900 points on level ground below 2, of 1000 up to 10.
+  PointCloud cloud;
+  for (int i = 0; i < 1000; ++i)
+    cloud.positions.push_back(
+        {float(i % 40), float(i / 40), i < 900 ? 2 * float(i) / 900 : 2 + 8 * float(i - 900) / 99});
+  const Coloring spread = color_points(cloud, {"elevation"});
+  ASSERT_EQ(spread.places.size(), 33u);
+  EXPECT_EQ(spread.places.front(), 0);
+  EXPECT_NEAR(spread.places.back(), 1, 1e-12);
+  for (std::size_t i = 1; i < spread.places.size(); ++i) EXPECT_GT(spread.places[i], spread.places[i - 1]);
+  // A fifth of the heights has nine tenths of the points: .65 * .2 + .35 * .9, within what quantiles cut off.
+  const double step = (2 - spread.low) / (spread.high - spread.low) * 32;
+  EXPECT_NEAR(std::lerp(spread.places[std::size_t(step)], spread.places[std::size_t(step) + 1],
+                        step - std::floor(step)),
+              0.445, 0.02);
+  // The legend has what is drawn.
+  const Colormap ramp = spread.ramp();
+  for (const std::size_t i : {100u, 500u, 950u}) {
+    const double share = (double(cloud.positions[i].z) - spread.low) / (spread.high - spread.low);
+    const Rgba8 a = ramp.at(share), b = spread.colors[i];
+    EXPECT_NEAR(a.r, b.r, 2);
+    EXPECT_NEAR(a.g, b.g, 2);
+    EXPECT_NEAR(a.b, b.b, 2);
+  }
+  EXPECT_EQ(Colormap::named(ramp.text()).at(0.3), ramp.at(0.3));
+  // Who names a map or a range reads values off it.
+  EXPECT_TRUE(color_points(cloud, {"elevation", "land"}).places.empty());
+  EXPECT_TRUE(color_points(cloud, {"elevation", "", std::array<double, 2>{0, 10}}).places.empty());
+  // A part of it is coloured as in the whole.
+  ColorSettings as_whole;
+  as_whole.color_by = "elevation", as_whole.range = {spread.low, spread.high},
+  as_whole.places = spread.places;
+  EXPECT_EQ(color_points(cloud, as_whole).colors, spread.colors);
 }
 
 TEST(Coloring, HidesNoiseClassesAndWithheldPoints) {
