@@ -185,7 +185,7 @@ TEST_F(Levels, NodesMeetWithoutSeams) {
       const Outcome outcome =
           run({"plane.copc.laz", "-t", technique, "--camera", "camera.json", "--resolution", "320x240",
                "--memory", memory, "-o", "plane.png", "--no-background", "--edl", "false",
-               "--smooth-outlines", "false", "--json"});
+               "--smooth-outlines", "false", "--color-range", "0,30", "--json"});
       EXPECT_EQ(outcome.code, 0) << outcome.err;
       EXPECT_EQ(nlohmann::json::parse(outcome.out).contains("levels"), memory != "4G");
       const auto picture = read_png("plane.png");

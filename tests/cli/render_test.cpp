@@ -153,8 +153,8 @@ TEST_F(RenderTest, PaperIsWhite) {
     return read_png("p.png").at(0, 0);
   };
   const Rgba8 white{255, 255, 255, 255};
-  EXPECT_LT(luma(corner({"-t", "points"})), 50);
-  EXPECT_LT(luma(corner({"-t", "strokes"})), 50);
+  EXPECT_LT(luma(corner({"-t", "points"})), 80);
+  EXPECT_LT(luma(corner({"-t", "strokes"})), 80);
   EXPECT_GT(luma(corner({"-t", "strokes", "--style", "charcoal"})), 200);
   EXPECT_EQ(corner({"-t", "splats", "--shadows", "hard", "--ground"}), white);
   EXPECT_EQ(corner({"-t", "points", "--background-color", "white"}), white);

@@ -138,7 +138,7 @@ TEST_F(DataColorsTest, ShadesShowOnBlackLabels) {
   SessionOptions options;
   options.color.color_by = "rgb";
   session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
-  look.settings.edl.user = false;
+  look.settings.edl.user = false, look.settings.light_text = "headlight";
   const Image<Rgba8> shown = session.render(look, camera_above(10, 2.2, 200)).rgba8;
   EXPECT_GT(shown.at(90, 100).g, shown.at(20, 100).g + 10) << "lighter in the middle than at the rim";
   EXPECT_GT(shown.at(120, 100).r, 180) << "what is light stays";

@@ -163,7 +163,7 @@ TEST_F(WindowTest, PicturesOfRoomsThatAreCutOpenSaySo) {
 
 TEST_F(WindowTest, DragsTheLight) {
   make_forest();
-  open({"forest.laz", "-t", "surface", "--no-edl"});
+  open({"forest.laz", "-t", "surface", "--no-edl", "--light", "headlight"});
   wait_for("final picture");
   const std::string before = save();
   hand(
