@@ -154,7 +154,7 @@ void stillness(Renderer& renderer) {
   }
 }
 
-/// Every style against the unpainted picture, at the scale of a stroke of the default style; of headlights
+/// Every style against the unpainted picture, at the scale of a stroke of the default style; of light
 /// neither knows.
 void likeness_table(Renderer& renderer, const PointCloud& cloud, const Camera& camera) {
   show(renderer, cloud);

@@ -69,7 +69,7 @@ std::vector<double> places_by_number(const ScalarField& field, const std::array<
   std::size_t all = 0;
   for (std::size_t i = 0; i < field.values.size(); ++i) {
     const double place = (field.value(i) - range[0]) / span * double(steps);
-    if (place >= 0 && place < double(steps)) ++counts[std::size_t(place)], ++all;
+    if (place >= 0 && place <= double(steps)) ++counts[std::min(steps - 1, std::size_t(place))], ++all;
   }
   if (all == 0) return {};
   std::vector<double> places{0};
@@ -245,7 +245,6 @@ constexpr float told_exposure = 2;
 
 /// Brings the colour that a tenth of the points exceed to `light_enough`.
 double automatic_exposure(const std::vector<Rgba8>& colors) {
-  if (!distinct_colors(colors, most_label_colors).empty()) return 1;
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::vector<std::uint8_t> strongest;
   for (std::size_t i = 0; i < colors.size(); i += stride)
@@ -255,6 +254,21 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
   if (!(light > 0) || light >= light_enough) return 1;
   const float exposure = light_enough * (1 - light) / (light * (1 - light_enough));
   return exposure < least_exposure ? 1 : std::min(most_exposure, exposure);
+}
+
+/// Whether there are more colours than anybody would choose for labels.
+bool are_of_photographs(const std::vector<Rgba8>& colors) {
+  constexpr int most_labels = 64;
+  std::vector<bool> seen(std::size_t(1) << 24);
+  int count = 0;
+  for (const Rgba8& c : colors) {
+    if (c == no_color) continue;
+    const std::size_t code = std::size_t(c.r) << 16 | std::size_t(c.g) << 8 | c.b;
+    if (seen[code]) continue;
+    seen[code] = true;
+    if (++count > most_labels) return true;
+  }
+  return false;
 }
 
 /// m becomes e m / (1 + (e - 1) m): e times as much near black, 1 stays 1.
@@ -319,7 +333,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     Colormap::named(settings.colormap);  // a wrong name is refused whatever is shown
   if (out.source == "rgb") {
     out.colors = cloud.colors;
-    out.exposure = settings.exposure.value_or(automatic_exposure(out.colors));
+    out.is_photographed = are_of_photographs(out.colors);
+    out.exposure = settings.exposure.value_or(out.is_photographed ? automatic_exposure(out.colors) : 1);
     for (Rgba8& c : out.colors) c.a = 255;
     if (out.exposure != 1) expose(out.colors, out.exposure);
     if (out.exposure >= double(told_exposure) && !settings.exposure) {

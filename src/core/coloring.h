@@ -53,6 +53,7 @@ struct Coloring {
   std::optional<std::array<double, 2>> shade;  ///< A*SCALAR only: values that are black and full
   std::vector<ClassShare> classes;             ///< classes only: those that occur, ascending
   std::vector<Swatch> swatches;                ///< classes and files: what the legend lists, in its order
+  bool is_photographed = false;                ///< rgb only: more than 64 colours, which nobody chose
   double exposure = 1;             ///< rgb only: how many times as bright the darkest of them became
   std::vector<std::string> notes;  ///< settings that have no effect on these colours
 
@@ -79,9 +80,6 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 /// flight line 66 and 67 shows nothing.
 bool names_things(const ScalarField& field);
 
-/// Colours of a file are labels when they are no more than these; else it was photographed.
-inline constexpr std::size_t most_label_colors = 64;
-
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.
 std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit);
 
@@ -89,8 +87,8 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 /// would be lost; of one colour, as of clay, white where it shows. sRGB, 0..1.
 vec3 contrasting_background(const std::vector<Rgba8>& colors);
 
-/// Behind photographed colours: black ones have a contrast of 2 with it, white ones one of 10, and neither of
-/// them is taken for a gap. Of three pages and three greys what readers marked best
+/// Behind photographed colours: neither black ones, of a contrast of 2.3 with it, nor white ones, of 9.3, are
+/// taken for gaps. Of three pages and three greys what readers marked best
 /// (docs/measurements/first_view.md).
 inline constexpr vec3 background_of_photographs{0.27f, 0.28f, 0.29f};
 

@@ -27,7 +27,7 @@ const std::vector<Table>& tables() {
       {"viridis",
        {0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21908c, 0x1f9f88,
         0x27ad81, 0x3ebc74, 0x5cc863, 0x82d34d, 0xaadc32, 0xd5e21a, 0xfde725}},
-      // viridis without its dark third, its lightness (CIE L*) 60 to 84: where the headlight meets level
+      // viridis without its dark third, its lightness (CIE L*) 60 to 84: where light from the eye meets level
       // ground from 32 degrees, 60 is drawn as 50, the middle, and shades show on all of it, as on
       // the tints of maps (Imhof 1965); beyond 84 the contrast with a white page would fall below 1.5.
       {"land",

@@ -280,7 +280,7 @@ std::vector<std::string> guess_names(const File& file, const Beginning& beginnin
 
 struct Naming {
   std::vector<std::string> names;
-  bool is_depth = false;  ///< z is
+  bool z_is_depth = false;
 };
 
 /// Names of the columns: what the user says, else the header line, else the guess.
@@ -338,12 +338,16 @@ Naming name_columns(const File& file, const Beginning& beginning, const Dialect&
 /// written as negative numbers are heights already.
 void turn_depths_over(ReadResult& result) {
   PointCloud& cloud = result.cloud;
-  std::size_t below = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) below += cloud.world(i).z > 0;
-  if (2 * below <= cloud.size()) return;
-  cloud.origin.z = -cloud.origin.z;
-  for (vec3& position : cloud.positions) position.z = -position.z;
-  for (vec3& normal : cloud.normals) normal.z = -normal.z;
+  std::size_t positive = 0, negative = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    positive += cloud.world(i).z > 0, negative += cloud.world(i).z < 0;
+  if (positive <= negative) {
+    if (negative > 0) result.report.notes.push_back("depths are negative, and taken for heights");
+    return;
+  }
+  cloud.origin.z = 0 - cloud.origin.z;  // no -0
+  for (vec3& position : cloud.positions) position.z = 0 - position.z;
+  for (vec3& normal : cloud.normals) normal.z = 0 - normal.z;
   result.report.notes.push_back("z is a depth, and drawn downwards (--columns x,y,z takes it for a height)");
 }
 
@@ -379,7 +383,7 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   const Beginning beginning = look_at_beginning(file, options.columns, dialect);
   ReadResult result;
   if (dialect.decimal_commas) result.report.notes.push_back("commas are decimal: 1,5 is one and a half");
-  auto [names, is_depth] = name_columns(file, beginning, dialect, options, result.report);
+  auto [names, z_is_depth] = name_columns(file, beginning, dialect, options, result.report);
   while (!names.empty() && names.back() == "_") names.pop_back();  // nobody reads what stands behind
   result.cloud.crs = result.report.crs;
   std::vector<Column> columns;
@@ -398,7 +402,7 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   if (result.report.points == 0)
     bad_input(path, "line " + std::to_string(text.lines),
               "the file ends without a point; this is no text of points");
-  if (is_depth) turn_depths_over(result);
+  if (z_is_depth) turn_depths_over(result);
   // Text says nothing about types: float unless the numbers need the offset.
   for (ScalarField& field : result.cloud.scalars)
     field.type = field.offset == 0 ? StoredType::float32 : StoredType::float64;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/coloring.h"
 #include "core/param.h"
 #include "core/vec.h"
 
@@ -85,7 +84,7 @@ struct RenderSettings {
   /// Linear colours of categories: a surface shows one of them and nothing between them. At most
   /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
   std::vector<vec3> palette;
-  static constexpr std::size_t palette_limit = most_label_colors;
+  static constexpr std::size_t palette_limit = 64;
   vec3 background{1};        ///< sRGB 0..1
   bool transparent = false;  ///< --no-background
   int samples = 1;           ///< places in a pixel whose pictures are averaged

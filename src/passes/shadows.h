@@ -88,7 +88,7 @@ class ShadowMaps {
       bool operator==(const Cloud&) const = default;
     };
     std::vector<Cloud> clouds;
-    Light::Kind kind = Light::Kind::headlight;
+    Light::Kind kind = Light::Kind::headlight;  ///< which casts none: nothing yet
     dvec3 light{0};
     std::size_t samples = 0;
     double light_size = 0;

@@ -454,7 +454,9 @@ void add_colours(Table& t) {
   for (const std::string& name : Colormap::names()) maps += (maps.empty() ? "" : " ") + name;
   t.value("--colormap", "NAME",
           maps +
-              " (gray for intensity, land for heights, else viridis); NAME_r runs backwards; "
+              " (gray for intensity, land for heights, there spread by numbers of points, else viridis); "
+              "NAME_r runs "
+              "backwards; "
               "white,#ff8800,black: your own",
           of_color(&ColorSettings::colormap), [](Text, Text text) { return Colormap::named(text), text; })
       .or_nothing()
@@ -486,7 +488,8 @@ void add_colours(Table& t) {
       .or_nothing()
       .python("number");
   t.value("--background-color", "COLOUR",
-          "a name, #hex or R,G,B from 0 to 1 (dark grey; white for clay, dark colours, charcoal, watercolor, "
+          "a name, #hex or R,G,B from 0 to 1 (dark grey, lighter for photographs; white for clay, other dark "
+          "colours, charcoal, watercolor, "
           "shadows on a ground)",
           &Request::background, color)
       .or_nothing()

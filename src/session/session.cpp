@@ -250,8 +250,7 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   const std::vector<Rgba8>& all = of_all ? of_all->colors : coloring_.colors;
   // One part of a cloud may have fewer colours than the next.
   const std::vector<Rgba8>& deciding = whole_ ? all : coloring_.colors;
-  are_photographed_ = (coloring_.source == "rgb" || coloring_.source.starts_with("rgb*")) &&
-                      !options_.color.solid && distinct_colors(all, most_label_colors).empty();
+  are_photographed_ = (of_all ? *of_all : coloring_).is_photographed;
   contrasting_ = are_photographed_ ? background_of_photographs : contrasting_background(all);
   if (!are_photographed_ && coloring_.source == "rgb" && !options_.color.solid)
     for (Rgba8& c : coloring_.colors)

@@ -175,8 +175,8 @@ TEST_F(ShadowFactorsTest, WhatHasNoneIsLit) {
 TEST_F(ShadowFactorsTest, NeedALightThatStandsSomewhere) {
   const PointCloud cloud = sphere_cloud(100);
   for (const auto& [light, shadows] :
-       {std::pair("headlight", Shadows::soft), std::pair("dir:0,0,1", Shadows::off),
-        std::pair("dir:0,0,1", Shadows::stored)}) {
+       {std::pair("headlight", Shadows::soft), std::pair("shoulder", Shadows::hard),
+        std::pair("dir:0,0,1", Shadows::off), std::pair("dir:0,0,1", Shadows::stored)}) {
     RenderSettings settings = lit_by(light, shadows);
     EXPECT_THROW(shadow_factors(context(), cloud, settings), Error) << light;
   }

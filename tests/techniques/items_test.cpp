@@ -323,6 +323,24 @@ TEST_F(ItemsTest, DepthShadingOfAPanoramaHasNoSeams) {
   }
 }
 
+// The faces of a panorama have one light, which is that of no camera.
+TEST_F(ItemsTest, APanoramaIsLitFromItsMiddle) {
+  auto technique = find_technique("splats").create();
+  Renderer renderer(context());
+  show(renderer, room(), technique->needs());
+  Camera camera = camera_at({1, 0, 0}, 256, 128);
+  camera.target = {4, 0, 0};
+  const auto lit_by = [&](const char* light) {
+    RenderSettings settings;
+    settings.light_text = light;
+    const Item item{0, technique.get(), &settings};
+    return render_panorama(renderer, {&item, 1}, camera, {0, 0, 1}, settings).rgba8;
+  };
+  const Image<Rgba8> usual = lit_by("shoulder");
+  EXPECT_TRUE(std::ranges::equal(usual, lit_by("headlight")));
+  EXPECT_FALSE(std::ranges::equal(usual, lit_by("dir:1,0,1")));
+}
+
 TEST_F(ItemsTest, ItemsWithoutPointsDrawNothing) {
   const Given sphere{sphere_cloud(5000), "splats", {}};
   const Camera camera = front_camera(64, 48);

@@ -90,7 +90,7 @@ Json colors(const Workbench& bench) {
   if (coloring.kind == ColorKind::scalar) {
     const Colormap map = coloring.ramp();
     Json bar = Json::array();
-    for (int i = 0; i <= 16; ++i) bar.push_back(hex(map.at(i / 16.0)));
+    for (int i = 0; i <= 32; ++i) bar.push_back(hex(map.at(i / 32.0)));
     const double span = std::abs(coloring.high - coloring.low);
     json["bar"] = bar;
     json["low"] = view::coordinate_text(coloring.low, span),

@@ -57,9 +57,12 @@ void Interface::color_panel() {
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
     std::vector<std::string> maps = Colormap::choices();
-    if (const auto chosen =
-            choose("map", wishes.color.colormap.empty() ? coloring.colormap : wishes.color.colormap, maps))
-      bench_.change("colormap", [&](view::Wishes& next) { next.color.colormap = *chosen; });
+    maps.insert(maps.begin(), "auto");
+    const std::string& own = wishes.color.colormap;
+    if (const auto chosen = choose("map", own.empty() ? "auto: " + coloring.colormap : own, maps))
+      bench_.change("colormap",
+                    [&](view::Wishes& next) { next.color.colormap = *chosen == "auto" ? "" : *chosen; });
+    tooltip("a map of your own, or range, has equal steps; heights are spread by numbers of points else");
     // The map itself, as a bar.
     const Colormap map = coloring.ramp();
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -84,7 +87,7 @@ void Interface::color_panel() {
       ImGui::SameLine();
       if (ImGui::SmallButton("×"))
         bench_.change("color-range", [](view::Wishes& next) { next.color.range.reset(); });
-      tooltip("back to 2-98 % of the points");
+      tooltip("back to what suits the points");
     }
   }
   if (picture() && has_swatches()) {
@@ -244,10 +247,7 @@ void Interface::light_panel() {
     if (*chosen == "the upper left") set("light", "shoulder");
     if (*chosen == "the eye") set("light", "headlight");
     if (*chosen == "a direction") {
-      const Light key = key_light(bench_.camera(), bench_.navigator().up_axis());
-      dvec3 way = key.kind == Light::Kind::directional
-                      ? key.vector
-                      : glm::normalize(key.vector - bench_.wishes().camera.target);
+      const dvec3 way = key_light(bench_.camera(), bench_.navigator().up_axis()).vector;
       set("light", fmt::format("dir:{:.3f},{:.3f},{:.3f}", way.x, way.y, way.z));
     }
     if (*chosen == "a place")

@@ -90,7 +90,8 @@ class Picture:
 
     @property
     def legend(self):
-        """What the colours mean, as a dict: `title` and either `low`, `high` and `colormap` (see `colormap`), or `swatches`: (label,
+        """What the colours mean, as a dict: `title` and either `low`, `high` and `colormap` (a name, or
+        "#rrggbb,..." where heights are spread by numbers of points; see `colormap`), or `swatches`: (label,
         (r, g, b), points) each. None where colours explain themselves."""
         return self._shot.legend
 

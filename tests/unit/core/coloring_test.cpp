@@ -448,8 +448,19 @@ TEST(Coloring, DarkPhotographsAreRaisedAndOtherColoursAreKept) {
   // What stands for a value is never raised, nor are labels in the file's own colours.
   cloud.set_scalar(field("classification", std::vector<float>(100, 2)));
   EXPECT_EQ(color_points(cloud, {"classification", "", std::nullopt}).colors[5], class_color(2));
-  cloud.colors.assign(100, Rgba8{46, 140, 90, 255});
-  EXPECT_EQ(color_points(cloud, {"rgb"}).colors, cloud.colors);
+  for (int i = 0; i < 100; ++i)
+    cloud.colors[std::size_t(i)] = {46, std::uint8_t(130 + i % 10), 90, std::uint8_t(100 + i)};
+  const Coloring labels = color_points(cloud, {"rgb"});
+  EXPECT_FALSE(labels.is_photographed) << "whatever alpha they have";
+  EXPECT_EQ(labels.colors[7].g, 137);
+  EXPECT_TRUE(raised.is_photographed);
+  // At most eightfold, and told from twice on.
+  cloud.colors = photograph(215);
+  for (Rgba8& c : cloud.colors) c.r = c.r / 10, c.g = c.g / 10;
+  EXPECT_EQ(color_points(cloud, {"rgb"}).exposure, 8);
+  cloud.colors = photograph(190);
+  EXPECT_GT(color_points(cloud, {"rgb"}).exposure, 1.2);
+  EXPECT_TRUE(color_points(cloud, {"rgb"}).notes.empty());
 }
 
 TEST(Coloring, HeightsAreSpreadByTheNumberOfPoints) {
@@ -468,6 +479,16 @@ TEST(Coloring, HeightsAreSpreadByTheNumberOfPoints) {
   EXPECT_NEAR(std::lerp(spread.places[std::size_t(step)], spread.places[std::size_t(step) + 1],
                         step - std::floor(step)),
               0.445, 0.02);
+  // Two levels of as many points are as far from both ends, and one alone has no steps.
+  PointCloud levels;
+  for (int i = 0; i < 1000; ++i)
+    levels.positions.push_back({float(i % 40), float(i / 40), i % 2 ? 10.f : 0.f});
+  const std::vector<double> two = color_points(levels, {"elevation"}).places;
+  ASSERT_EQ(two.size(), 33u);
+  EXPECT_NEAR(two[1], 1 - two[31], 1e-12);
+  for (vec3& p : levels.positions) p.z = 3;
+  EXPECT_TRUE(color_points(levels, {"elevation"}).places.empty());
+  EXPECT_TRUE(color_points(PointCloud(), {"elevation"}).places.empty());
   // The legend has what is drawn.
   const Colormap ramp = spread.ramp();
   for (const std::size_t i : {100u, 500u, 950u}) {
