@@ -278,11 +278,6 @@ std::vector<std::string> guess_names(const File& file, const Beginning& beginnin
   return names;
 }
 
-struct Naming {
-  std::vector<std::string> names;
-  bool z_is_depth = false;
-};
-
 /// Names of the columns: what the user says, else the header line, else the guess.
 Naming name_columns(const File& file, const Beginning& beginning, const Dialect& dialect,
                     const ReadOptions& options, ReadReport& report) {
@@ -305,7 +300,7 @@ Naming name_columns(const File& file, const Beginning& beginning, const Dialect&
                   " numbers in a line, expected x y z and at most " + std::to_string(most_columns) +
                   "; this is no text of points");
   for (auto header = beginning.headers.rbegin(); header != beginning.headers.rend(); ++header) {
-    std::vector<std::string> names = names_in(*header, width);
+    auto [names, z_is_depth] = names_in(*header, width);
     // A table with names of rows has one name less.
     const SampleRows& rows = beginning.rows;
     const bool has_row_names = !names.empty() && names.size() + 1 == width &&
@@ -321,7 +316,7 @@ Naming name_columns(const File& file, const Beginning& beginning, const Dialect&
     if (names.size() == 3 && width > 3 && !has_row_names) names = guess_columns(rows, width, names);
     if (names_degrees(*header)) report.crs = degrees_crs;
     report.notes.push_back("columns from the header line: " + join(names));
-    return {std::move(names), names_depth(*header)};
+    return {std::move(names), z_is_depth};
   }
   // A count on top makes it a PTS, whose columns are fixed: x y z [intensity] [r g b].
   if (beginning.has_count && !dialect.words && (width == 4 || width == 6 || width == 7)) {

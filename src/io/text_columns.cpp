@@ -234,37 +234,28 @@ class Sample {
 
 }  // namespace
 
-std::vector<std::string> names_in(std::string_view line, std::size_t width) {
+Naming names_in(std::string_view line, std::size_t width) {
   while (!line.empty() && (is_blank(line.back()) || line.back() == '\n')) line.remove_suffix(1);
   for (const std::string_view text : {line, behind_title(line)})
     for (const char separator : {' ', ';', ',', '\t'}) {
       Names names = cells_of(text, separator);
       if (names.size() != width || (separator == ' ' && is_prose(names))) continue;
-      use_names_of_axes(names);
+      const bool z_is_depth = use_names_of_axes(names);
       std::replace(names.begin(), names.end(), std::string(), std::string("_"));
-      return names;
+      return {std::move(names), z_is_depth};
     }
   for (const std::string_view text : {line, behind_title(line)})
     for (const char separator : {';', ',', '\t', ' '}) {
       Names names = cells_of(text, separator);
-      use_names_of_axes(names);
+      const bool z_is_depth = use_names_of_axes(names);
       if (separator == ' ' && names.size() != 3 && (names.size() + 1 != width || is_prose(names))) continue;
       const bool is_list = separator == ' ' || std::count(text.begin(), text.end(), separator) >= 2;
       if (names.size() > width && is_list) names.resize(width);
       if (!is_list || !has_axes(names)) continue;
       std::replace(names.begin(), names.end(), std::string(), std::string("_"));
-      return names;
+      return {std::move(names), z_is_depth};
     }
   return {};
-}
-
-bool names_depth(std::string_view line) {
-  for (const std::string_view text : {line, behind_title(line)})
-    for (const char separator : {' ', ';', ',', '\t'}) {
-      Names names = cells_of(text, separator);
-      if (use_names_of_axes(names) && has_axes(names)) return true;
-    }
-  return false;
 }
 
 bool names_degrees(std::string_view line) {

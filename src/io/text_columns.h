@@ -8,16 +8,19 @@
 
 namespace sfumato::io {
 
+/// What the columns of a file are called.
+struct Naming {
+  std::vector<std::string> names;
+  bool z_is_depth = false;  ///< which counts downwards
+};
+
 /// The names in a header line for rows of `width` columns, without comment signs, quotes and units: `//X`,
 /// `"Red"`, `Z [m]`; blanks part them, or commas, semicolons or tabs do. Others' words for the axes (easting,
 /// Hochwert, latitude, depth, `Points_m_XYZ:0`, POINT_X ...) become x, y and z where these are no names
 /// themselves; the case of other names is kept; a column without a name is `_`. A line that names fewer
 /// columns or more counts where commas, semicolons or tabs part it and x, y and z are among them, or where it
 /// names nothing else. Nothing otherwise.
-std::vector<std::string> names_in(std::string_view line, std::size_t width);
-
-/// Whether z of a line of names is a depth, which counts downwards.
-bool names_depth(std::string_view line);
+Naming names_in(std::string_view line, std::size_t width);
 
 /// Whether the line names its axes by longitude and latitude.
 bool names_degrees(std::string_view line);

@@ -455,9 +455,7 @@ void add_colours(Table& t) {
   t.value("--colormap", "NAME",
           maps +
               " (gray for intensity, land for heights, there spread by numbers of points, else viridis); "
-              "NAME_r runs "
-              "backwards; "
-              "white,#ff8800,black: your own",
+              "NAME_r runs backwards; white,#ff8800,black: your own",
           of_color(&ColorSettings::colormap), [](Text, Text text) { return Colormap::named(text), text; })
       .or_nothing()
       .python("text");
@@ -489,8 +487,7 @@ void add_colours(Table& t) {
       .python("number");
   t.value("--background-color", "COLOUR",
           "a name, #hex or R,G,B from 0 to 1 (dark grey, lighter for photographs; white for clay, other dark "
-          "colours, charcoal, watercolor, "
-          "shadows on a ground)",
+          "colours, charcoal, watercolor, shadows on a ground)",
           &Request::background, color)
       .or_nothing()
       .python("text", "background");
