@@ -15,11 +15,34 @@
 namespace sfumato::analysis {
 namespace {
 
+/// The cells of a square over all but 2 % of two coordinates at each end; what is beyond is in outer ones.
+struct Cells {
+  int side;
+  glm::dvec2 low, high;
+  Cells(const std::vector<double>& x, const std::vector<double>& y, int cells)
+      : side(cells),
+        low(value_at_share(std::vector(x), 0.02), value_at_share(std::vector(y), 0.02)),
+        high(value_at_share(std::vector(x), 0.98), value_at_share(std::vector(y), 0.98)) {}
+  std::size_t count() const { return std::size_t(side * side); }
+  std::size_t place(double x, double y) const {
+    const glm::dvec2 at = (glm::dvec2(x, y) - low) / glm::max(high - low, glm::dvec2(1e-300));
+    const glm::ivec2 cell(glm::clamp(at * double(side), 0.0, side - 1.0));
+    return std::size_t(cell.y * side + cell.x);
+  }
+  double open_share(const std::vector<double>& x, const std::vector<double>& y) const {
+    std::vector<bool> held(count());
+    for (std::size_t i = 0; i < x.size(); ++i) held[place(x[i], y[i])] = true;
+    return double(std::count(held.begin(), held.end(), false)) / double(count());
+  }
+};
+
 /// Of a picture of depths, 1e300 where there is none, between the slopes `low` and `high`.
-double faces_up(const std::vector<double>& depths, int side, const glm::dvec2& low, const glm::dvec2& high) {
+double faces_up(const std::vector<double>& depths, const Cells& cells) {
   constexpr double level = 0.7, jump = 1.3;  // cos 45 degrees; of depths side by side, on one surface
+  const int side = cells.side;
   const auto at = [&](int x, int y) {
-    const glm::dvec2 slope = low + (high - low) * (glm::dvec2(x, y) + 0.5) / double(side);
+    const glm::dvec2 slope =
+        cells.low + (cells.high - cells.low) * (glm::dvec2(x, y) + 0.5) / double(side);
     return depths[std::size_t(y * side + x)] * dvec3(slope, 1);
   };
   double up = 0;
@@ -68,34 +91,45 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
       x.push_back(u), y.push_back(v), depths.push_back(depth);
   }
   if (!(double(depths.size()) > within * double(points.size()))) return {};
-  const auto ends = [](std::vector<double> values) {
-    return std::pair(value_at_share(values, 0.02), value_at_share(values, 0.98));
-  };
-  const auto [left, end] = ends(x);
-  const auto [bottom, top] = ends(y);
-  const double width = std::max(end - left, top - bottom);
   const int side = std::clamp(int(std::sqrt(double(depths.size()) / 8)), 4, 64);  // eight points a cell
-  const auto cell = [&](double value, double low, double high) {
-    return std::clamp(int((value - low) / std::max(high - low, 1e-300) * side), 0, side - 1);
-  };
-  std::vector<double> nearest(std::size_t(side * side), 1e300);
+  const Cells cells(x, y, side);
+  const auto [low, high] = std::pair(cells.low, cells.high);
+  const double width = std::max(high.x - low.x, high.y - low.y);
+  std::vector<double> nearest(cells.count(), 1e300);
   std::vector<std::size_t> place(depths.size());
   for (std::size_t i = 0; i < depths.size(); ++i) {
-    place[i] = std::size_t(cell(y[i], bottom, top) * side + cell(x[i], left, end));
+    place[i] = cells.place(x[i], y[i]);
     nearest[place[i]] = std::min(nearest[place[i]], depths[i]);
   }
   // A surface at 70 degrees from the line of sight spans three widths of a cell in depth.
   const double behind = 1 + 3 * width / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
-  return {double(seen) / double(depths.size()), faces_up(nearest, side, {left, bottom}, {end, top}),
-          left < 0 && end > 0 && bottom < 0 && top > 0 &&
-              value_at_share(depths, 0.02) > near * value_at_share(depths, 0.5),
-          width, is_in_steps(x, left, end) && is_in_steps(y, bottom, top)};
+  Sight sight;
+  sight.first = double(seen) / double(depths.size());
+  sight.faces_up = faces_up(nearest, cells);
+  sight.width = width;
+  sight.of_pixels = is_in_steps(x, low.x, high.x) && is_in_steps(y, low.y, high.y);
+  const double open = cells.open_share(x, y);
+  for (std::size_t i = 0; i < depths.size(); ++i) x[i] *= depths[i], y[i] *= depths[i];
+  const double open_across = Cells(x, y, side).open_share(x, y);
+  constexpr double chance = 0.02;  // of the cells, of which random points leave some open
+  sight.framed = std::max(0.0, open_across - open) / (open_across + chance);
+  const double nearest_depth = value_at_share(depths, 0.02);  // moves them
+  sight.ahead = glm::all(glm::lessThan(low, glm::dvec2(0))) &&
+                glm::all(glm::greaterThan(high, glm::dvec2(0))) &&
+                nearest_depth > near * value_at_share(depths, 0.5);
+  return sight;
 }
 
 double is_one_picture(const Sight& sight) {
   return std::clamp((sight.first - 0.75) / (0.9 - 0.75), 0.0, 1.0);
+}
+
+double is_image(const Sight& sight) {
+  // Of depth cameras `framed` is 0.4 to 1, of other clouds before the origin 0 to 0.2, of photographs up to
+  // 0.34 (docs/measurements/first_view.md).
+  return sight.of_pixels ? 1 : std::clamp((sight.framed - 0.2) / (0.5 - 0.2), 0.0, 1.0);
 }
 
 dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye) {

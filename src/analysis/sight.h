@@ -19,6 +19,9 @@ struct Sight {
   /// Less than 3 degrees: no camera looks through such a window, the origin of a map does.
   bool is_narrow() const { return !(width > 0.05); }
   bool of_pixels = false;  ///< the lines of sight are in columns and rows, as those of an image
+  /// Of what is open in the points' rectangle across the line of sight, the share that is closed in that of
+  /// their directions, 0 to 1: an image ends at its sides, a tile of land at those of its plan.
+  double framed = 0;
 };
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie
@@ -27,6 +30,8 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
 
 /// From `eye` each line of sight meets one surface: 0 to 1.
 double is_one_picture(const Sight& sight);
+/// The points are those of an image taken at `eye`, however noisy its depths are: 0 to 1.
+double is_image(const Sight& sight);
 
 /// The mean direction from `eye` to the points, a unit vector; 0 where they lie all around it.
 dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye);

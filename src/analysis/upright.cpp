@@ -158,30 +158,31 @@ struct Sample {
 using Stands = std::array<Sample::Stand, 6>;  ///< of each UpAxis
 
 /// All is within 60 degrees of the axis, and each line of sight meets one surface only, as of no body or room
-/// that was scanned from several sides; but not land, which any place above it sees so, unless the lines are
-/// those of an image's pixels: a tile whose plan was shifted to its middle has the origin far below it. What
-/// many photographs saw has colours and the axes of the first camera, which it is before.
+/// that was scanned from several sides; but not land, which any place above it sees so: a tile whose plan
+/// was shifted to its middle has the origin far below it. Or its lines of sight are in rows and columns, or
+/// end at the sides of an image and not of a plan. What many photographs saw has colours and the axes of the
+/// first camera, which it is before.
 Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const {
-  // The sign of y: of 12 public pictures of pixels the custom holds for all, of 18 other sources for 14. The
+  // The sign of y: of 12 public pictures of pixels the custom holds for all, of 21 other sources for 14. The
   // rows of an organised file say it without a custom. More of what is level is seen from its side along y
-  // than from the other, as floors and tables are, where a tenth of all is so surely: where that says the
-  // opposite, pictures of pixels have the other sign, and of others, which may show the ceiling of a room,
-  // the convention of the format decides.
-  constexpr double not_of_pixels = 0.25, opposed = 0.4, sure_floors = 0.1, in_rows = 0.9;
+  // than from the other, as floors and tables are, where a tenth of all is so surely: that says it in 25 of 26
+  // pictures, but not of who looks at a ceiling. What photographs saw was seen from more sides than one.
+  constexpr double not_of_pixels = 0.25, seen_from_more = 0.4, sure_floors = 0.1, in_rows = 0.9;
   // Of eight public sources that lie before the origin so and are no picture six are of photographs.
   constexpr double of_photographs = 0.75;
   dvec3 along(0);
   along[axis] = positive ? 1 : -1;
   const Sight sight = sight_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
   if (sight.is_narrow()) return {};
-  const double seen = std::max(is_one_picture(sight), sight.ahead && colored ? of_photographs : 0) *
-                      (sight.of_pixels ? 1 : 1 - lies(axis));
+  const double one = is_one_picture(sight), image = is_image(sight);
+  const double before = std::max(one, sight.ahead && colored ? of_photographs : 0);
+  const double seen = std::max(image, before * (1 - lies(axis)));
   const double custom = positive ? -1 : 1, down = custom * downwards(axis);
   const double sign = down < -in_rows ? -custom : custom;
   const double floors = sign * std::clamp(sight.faces_up / sure_floors, -1.0, 1.0);
-  const double unsure = std::abs(down) > in_rows ? 0 : not_of_pixels;
-  const double opposite = sight.of_pixels ? std::max(-floors, 0.0)
-                                          : std::max(-opposed * floors, unsure * std::min(1 - floors, 1.0));
+  const double unsure = sight.of_pixels || std::abs(down) > in_rows ? 0 : not_of_pixels;
+  const double opposed = std::max({one, image, seen_from_more});
+  const double opposite = std::max(-opposed * floors, unsure * std::min(1 - floors, 1.0));
   const double turned = sign == custom ? opposite : 1 - opposite;
   return {seen, seen * turned};
 }
@@ -503,10 +504,11 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
   camera[int(UpAxis::pos_z)] = ahead.seen;
   camera[int(UpAxis::pos_y)] = behind.seen - behind.turned + before.turned;
   camera[int(UpAxis::neg_y)] = before.seen - before.turned + behind.turned;
+  const bool by_photographs = cloud.up == UpAxis::neg_y;  // COLMAP, splats, depth images
   const dvec3 lidar =
       cloud.scanners.size() == 1 && std::isfinite(cloud.scanners[0].x) ? cloud.scanners[0] : dvec3(0);
   std::array<double, 3> turned{};
-  if (cloud.scanners.size() <= 1)
+  if (cloud.scanners.size() <= 1 && !by_photographs)
     for (int axis = 0; axis < 3; ++axis) turned[std::size_t(axis)] = sample.turned_about(lidar, axis);
   // What a picture shows is cut by its frame and faces the camera, and the lines of a lidar are no surfaces:
   // that is no evidence any more.
@@ -524,7 +526,6 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
   const Facets facets(sample.points, sample.normals, sample.low, sample.high);
   const bool is_box = sample.is_box();
   const bool is_model = cloud.provenance == Provenance::model;
-  const bool by_photographs = cloud.up == UpAxis::neg_y;  // COLMAP, splats, depth images
   double all = 0;
   for (int i = 0; i < 6; ++i) {
     progress.check();

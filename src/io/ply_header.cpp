@@ -90,6 +90,13 @@ bool has_z_up(std::string_view comment) {
                      [&](std::string_view program) { return comment.find(program) != comment.npos; });
 }
 
+/// OpenMVS writes its lists so, in points and in meshes, in the axes of the structure from motion: those of a
+/// camera.
+bool is_of_openmvs(const std::string& line) {
+  return line == "property list uint8 uint32 view_indices" ||
+         line == "property list uint8 uint32 vertex_indices";
+}
+
 void parse_comment(std::istringstream& words, PlyHeader& header) {
   std::string key, value;
   words >> key >> std::ws;
@@ -143,6 +150,7 @@ PlyHeader read_ply_header(const File& file) {
       header.elements.push_back(parse_element(lines, words));
     } else if (word == "property") {
       if (header.elements.empty()) lines.fail("found a property before any element; export it again");
+      if (!header.names_up && is_of_openmvs(words.str())) header.up = UpAxis::neg_y;
       header.elements.back().properties.push_back(parse_property(lines, words));
       if (header.elements.back().properties.size() > most_properties)
         lines.fail("found more than " + std::to_string(most_properties) + " properties of one element");

@@ -45,6 +45,7 @@ uniform float usual_spacing;  // scene units
 uniform float sparse_px;      // what is farther apart, and than usual, recedes
 const vec2 closing = vec2(2.0, 3.0);  // in wide_px: points that far apart are no surface to whoever looks
 const float overlap = 1.41;   // usual spacings: twice as dense are strips that overlap
+const float lone = 1.0 / 3.0, lone_most = 2.5;  // of the usual spacing, where all are far apart; limits
 #endif
 uniform float min_gap;      // scene units behind the reference
 
@@ -153,7 +154,9 @@ void main() {
 #endif
   if (size_mode == 0) diameter *= spacing * pixels_at(depth);
 #ifdef DOTS
-  float as_dot = clamp(dot_share * diameter, dot_limits_px.x, dot_limits_px.y);
+  float apart = 0.5 * point_size * min(spacing, usual_spacing) * pixels_at(depth);
+  float most_px = dot_limits_px.y * clamp(lone * apart / dot_limits_px.y, 1.0, lone_most);
+  float as_dot = clamp(dot_share * diameter, dot_limits_px.x, most_px);
   own.y *= 1.0 - smoothstep(closing.x, closing.y, diameter / wide_px);
 #endif
   if (size_mode == 0 && wide_px > 0.0 && diameter > wide_px) diameter = wide_px * sqrt(sqrt(diameter / wide_px));

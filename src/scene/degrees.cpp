@@ -144,7 +144,7 @@ void LocalMetres::apply(PointCloud& cloud) const {
   metres[3] = glm::dvec4(moved(dvec3(0)), 1);
   const UpAxis up = cloud.up;
   transform(cloud, metres);
-  cloud.up = up;
+  cloud.up = up, cloud.up_is_known = true;  // the third is a height
   cloud.normals = std::move(normals), cloud.radii = std::move(radii);
   cloud.crs.clear();
 }

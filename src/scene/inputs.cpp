@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "core/lower_case.h"
 #include "io/byte_source.h"
@@ -38,9 +39,12 @@ std::vector<std::string> readable_extensions() {
 
 std::vector<std::string> files_in(const std::string& folder) {
   // Such a folder is one scan: what lies in it are its parts.
-  const fs::path ept = fs::path(folder) / "ept.json", potree = fs::path(folder) / "metadata.json";
-  if (fs::exists(ept)) return {ept.string()};
-  if (fs::exists(potree) && fs::exists(fs::path(folder) / "octree.bin")) return {potree.string()};
+  const auto has = [&](const char* name) { return fs::exists(fs::path(folder) / name); };
+  for (const auto& [scan, beside] : {std::pair{"ept.json", "ept.json"},
+                                     {"metadata.json", "octree.bin"},
+                                     {"points3D.bin", "images.bin"},
+                                     {"points3D.txt", "images.txt"}})
+    if (has(scan) && has(beside)) return {(fs::path(folder) / scan).string()};
   const std::vector<std::string> extensions = readable_extensions();
   std::vector<std::string> found;
   std::error_code error;

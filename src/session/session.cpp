@@ -199,14 +199,16 @@ const PreparedCloud& largest_of(const std::vector<const PreparedCloud*>& clouds)
 }
 
 /// What `auto` takes where the file has no colours and light is another matter than it seemed: height where
-/// the points make too little of a surface, as leaves, for light to show, and intensity is that of the part
-/// of a pulse that each leaf stopped; clay where they have radii of their own, as of a mesh that is no
-/// survey, and light shows each fold.
+/// too few points make a surface for light to show, or too little of one, as leaves, whose intensity besides
+/// is that of the part of a pulse that each stopped; clay where they have radii of their own, as of a mesh
+/// that is no survey, and light shows each fold.
 std::string without_colors(const std::string& source, const PreparedCloud& cloud) {
   const bool is_survey = cloud.cloud.las || !cloud.cloud.crs.empty();
-  if ((source == "clay" || source == "intensity") &&
-      analysis::surface_share_of(cloud) < analysis::enough_surface)
-    return "elevation";
+  if (source == "clay" || source == "intensity") {
+    const TechniqueChoice choice = choose_technique(cloud, nullptr);
+    const bool has_surface = choice.surface_share >= analysis::enough_surface;
+    return has_surface && (source == "intensity" || choice.technique != "points") ? source : "elevation";
+  }
   if (source == "elevation" && !is_survey && !cloud.cloud.radii.empty() &&
       !cloud.computed.has(Attribute::radius))
     return "clay";
@@ -241,8 +243,7 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
       coloring_ = color_like(of_all, whole, settings);
   };
   color_all();
-  // What a sensor saw before it is seen by distance.
-  if (settings.color_by == "auto" && !settings.solid && !pose_.sensor) {
+  if (settings.color_by == "auto" && !settings.solid) {
     settings.color_by = whole_ ? without_colors(coloring_.source, analysis::prepare(whole_->sample, {}, {}))
                                : without_colors(coloring_.source, largest_of(clouds));
     if (settings.color_by != coloring_.source) color_all();

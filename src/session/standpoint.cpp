@@ -271,8 +271,8 @@ Standpoint standpoint_for(Subject& subject, UpAxis up) {
 namespace {
 
 /// Whether all was seen from the origin on a grid of pixels, along a coordinate axis that is level: a picture
-/// however noisy its depths are, as those of stereo. Or, with colours, all lies before a camera there, as
-/// what photographs saw lies before the first.
+/// however noisy its depths are, as those of stereo. Or, in the axes of a camera, is framed as an image or,
+/// with colours, lies before it, as what photographs saw lies before the first.
 bool is_of_camera(const PointCloud& cloud, const Subject& subject, const dvec3& up) {
   constexpr double widest = 2;  // a lens of 90 degrees
   for (const dvec3& axis : {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)})
@@ -281,8 +281,8 @@ bool is_of_camera(const PointCloud& cloud, const Subject& subject, const dvec3& 
       const analysis::Sight sight = analysis::sight_of(subject.points, dvec3(0), sign * axis, up);
       const bool is_optical = axis.z != 0 && up.y != 0;
       if (sight.is_narrow()) continue;
-      if (sight.of_pixels || (is_optical && sight.ahead && sight.width < widest && !cloud.colors.empty()))
-        return true;
+      const bool of_photographs = sight.ahead && sight.width < widest && !cloud.colors.empty();
+      if (sight.of_pixels || (is_optical && (of_photographs || is_image(sight) > 0.5))) return true;
     }
   return false;
 }

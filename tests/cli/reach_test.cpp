@@ -12,6 +12,7 @@
 using namespace sfumato;
 using namespace sfumato::testing;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 namespace {
 
@@ -280,6 +281,17 @@ TEST_F(ReachTest, EachFileIsAPictureAndABadOneDoesNotStopTheRest) {
       HasSubstr("leave out --each"));
   EXPECT_EQ(run({"scans/bad.ply", "--each", "-o", "{stem}.png"}).code, 2)
       << "of one file it is what it always is";
+}
+
+TEST_F(ReachTest, TheFolderOfAReconstructionIsItsPoints) {
+  std::filesystem::create_directory(path("0"));
+  write("0/points3D.txt", "1 0 0 5 9 9 9 .5 1 2\n2 1 0 5 9 9 9 .5 1 3\n3 0 1 6 9 9 9 .5 1 4\n");
+  write("0/cameras.txt", "1 SIMPLE_PINHOLE 640 480 500 320 240\n");
+  write("0/images.txt", "1 1 0 0 0 0 0 0 1 a.jpg\n10 10 1\n");
+  const Outcome table = run({"info", "0"});
+  EXPECT_EQ(table.code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("points3D.txt"));
+  EXPECT_THAT(table.out, Not(HasSubstr("images.txt")));
 }
 
 TEST_F(ReachTest, EachFileHasTheTechniqueThatSuitsIt) {

@@ -99,6 +99,17 @@ TEST_F(StrangersCommand, DegreesAreDrawnInMetresAndSaid) {
   EXPECT_THAT(info.out, HasSubstr("13.38"));
   EXPECT_EQ(run({"convert", "degrees.txt", "-o", "copy.ply"}).code, 0);
   EXPECT_THAT(run({"info", "copy.ply"}).out, HasSubstr("13.38"));
+  // The third is a height, also of a slope that lies before the middle of the sea level below it.
+  std::string slope;
+  char row[80];
+  for (int x = -60; x <= 60; ++x)
+    for (int y = -60; y <= 60; ++y) {
+      std::snprintf(row, sizeof row, "%.8f %.8f %d\n", -49.5 + 5e-5 * x, 69 + 2e-5 * y, 600 + 4 * y);
+      slope += row;
+    }
+  write("slope.txt", slope);
+  const std::vector<std::string> words{"slope.txt", "-o", "c.png", "--resolution", "64x64", "--json"};
+  EXPECT_EQ(run_json(words)["up"], "+Z");
   // Metres are none, however small the numbers.
   write_hill("metres.txt", 13.38, 52.51, 8, 6, 34);
   EXPECT_THAT(run({"metres.txt", "-o", "b.png", "--resolution", "64x64"}).err, Not(HasSubstr("degrees")));

@@ -90,6 +90,19 @@ TEST(PlyTest, ProgramsThatHaveZUpSaySoByTheirName) {
   EXPECT_EQ(cloud_of("comment TextureFile Blender_export.png\n").up, UpAxis::pos_y);
 }
 
+// OpenMVS names no program, but writes lists as few others do, in the axes of a camera.
+TEST(PlyTest, ListsOfOpenMvsHaveTheAxesOfACamera) {
+  const auto up_of = [](const std::string& of_vertex, const std::string& of_face) {
+    const std::string lines = "element vertex 1\n" + xyz + of_vertex + "element face 1\n" + of_face;
+    const std::string body = std::string("1 2 3") + (of_vertex.empty() ? "" : " 1 0") + "\n3 0 0 0\n";
+    return io::read(write_file("by.ply", header("ascii", lines) + body)).cloud.up;
+  };
+  EXPECT_EQ(up_of("", "property list uint8 uint32 vertex_indices\n"), UpAxis::neg_y);
+  EXPECT_EQ(up_of("property list uint8 uint32 view_indices\n", "property list uchar int vertex_indices\n"),
+            UpAxis::neg_y);
+  EXPECT_EQ(up_of("", "property list uchar uint vertex_indices\n"), UpAxis::pos_y);
+}
+
 TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {
   const std::string body =
       "comment made by hand\nobj_info nothing\nelement vertex 2\nproperty short s\nproperty double z\n"
