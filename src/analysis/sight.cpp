@@ -41,8 +41,7 @@ double faces_up(const std::vector<double>& depths, const Cells& cells) {
   constexpr double level = 0.7, jump = 1.3;  // cos 45 degrees; of depths side by side, on one surface
   const int side = cells.side;
   const auto at = [&](int x, int y) {
-    const glm::dvec2 slope =
-        cells.low + (cells.high - cells.low) * (glm::dvec2(x, y) + 0.5) / double(side);
+    const glm::dvec2 slope = cells.low + (cells.high - cells.low) * (glm::dvec2(x, y) + 0.5) / double(side);
     return depths[std::size_t(y * side + x)] * dvec3(slope, 1);
   };
   double up = 0;

@@ -165,8 +165,8 @@ using Stands = std::array<Sample::Stand, 6>;  ///< of each UpAxis
 Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const {
   // The sign of y: of 12 public pictures of pixels the custom holds for all, of 21 other sources for 14. The
   // rows of an organised file say it without a custom. More of what is level is seen from its side along y
-  // than from the other, as floors and tables are, where a tenth of all is so surely: that says it in 25 of 26
-  // pictures, but not of who looks at a ceiling. What photographs saw was seen from more sides than one.
+  // than from the other, as floors and tables are, where a tenth of all is so surely: that says it in 25 of
+  // 26 pictures, but not of who looks at a ceiling. What photographs saw was seen from more sides than one.
   constexpr double not_of_pixels = 0.25, seen_from_more = 0.4, sure_floors = 0.1, in_rows = 0.9;
   // Of eight public sources that lie before the origin so and are no picture six are of photographs.
   constexpr double of_photographs = 0.75;

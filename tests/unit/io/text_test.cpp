@@ -174,7 +174,7 @@ TEST(TextTest, DepthsAreBelow) {
 
 TEST(TextTest, HeadersOfSurveyorsNameTheAxes) {
   for (const char* header : {"Easting,Northing,Elevation,Class\n", "E [m],N [m],H (m),class\n",
-                             "// y_coord; x_coord; z; Class\n"}) {
+                             "// y_coord; x_coord; z; Class\n", "# lon, lat, height_above_datum, class\n"}) {
     const bool swapped = header[0] == '/';
     const PointCloud cloud = read_text(std::string(header) + "1,2,3,6\n").cloud;
     EXPECT_EQ(cloud.positions.at(0), swapped ? vec3(2, 1, 3) : vec3(1, 2, 3)) << header;

@@ -642,8 +642,8 @@ TEST(Upright, OfACameraTheFloorIsSeenFromAbove) {
   EXPECT_EQ(guess_upright(seen).reason.rfind("guessed: ", 0), std::string::npos);
 }
 
-// A table, a near and a far wall by stereo, whose depths scatter by a tenth and whose lines of sight a lens has
-// bent: no pixel is left, and each meets several depths, but the picture still ends at its sides.
+// A table, a near and a far wall by stereo, whose depths scatter by a tenth and whose lines of sight a lens
+// has bent: no pixel is left, and each meets several depths, but the picture still ends at its sides.
 TEST(Upright, ANoisyPictureEndsAtItsSides) {
   std::mt19937 random(12);
   std::uniform_real_distribution<double> unit(-1, 1);
