@@ -45,7 +45,7 @@ uniform float usual_spacing;  // scene units
 uniform float sparse_px;      // what is farther apart, and than usual, recedes
 const vec2 closing = vec2(2.0, 3.0);  // in wide_px: points that far apart are no surface to whoever looks
 const float overlap = 1.41;   // usual spacings: twice as dense are strips that overlap
-const float lone = 1.0 / 3.0, lone_most = 2.5;  // of the usual spacing, where all are far apart; limits
+const float lone = 0.5, lone_most = 2.5;  // usual spacings, where all are far apart; of the upper limit
 #endif
 uniform float min_gap;      // scene units behind the reference
 

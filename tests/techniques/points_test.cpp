@@ -29,8 +29,10 @@ double diameter_px(double apart_px) {
 }
 
 TEST(Points, DotsFarApartStayDots) {
-  // A dot is two spacings wide, and 4 px where those are more than 22 px; 0.7: half a pixel each side.
-  for (double apart : {20.0, 40.0}) EXPECT_NEAR(diameter_px(apart), 4, 0.7) << apart;
+  // Where all are so far apart dots are half a spacing wide, 10 px at most. 8 of a grid are within 1.41 of its
+  // steps, which is a spacing of 0.836; 0.7: half a pixel each side.
+  EXPECT_NEAR(diameter_px(20), 0.5 * 20 * 0.836, 0.7);
+  EXPECT_NEAR(diameter_px(40), 10, 0.7);
   // What covers 9 x 9 places as a whole: nothing between them is open.
   EXPECT_NEAR(diameter_px(5), 5 * 2 / std::sqrt(std::acos(-1.0)), 0.7);
 }
