@@ -43,9 +43,9 @@ uniform float dot_share;      // of the size that closes a surface, where there 
 uniform vec2 dot_limits_px;
 uniform float usual_spacing;  // scene units
 uniform float sparse_px;      // what is farther apart, and than usual, recedes
-const vec2 closing = vec2(2.0, 3.0);  // in wide_px: points that far apart are no surface to whoever looks
+const vec2 closing = vec2(2.5, 3.75);  // in wide_px: points 8 to 12 px apart are no surface to whoever looks
 const float overlap = 1.41;   // usual spacings: twice as dense are strips that overlap
-const float lone = 0.5, lone_most = 2.5;  // usual spacings, where all are far apart; of the upper limit
+const float lone = 0.25, lone_most = 2.5;  // where all are far apart, of what closes a surface; limits
 #endif
 uniform float min_gap;      // scene units behind the reference
 
@@ -154,7 +154,7 @@ void main() {
 #endif
   if (size_mode == 0) diameter *= spacing * pixels_at(depth);
 #ifdef DOTS
-  float apart = 0.5 * point_size * min(spacing, usual_spacing) * pixels_at(depth);
+  float apart = point_size * min(spacing, usual_spacing) * pixels_at(depth);
   float most_px = dot_limits_px.y * clamp(lone * apart / dot_limits_px.y, 1.0, lone_most);
   float as_dot = clamp(dot_share * diameter, dot_limits_px.x, most_px);
   own.y *= 1.0 - smoothstep(closing.x, closing.y, diameter / wide_px);
