@@ -263,30 +263,6 @@ TEST_F(LayersTest, OnlyTheOutlineOfThePictureIsBlendedWithThePage) {
   EXPECT_NEAR(out.color_linear.at(48, 20).r, linear(200), 1e-5);
 }
 
-// Where another surface begins behind the first there is no seam: within 1/45 of the height, 16 px, it
-// goes over from hiding all to half of it, and nothing shows through where nothing is.
-TEST_F(LayersTest, NoSeamWhereAnotherSurfaceBegins) {
-  PointCloud cloud = sheet(500'000, 1, 0, {200, 200, 200, 255});
-  PointCloud behind = sheet(500'000, 1, -0.3f, {20, 20, 20, 255});
-  std::erase_if(behind.positions, [](const vec3& p) { return p.x < 0; });
-  behind.colors.resize(behind.size()), behind.normals.resize(std::min(behind.normals.size(), behind.size()));
-  append(cloud, behind);
-  show(renderer_, cloud, {});
-  const RenderOutput out = render(above(720), {});
-  const float first = float(linear(200)), both = 0.5f * float(linear(200) + linear(20));
-  for (int y = 200; y < 520; y += 40) {
-    for (int x = 300; x < 440; ++x) {
-      const float here = out.color_linear.at(x, y).r, next = out.color_linear.at(x + 1, y).r;
-      ASSERT_NEAR(out.color_linear.at(x, y).a, 1, 1e-5) << x;
-      // The steepest pixel of a smooth step of 12 px has 1.5 / 12 of it; of an antialiased edge one has a
-      // quarter.
-      ASSERT_LT(std::abs(here - next), 0.18f * (first - both)) << x;
-    }
-    EXPECT_NEAR(out.color_linear.at(340, y).r, first, 1e-5);
-    EXPECT_NEAR(out.color_linear.at(380, y).r, both, 1e-5);
-  }
-}
-
 TEST_F(LayersTest, NothingShowsThroughAnOpaqueLayer) {
   PointCloud cloud = sheets(6);
   for (std::size_t i = 0; i < cloud.size(); ++i)

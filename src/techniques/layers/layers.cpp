@@ -167,11 +167,8 @@ class Layers final : public Technique {
       if (frame.behind) clip(frame);
       if (knows_last_) {
         if (peeled_ == 1) cover(frame, depth_, coverage_);
-        if (peeled_ > 1) {
-          cover(frame, frame.behind ? next_depth_ : depth_, next_coverage_);
-          feather(frame);
-          blend_last(frame, true);
-        }
+        if (peeled_ > 1) cover(frame, frame.behind ? next_depth_ : depth_, next_coverage_);
+        if (peeled_ > 1) blend_last(frame, true);
       }
       if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first && frame.wants_normal);
       if (is_shown) smooth(frame);
@@ -186,10 +183,7 @@ class Layers final : public Technique {
       frame.progress.check();
     }
     if (knows_last_) {
-      if (frame.behind) {
-        cover(frame, behind_depth_, next_coverage_);
-        feather(frame);
-      }
+      if (frame.behind) cover(frame, behind_depth_, next_coverage_);
       blend_last(frame, frame.behind != nullptr, true);
     }
     auto timing = frame.timers.scope("copy");
@@ -243,8 +237,7 @@ class Layers final : public Technique {
 
     // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
     const int last = std::max(parameters_.show_layer, parameters_.layers);
-    const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3 +
-                                   (knows_last_ ? 8 * feather_step(height) : 0),
+    const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3,
                                layers::ScreenExtent::most_reach);
     return {prepared, frame.camera, point_size, reach};
   }
@@ -300,8 +293,8 @@ class Layers final : public Technique {
     for (gl::Texture* t : {&behind_depth_, &next_depth_})
       if (has_behind) gl::ensure(*t, "layer depth", GL_R32F, w, h);
     gl::ensure(cosine_, "layer cosine", has_categories ? GL_RG32F : GL_R32F, w, h);
-    for (gl::Texture* t : {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &coverage_,
-                           &next_coverage_, &feathered_})
+    for (gl::Texture* t :
+         {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &coverage_, &next_coverage_})
       gl::ensure(*t, "layer depth", GL_R32F, w, h);
     for (gl::Texture* t : {&index_, &other_index_}) gl::ensure(*t, "layer source index", GL_R32UI, w, h);
     for (gl::Texture* t : {&normal_, &color_, &held_color_, &front_, &other_front_, &scratch_})
@@ -433,19 +426,6 @@ class Layers final : public Technique {
     cover_.set("d_min", d_min_).set("antialias", parameters_.antialias).run({&depth}, {&coverage});
   }
 
-  /// Takes the edges of `next_coverage_` inwards, by 1/45 of the picture's height, 40 px at most.
-  void feather(Frame& frame) {
-    auto timing = frame.timers.scope("blend");
-    if (!feather_[0]) {
-      feather_[0] = ScreenPass("techniques/layers/feather.glsl", {GL_R32F});
-      feather_[1] = ScreenPass("techniques/layers/feather.glsl", {GL_R32F}, {"LAST"});
-    }
-    const int step = feather_step(frame.camera.whole_height());
-    feather_[0].set("along", ivec2(step, 0)).run({&next_coverage_}, {&feathered_});
-    feather_[1].set("along", ivec2(0, step)).run({&feathered_, &next_coverage_}, {&other_depth_});
-    std::swap(next_coverage_, other_depth_);
-  }
-
   /// Blends the layer that was held back until it was known where another one follows (`next_coverage_`).
   void blend_last(Frame& frame, bool is_followed, bool ends = false) {
     auto timing = frame.timers.scope("blend");
@@ -457,9 +437,6 @@ class Layers final : public Technique {
     blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
     std::swap(front_, other_front_);
   }
-
-  /// px of an eighth: within what tiles see of each other.
-  static int feather_step(int height) { return std::clamp(height / 360, 1, 5); }
 
   Parameters parameters_;
   float d_min_ = 0, bin_ = 0;
@@ -485,14 +462,14 @@ class Layers final : public Technique {
   Flag open_;
   Fill fill_;
   std::map<int, ScreenPass> light_;
-  ScreenPass smooth_[2], advance_[4], cover_, feather_[2], blend_last_, clip_;
+  ScreenPass smooth_[2], advance_[4], cover_, blend_last_, clip_;
   Merge merge_;
   DiscEvidence evidence_;
   const gl::Texture* evidence_mask_ = nullptr;  ///< of the frame; null: points vouch for all of it
   ScreenPass keep_vouched_;
   gl::Texture behind_depth_, next_depth_;  ///< of scenes with other items
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
-  gl::Texture held_depth_, held_color_, coverage_, next_coverage_, feathered_;
+  gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
   gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;
 };
 
