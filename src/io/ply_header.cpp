@@ -90,9 +90,10 @@ bool has_z_up(std::string_view comment) {
                      [&](std::string_view program) { return comment.find(program) != comment.npos; });
 }
 
-/// OpenMVS writes its lists so, in points and in meshes, in the axes of the structure from motion: those of a
-/// camera.
-bool is_of_openmvs(const std::string& line) {
+/// OpenMVS writes its lists so, after floats of this name, in points and in meshes, in the axes of the
+/// structure from motion: those of a camera.
+constexpr std::string_view first_of_openmvs = "property float32 x";
+bool is_list_of_openmvs(const std::string& line) {
   return line == "property list uint8 uint32 view_indices" ||
          line == "property list uint8 uint32 vertex_indices";
 }
@@ -132,7 +133,7 @@ PlyHeader read_ply_header(const File& file) {
   std::string word;
   lines.next() >> word;
   if (word != "ply") lines.fail("found '" + word.substr(0, 20) + "', expected 'ply'; this is no PLY file");
-  bool has_format = false;
+  bool has_format = false, has_sized_floats = false;
   for (;;) {
     std::istringstream words = lines.next();
     word.clear();
@@ -150,7 +151,10 @@ PlyHeader read_ply_header(const File& file) {
       header.elements.push_back(parse_element(lines, words));
     } else if (word == "property") {
       if (header.elements.empty()) lines.fail("found a property before any element; export it again");
-      if (!header.names_up && is_of_openmvs(words.str())) header.up = UpAxis::neg_y;
+      has_sized_floats = has_sized_floats || words.str() == first_of_openmvs;
+      if (has_sized_floats && !header.names_up && header.up == UpAxis::pos_y &&
+          is_list_of_openmvs(words.str()))
+        header.up = UpAxis::neg_y;
       header.elements.back().properties.push_back(parse_property(lines, words));
       if (header.elements.back().properties.size() > most_properties)
         lines.fail("found more than " + std::to_string(most_properties) + " properties of one element");

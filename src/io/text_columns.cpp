@@ -54,8 +54,8 @@ std::string core_of(std::string_view name) {
       "position", "positions", "point", "points", "xyz",        "loc",         "location",    "local",
       "world",    "map",       "lidar", "laser",  "cartesian",  "ellipsoidal", "orthometric", "deg",
       "degree",   "degrees",   "dd",    "value",  "wert",       "gps",         "projected",   "grid",
-      "vertex",   "center",    "mm",    "cm",     "above",      "datum",       "ellipsoid",   "geoid",
-      "msl",      "asl",       "amsl"};
+      "vertex",   "center",    "mm",    "cm",     "above",      "datum",       "ellipsoid",   "msl",
+      "asl",      "amsl"};
   static const std::string_view glued[] = {"coordinate", "koordinate", "coord", "position",
                                            "cartesian",  "points",     "point", "pos"};
   const std::string plain = plain_letters(name);

@@ -129,7 +129,7 @@ void RenderSettings::describe(ParamList& p) {
       .help("radius of eye-dome lighting in a picture 720 px high; scales with larger heights");
   p.add("edl_strength", edl_strength)
       .range(0, 10)
-      .help("darkness of eye-dome lighting (auto: 0.4 in points, 0.12 where surfaces are closed)");
+      .help("darkness of eye-dome lighting (auto: 0.12, or 0.4 where edl has to be asked for)");
   p.add("ambient_occlusion", ambient_occlusion)
       .range(0, 1)
       .help(

@@ -142,9 +142,8 @@ void LocalMetres::apply(PointCloud& cloud) const {
     metres[0].x = east, metres[1].y = north;
   }
   metres[3] = glm::dvec4(moved(dvec3(0)), 1);
-  const UpAxis up = cloud.up;
   transform(cloud, metres);
-  cloud.up = up, cloud.up_is_known = true;  // the third is a height
+  cloud.up = UpAxis::pos_z, cloud.up_is_known = true;
   cloud.normals = std::move(normals), cloud.radii = std::move(radii);
   cloud.crs.clear();
 }

@@ -30,7 +30,8 @@ class Technique {
   virtual Attributes needs() const { return {}; }
   /// How strong eye-dome lighting suits the technique by default (`edl = auto`), 0 where it does not: a
   /// little, where surfaces are closed and colours are no photographs.
-  virtual float edl_strength(bool photographed) const { return photographed ? 0 : 0.12f; }
+  virtual float edl_strength(bool photographed) const { return photographed ? 0 : slight_edl; }
+  static constexpr float slight_edl = 0.12f;
   /// Whether its depth is that of a surface between the points too, and not only of them: eye-dome lighting
   /// then leaves out what is finer than they are.
   virtual bool closes_depth() const { return true; }

@@ -29,6 +29,8 @@ class HeadlessRendererTest : public GlTest {
     GlTest::TearDown();
   }
   /// A plane of scattered points at height `z`, all of one class; x from `left` on, 2 wide.
+  /// A point is a paraboloid as deep as its radius, 1.25 spacings of a plane().
+  static constexpr double bulge = 1.25 * 0.0142;
   std::string plane(const std::string& name, double left, double z, int kind) const {
     const std::filesystem::path path = folder_ / name;
     std::ofstream out(path);
@@ -66,7 +68,7 @@ TEST_F(HeadlessRendererTest, OpensFilesAsOneScene) {
   renderer.open({{plane("a.csv", 0, 0, 2), plane("b.csv", 2, 0, 6)}});
   const Pictures p = renderer.render("points", above(2));
   for (int x : {10, 50, 70, 110})
-    EXPECT_NEAR(p.depth.at(x, 30), 5, 1e-3) << x;  // files left and right of x = 2
+    EXPECT_NEAR(p.depth.at(x, 30), 5, bulge) << x;  // files left and right of x = 2
   EXPECT_EQ(p.technique, "points");
   EXPECT_EQ(p.reason, "");
 }
@@ -105,7 +107,7 @@ TEST_F(HeadlessRendererTest, RulesDrawPartsByTechniquesOfTheirOwn) {
   const std::vector<std::string> files{plane("a.csv", 0, 0, 2), plane("b.csv", 2, 0, 6)};
   renderer.open({files, {"classification 6: none"}});
   const Pictures p = renderer.render("points", above(2));
-  EXPECT_NEAR(p.depth.at(20, 30), 5, 1e-3);
+  EXPECT_NEAR(p.depth.at(20, 30), 5, bulge);
   EXPECT_TRUE(std::isinf(p.depth.at(100, 30)));
   EXPECT_THROW(renderer.open({files, {"classification 6 surface"}}), Error);
 }

@@ -29,17 +29,17 @@ double diameter_px(double apart_px) {
 }
 
 TEST(Points, DotsFarApartStayDots) {
-  // Where all are so far apart dots are a quarter of 2.5 spacings wide, 12.5 px at most. 8 of a grid are within
-  // 1.41 of its steps, which is a spacing of 0.836; 0.7: half a pixel each side.
+  // Where all are so far apart dots are a quarter of 2.5 spacings wide, 12.5 px at most. 8 of a grid are
+  // within 1.41 of its steps, which is a spacing of 0.836; 0.7: half a pixel each side.
   EXPECT_NEAR(diameter_px(20), 0.25 * 2.5 * 20 * 0.836, 0.7);
   EXPECT_NEAR(diameter_px(40), 12.5, 0.7);
   // What covers 9 x 9 places as a whole: nothing between them is open.
   EXPECT_NEAR(diameter_px(5), 5 * 2 / std::sqrt(std::acos(-1.0)), 0.7);
 }
 
-// Ground of points 8 px apart, four times as far as most. A disc of 2.5 spacings, 20 px, would be drawn 10
-// px wide and close nothing; it is smaller by the root of 3 px over 8. 1.2: a pixel on its rim, and what the
-// measured spacing of a grid is off.
+// Ground of points 8 px apart, four times as far as most. A disc of 2.5 spacings of 6.7 px (0.836 of the
+// grid's steps, as above) would be drawn 9.6 px wide and close nothing; it is smaller by the root of 3 px
+// over 6.7. 0.7: half a pixel each side.
 TEST_F(GlTest, SparsePartsOfAScanRecede) {
   PointCloud cloud;
   for (int y = 0; y < 150; ++y)
@@ -59,7 +59,7 @@ TEST_F(GlTest, SparsePartsOfAScanRecede) {
   for (int y = 320; y < 400; ++y)
     for (int x = 480; x < 560; ++x) covered += std::isfinite(out.depth.at(x, y));
   const double diameter = 2 * std::sqrt(covered / 100.0 / std::acos(-1.0));
-  EXPECT_NEAR(diameter, 10 * std::sqrt(3.0 / 8), 1.2);
+  EXPECT_NEAR(diameter, 9.6 * std::sqrt(3.0 / 6.7), 0.7);
 }
 
 // A picture looks the same in every size, also where points are more than 64 px wide.

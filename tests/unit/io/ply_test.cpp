@@ -92,15 +92,22 @@ TEST(PlyTest, ProgramsThatHaveZUpSaySoByTheirName) {
 
 // OpenMVS names no program, but writes lists as few others do, in the axes of a camera.
 TEST(PlyTest, ListsOfOpenMvsHaveTheAxesOfACamera) {
-  const auto up_of = [](const std::string& of_vertex, const std::string& of_face) {
-    const std::string lines = "element vertex 1\n" + xyz + of_vertex + "element face 1\n" + of_face;
+  const auto up_of = [](const std::string& type, const std::string& of_vertex, const std::string& of_face,
+                        const std::string& comment = "") {
+    std::string lines = comment + "element vertex 1\n";
+    for (const char* axis : {"x", "y", "z"}) lines += "property " + type + " " + axis + "\n";
+    lines += of_vertex + "element face 1\n" + of_face;
     const std::string body = std::string("1 2 3") + (of_vertex.empty() ? "" : " 1 0") + "\n3 0 0 0\n";
     return io::read(write_file("by.ply", header("ascii", lines) + body)).cloud.up;
   };
-  EXPECT_EQ(up_of("", "property list uint8 uint32 vertex_indices\n"), UpAxis::neg_y);
-  EXPECT_EQ(up_of("property list uint8 uint32 view_indices\n", "property list uchar int vertex_indices\n"),
+  const std::string corners = "property list uint8 uint32 vertex_indices\n";
+  EXPECT_EQ(up_of("float32", "", corners), UpAxis::neg_y);
+  EXPECT_EQ(up_of("float32", "property list uint8 uint32 view_indices\n",
+                  "property list uchar int vertex_indices\n"),
             UpAxis::neg_y);
-  EXPECT_EQ(up_of("", "property list uchar uint vertex_indices\n"), UpAxis::pos_y);
+  EXPECT_EQ(up_of("float", "", corners), UpAxis::pos_y);
+  EXPECT_EQ(up_of("float32", "", "property list uchar uint vertex_indices\n"), UpAxis::pos_y);
+  EXPECT_EQ(up_of("float32", "", corners, "comment Created by CloudCompare v2.12\n"), UpAxis::pos_z);
 }
 
 TEST(PlyTest, EveryTypeInEveryByteOrderGivesTheSameCloud) {

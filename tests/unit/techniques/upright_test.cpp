@@ -467,10 +467,11 @@ TEST(Upright, ATileOverTheOriginIsNoPicture) {
   std::uniform_real_distribution<float> unit(0, 1);
   for (const float height : {120.0f, 300.0f, -80.0f})
     for (const bool is_colored : {true, false}) {
+      const float top = is_colored ? 0 : 30;  // of a hill
       PointCloud tile;
       for (int i = 0; i < 20'000; ++i) {
         const float x = 200 * unit(random) - 100, y = 160 * unit(random) - 80;
-        const float hill = 30 * std::exp(-(x * x + y * y) / 2000);
+        const float hill = top * std::exp(-(x * x + y * y) / 2000);
         tile.positions.push_back({x, y, height + hill + 0.02f * x + (i % 5 == 0 ? 15 * unit(random) : 0)});
       }
       if (is_colored) tile.colors.assign(tile.size(), Rgba8{90, 120, 60, 255});
@@ -642,8 +643,9 @@ TEST(Upright, OfACameraTheFloorIsSeenFromAbove) {
   EXPECT_EQ(guess_upright(seen).reason.rfind("guessed: ", 0), std::string::npos);
 }
 
-// A table, a near and a far wall by stereo, whose depths scatter by a tenth and whose lines of sight a lens
-// has bent: no pixel is left, and each meets several depths, but the picture still ends at its sides.
+// A table, a near and a far wall by stereo, whose depths scatter by a tenth, and of which points were drawn
+// at random: no pixel is left, and lines of sight meet several depths, but the picture still ends at its
+// sides.
 TEST(Upright, ANoisyPictureEndsAtItsSides) {
   std::mt19937 random(12);
   std::uniform_real_distribution<double> unit(-1, 1);
