@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -94,7 +93,7 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   if (!(double(depths.size()) > within * double(points.size()))) return {};
   const int side = std::clamp(int(std::sqrt(double(depths.size()) / 8)), 4, 64);  // eight points a cell
   const Cells cells(x, y, side);
-  const auto [low, high] = std::pair(cells.low, cells.high);
+  const glm::dvec2 &low = cells.low, &high = cells.high;
   const double width = std::max(high.x - low.x, high.y - low.y);
   std::vector<double> nearest(cells.count(), 1e300);
   std::vector<std::size_t> place(depths.size());
@@ -113,16 +112,15 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   sight.of_pixels = is_in_steps(x, low.x, high.x) && is_in_steps(y, low.y, high.y);
   // In cells of 8 points chance leaves some open, and those of 32 points hide the shape of a crown or of
   // land.
-  const std::array sides{side, std::max(side / 2, 4)};
-  std::array<double, 2> open;
-  for (int k = 0; k < 2; ++k) open[k] = Cells(x, y, sides[k]).open_share(x, y);
+  const int coarse = std::max(side / 2, 4);
+  const double open = cells.open_share(x, y), open_coarse = Cells(x, y, coarse).open_share(x, y);
   for (std::size_t i = 0; i < depths.size(); ++i) x[i] *= depths[i], y[i] *= depths[i];
-  sight.framed = 1;
-  for (int k = 0; k < 2; ++k) {
+  const auto closed_share = [&](double open_before, int cells_across) {
     constexpr double chance = 0.02;  // of the cells, which random points leave open
-    const double open_across = Cells(x, y, sides[k]).open_share(x, y);
-    sight.framed = std::min(sight.framed, std::max(0.0, open_across - open[k]) / (open_across + chance));
-  }
+    const double open_across = Cells(x, y, cells_across).open_share(x, y);
+    return std::max(0.0, open_across - open_before) / (open_across + chance);
+  };
+  sight.framed = std::min(closed_share(open, side), closed_share(open_coarse, coarse));
   const double nearest_depth = value_at_share(depths, 0.02);  // moves them
   sight.ahead = glm::all(glm::lessThan(low, glm::dvec2(0))) &&
                 glm::all(glm::greaterThan(high, glm::dvec2(0))) &&

@@ -28,9 +28,9 @@ class HeadlessRendererTest : public GlTest {
     std::filesystem::remove_all(folder_);
     GlTest::TearDown();
   }
-  /// A plane of scattered points at height `z`, all of one class; x from `left` on, 2 wide.
   /// A point is a paraboloid as deep as its radius, 1.25 spacings of a plane().
   static constexpr double bulge = 1.25 * 0.0142;
+  /// A plane of scattered points at height `z`, all of one class; x from `left` on, 2 wide.
   std::string plane(const std::string& name, double left, double z, int kind) const {
     const std::filesystem::path path = folder_ / name;
     std::ofstream out(path);
