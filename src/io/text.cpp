@@ -337,13 +337,14 @@ void turn_depths_over(ReadResult& result) {
   for (std::size_t i = 0; i < cloud.size(); ++i)
     positive += cloud.world(i).z > 0, negative += cloud.world(i).z < 0;
   if (positive <= negative) {
-    if (negative > 0) result.report.notes.push_back("depths are negative, and taken for heights");
+    if (negative > 0) result.report.notes.emplace_back("depths are negative, and taken for heights");
     return;
   }
   cloud.origin.z = 0 - cloud.origin.z;  // no -0
   for (vec3& position : cloud.positions) position.z = 0 - position.z;
   for (vec3& normal : cloud.normals) normal.z = 0 - normal.z;
-  result.report.notes.push_back("z is a depth, and drawn downwards (--columns x,y,z takes it for a height)");
+  result.report.notes.emplace_back(
+      "z is a depth, and drawn downwards (--columns x,y,z takes it for a height)");
 }
 
 }  // namespace
@@ -377,7 +378,7 @@ ReadResult read_text(const std::filesystem::path& path, const ReadOptions& optio
   Dialect dialect;
   const Beginning beginning = look_at_beginning(file, options.columns, dialect);
   ReadResult result;
-  if (dialect.decimal_commas) result.report.notes.push_back("commas are decimal: 1,5 is one and a half");
+  if (dialect.decimal_commas) result.report.notes.emplace_back("commas are decimal: 1,5 is one and a half");
   auto [names, z_is_depth] = name_columns(file, beginning, dialect, options, result.report);
   while (!names.empty() && names.back() == "_") names.pop_back();  // nobody reads what stands behind
   result.cloud.crs = result.report.crs;
