@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "core/error.h"
-#include "core/order.h"
 #include "core/param.h"
 #include "session/connected.h"
 
@@ -174,6 +174,25 @@ Subject within(const Subject& subject, const Surroundings& around) {
   return near;
 }
 
+namespace {
+
+/// What shows of a picture, some 20 px of one 720 px high, and the most that it grows by for what few points
+/// have, in shares of its height or width.
+constexpr double shows = 0.03, most_added = 0.5;
+
+/// Where values in order that begin at `end` end, if it goes on without a gap that shows; `end` where it
+/// would go on too far.
+double end_without_gap(std::span<const double> beyond, double end, double extent) {
+  double last = end;
+  for (const double next : beyond) {
+    if (std::abs(next - last) > shows * extent) break;
+    last = next;
+  }
+  return std::abs(last - end) > most_added * extent ? end : last;
+}
+
+}  // namespace
+
 std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3& eye, const dvec3& along,
                                             const dvec3& up, double beyond) {
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
@@ -186,19 +205,25 @@ std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3&
     slopes[1].push_back(glm::dot(p - eye, above) / depth);
   }
   if (slopes[0].empty()) return {};
-  const auto at = [&](double share) {
-    return glm::dvec2(value_at_share(slopes[0], share), value_at_share(slopes[1], share));
-  };
-  return {at(beyond), at(1 - beyond)};
+  glm::dvec2 low, high;
+  for (int k = 0; k < 2; ++k) {
+    std::vector<double>& all = slopes[std::size_t(k)];
+    std::sort(all.begin(), all.end());
+    const auto first = std::size_t(beyond * double(all.size() - 1)), last = all.size() - 1 - first;
+    const double extent = all[last] - all[first];
+    const std::vector<double> below(all.rend() - std::ptrdiff_t(first), all.rend());
+    low[k] = end_without_gap(below, all[first], extent);
+    high[k] = end_without_gap(std::span(all).subspan(last + 1), all[last], extent);
+  }
+  return {low, high};
 }
 
 void see_from(Camera& camera, const dvec3& place, const Subject& subject) {
-  constexpr double widest = 3.7;                                     // tan 75 degrees
-  constexpr double shown = filled_share * (1 - 2 * beyond_picture);  // as `fit` an even picture
+  constexpr double widest = 3.7;  // tan 75 degrees
   const dvec3 along = camera.direction();
   const auto [low, high] = slopes_of(subject, place, along, camera.up, beyond_picture);
   const glm::dvec2 most = glm::max(-low, high);
-  const double slope = std::max(most.y, most.x * camera.height / camera.width) / shown;
+  const double slope = std::max(most.y, most.x * camera.height / camera.width) / filled_share;
   camera.target = place + along * glm::dot(camera.target - place, along);
   camera.position = place;
   if (slope > 0) camera.fov_y = 2 * std::atan(std::min(slope, widest));
@@ -307,7 +332,6 @@ namespace {
 /// Adds to a part what is above it without a gap that shows: of the tops of trees and towers a scanner on the
 /// ground sees few points, but they are one with the rest for whoever looks. Noise above land has no end.
 void add_tops(std::span<const dvec3> points, const dvec3& up, Connected& part) {
-  constexpr double shows = 0.03, most = 0.5;  // of the height: some 20 px of a picture 720 px high
   const dvec3 level = 1.0 - glm::abs(up);
   const auto is_over = [&](const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p * level, part.box.min * level)) &&
@@ -323,7 +347,7 @@ void add_tops(std::span<const dvec3> points, const dvec3& up, Connected& part) {
   const double old = top;
   for (const double next : above)
     if (next - top <= shows * (old - bottom)) top = next;
-  if (top - old > most * (old - bottom)) return;
+  if (top - old > most_added * (old - bottom)) return;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (height(points[i]) > old && height(points[i]) <= top && is_over(points[i])) part.members[i] = true;
   part.box.max += glm::max(up, dvec3(0)) * (top - old), part.box.min += glm::min(up, dvec3(0)) * (top - old);

@@ -63,11 +63,11 @@ void fit(Camera& camera, const std::vector<dvec3>& points);
 void fit(Camera& camera, const Subject& subject);
 
 /// The slopes to the right and upwards between which the points of a subject appear, but for a share of them
-/// on each side.
+/// on each side that a gap sets apart.
 std::pair<glm::dvec2, glm::dvec2> slopes_of(const Subject& subject, const dvec3& eye, const dvec3& along,
                                             const dvec3& up, double beyond);
-/// Of what a sensor saw, the share that its picture is not opened for on each side; in an even one the margin
-/// holds it. Of a sensor that sees nearly all within 60 degrees a few points may be at 80.
+/// Of what a sensor saw, the share that its picture is not opened for on each side beyond a gap: of one that
+/// sees nearly all within 60 degrees a few points may be at 80.
 constexpr double beyond_picture = 0.01;
 /// Keeps the direction of view, moves the camera to `place` and opens it as far as the subject needs there.
 void see_from(Camera& camera, const dvec3& place, const Subject& subject);

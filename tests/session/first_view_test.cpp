@@ -509,6 +509,31 @@ TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
   }
 }
 
+// Of what one station sees, ground and a wall, the top of a stem before them has fewer points than one in a
+// hundred.
+TEST(FirstView, ASensorsPictureHoldsThinTops) {
+  constexpr int on_stem = 180;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  scene::Scene scene;
+  scene.cloud.scanners.emplace_back(0, 0, 1.5);
+  for (int i = 0; i < 20'000; ++i) {
+    const double turn = glm::radians(-25 + 50 * unit(random)),
+                 down = std::tan(glm::radians(8 + 14 * unit(random)));
+    const dvec3 along(std::sin(turn), std::cos(turn), 0);
+    scene.cloud.positions.push_back(
+        vec3(i % 2 == 0 ? 1.5 / down * along : 12.0 * along + dvec3(0, 0, 3 * unit(random))));
+  }
+  std::vector<dvec3> stem;
+  for (int i = 0; i < on_stem; ++i) stem.emplace_back(0.1 * unit(random), 9, 4.5 * i / on_stem);
+  for (const dvec3& p : stem) scene.cloud.positions.push_back(vec3(p));
+  const Camera camera = first_view(stand_upright(scene, UpAxis::pos_z), 1280, 720);
+  ASSERT_LT(glm::distance(camera.position, dvec3(0, 0, 1.5)), 1e-9);
+  const double top = -extent(stem, camera).first.y;  // y points down
+  EXPECT_LT(top, 0.95);
+  EXPECT_GT(top, 0.5) << "and the page is not much larger";
+}
+
 // As of stereo, whose depths are noise where nothing matches: seen from a side it is a fan of rays.
 TEST(FirstView, APictureOfPixelsIsSeenFromItsSensorHoweverNoisyItsDepths) {
   std::mt19937 random(12);
