@@ -45,7 +45,7 @@ uniform float usual_spacing;  // scene units
 uniform float sparse_px;      // what is farther apart, and than usual, recedes
 const vec2 closing = vec2(2.5, 3.75);  // in wide_px: points 8 to 12 px apart are no surface to whoever looks
 const float overlap = 1.41;   // usual spacings: twice as dense are strips that overlap
-const float lone = 0.25, lone_most = 2.5;  // where all are far apart, of what closes a surface; limits
+const float lone = 0.32, lone_most = 3.2;  // where all are far apart, of what closes a surface; limits
 #endif
 uniform float min_gap;      // scene units behind the reference
 
