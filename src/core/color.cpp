@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <vector>
 
 #include "core/param.h"
@@ -96,6 +97,12 @@ std::string nearest_color(std::string_view name) {
 Rgba8 to_rgba8(const vec3& srgb) {
   const vec3 c = glm::clamp(srgb, 0.0f, 1.0f) * 255.0f + 0.5f;
   return {std::uint8_t(c.x), std::uint8_t(c.y), std::uint8_t(c.z), 255};
+}
+
+std::string hex_of(const Rgba8& color) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", color.r, color.g, color.b);
+  return text;
 }
 
 float linear_from_srgb(std::uint8_t channel) {

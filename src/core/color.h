@@ -15,6 +15,8 @@ std::optional<vec3> parse_color(std::string_view text);
 /// The known name nearest to a misspelt one; empty when nothing is near.
 std::string nearest_color(std::string_view name);
 Rgba8 to_rgba8(const vec3& srgb);
+/// "#4682b4"
+std::string hex_of(const Rgba8& color);
 /// Linear value of one sRGB channel, 0..1.
 float linear_from_srgb(std::uint8_t channel);
 /// Luma (Rec. 709) of an sRGB colour, 0 to 255.

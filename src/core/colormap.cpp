@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 
@@ -152,11 +151,7 @@ Colormap Colormap::spread(const std::vector<double>& places) const {
 
 std::string Colormap::text() const {
   std::string text;
-  for (const Rgba8& c : stops_) {
-    char stop[8];
-    std::snprintf(stop, sizeof stop, "#%02x%02x%02x", c.r, c.g, c.b);
-    text += (text.empty() ? "" : ",") + std::string(stop);
-  }
+  for (const Rgba8& c : stops_) text += (text.empty() ? "" : ",") + hex_of(c);
   return text;
 }
 

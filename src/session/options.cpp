@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -46,11 +45,7 @@ std::string said(const std::array<double, 2>& range) {
 std::string said(const std::pair<int, int>& size) {
   return std::to_string(size.first) + "x" + std::to_string(size.second);
 }
-std::string said(const Rgba8& color) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", color.r, color.g, color.b);
-  return text;
-}
+std::string said(const Rgba8& color) { return hex_of(color); }
 std::string said(const vec3& color) {
   const std::string hex = said(to_rgba8(color));
   return parse_color(hex) == color

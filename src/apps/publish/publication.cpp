@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "depth_text.h"
@@ -175,7 +176,6 @@ void Publication::add(const Image<Rgba8>& picture, const Image<float>& depth, co
 }
 
 std::string Publication::data_text(const Facts& facts) const {
-  const auto byte = [](float value) { return int(std::lround(255 * std::clamp(value, 0.f, 1.f))); };
   const dvec3 up = up_vector(facts.up);
   // A small window shows no more than the scan.
   const glm::dvec2 reach =
@@ -199,8 +199,7 @@ std::string Publication::data_text(const Facts& facts) const {
                   {"width", camera.width},
                   {"height", camera.height},
                   {"reach", {reach.x, reach.y}},
-                  {"background", fmt::format("#{:02x}{:02x}{:02x}", byte(facts.background.x),
-                                             byte(facts.background.y), byte(facts.background.z))},
+                  {"background", hex_of(to_rgba8(facts.background))},
                   {"unit", {{"symbol", facts.unit.symbol}, {"metres", facts.unit.metres}}},
                   {"up", json_of(up)},
                   {"exaggeration", facts.vertical_exaggeration},
