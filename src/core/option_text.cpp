@@ -36,6 +36,14 @@ double parse_number(const std::string& option, std::string_view text) {
   return value;
 }
 
+bool parse_flag(const std::string& option, std::string_view text) {
+  for (const char* yes : {"true", "on", "yes", "1"})
+    if (text == yes) return true;
+  for (const char* no : {"false", "off", "no", "0"})
+    if (text == no) return false;
+  throw Error(ErrorCode::usage, option + ": '" + std::string(text) + "' is not true or false");
+}
+
 long parse_whole(const std::string& option, std::string_view text, long least) {
   const std::optional<double> value = parse_count(text);
   if (!value || *value < double(least) || *value > 9e15)

@@ -15,6 +15,8 @@ std::string number_text(double value);
 std::string number_text(float value);
 double parse_number(const std::string& option, std::string_view text);
 double parse_positive(const std::string& option, const std::string& text);
+/// true, on, yes or 1, or their opposites.
+bool parse_flag(const std::string& option, std::string_view text);
 /// Degrees in [low, high].
 double parse_degrees(const std::string& option, const std::string& text, double low, double high);
 /// Also as 1e6, 250k or 2M.

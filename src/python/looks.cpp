@@ -1,6 +1,9 @@
 // Presets and scenes as files.
+#include <optional>
+
 #include "bindings.h"
 #include "cloud.h"
+#include "core/error.h"
 #include "core/param.h"
 #include "session/choice.h"
 #include "session/preset.h"
@@ -74,11 +77,28 @@ py::list options() {
   return rows;
 }
 
+/// As the table of options writes what it reads there, so that every front end takes the same for the same;
+/// nothing where that is as by default.
+std::optional<std::string> option_text(const std::string& where, const std::string& name,
+                                       const std::string& text) {
+  const Option& option = *find_option(name);
+  Request request;
+  try {
+    option.set(request, where, text);
+  } catch (const Error& error) {
+    const std::string says = error.what();
+    throw Error(ErrorCode::bad_input, says.starts_with(where) ? says : where + ": " + says);
+  }
+  const std::vector<std::string> texts = option.texts(request);
+  return texts.empty() ? std::nullopt : std::optional(texts.front());
+}
+
 }  // namespace
 
 void bind_looks(py::module_& module) {
   module.def("options", &options);
   module.def("load_preset", &load);
+  module.def("option_text", &option_text);
   module.def("save_preset", &save);
   module.def("parse_count", &parse_count);
 }

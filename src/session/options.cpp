@@ -118,11 +118,7 @@ class Table {
   }
   template <class Member>
   Table& flag(const std::string& names, const std::string& help, Member member) {
-    value(names, "", help, member, [](Text option, Text text) {
-      if (text != "true" && text != "false")
-        throw Error(ErrorCode::usage, option + ": '" + text + "' is not true or false");
-      return text == "true";
-    });
+    value(names, "", help, member, [](Text option, Text text) { return parse_flag(option, text); });
     rows.back().kind = Option::Kind::flag;
     return python("flag");
   }

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import sfumato
+from png import read_png
 from test_same_bytes import RESOLUTION, SIZE, equal, pixels
 
 MOVED = [[0, -1, 0, 30], [1, 0, 0, 4], [0, 0, 1, 2], [0, 0, 0, 1]]
@@ -156,7 +157,19 @@ def test_presets_of_python(command, tmp_path, scan):
     assert json.loads((tmp_path / "look.json").read_text())["parameters"]["points"]["size_mode"] == "adaptive"
 
 
+def test_presets_as_people_write_them(command, tmp_path, scan):
+    (tmp_path / "look.json").write_text(json.dumps({"technique": "points", "options": {
+        "resolution": [160, 120], "legend": "on", "color-by": "elevation", "whole": "no", "hide-classes": [7.0, 18.0],
+        "color-range": "", "exposure": ""}}))
+    picture = sfumato.render(scan, preset=tmp_path / "look.json")
+    command(scan, "--preset", tmp_path / "look.json", "-o", tmp_path / "command.png")
+    assert (picture.rgba[..., :3] == read_png(tmp_path / "command.png")[..., :3]).all()
+    assert (picture.rgba != sfumato.render(scan, preset=tmp_path / "look.json", legend=False).rgba).any()
+
+
 @pytest.mark.parametrize("content, says", [
+    ('{"options": {"hide-classes": "2.5"}}', "hide-classes: '2.5'"),
+    ('{"options": {"legend": "maybe"}}', "legend: 'maybe' is not true or false"),
     ('{"options": {"color-bye": "rgb"}}', "did you mean 'color-by'?"),
     ('{"options": {"zoom": "large"}}', "zoom: 'large' is not a number"),
     ('{"parameters": {"point_sise": 3}}', "no technique has 'point_sise'"),

@@ -5,6 +5,7 @@
 
 #include "console.h"
 #include "core/error.h"
+#include "core/option_text.h"
 #include "help_text.h"
 #include "suggestions.h"
 
@@ -139,12 +140,8 @@ struct CommandLine::State {
           is_boolean_word(words[i + 1]))
         value = words[++i];
       if (!value) value = "true";
-      if (entry->info.kind == OptionInfo::Kind::flag || negated) {
-        if (!is_boolean_word(*value) || *value == "auto")
-          throw Error(ErrorCode::usage, shown + ": '" + *value + "' is not true or false");
-        const bool on = *value == "true" || *value == "on" || *value == "yes" || *value == "1";
-        value = on != negated ? "true" : "false";
-      }
+      if (entry->info.kind == OptionInfo::Kind::flag || negated)
+        value = parse_flag(shown, *value) != negated ? "true" : "false";
     }
     if (!entry->fresh) entry->values.clear();
     entry->fresh = true;

@@ -7,42 +7,16 @@ from ._error import Error
 from ._techniques import is_parameter, text_of
 
 
-def _bool(name, text):
-    if text in ("true", "on", "yes", "1"):
-        return True
-    if text in ("false", "off", "no", "0"):
-        return False
-    raise Error(f"{name}: '{text}' is not true or false", "bad_input")
+def _numbers(text):
+    return tuple(map(float, text.split(",")))
 
 
-def _number(name, text):
-    try:
-        return float(text)
-    except ValueError:
-        raise Error(f"{name}: '{text}' is not a number", "bad_input") from None
+def _integers(text):
+    return [] if text in ("", "none") else list(map(int, text.split(",")))
 
 
-def _numbers(name, text):
-    return tuple(_number(name, word) for word in text.split(","))
-
-
-def _integers(name, text):
-    return [] if text in ("", "none") else [int(_number(name, word)) for word in text.split(",")]
-
-
-def _text(_, text):
-    return text
-
-
-def _size(name, text):
-    width, x, height = text.partition("x")
-    if not (x and width.isdigit() and height.isdigit()):
-        raise Error(f"{name}: '{text}' is not WIDTHxHEIGHT", "bad_input")
-    return int(width), int(height)
-
-
-def _words(_, text):
-    return text.split(",")
+def _size(text):
+    return tuple(map(int, text.split("x")))
 
 
 def count_of(name, value):
@@ -55,8 +29,10 @@ def count_of(name, value):
     return int(found)
 
 
-_KINDS = {"flag": _bool, "number": _number, "numbers": _numbers, "integers": _integers, "count": count_of, "size": _size,
-          "words": _words, "text": _text, "texts": _text, "furniture": _text}
+#: Of the text that the table of options writes.
+_KINDS = {"flag": lambda text: text == "true", "number": float, "numbers": _numbers, "integers": _integers,
+          "count": lambda text: int(_engine.parse_count(text)), "size": _size, "words": lambda text: text.split(","),
+          "text": str, "texts": str, "furniture": str}
 _ALL = _engine.options()
 #: What is drawn into pictures, as keywords.
 FURNITURE = tuple(keyword for _, keyword, kind, _ in _ALL if kind == "furniture")
@@ -95,13 +71,19 @@ class Look:
             look.camera = Camera._of(found["camera"])
         own = []
         for name, text in found["options"]:
-            if name in _OPTIONS and _OPTIONS[name][1] == "texts":
+            where = f"{look.file}: options: {name}"
+            if name in _OPTIONS or name in _VIEWS or name == "no-background":
+                text = _engine.option_text(where, name, text)
+            if text is None:  # as by default, also where a scene says otherwise
+                if name in _OPTIONS:
+                    look.keywords[_OPTIONS[name][0]] = KEYWORDS[_OPTIONS[name][0]]
+            elif name in _OPTIONS and _OPTIONS[name][1] == "texts":
                 look.keywords.setdefault(_OPTIONS[name][0], []).append(text)
             elif name in _OPTIONS or name in _VIEWS:
                 keyword, _, parse = _OPTIONS.get(name) or _VIEWS[name]
-                (look.keywords if name in _OPTIONS else look.view)[keyword] = parse(f"{look.file}: options: {name}", text)
+                (look.keywords if name in _OPTIONS else look.view)[keyword] = parse(text)
             elif name == "no-background":
-                if _bool(name, text):
+                if text == "true":
                     look.keywords["background"] = "transparent"
             elif is_parameter(name):  # of a technique: as good among the options
                 own.append((name.replace("-", "_"), text))

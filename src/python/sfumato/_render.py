@@ -145,9 +145,12 @@ def _scale(scale):
     """The N of "1:N"."""
     if isinstance(scale, str):
         one, _, number = scale.partition(":")
-        if one != "1" or not number.replace(".", "", 1).isdigit():
-            raise Error(f"scale: '{scale}' is no scale; write \"1:200\"")
-        return float(number)
+        try:
+            if one == "1":
+                return float(number)
+        except ValueError:
+            pass
+        raise Error(f"scale: '{scale}' is no scale; write \"1:200\"")
     return scale
 
 
