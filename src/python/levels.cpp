@@ -1,13 +1,13 @@
 #include "levels.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "cloud.h"
 #include "core/error.h"
 #include "run.h"
 #include "scene/assemble.h"
 #include "session/opening.h"
+#include "session/preset.h"
 
 namespace sfumato::python {
 namespace {
@@ -162,16 +162,9 @@ Camera first_of_turn(const Opening& self, int width, int height) {
 }  // namespace
 
 dmat4 transform_of(const std::vector<double>& rows) {
-  dmat4 matrix;
   if (rows.size() != 16) throw Error(ErrorCode::usage, "transform: give a matrix of shape (4, 4)");
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) matrix[column][row] = rows[std::size_t(4 * row + column)];
-  const bool finite = std::all_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); });
-  if (!finite || matrix[0][3] != 0 || matrix[1][3] != 0 || matrix[2][3] != 0 || matrix[3][3] != 1 ||
-      !(std::abs(glm::determinant(matrix)) > 1e-300))
-    throw Error(ErrorCode::usage,
-                "transform: the last row of a transform is 0 0 0 1, and it flattens nothing");
-  return matrix;
+  if (const auto transform = transform_of_rows(rows)) return *transform;
+  throw Error(ErrorCode::usage, "transform: the last row of a transform is 0 0 0 1, and it flattens nothing");
 }
 
 void bind_levels(py::module_& module) {

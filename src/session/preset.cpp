@@ -1,6 +1,7 @@
 #include "session/preset.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -68,7 +69,9 @@ std::optional<dmat4> transform_of_rows(std::span<const double> rows) {
   dmat4 matrix(1);
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column) matrix[column][row] = rows[std::size_t(4 * row + column)];
-  const bool is_affine = matrix[0][3] == 0 && matrix[1][3] == 0 && matrix[2][3] == 0 && matrix[3][3] == 1;
+  const bool is_finite = std::all_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); });
+  const bool is_affine =
+      is_finite && matrix[0][3] == 0 && matrix[1][3] == 0 && matrix[2][3] == 0 && matrix[3][3] == 1;
   if (!is_affine || !(std::abs(glm::determinant(matrix)) > 1e-300)) return std::nullopt;
   return matrix;
 }
