@@ -37,6 +37,12 @@ int side_of_tiles() {
   return int(side);
 }
 
+/// Of `take_shaders_from`.
+std::string& chosen_shader_folder() {
+  static std::string folder;
+  return folder;
+}
+
 Place place(const char* variable) {
   return one_of<Place>(variable, {{"gpu", Place::gpu}, {"cpu", Place::cpu}});
 }
@@ -45,7 +51,7 @@ Place place(const char* variable) {
 
 Preferences Preferences::from_environment() {
   Preferences out;
-  out.shader_folder = text_of("SFUMATO_SHADER_DIR");
+  out.shader_folder = chosen_shader_folder().empty() ? text_of("SFUMATO_SHADER_DIR") : chosen_shader_folder();
   out.kept_shaders = text_of("SFUMATO_KEEP_SHADERS");
   out.screen_passes = one_of<ScreenPassKind>(
       "SFUMATO_SCREEN_PASS", {{"fragment", ScreenPassKind::fragment}, {"compute", ScreenPassKind::compute}});
@@ -59,5 +65,7 @@ Preferences Preferences::from_environment() {
   out.stroke_lists = place("SFUMATO_STROKE_LISTS");
   return out;
 }
+
+void Preferences::take_shaders_from(const std::string& folder) { chosen_shader_folder() = folder; }
 
 }  // namespace sfumato::gl

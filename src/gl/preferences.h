@@ -30,6 +30,8 @@ struct Preferences {
   /// SFUMATO_SOFT_BLEND, SFUMATO_STROKE_LISTS, SFUMATO_TILE. Throws Error(usage) for a word that is none of a
   /// variable's.
   static Preferences from_environment();
+  /// Those of the contexts that are made from now on have this `shader_folder` instead of the environment's.
+  static void take_shaders_from(const std::string& folder);
 };
 
 /// Those of the context that is current on this thread (without one, the environment's). Passes read them

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/counted.h"
+#include "gl/preferences.h"
 #include "help.h"
 #include "io/camera_json.h"
 #include "io/file_names.h"
@@ -305,7 +306,7 @@ int render_command(const Words& words) {
     if (!std::filesystem::is_directory(std::filesystem::path(options.shader_folder) / "shaders"))
       throw Error(ErrorCode::usage, "--shader-dir " + options.shader_folder +
                                         ": there is no folder shaders/ in it; name a checkout of sfumato");
-    ::setenv("SFUMATO_SHADER_DIR", options.shader_folder.c_str(), 1);
+    gl::Preferences::take_shaders_from(options.shader_folder);
   }
 #ifdef SFUMATO_VIEWER
   if (!options.has_output()) return view_command(options, choice);
