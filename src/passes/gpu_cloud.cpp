@@ -30,6 +30,23 @@ void GpuCloud::show(std::shared_ptr<const ResidentCloud> cloud, Attributes needs
   shown_ = needs;
 }
 
+namespace {
+
+/// Splats reach beyond the box of their centres.
+bool is_in_view(const Batch& batch, const View& view) {
+  const vec3 reach(4 * batch.spacing);
+  return view.may_see(batch.box_min - reach, batch.box_max + reach);
+}
+
+}  // namespace
+
+std::uint64_t GpuCloud::points_in(const View& view) const {
+  std::uint64_t points = 0;
+  for (const Batch& batch : prepared().batches)
+    if (is_in_view(batch, view)) points += batch.count;
+  return points;
+}
+
 std::uint64_t GpuCloud::cull(const View& view) {
   std::uint64_t points = 0;
   std::vector<glm::uvec4> visible;
@@ -38,9 +55,7 @@ std::uint64_t GpuCloud::cull(const View& view) {
     std::uint32_t largest = 0, batches = 0;
     for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
       const Batch& batch = prepared().batches[chunk.first_batch + b];
-      // Splats reach beyond the box of their centres.
-      const vec3 reach(4 * batch.spacing);
-      if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
+      if (!is_in_view(batch, view)) continue;
       visible.emplace_back(batch.first - chunk.first, batch.count,
                            std::bit_cast<std::uint32_t>(batch.least_log2_spacing),
                            std::bit_cast<std::uint32_t>(batch.most_log2_spacing));

@@ -70,6 +70,8 @@ class GpuCloud {
 
   /// Chooses the batches that the view may see, in every chunk; returns how many points they hold.
   std::uint64_t cull(const View& view);
+  /// That number alone.
+  std::uint64_t points_in(const View& view) const;
   /// Makes these ranges of points (first of the chunk's, count) its visible batches, of no spacing; returns
   /// the largest count.
   static std::uint32_t show(Chunk& chunk, std::span<const glm::uvec2> ranges);

@@ -264,8 +264,8 @@ int Renderer::State::reach_px(std::span<const Item> items, const Camera& camera,
 std::uint64_t Renderer::State::points_seen(std::span<const Item> items, const Camera& camera) {
   std::uint64_t count = 0;
   for (const Item& item : items) {
-    Cloud& cloud = cloud_of(item);
-    count += cloud.gpu->cull(View(camera, cloud.prepared().cloud.origin));
+    const Cloud& cloud = cloud_of(item);
+    count += cloud.gpu->points_in(View(camera, cloud.prepared().cloud.origin));
   }
   return count;
 }
