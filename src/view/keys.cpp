@@ -22,6 +22,7 @@ const std::vector<KeyBinding>& key_bindings() {
         {Action::left, key::keypad_3, control, "", ""},
         {Action::top, key::keypad_7, none, "keypad 7", "from the top (Ctrl: from below)"},
         {Action::bottom, key::keypad_7, control, "", ""},
+        {Action::iso, 'I', none, "I", "isometric"},
         {Action::larger_points, key::equal, none, "+ / -", "larger or smaller points"},
         {Action::larger_points, key::equal, shift, "", ""},
         {Action::larger_points, key::keypad_add, none, "", ""},

@@ -27,6 +27,7 @@ enum class Action {
   left,
   top,
   bottom,
+  iso,
   fullscreen,
   panels,
   help,

@@ -401,6 +401,14 @@ bool Loader::Work::ends_within(std::chrono::seconds time) {
   return end_.wait_for(lock, time, [&] { return ended_; });
 }
 
+std::vector<std::string> color_sources(const Loaded* scene) {
+  std::vector<std::string> sources{"auto", "rgb", "elevation", "normal", "clay", "density"};
+  if (!scene) return sources;
+  for (const std::string& scalar : scene->scalars)
+    if (std::find(sources.begin(), sources.end(), scalar) == sources.end()) sources.push_back(scalar);
+  return sources;
+}
+
 Loader::Loader(std::function<void()> wake)
     : work_(std::make_shared<Work>(std::move(wake))), thread_([work = work_] { work->run(); }) {}
 

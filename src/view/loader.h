@@ -54,6 +54,9 @@ struct Loaded {
   std::optional<Failure> failure;  ///< then nothing else holds
 };
 
+/// What a scene, if there is one, can be coloured by.
+std::vector<std::string> color_sources(const Loaded* scene);
+
 class Loader {
  public:
   /// `wake` is called from the thread when there is news, and never after the loader is gone.

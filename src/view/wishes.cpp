@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analysis/prepare.h"
 #include "core/option_text.h"
 
 namespace sfumato::view {
@@ -170,6 +171,10 @@ void Wishes::take_options(const NamesAndValues& given, bool with_points) {
   items.clear();
   for (const DrawRule& rule : std::exchange(draw, {})) items.push_back(DrawRow::from(rule.text));
   (void)scene_options();
+}
+
+std::vector<Control> Wishes::analysis_controls(const std::string& group) const {
+  return controls_of(AnalysisParameters(analysis).list, group);
 }
 
 std::unique_ptr<Look> Wishes::make_look() const {

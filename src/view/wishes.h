@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "analysis/prepare.h"
 #include "session/look.h"
 #include "session/preset.h"
 #include "session/request.h"
+#include "view/controls.h"
 #include "view/navigator.h"
 
 namespace sfumato::view {
@@ -75,6 +75,8 @@ struct Wishes : Request {
 
   /// Of the technique, "points" where none is chosen yet.
   std::unique_ptr<Look> make_look() const;
+  /// Parameters of the analysis.
+  std::vector<Control> analysis_controls(const std::string& group) const;
   /// What a Look of that technique must be given.
   NamesAndValues parameters_of(const std::string& technique_name) const;
   RenderSettings settings() const;  ///< `shared`, as values

@@ -26,3 +26,7 @@ if grep -rnE '\bgl[A-Z][A-Za-z0-9]*\(' src --include=*.cpp --include=*.h | grep 
   fail "src outside src/gl calls OpenGL: gl/commands.h and gl/draw.h do"
 fi
 if grep -rnE '#include "(\.\./)*apps|#include "\.\./(cli|viewer)' src/view src/session; then fail "a library includes a front end"; fi
+for front_end in viewer serve publish picture; do
+  [ -d "src/apps/$front_end" ] || fail "there is no src/apps/$front_end"
+  if grep -rnE '#include "(\.\./|apps/)cli/' "src/apps/$front_end"; then fail "src/apps/$front_end includes the command"; fi
+done

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "apps/cli/render_request.h"
-#include "apps/cli/shot.h"
+#include "apps/picture/shot.h"
 #include "apps/serve/protocol.h"
 #include "apps/serve/viewer.h"
 #include "core/error.h"

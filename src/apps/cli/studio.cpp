@@ -14,7 +14,7 @@
 #include "io/npy.h"
 #include "labels/furniture.h"
 #include "session/notes.h"
-#include "shot.h"
+#include "../picture/shot.h"
 
 namespace sfumato::cli {
 

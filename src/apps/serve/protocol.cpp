@@ -115,15 +115,10 @@ void show_class(Workbench& bench, int id, bool shown) {
 }
 
 void set_color(Workbench& bench, const std::string& name, const std::string& value) {
-  const std::map<std::string, const char*> options{{"colormap", "colormap"},
-                                                   {"color_range", "color-range"},
-                                                   {"exposure", "exposure"},
-                                                   {"point_color", "color"},
-                                                   {"background_color", "background-color"}};
   bench.change(name, [&](Wishes& next) {
     if (name == "color_by") return next.show_source(value);
-    const auto option = options.find(name);
-    if (option == options.end()) refuse("there is no colour setting '" + name + "'");
+    const auto option = color_options.find(name);
+    if (option == color_options.end()) refuse("there is no colour setting '" + name + "'");
     set(next, option->second, value);
   });
 }

@@ -1,6 +1,7 @@
 // Messages of a page as edits of a workbench, and its state as JSON.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -26,6 +27,13 @@ struct Limits {
   int shot_side_px = 16384;  ///< of a picture to keep
   std::size_t path_keys = 1000, draw_rows = 100;
 };
+
+/// The options of colours, by what the page calls them.
+inline const std::map<std::string, const char*> color_options{{"colormap", "colormap"},
+                                                              {"color_range", "color-range"},
+                                                              {"exposure", "exposure"},
+                                                              {"point_color", "color"},
+                                                              {"background_color", "background-color"}};
 
 /// Does what one message asks. Throws Error(usage) for what is no message of ours; what the workbench
 /// refuses, it says itself.

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "../cli/shot.h"
+#include "../picture/shot.h"
 #include "core/error.h"
 
 namespace sfumato::serve {

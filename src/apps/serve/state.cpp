@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/color.h"
 #include "core/colormap.h"
 #include "protocol.h"
 #include "view/controls.h"
@@ -14,12 +14,6 @@ using view::Wishes;
 using view::Workbench;
 
 Json json_of(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
-
-std::string hex(const Rgba8& c) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", c.r, c.g, c.b);
-  return text;
-}
 
 std::string resolved(const Workbench& bench, const view::Control& control) {
   const auto& picture = bench.picture();
@@ -58,12 +52,7 @@ Json controls(const Workbench& bench) {
   const Wishes& wishes = bench.wishes();
   for (const view::Control& each : view::controls_of(*wishes.make_look()))
     all.push_back(control_json(bench, each));
-  analysis::PrepareOptions options;
-  ParamList list;
-  options.describe(list);
-  for (const auto& [name, value] : wishes.analysis)
-    if (Param* param = list.find(name)) param->set(value);
-  for (const view::Control& each : view::controls_of(list, "Analysis"))
+  for (const view::Control& each : wishes.analysis_controls("Analysis"))
     all.push_back(control_json(bench, each));
   return all;
 }
@@ -73,24 +62,15 @@ Json colors(const Workbench& bench) {
   Json json{{"color_by", wishes.color.color_by},
             {"legend", wishes.furniture.legend},
             {"colormaps", Colormap::choices()}};
-  for (const auto& [key, option] : {std::pair("colormap", "colormap"),
-                                    {"color_range", "color-range"},
-                                    {"exposure", "exposure"},
-                                    {"point_color", "color"},
-                                    {"background_color", "background-color"}})
-    json[key] = text_of(wishes, option);
-  Json sources{"auto", "rgb", "elevation", "normal", "clay"};
-  if (bench.scene())
-    for (const std::string& scalar : bench.scene()->scalars)
-      if (std::find(sources.begin(), sources.end(), Json(scalar)) == sources.end()) sources.push_back(scalar);
-  json["sources"] = sources;
+  for (const auto& [key, option] : color_options) json[key] = text_of(wishes, option);
+  json["sources"] = view::color_sources(bench.scene());
   if (!bench.picture()) return json;
   const Coloring& coloring = bench.picture()->coloring;
   json["source"] = coloring.source;
   if (coloring.kind == ColorKind::scalar) {
     const Colormap map = coloring.ramp();
     Json bar = Json::array();
-    for (int i = 0; i <= 32; ++i) bar.push_back(hex(map.at(i / 32.0)));
+    for (int i = 0; i <= 32; ++i) bar.push_back(hex_of(map.at(i / 32.0)));
     const double span = std::abs(coloring.high - coloring.low);
     json["bar"] = bar;
     json["low"] = view::coordinate_text(coloring.low, span),
@@ -98,7 +78,7 @@ Json colors(const Workbench& bench) {
   }
   Json swatches = Json::array();
   for (const Swatch& each : coloring.swatches)
-    swatches.push_back({{"label", each.label}, {"color", hex(each.color)}, {"points", each.points}});
+    swatches.push_back({{"label", each.label}, {"color", hex_of(each.color)}, {"points", each.points}});
   json["swatches"] = swatches;
   return json;
 }
@@ -115,8 +95,8 @@ Json scene_json(const Workbench& bench) {
     const bool is_named = std::find(list.begin(), list.end(), each.id) != list.end();
     classes.push_back({{"id", each.id},
                        {"name", class_name(each.id)},
-                       {"color", hex(bench.picture() ? bench.picture()->coloring.color_of_class(each.id)
-                                                     : class_color(each.id))},
+                       {"color", hex_of(bench.picture() ? bench.picture()->coloring.color_of_class(each.id)
+                                                        : class_color(each.id))},
                        {"points", each.points},
                        {"shown", selection.show_classes.empty() ? !is_named : is_named}});
   }
@@ -163,7 +143,7 @@ Json profile_json(const Workbench& bench) {
   Json points = Json::array();
   for (std::size_t i = 0; i < profile->points.size(); i += std::max<std::size_t>(step, 1)) {
     const view::ProfilePoint& each = profile->points[i];
-    points.push_back({each.along, each.height, hex(each.color)});
+    points.push_back({each.along, each.height, hex_of(each.color)});
   }
   return {{"length", profile->length},
           {"width", profile->width},

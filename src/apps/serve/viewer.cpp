@@ -1,10 +1,8 @@
 #include "viewer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "../cli/shot.h"
+#include "../picture/shot.h"
 #include "../publish/depth_text.h"
 #include "core/color.h"
 #include "io/image_file.h"
@@ -34,11 +32,6 @@ Image<Rgba8> smaller(const Image<Rgba8>& image, int by) {
       out.at(x, y) = {std::uint8_t(r / n), std::uint8_t(g / n), std::uint8_t(b / n), 255};
     }
   return out;
-}
-
-std::string hex_of(const vec3& color) {
-  const Rgba8 c = to_rgba8(color);
-  return fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b);
 }
 
 }  // namespace
@@ -166,7 +159,7 @@ void Viewer::send_picture(double now_ms) {
               {"technique", picture->technique},
               {"exact", exact},
               {"heard", heard_},
-              {"background", hex_of(picture->background)}};
+              {"background", hex_of(to_rgba8(picture->background))}};
   outside_.in_background(
       [encoded, picture, draws_furniture, furniture = furniture, up, crs, exact, quality, shrink] {
         Image<Rgba8> image = smaller(picture->image, shrink);

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "../cli/shot.h"
+#include "../picture/shot.h"
 #include "core/error.h"
+#include "core/option_text.h"
 #include "interface.h"
 #include "io/camera_json.h"
 
@@ -102,19 +103,23 @@ void Interface::act(Action action) {
     case Action::left: show("left"); break;
     case Action::top: show("top"); break;
     case Action::bottom: show("bottom"); break;
+    case Action::iso: show("iso"); break;
     case Action::fullscreen: window_.toggle_fullscreen(); break;
     case Action::panels: panels_ = !panels_; break;
     case Action::help: help_ = !help_; break;
     case Action::quit: window_.close(); break;
     case Action::screenshot: {
-      int width = 0, height = 0;
       if (screenshot_size_.empty()) {
         bench_.shoot(bench_.width(), bench_.height());
-      } else if (std::sscanf(screenshot_size_.c_str(), "%dx%d", &width, &height) == 2 && width > 0 &&
-                 height > 0 && width <= 16384 && height <= 16384) {
+        break;
+      }
+      try {
+        const auto [width, height] = parse_resolution("size of the view", screenshot_size_);
+        if (std::max(width, height) > 16384)
+          throw Error(ErrorCode::usage, "size of the view: at most 16384 pixels a side");
         bench_.shoot(width, height);
-      } else {
-        bench_.say("'" + screenshot_size_ + "' is not WIDTHxHEIGHT, such as 3840x2160", true);
+      } catch (const Error& error) {
+        bench_.say(error.what(), true);
       }
       break;
     }

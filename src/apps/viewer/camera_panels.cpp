@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../cli/shot.h"
+#include "../picture/shot.h"
 #include "core/error.h"
 #include "interface.h"
 #include "panel_tools.h"
@@ -80,11 +80,9 @@ void Interface::camera_panel() {
   struct {
     const char* name;
     view::Action action;
-  } const sides[] = {{"front", view::Action::front},
-                     {"right", view::Action::right},
-                     {"top", view::Action::top},
-                     {"frame", view::Action::frame_view},
-                     {"reset", view::Action::reset_view}};
+  } const sides[] = {{"front", view::Action::front},      {"right", view::Action::right},
+                     {"top", view::Action::top},          {"iso", view::Action::iso},
+                     {"frame", view::Action::frame_view}, {"reset", view::Action::reset_view}};
   for (const auto& side : sides) {
     if (side.action != view::Action::front) ImGui::SameLine();
     if (ImGui::Button(side.name)) act(side.action);

@@ -45,14 +45,10 @@ bool edit_range(double (&range)[2], double span) {
 void Interface::color_panel() {
   if (!heading("Colour", false)) return;
   const view::Wishes& wishes = bench_.wishes();
-  std::vector<std::string> sources{"auto", "rgb", "elevation", "normal", "clay"};
-  if (const view::Loaded* scene = bench_.scene())
-    for (const std::string& scalar : scene->scalars)
-      if (std::find(sources.begin(), sources.end(), scalar) == sources.end()) sources.push_back(scalar);
   const std::string shown = wishes.color.color_by == "auto" && picture()
                                 ? "auto: " + picture()->coloring.source
                                 : wishes.color.color_by;
-  if (const auto chosen = choose("source", shown, sources))
+  if (const auto chosen = choose("source", shown, view::color_sources(bench_.scene())))
     bench_.change("color-by", [&](view::Wishes& next) { next.show_source(*chosen); });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;

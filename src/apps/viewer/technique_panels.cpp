@@ -147,11 +147,7 @@ void Interface::parameter_panel() {
     ImGui::TreePop();
   }
   if (ImGui::TreeNode("analysis before drawing")) {
-    analysis::PrepareOptions options;
-    ParamList list;
-    options.describe(list);
-    for (const auto& [name, value] : bench_.wishes().analysis) list.find(name)->set(value);
-    controls(view::controls_of(list, "analysis"));
+    controls(bench_.wishes().analysis_controls("analysis"));
     ImGui::TreePop();
   }
 }

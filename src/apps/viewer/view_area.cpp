@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../cli/shot.h"
+#include "../picture/shot.h"
 #include "interface.h"
 #include "panel_tools.h"
 #include "view/light_hand.h"
