@@ -92,9 +92,7 @@ struct RenderSettings {
       smooth_outlines;  ///< of one sample; automatic: in finished pictures of techniques whose edges are hard
   bool fast = false;    ///< allow float atomics: not bit-reproducible
 
-  /// Parameters that are set like a technique's own: shading, light, ambient, diffuse, specular, shininess,
-  /// edl, edl_radius, edl_strength, ambient_occlusion, samples, smooth_outlines, fast. (Background has its
-  /// own options.)
+  /// All that is set like a technique's own parameters; the background has options of its own.
   void describe(ParamList& params);
   bool operator==(const RenderSettings&) const = default;
 };

@@ -1,6 +1,7 @@
 // A cloud on the GPU as all that look at it share it, on one context or on several that share their objects:
-// chunks of buffers within the driver's limits, each holding many batches. Nothing in it changes; what a view
-// adds (colours, shadows, what is cut away) stands in its GpuCloud. Attributes are uploaded on first use.
+// chunks of buffers within the driver's limits, each holding many batches. Nothing that is in it changes,
+// attributes may be added (ADR 203), uploaded on first use; what a view adds (colours, shadows, what is cut
+// away) stands in its GpuCloud.
 #pragma once
 
 #include <cstdint>

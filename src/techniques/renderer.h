@@ -1,4 +1,4 @@
-// The one way from a prepared cloud to an image; used by the command, the tests, the bench and the viewer.
+// The one way from a prepared cloud to an image, for every front end.
 #pragma once
 
 #include <cstdint>
