@@ -29,9 +29,9 @@ double diameter_px(double apart_px) {
 }
 
 TEST(Points, DotsFarApartStayDots) {
-  // Where all are so far apart dots are 0.32 of 2.5 spacings wide, 16 px at most. 8 of a grid are within 1.41
-  // of its steps, which is a spacing of 0.836; 0.7: half a pixel each side.
-  EXPECT_NEAR(diameter_px(20), 0.32 * 2.5 * 20 * 0.836, 0.7);
+  // Where all are so far apart dots are 0.32 of 2.5 spacings wide, 16 px at most. 8 of a grid are in a disc
+  // of 1.41 steps, which is a spacing of 1.41 sqrt(pi / 8) = 0.886; 0.7: half a pixel each side.
+  EXPECT_NEAR(diameter_px(20), 0.32 * 2.5 * 20 * 0.886, 0.7);
   EXPECT_NEAR(diameter_px(40), 16, 0.7);
   // What covers 9 x 9 places as a whole: nothing between them is open.
   EXPECT_NEAR(diameter_px(5), 5 * 2 / std::sqrt(std::acos(-1.0)), 0.7);
