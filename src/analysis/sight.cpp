@@ -1,10 +1,12 @@
 #include "analysis/sight.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -156,16 +158,25 @@ double turned_share(std::span<const vec3> points, const vec3& eye, const vec3& u
   for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back(hash_of(dvec3(points[i])), i);
   const std::size_t first = std::min(asked, order.size());
   std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(first - 1), order.end());
+  std::vector<std::pair<float, std::uint32_t>> along_x(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) along_x[i] = {points[i].x, i};
+  tbb::parallel_sort(along_x);
   std::vector<Step> steps(first);
   tbb::parallel_for(std::size_t(0), first, [&](std::size_t k) {
     const vec3& from = points[order[k].second];
-    vec3 to = eye;
-    float least = std::numeric_limits<float>::infinity();
-    for (const vec3& p : points) {
-      const vec3 d = p - from;
-      if (const float distance2 = glm::dot(d, d); distance2 > 0 && distance2 < least)
-        least = distance2, to = p;
-    }
+    // The nearest, the first of those: no farther along x than what was found.
+    std::pair<float, std::uint32_t> nearest{std::numeric_limits<float>::infinity(), 0};
+    const auto ask = [&](const std::pair<float, std::uint32_t>& other) {
+      const vec3 d = points[other.second] - from;
+      if (d.x * d.x > nearest.first) return false;
+      if (const float distance2 = glm::dot(d, d); distance2 > 0)
+        nearest = std::min(nearest, {distance2, other.second});
+      return true;
+    };
+    const auto here = std::lower_bound(along_x.begin(), along_x.end(), std::pair(from.x, std::uint32_t(0)));
+    for (auto it = here; it != along_x.end() && ask(*it);) ++it;
+    for (auto it = here; it != along_x.begin() && ask(*std::prev(it));) --it;
+    const vec3 to = std::isfinite(nearest.first) ? points[nearest.second] : eye;
     if (from == eye || to == eye) return;
     const dvec3 before = glm::normalize(dvec3(from - eye)), after = glm::normalize(dvec3(to - eye));
     const auto elevation = [&](const dvec3& along) {
