@@ -339,15 +339,12 @@ void add_tops(std::span<const dvec3> points, const dvec3& up, Connected& part) {
   };
   const auto height = [&](const dvec3& p) { return glm::dot(p, up); };
   const double bottom = std::min(height(part.box.min), height(part.box.max));
-  double top = std::max(height(part.box.min), height(part.box.max));
+  const double old = std::max(height(part.box.min), height(part.box.max));
   std::vector<double> above;
   for (const dvec3& p : points)
-    if (height(p) > top && is_over(p)) above.push_back(height(p));
+    if (height(p) > old && is_over(p)) above.push_back(height(p));
   std::sort(above.begin(), above.end());
-  const double old = top;
-  for (const double next : above)
-    if (next - top <= shows * (old - bottom)) top = next;
-  if (top - old > most_added * (old - bottom)) return;
+  const double top = end_without_gap(above, old, old - bottom);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (height(points[i]) > old && height(points[i]) <= top && is_over(points[i])) part.members[i] = true;
   part.box.max += glm::max(up, dvec3(0)) * (top - old), part.box.min += glm::min(up, dvec3(0)) * (top - old);
