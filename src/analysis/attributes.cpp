@@ -124,7 +124,9 @@ class UsualRadii {
 /// How far each point is an outpost, from 0 to 1: farther from its neighbours than they are from theirs, and
 /// all of them on one side of it. `spacings`: around each point, in any unit.
 std::vector<float> outposts(const NeighborTree& tree, const std::vector<float>& spacings,
-                            std::size_t neighbors, Progress& progress) {
+                            const std::vector<VoronoiCell>& cells, std::size_t neighbors,
+                            Progress& progress) {
+  constexpr float slack = 0.9f;  // of those equally far another may count
   const UsualRadii usual(spacings);
   const std::span<const vec3> positions = tree.positions();
   std::vector<float> alone(spacings.size(), 0.0f);
@@ -134,7 +136,7 @@ std::vector<float> outposts(const NeighborTree& tree, const std::vector<float>& 
     std::vector<float> theirs;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       // Nine of ten outposts are those among the points before and after them, too: few are asked.
-      if (!(spacings[i] > sparser * usual.near(i))) continue;
+      if (!(spacings[i] > sparser * usual.near(i)) || cells[i].aside < slack * at_border) continue;
       nearest.start(std::uint32_t(i));
       tree.search(positions[i], nearest);
       vec3 middle(0);
@@ -240,6 +242,7 @@ class Completion {
               if (shrink && frame) {
                 flatness[i] = flatness_of(cloud_.positions, i, ids, *frame, std::sqrt(distances2.back()));
                 cells[i] = cell_of(cloud_.positions, i, ids, *frame, near.value_or(frame->normal));
+                if (has_sides && on_side[i]) cells[i].aside = 1;  // of its own side, not of all
               }
             }
             if (keep) kept.keep(i, ids);
@@ -370,7 +373,7 @@ class Completion {
       const float there = 1 - 0.5f * cells[i].widest_angle * std::numbers::inv_pi_v<float>;
       spacings[i] *= std::sqrt(cells[i].evenness * std::max(0.25f, there));
     }
-    const std::vector<float> alone = outposts(tree_, spacings, k_, progress_);
+    const std::vector<float> alone = outposts(tree_, spacings, cells, k_, progress_);
     const float medians = prepared_.median_radius;
     std::vector<float> ratio(radii.size(), 1.0f), on_surface = ratio;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 65'536), [&](const auto& range) {

@@ -1,13 +1,14 @@
 #include "analysis/sight.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <numeric>
+#include <queue>
 #include <utility>
 #include <vector>
 
@@ -78,6 +79,52 @@ bool is_in_steps(std::vector<double> values, double low, double high) {
   }
   return mean > 0 && 2 * closed > values.size() && open > all * mean * double(values.size() - 1);
 }
+
+/// Points by columns along x, for the few whose nearest are asked for: a tree would cost more.
+class AlongX {
+ public:
+  explicit AlongX(std::span<const vec3> points)
+      : points_(points), first_(columns + 1), places_(points.size()) {
+    const auto [low, high] = std::minmax_element(points.begin(), points.end(),
+                                                 [](const vec3& a, const vec3& b) { return a.x < b.x; });
+    low_ = low->x, width_ = (double(high->x) - low_) / columns;
+    for (const vec3& p : points) ++first_[column_of(p) + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t i = 0; i < points.size(); ++i) places_[next[column_of(points[i])]++] = i;
+  }
+
+  /// The squared distance and the place of the nearest that lies elsewhere, the first of those; infinitely
+  /// far where there is none.
+  std::pair<float, std::uint32_t> nearest_other(const vec3& from) const {
+    std::pair<float, std::uint32_t> nearest{std::numeric_limits<float>::infinity(), 0};
+    const auto ask = [&](int column) {
+      if (column < 0 || column >= columns) return;
+      for (std::uint32_t k = first_[std::size_t(column)]; k < first_[std::size_t(column) + 1]; ++k) {
+        const vec3 d = points_[places_[k]] - from;
+        if (const float distance2 = glm::dot(d, d); distance2 > 0)
+          nearest = std::min(nearest, {distance2, places_[k]});
+      }
+    };
+    const int here = int(column_of(from));
+    ask(here);
+    for (int away = 1; away < columns; ++away) {
+      const double gap = (away - 2) * width_;  // less by a column than it is: roundings
+      if (gap > 0 && gap * gap > double(nearest.first)) break;
+      ask(here - away), ask(here + away);
+    }
+    return nearest;
+  }
+
+ private:
+  static constexpr int columns = 4096;
+  std::size_t column_of(const vec3& p) const {
+    return width_ > 0 ? std::size_t(std::min((p.x - low_) / width_, columns - 1.0)) : 0;
+  }
+  std::span<const vec3> points_;
+  double low_ = 0, width_ = 0;
+  std::vector<std::uint32_t> first_, places_;
+};
 
 }  // namespace
 
@@ -154,28 +201,22 @@ double turned_share(std::span<const vec3> points, const vec3& eye, const vec3& u
   struct Step {
     double way = 0, rise = 0;  // radians
   };
-  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // whatever that of the file
-  for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back(hash_of(dvec3(points[i])), i);
-  const std::size_t first = std::min(asked, order.size());
-  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(first - 1), order.end());
-  std::vector<std::pair<float, std::uint32_t>> along_x(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) along_x[i] = {points[i].x, i};
-  tbb::parallel_sort(along_x);
+  // Those of the least hashes, whatever the order of the file.
+  std::priority_queue<std::pair<std::uint64_t, std::uint32_t>> least;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const std::pair mine(hash_of(dvec3(points[i])), i);
+    if (least.size() == asked && least.top() <= mine) continue;
+    if (least.size() == asked) least.pop();
+    least.push(mine);
+  }
+  std::vector<std::uint32_t> order;
+  for (; !least.empty(); least.pop()) order.push_back(least.top().second);
+  const std::size_t first = order.size();
+  const AlongX along_x(points);
   std::vector<Step> steps(first);
   tbb::parallel_for(std::size_t(0), first, [&](std::size_t k) {
-    const vec3& from = points[order[k].second];
-    // The nearest, the first of those: no farther along x than what was found.
-    std::pair<float, std::uint32_t> nearest{std::numeric_limits<float>::infinity(), 0};
-    const auto ask = [&](const std::pair<float, std::uint32_t>& other) {
-      const vec3 d = points[other.second] - from;
-      if (d.x * d.x > nearest.first) return false;
-      if (const float distance2 = glm::dot(d, d); distance2 > 0)
-        nearest = std::min(nearest, {distance2, other.second});
-      return true;
-    };
-    const auto here = std::lower_bound(along_x.begin(), along_x.end(), std::pair(from.x, std::uint32_t(0)));
-    for (auto it = here; it != along_x.end() && ask(*it);) ++it;
-    for (auto it = here; it != along_x.begin() && ask(*std::prev(it));) --it;
+    const vec3& from = points[order[k]];
+    const auto nearest = along_x.nearest_other(from);
     const vec3 to = std::isfinite(nearest.first) ? points[nearest.second] : eye;
     if (from == eye || to == eye) return;
     const dvec3 before = glm::normalize(dvec3(from - eye)), after = glm::normalize(dvec3(to - eye));

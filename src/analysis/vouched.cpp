@@ -170,7 +170,7 @@ SFUMATO_WIDE bool closes(const std::uint16_t* which, std::size_t count, const ve
 
 VoronoiCell open_cell_of(std::span<const vec3> positions, std::uint32_t point,
                          std::span<const std::uint32_t> neighbors, const LocalFrame& frame,
-                         const vec3& normal, float& evenness) {
+                         const vec3& normal, float& evenness, float& aside) {
   const std::size_t count = std::min(neighbors.size(), most);
   // Half the axes of an evenly filled ellipse are two deviations long.
   const float spacing_all = std::sqrt(4 * std::numbers::pi_v<float> *
@@ -180,13 +180,17 @@ VoronoiCell open_cell_of(std::span<const vec3> positions, std::uint32_t point,
   std::array<float, most> heights, distances2;
   std::array<vec2, most> ways;
   float reach2 = 0;
+  vec3 middle(0);
   for (std::size_t k = 0; k < count; ++k) {
     const vec3 way = positions[neighbors[k]] - positions[point];
+    middle += way;
     heights[k] = std::abs(glm::dot(way, normal));
     distances2[k] = glm::dot(way, way);
     ways[k] = vec2(glm::dot(way, along), glm::dot(way, across));
     reach2 = std::max(reach2, distances2[k]);
   }
+  if (reach2 > 0 && count == neighbors.size())
+    aside = glm::length(middle) / (float(count) * std::sqrt(reach2));
   for (std::size_t k = count; k % 8 != 0; ++k)
     heights[k] = distances2[k] = std::numeric_limits<float>::infinity();
   const float layer =
@@ -226,10 +230,10 @@ VoronoiCell open_cell_of(std::span<const vec3> positions, std::uint32_t point,
 
 VoronoiCell cell_of(std::span<const vec3> positions, std::uint32_t point,
                     std::span<const std::uint32_t> neighbors, const LocalFrame& frame, const vec3& normal) {
-  float evenness = 1;
-  VoronoiCell cell = open_cell_of(positions, point, neighbors, frame, normal, evenness);
+  float evenness = 1, aside = 1;
+  VoronoiCell cell = open_cell_of(positions, point, neighbors, frame, normal, evenness, aside);
   if (frame.variance.z > 0) cell.aspect = std::sqrt(frame.variance.y / frame.variance.z);
-  cell.evenness = evenness;
+  cell.evenness = evenness, cell.aside = aside;
   return cell;
 }
 
