@@ -79,15 +79,17 @@ void PrepareOptions::describe(ParamList& p) {
 }
 
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options, Progress& progress) {
-  return prepare_by_shape(
-      std::move(cloud), [&](const PreparedCloud&, const NeighborTree&) { return needs; }, options, progress);
+  SortedCloud sorted = sort_cloud(std::move(cloud), options, progress);
+  complete(sorted.cloud, needs, options, sorted.tree.get(), progress);
+  return std::move(sorted.cloud);
 }
 
-PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,
-                               Progress& progress, std::shared_ptr<const WholeCloud> whole) {
+SortedCloud sort_cloud(PointCloud cloud, const PrepareOptions& options, Progress& progress,
+                       std::shared_ptr<const WholeCloud> whole) {
   if (whole && !cloud.empty() && cloud.origin != whole->origin)
     throw Error(ErrorCode::usage, "the parts of a cloud have one origin: move them to that of the whole");
-  PreparedCloud prepared;
+  SortedCloud sorted;
+  PreparedCloud& prepared = sorted.cloud;
   prepared.cloud = std::move(cloud);
   prepared.whole = std::move(whole);
   if (prepared.cloud.normals.empty() || prepared.cloud.radii.empty()) recover_grid(prepared.cloud);
@@ -98,7 +100,8 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
   progress.check();
   thin_places(prepared);
   prepared.batches = cut_batches(prepared.cloud.positions);
-  const NeighborTree tree(prepared.cloud.positions);
+  sorted.tree = std::make_unique<NeighborTree>(prepared.cloud.positions);
+  const NeighborTree& tree = *sorted.tree;
   prepared.median_spacing = measure_spacing(prepared.batches, tree, progress);
   progress.check();
   if (prepared.whole) {
@@ -109,8 +112,7 @@ PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, cons
     if (are_rough(prepared.cloud.normals, tree, options.neighbors)) prepared.cloud.normals = {};
   }
   progress.check();
-  complete(prepared, choose(prepared, tree), options, &tree, progress);
-  return prepared;
+  return sorted;
 }
 
 }  // namespace sfumato::analysis

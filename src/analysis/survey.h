@@ -1,7 +1,6 @@
 // How much of a cloud is surface, from a sample of its neighbourhoods.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 
@@ -23,13 +22,14 @@ inline constexpr float enough_surface = 0.75f;
 /// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.
 float plane_residual(std::span<const vec3> positions);
 
-/// What a cloud that is sorted and measured needs besides, when only its shape tells; the tree is over its
-/// positions.
-using ChooseNeeds = std::function<Attributes(const PreparedCloud&, const NeighborTree&)>;
-/// As `prepare`, with needs that follow from the sorted cloud. Of a part of a cloud what decides is that of
-/// `whole`. Throws Error(usage) where the part has another origin.
-PreparedCloud prepare_by_shape(PointCloud cloud, const ChooseNeeds& choose, const PrepareOptions& options,
-                               Progress& progress = no_progress(),
-                               std::shared_ptr<const WholeCloud> whole = nullptr);
+/// A cloud that still lacks what is measured from neighbours, and the tree over its positions.
+struct SortedCloud {
+  PreparedCloud cloud;
+  std::unique_ptr<NeighborTree> tree;
+};
+/// The first half of `prepare`; `complete` is the other, with needs that may follow from the shape. Of a part
+/// of a cloud what decides is that of `whole`. Throws Error(usage) where the part has another origin.
+SortedCloud sort_cloud(PointCloud cloud, const PrepareOptions& options, Progress& progress = no_progress(),
+                       std::shared_ptr<const WholeCloud> whole = nullptr);
 
 }  // namespace sfumato::analysis

@@ -95,8 +95,9 @@ PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes
   part.source_index.clear();
   if (around.size() > 0) append(part, around);
   part.source_index.clear();
-  PreparedCloud prepared = prepare_by_shape(
-      std::move(part), [&](const auto&, const auto&) { return needs; }, options, progress, std::move(whole));
+  SortedCloud sorted = sort_cloud(std::move(part), options, progress, std::move(whole));
+  PreparedCloud& prepared = sorted.cloud;
+  complete(prepared, needs, options, sorted.tree.get(), progress);
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < prepared.cloud.size(); ++i)
     if (prepared.cloud.source_index[i] < count) kept.push_back(i);
@@ -106,7 +107,7 @@ PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes
     for (std::uint32_t& number : prepared.cloud.source_index) number = numbers[number];
   prepared.batches = cut_batches(prepared.cloud.positions);
   measure_spacing(prepared.batches, NeighborTree(prepared.cloud.positions), progress);
-  return prepared;
+  return std::move(prepared);
 }
 
 }  // namespace sfumato::analysis

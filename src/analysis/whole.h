@@ -3,7 +3,7 @@
 //
 //   CloudFacts facts = facts_of(part);                          merge those of all parts
 //   Surroundings around = surroundings_of(part, facts);         merge those of all parts
-//   prepare_by_shape(part, ..., whole_of(facts, around, origin))
+//   sort_cloud(part, ..., whole_of(facts, around, origin))
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ void merge(Surroundings& into, const Surroundings& of);
 std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surroundings& around,
                                            const dvec3& origin);
 
-/// As prepare_by_shape. What is computed from neighbours finds them among `around` too, points of other parts
+/// As `prepare`. What is computed from neighbours finds them among `around` too, points of other parts
 /// (analysis/regions.h), which are not in the result: nothing can be computed later.
 PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes needs,
                            const PrepareOptions& options, Progress& progress,

@@ -79,13 +79,10 @@ void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Pro
   const Camera first = sfumato::first_view(pose, 1280, 720);
   for (const Note& note : notes_on(pose, {&first, 1})) notes_.push_back(for_python(note));
   session_ = std::make_unique<Session>(context);
-  const auto needs_of = [&](const Session::Suggest& suggest) {
-    if (choice_.automatic()) choice_.settle(suggest());
-    return choice_.techniques.front()->technique->needs();
-  };
   session_->set_scene(std::move(scene), pose,
-                      {choice_.prepare, options_.color, options_.background, options_.draw}, needs_of,
-                      progress);
+                      {choice_.prepare, options_.color, options_.background, options_.draw}, progress);
+  if (choice_.automatic()) choice_.settle(session_->suggest());
+  session_->measure(choice_.techniques.front()->technique->needs(), progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
   if (!chosen.reason.empty()) notes_.push_back(for_python(note_on_technique(chosen.name, chosen.reason)));

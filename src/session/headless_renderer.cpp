@@ -44,9 +44,8 @@ void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, Progress& prog
   choice.reset();
   notes = scene.notes;
   notes.insert(notes.end(), scene.damage.begin(), scene.damage.end());
-  session.set_scene(
-      std::move(scene), std::move(pose), options, [](const Session::Suggest&) { return Attributes(); },
-      progress);
+  session.set_scene(std::move(scene), std::move(pose), options, progress);
+  session.measure({}, progress);
   notes.insert(notes.end(), session.notes().begin(), session.notes().end());
 }
 

@@ -97,8 +97,8 @@ void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> w
     scene.cloud = std::move(part);
     scene.whole = std::move(whole);
     if (around) scene.around = std::move(around->points);
-    state_->drawing->session.set_scene(std::move(scene), opening.pose(), {{}, coloring, {}},
-                                       [&](const Session::Suggest&) { return needs; });
+    state_->drawing->session.set_scene(std::move(scene), opening.pose(), {{}, coloring, {}});
+    state_->drawing->session.measure(needs);
   });
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/attributes.h"
 #include "analysis/density.h"
 #include "analysis/find_room.h"
 #include "analysis/survey.h"
@@ -299,8 +300,7 @@ std::uint64_t Session::source(std::size_t part, std::size_t i) const {
   return of_part ? (*of_part)[in_part] : in_part;
 }
 
-void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options,
-                        const ChooseNeeds& needs, Progress& progress) {
+void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress) {
   progress.check();
   // What is refused is refused before anything of the last scene is gone.
   std::vector<std::uint32_t> matches;
@@ -318,30 +318,38 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   notes_.clear();
   box_ = whole_ ? whole_->box : bounds(scene.cloud);
   shadow_box_.reset();
-  const Attributes shown = options.color.color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
-  std::vector<PointCloud> clouds = cut(std::move(scene.cloud), matches);
+  unmeasured_.clear();
+  around_ = std::move(scene.around);
+  for (PointCloud& part : cut(std::move(scene.cloud), matches)) {
+    Unmeasured& each = unmeasured_.emplace_back();
+    each.points = part.size();
+    if (around_)
+      each.part = std::move(part);
+    else
+      each.sorted = analysis::sort_cloud(std::move(part), options.prepare, progress, whole_);
+  }
+}
+
+void Session::measure(Attributes needs, Progress& progress) {
+  const std::string& color_by = options_.color.color_by;
+  const Attributes shown = color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
   std::vector<ColoredCloud> prepared;
   std::vector<const PreparedCloud*> in_order;
   left_out_ = 0, spacing_ = std::numeric_limits<float>::infinity();
-  if (parts_.front().rule)  // nobody draws by the caller's look, who wants to hear of it all the same
-    needs([] { return TechniqueChoice{"points", "every point is drawn by a rule"}; });
-  for (std::size_t k = 0; k < clouds.size(); ++k) {
-    const auto needs_of = [&](const PreparedCloud& sorted, const analysis::NeighborTree& tree) {
-      if (parts_[k].look) return parts_[k].look->technique->needs() | shown;
-      return needs([&] { return suggest(sorted, &tree); }) | shown;
-    };
-    const std::size_t given = clouds[k].size();
-    if (scene.around)
-      prepared.push_back({analysis::prepare_part(std::move(clouds[k]), *scene.around,
-                                                 needs([&] { return suggest({}, nullptr); }) | shown,
-                                                 options.prepare, progress, whole_),
-                          {}});
+  const std::optional<PointCloud> around = std::exchange(around_, {});
+  std::vector<Unmeasured> unmeasured = std::exchange(unmeasured_, {});
+  for (std::size_t k = 0; k < unmeasured.size(); ++k) {
+    auto& [sorted, part, points] = unmeasured[k];
+    const Attributes own = (parts_[k].look ? parts_[k].look->technique->needs() : needs) | shown;
+    if (around)
+      sorted.cloud =
+          analysis::prepare_part(std::move(part), *around, own, options_.prepare, progress, whole_);
     else
-      prepared.push_back(
-          {analysis::prepare_by_shape(std::move(clouds[k]), needs_of, options.prepare, progress, whole_),
-           {}});
-    left_out_ += given - prepared.back().cloud.cloud.size();
-    if (options.color.color_by == analysis::density_name) add_density(prepared.back().cloud.cloud);
+      analysis::complete(sorted.cloud, own, options_.prepare, sorted.tree.get(), progress);
+    prepared.push_back({std::move(sorted.cloud), {}});
+    sorted.tree.reset();
+    left_out_ += points - prepared.back().cloud.cloud.size();
+    if (color_by == analysis::density_name) add_density(prepared.back().cloud.cloud);
     spacing_ = std::min(spacing_, prepared.back().cloud.median_spacing);
   }
   for (const ColoredCloud& each : prepared) in_order.push_back(&each.cloud);
@@ -354,6 +362,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
 
 void Session::share_scene(const Session& other) {
   is_empty_ = true;
+  unmeasured_.clear(), around_.reset();
   renderer_.share_clouds(other.renderer_);
   options_ = other.options_;
   file_names_ = other.file_names_, notes_ = other.notes_, overview_ = other.overview_, whole_ = other.whole_;
@@ -374,17 +383,17 @@ void Session::share_scene(const Session& other) {
 TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const {
   if (!overview_ || !options_.draw.empty()) return choose_technique(sorted, tree, overview_ != nullptr);
   return choice_of_overview_.at(overview_, [&] {
-    TechniqueChoice choice;
-    const auto choose = [&](const PreparedCloud& whole, const analysis::NeighborTree& its_tree) {
-      choice = choose_technique(whole, &its_tree, true);
-      return Attributes();
-    };
-    analysis::prepare_by_shape(*overview_, choose, options_.prepare);
-    return choice;
+    const analysis::SortedCloud whole = analysis::sort_cloud(*overview_, options_.prepare);
+    return choose_technique(whole.cloud, whole.tree.get(), true);
   });
 }
 
-TechniqueChoice Session::suggest() const { return suggest(prepared(), nullptr); }
+TechniqueChoice Session::suggest() const {
+  if (parts_.front().rule) return {"points", "every point is drawn by a rule"};
+  if (unmeasured_.empty()) return suggest(prepared(), nullptr);
+  const analysis::SortedCloud& sorted = unmeasured_.front().sorted;
+  return suggest(sorted.cloud, sorted.tree.get());
+}
 
 void Session::set_color(const ColorSettings& wanted) {
   options_.color = wanted;

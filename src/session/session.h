@@ -2,13 +2,13 @@
 // is automatic, the same for every front end, so that the same wishes give the same bytes everywhere.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/prepare.h"
+#include "analysis/survey.h"
 #include "analysis/upright.h"
 #include "core/coloring.h"
 #include "core/derived.h"
@@ -61,18 +61,17 @@ class Session {
  public:
   explicit Session(gl::Context& context) : renderer_(context) {}
 
-  /// What suits the points (techniques/choose.h); costs a moment, so it is found when asked for.
-  using Suggest = std::function<TechniqueChoice()>;
-  /// Called when the points lie sorted: says which attributes the techniques need that will be drawn.
-  using ChooseNeeds = std::function<Attributes(const Suggest&)>;
-  /// Sorts and measures the points of a scene and colours them. Throws Error(usage) for a colour source that
-  /// they do not have and Cancelled when `progress` asks for it.
-  void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, const ChooseNeeds& needs,
+  /// Sorts the points of a scene: `suggest` may then be asked, and until `measure` has been called there is
+  /// nothing to draw. Throws Cancelled when `progress` asks for it.
+  void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options,
                  Progress& progress = no_progress());
+  /// Computes what the techniques need that will be drawn, in one search of neighbours, and colours the
+  /// points. Throws Error(usage) for a colour source that they do not have, and Cancelled.
+  void measure(Attributes needs, Progress& progress = no_progress());
   /// The scene of another session, as it is drawn there, in memory once (Renderer::share_clouds); colours and
   /// background may then become others here. Not while that one is in use.
   void share_scene(const Session& other);
-  /// What suits the points that no rule draws.
+  /// What suits the points that no rule draws (techniques/choose.h).
   TechniqueChoice suggest() const;
   /// Other colours for the same points. A background that contrasts with them is found anew.
   void set_color(const ColorSettings& color);
@@ -154,7 +153,16 @@ class Session {
   /// What follows from scene and technique together; returns what is drawn.
   std::vector<Item> settle(Look& look, const Camera& camera, Progress& progress);
 
+  /// A part between `set_scene` and `measure`.
+  struct Unmeasured {
+    analysis::SortedCloud sorted;
+    PointCloud part;         ///< instead, where `around_` is known
+    std::size_t points = 0;  ///< before those were left out that share a place
+  };
+
   Renderer renderer_;
+  std::vector<Unmeasured> unmeasured_;
+  std::optional<PointCloud> around_;  ///< points of other parts of the cloud, until `measure`
   SessionOptions options_;
   std::vector<std::string> file_names_, notes_;
   std::shared_ptr<const WholeCloud> whole_;     ///< may be null

@@ -106,17 +106,17 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
   stand->prepares_ahead = true;
   SceneReady ready;
   ready.id = job.id;
-  const auto needs = [&](const Session::Suggest& suggest) {
+  try {
+    first.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, watch);
     std::string technique = job.technique;
     if (technique.empty() && job.settle) {
-      ready.choice = job.settle(suggest());
+      ready.choice = job.settle(first.session->suggest());
       technique = ready.choice.technique;
     }
-    if (technique.empty() || !job.measures) return Attributes();
-    return stand->look_of(technique, job.parameters_of(technique)).technique->needs();
-  };
-  try {
-    first.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, needs, watch);
+    Attributes needs;
+    if (!technique.empty() && job.measures)
+      needs = stand->look_of(technique, job.parameters_of(technique)).technique->needs();
+    first.session->measure(needs, watch);
   } catch (...) {
     // A session that holds nothing is kept for the next scene; one that was cut off half way may draw what it
     // has.

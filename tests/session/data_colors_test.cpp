@@ -37,7 +37,8 @@ class DataColorsTest : public GlTest {
     scene.cloud = classes_in_stripes();
     SessionOptions options;
     options.color.color_by = color_by;
-    session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
+    session.set_scene(std::move(scene), {}, options);
+    session.measure(look.technique->needs());
     look.settings.transparent = true;
     look.settings.smooth_outlines.user = false;
     look.settings.edl.user = false;
@@ -97,7 +98,8 @@ TEST_F(DataColorsTest, PhotographsKeepTheirLight) {
     SessionOptions options;
     options.color.color_by = color_by;
     Look look(technique);
-    session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
+    session.set_scene(std::move(scene), {}, options);
+    session.measure(look.technique->needs());
     look.settings.smooth_outlines.user = false;
     if (flat) {
       look.settings.shading = Shading::albedo, look.settings.edl.user = false;
@@ -137,7 +139,8 @@ TEST_F(DataColorsTest, ShadesShowOnBlackLabels) {
   Look look("splats");
   SessionOptions options;
   options.color.color_by = "rgb";
-  session.set_scene(std::move(scene), {}, options, [&](const auto&) { return look.technique->needs(); });
+  session.set_scene(std::move(scene), {}, options);
+  session.measure(look.technique->needs());
   look.settings.edl.user = false, look.settings.light_text = "headlight";
   const Image<Rgba8> shown = session.render(look, camera_above(10, 2.2, 200)).rgba8;
   EXPECT_GT(shown.at(90, 100).g, shown.at(20, 100).g + 10) << "lighter in the middle than at the rim";
@@ -182,7 +185,8 @@ TEST_F(DataColorsTest, LeavesAreSeenByTheirHeightAndSurfacesByWhatTheyReflect) {
     scene::Scene scene;
     scene.cloud = crown(is_full);
     const Look look("points");
-    session.set_scene(std::move(scene), {}, {}, [&](const auto&) { return look.technique->needs(); });
+    session.set_scene(std::move(scene), {}, {});
+    session.measure(look.technique->needs());
     EXPECT_EQ(session.coloring().source, is_full ? "elevation" : "intensity");
   }
 }

@@ -23,7 +23,8 @@ void set_scene(Session& session, std::size_t points, bool with_normals = false) 
   for (const vec3& p : scene.cloud.positions) heights.values.push_back(p.z);
   scene.cloud.set_scalar(std::move(heights));
   Pose pose = stand_upright(scene);
-  session.set_scene(std::move(scene), std::move(pose), {}, [](const auto&) { return Attributes(); });
+  session.set_scene(std::move(scene), std::move(pose), {});
+  session.measure({});
 }
 
 void color_by_height(Session& session) {

@@ -388,7 +388,8 @@ TEST_F(ItemsTest, RulesWithNoneLeavePointsOutAndOthersKeepTheirPlaceInTheFile) {
   options.draw = {DrawRule::parse("z ..0: none"), DrawRule::parse("x 0..: splats")};
   Pose pose = stand_upright(scene, UpAxis::pos_z);
   Session session(context());
-  session.set_scene(std::move(scene), pose, options, [](const auto&) { return Attributes(); });
+  session.set_scene(std::move(scene), pose, options);
+  session.measure({});
   ASSERT_EQ(session.parts().size(), 2u);
   std::size_t drawn = 0;
   for (std::size_t k = 0; k < 2; ++k)

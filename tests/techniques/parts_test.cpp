@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "analysis/attributes.h"
 #include "analysis/regions.h"
 #include "analysis/spacing.h"
 #include "analysis/survey.h"
@@ -88,9 +89,8 @@ class PartsTest : public GlTest {
 
   /// `whole` null: a cloud of its own.
   void show_part(PointCloud part, std::shared_ptr<const WholeCloud> whole) {
-    PreparedCloud prepared = analysis::prepare_by_shape(
-        std::move(part), [&](const auto&, const auto&) { return technique()->needs(); }, {}, no_progress(),
-        whole);
+    auto [prepared, tree] = analysis::sort_cloud(std::move(part), {}, no_progress(), whole);
+    analysis::complete(prepared, technique()->needs(), {}, tree.get(), no_progress());
     std::vector<Rgba8> colors = colors_of(prepared.cloud);
     renderer_.set_cloud(std::move(prepared), std::move(colors), 3000);
   }

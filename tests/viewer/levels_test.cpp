@@ -88,8 +88,8 @@ class LevelsTest : public testing::Test {
     SessionOptions wanted;
     wanted.color.color_by = "elevation";
     Look look("points");
-    session.set_scene(std::move(scene), std::move(pose), wanted,
-                      [&](const Session::Suggest&) { return look.technique->needs(); });
+    session.set_scene(std::move(scene), std::move(pose), wanted);
+    session.measure(look.technique->needs());
     return session.render(look, camera).rgba8;
   }
 

@@ -57,14 +57,6 @@ Studio::~Studio() {
 }
 
 std::string Studio::set_scene(scene::Scene scene, Pose pose) {
-  bool settled = false;
-  const auto needs_of = [&](const Session::Suggest& suggest) {
-    settled = choice_.automatic();
-    if (settled) choice_.settle(suggest());
-    Attributes needs;
-    for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
-    return needs;
-  };
   crs_ = scene.cloud.crs;
   const bool holds_still =
       options_.sequence && std::all_of(choice_.techniques.begin(), choice_.techniques.end(),
@@ -72,7 +64,12 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
   if (holds_still) still_.hold(scene.cloud, choice_.prepare.strokes.clusters.point_threshold, console_);
   SessionOptions wanted{choice_.prepare, options_.color, {}, options_.draw};
   wanted.background = options_.background;
-  session_.set_scene(std::move(scene), std::move(pose), wanted, needs_of, console_);
+  session_.set_scene(std::move(scene), std::move(pose), wanted, console_);
+  const bool settled = choice_.automatic();
+  if (settled) choice_.settle(session_.suggest());
+  Attributes needs;
+  for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
+  session_.measure(needs, console_);
   report_.draw.clear();
   for (const Session::Part& part : session_.parts())
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});

@@ -15,14 +15,8 @@ using namespace sfumato::analysis;
 namespace {
 
 TechniqueChoice choice_for(PointCloud cloud, bool by_levels = false) {
-  TechniqueChoice choice;
-  prepare_by_shape(std::move(cloud),
-                   [&](const PreparedCloud& prepared, const NeighborTree& tree) {
-                     choice = choose_technique(prepared, &tree, by_levels);
-                     return Attributes();
-                   },
-                   {});
-  return choice;
+  const SortedCloud sorted = sort_cloud(std::move(cloud), {});
+  return choose_technique(sorted.cloud, sorted.tree.get(), by_levels);
 }
 
 /// A tube of 3 m radius and a level floor, in profiles `gap` apart as of a scanner that moves along it;
@@ -150,19 +144,15 @@ TEST(Choose, PointsOnFacesAreOnSurfacesAndNobodyMeasures) {
 }
 
 TEST(Choose, IsMeasuredOnce) {
-  prepare_by_shape(scan("courtyard", synth::Sampling::scanners, 20'000),
-                   [&](const PreparedCloud& prepared, const NeighborTree& tree) {
-                     EXPECT_FALSE(prepared.surface_share.is_made());
-                     const float share = choose_technique(prepared, &tree).surface_share;
-                     EXPECT_TRUE(prepared.surface_share.is_made());
-                     PreparedCloud other = prepared;  // a copy reads what is kept
-                     EXPECT_EQ(other.surface_share.get([] { return 0.0f; }), share);
-                     other.surface_share = {};
-                     other.surface_share.get([] { return 0.8125f; });
-                     EXPECT_EQ(choose_technique(other, nullptr).surface_share, 0.8125f);
-                     return Attributes();
-                   },
-                   {});
+  const auto [prepared, tree] = sort_cloud(scan("courtyard", synth::Sampling::scanners, 20'000), {});
+  EXPECT_FALSE(prepared.surface_share.is_made());
+  const float share = choose_technique(prepared, tree.get()).surface_share;
+  EXPECT_TRUE(prepared.surface_share.is_made());
+  PreparedCloud other = prepared;  // a copy reads what is kept
+  EXPECT_EQ(other.surface_share.get([] { return 0.0f; }), share);
+  other.surface_share = {};
+  other.surface_share.get([] { return 0.8125f; });
+  EXPECT_EQ(choose_technique(other, nullptr).surface_share, 0.8125f);
 }
 
 // Nobody should wait for the neighbours of tens of millions of points at every view.
