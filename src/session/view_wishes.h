@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/camera.h"
-#include "session/session.h"
+#include "session/pose.h"
 
 namespace sfumato {
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "session/session.h"
+#include "session/pose.h"
 #include "session/standpoint.h"
 #include "session/view_wishes.h"
 #include "synth/synth.h"

@@ -17,7 +17,7 @@
 #include "io/file_names.h"
 #include "io/io.h"
 #include "parameters.h"
-#include "session/session.h"
+#include "session/pose.h"
 #include "session/shadow_factors.h"
 
 namespace sfumato::cli {

@@ -5,7 +5,7 @@
 #include "io/io.h"
 #include "render_options.h"
 #include "report.h"
-#include "session/session.h"
+#include "session/pose.h"
 
 namespace sfumato::cli {
 

@@ -10,7 +10,7 @@
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/units.h"
-#include "session/session.h"
+#include "session/pose.h"
 
 namespace sfumato::publish {
 
