@@ -47,6 +47,7 @@ class Param {
   std::vector<std::string> choices;
   std::optional<double> min, max;
   bool can_be_auto = false;
+  bool is_point_size = false;  ///< `+` and `-` in a window change it
   std::string unit_text, help_text, paper_text;
 
   Param& range(double lo, double hi) {
@@ -67,6 +68,11 @@ class Param {
   }
   Param& paper(std::string text) {
     paper_text = std::move(text);
+    return *this;
+  }
+  /// How large points, or what is drawn in their place, are.
+  Param& point_size() {
+    is_point_size = true;
     return *this;
   }
 

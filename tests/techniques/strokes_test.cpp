@@ -79,6 +79,13 @@ TEST(Tangent, JumpsWhereTheBranchesMeet) {
   }
 }
 
+TEST(Strokes, AreAsLargeAsTheirLength) {
+  ParamList params;
+  const auto technique = find_technique("strokes").create();
+  technique->describe(params);
+  for (const Param& param : params.all()) EXPECT_EQ(param.is_point_size, param.name == "stroke_length");
+}
+
 TEST(Seed, StaysWithThePlace) {
   const double quantum = seed_quantum(0.1);
   EXPECT_EQ(quantum, std::exp2(std::round(std::log2(0.1 / 16))));

@@ -79,13 +79,13 @@ void Interface::act(Action action) {
   };
   const auto resize_points = [&](double factor) {
     if (!look_) return;
-    for (const char* name : {"point_size", "radius_scale", "disc_scale", "brush_scale"})
-      if (const Param* param = look_->parameters.find(name)) {
-        const std::vector<float> now = view::numbers_of(resolved(name));
+    for (const Param& param : look_->parameters.all())
+      if (param.is_point_size) {
+        const std::vector<float> now = view::numbers_of(resolved(param.name));
         if (now.size() != 1) continue;
-        const float wanted = std::clamp(float(double(now[0]) * factor), float(param->min.value_or(0)),
-                                        float(param->max.value_or(1e9)));
-        return parameter(name, view::number_text(std::round(wanted * 1000) / 1000));
+        const float wanted = std::clamp(float(double(now[0]) * factor), float(param.min.value_or(0)),
+                                        float(param.max.value_or(1e9)));
+        return parameter(param.name, view::number_text(std::round(wanted * 1000) / 1000));
       }
     bench_.say(bench_.wishes().technique + " has no size of points");
   };

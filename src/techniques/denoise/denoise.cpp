@@ -105,7 +105,7 @@ struct Parameters {
             "bins begin at the nearest splat, or on a fixed grid along the ray, which outliers cannot move");
     p.add("miss", miss, {"background", "last_bin"}).help("what a pixel shows where no bin has enough weight");
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
-    p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
+    p.add("radius_scale", radius_scale).point_size().range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
         .help("limit radii to four times their median, so that isolated points do not become big discs");
   }

@@ -87,6 +87,7 @@ struct Parameters {
             "disc: in the plane of its normal, which is computed where the cloud has none; round: facing the "
             "camera, as in the paper; auto: discs, but round where noise is more than 0.75 median spacings");
     p.add("point_size", point_size)
+        .point_size()
         .range(0.01, 1e6)
         .unit("point spacings")
         .help(

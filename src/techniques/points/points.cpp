@@ -32,6 +32,7 @@ class Points final : public Technique {
     p.add("size_mode", footprint_.mode, {"adaptive", "pixels", "world"})
         .help("adaptive: local point spacing times point_size; pixels; world: scene units");
     p.add("point_size", footprint_.size)
+        .point_size()
         .range(0.01, 1e6)
         .unit("factor, px or scene units")
         .help(

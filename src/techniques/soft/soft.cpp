@@ -119,7 +119,7 @@ struct Parameters {
         .help(
             "a splat covers at least a disc of 1 px radius on the screen; smaller soft points grow and thin "
             "out");
-    p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
+    p.add("radius_scale", radius_scale).point_size().range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
         .help(
             "limit radii to twice what the points around have, soft points' to twice that of all of them or "

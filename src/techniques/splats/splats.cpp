@@ -40,7 +40,7 @@ struct Parameters {
     p.add("blend", blend, {"weighted", "opaque"})
         .help("average of the surface's splats, or the nearest disc only");
     p.add("antialias", antialias).help("a splat covers at least a disc of 1 px radius on the screen");
-    p.add("radius_scale", radius_scale).range(0.1, 10).unit("factor").help("size of all splats");
+    p.add("radius_scale", radius_scale).point_size().range(0.1, 10).unit("factor").help("size of all splats");
     p.add("clamp_radius", clamp_radius)
         .help("limit radii to four times their median, so that isolated points do not become big discs");
   }

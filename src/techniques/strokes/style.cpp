@@ -81,6 +81,7 @@ void Parameters::describe(ParamList& p) {
   p.add("bristles", bristles).range(0, 1).help("streaks that the hairs of the brush leave");
   p.add("stroke_aspect", stroke_aspect).range(0.2, 10).help("length of the quad by its width");
   p.add("stroke_length", stroke_length)
+      .point_size()
       .range(0, 50)
       .unit("% of the image height")
       .help("length of strokes where points are dense enough; 0: as short as the spacing allows");

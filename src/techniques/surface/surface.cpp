@@ -51,6 +51,7 @@ class SurfaceTechnique final : public Technique {
             "weighted means, as in the paper")
         .paper("Bouchiba 2018, Sec. 3.2");
     p.add("disc_scale", discs_options_.disc_scale)
+        .point_size()
         .range(0.1, 10)
         .unit("point spacings")
         .help("radius of a disc");
