@@ -36,15 +36,9 @@ DrawRule DrawRule::parse(std::string_view text) {
     if (equals == std::string::npos) refuse("'" + words[i] + "' is no name=value");
     rule.parameters.emplace_back(words[i].substr(0, equals), words[i].substr(equals + 1));
   }
-  // Who selects points for haze has said which ones are soft: all of them, and none more than others.
-  const bool says_which =
-      std::any_of(rule.parameters.begin(), rule.parameters.end(),
-                  [](const auto& parameter) { return parameter.first.starts_with("field"); });
-  if (rule.technique == "soft" && !says_which)
-    rule.parameters.insert(
-        rule.parameters.begin(),
-        {{"field", "distance"}, {"field_threshold", "-1"}, {"modulation_threshold", "-1"}});
   Look look(rule.technique);
+  const Technique::Values suited = look.technique->of_selected(rule.parameters);
+  rule.parameters.insert(rule.parameters.begin(), suited.begin(), suited.end());
   for (const auto& [name, value] : rule.parameters) look.set(name, value);
   return rule;
 }

@@ -18,9 +18,9 @@ struct DrawRule {
 
   static constexpr const char* none = "none";
 
-  /// "SELECTION: TECHNIQUE [name=value ...]", or "SELECTION: none", which leaves the points out. With `soft`,
-  /// all selected points are soft unless a field says which. Throws Error(usage) for what is no selection
-  /// (core/selector.h), technique or parameter of it.
+  /// "SELECTION: TECHNIQUE [name=value ...]", or "SELECTION: none", which leaves the points out. What the
+  /// technique has of its own for selected points comes before (Technique::of_selected). Throws Error(usage)
+  /// for what is no selection (core/selector.h), technique or parameter of it.
   static DrawRule parse(std::string_view text);
   bool operator==(const DrawRule& other) const { return text == other.text; }
   bool draws_nothing() const { return technique == none; }

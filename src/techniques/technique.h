@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/param.h"
@@ -26,6 +27,13 @@ class Technique {
 
   /// Lists every parameter with its default, range, unit, help and paper symbol.
   virtual void describe(ParamList& params) = 0;
+  /// Names and values of parameters, as Param::set takes them.
+  using Values = std::vector<std::pair<std::string, std::string>>;
+  /// What is drawn with, in place of what is set, where every millisecond of a picture in motion counts: the
+  /// same look with less care. Empty where there is no such way.
+  virtual Values in_motion() const { return {}; }
+  /// What suits points that a rule of --draw selects for it, beside the `given` parameters of that rule.
+  virtual Values of_selected(const Values& /*given*/) const { return {}; }
   /// Attributes the technique cannot do without; asked again after parameters changed.
   virtual Attributes needs() const { return {}; }
   /// How strong eye-dome lighting suits the technique by default (`edl = auto`), 0 where it does not: a

@@ -12,26 +12,6 @@ int rung_of(const Quality& quality) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> motion_parameters(
-    const std::string& technique, const std::map<std::string, std::string>& own) {
-  if (technique == "layers") {
-    // Two layers show that there is something behind; closing the gaps of so coarse a picture takes one step.
-    std::vector<std::pair<std::string, std::string>> less{{"antialias", "false"},
-                                                          {"smoothing_iterations", "0"},
-                                                          {"background_iterations", "1"},
-                                                          {"occluded_iterations", "1"}};
-    const auto layers = own.find("layers");
-    const bool has_few = layers != own.end() && layers->second == "1";
-    if (!has_few && !own.contains("show_layer")) less.emplace_back("layers", "2");
-    return less;
-  }
-  // Splats of a pixel or two need no disc of a pixel around them, and a short row of bins no hashes.
-  if (technique == "denoise") return {{"antialias", "false"}, {"bins", "dense"}, {"dense_bins", "16"}};
-  if (technique == "strokes") return {{"two_layers", "false"}, {"underpainting", "false"}};
-  if (technique == "soft") return {{"order", "axis"}, {"antialias", "false"}};
-  return {};
-}
-
 void Refinement::changed(double now_ms) {
   // What was hopeless while something else kept the machine busy is tried again, once, when the next motion
   // begins.

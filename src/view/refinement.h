@@ -7,8 +7,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace sfumato::view {
 
@@ -16,15 +14,10 @@ namespace sfumato::view {
 struct Quality {
   bool whole_cloud = true;  ///< else the sample
   int divisor = 1;          ///< pixels of the view a pixel of the picture, along each axis
-  bool fast = false;        ///< with `motion_parameters`, where fewer pixels and points are not enough
-  bool stand_in = false;    ///< by `points`, where the technique itself is far too slow to move
+  bool fast = false;        ///< by Technique::in_motion, where fewer pixels and points are not enough
+  bool stand_in = false;    ///< by `stand_in_technique`, where the technique itself is far too slow to move
   bool operator==(const Quality&) const = default;
 };
-
-/// Parameters of a technique that are drawn with where every millisecond counts, in place of `own`, which
-/// somebody set: the same look with less care. Empty where it has no such way.
-std::vector<std::pair<std::string, std::string>> motion_parameters(
-    const std::string& technique, const std::map<std::string, std::string>& own = {});
 
 class Refinement {
  public:

@@ -365,12 +365,8 @@ PictureJob Workbench::job_for(const Wishes& wishes, const Quality& quality, int 
     };
     set("samples", "1");
     if (quality.divisor > 1) set("smooth_outlines", "false");  // magnified, nobody sees it
-    if (quality.fast && known) {
-      const auto own = wishes.own.find(job.technique);
-      for (const auto& [name, value] :
-           motion_parameters(job.technique, own == wishes.own.end() ? Wishes::Values{} : own->second))
-        set(name, value);
-    }
+    if (quality.fast && known)
+      for (const auto& [name, value] : wishes.make_look()->technique->in_motion()) set(name, value);
     if (!quality.whole_cloud && wishes.settings().shadows == Shadows::soft) set("light_samples", "2");
   }
   // What only some techniques can show is of no use to `points`.

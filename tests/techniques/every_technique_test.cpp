@@ -302,6 +302,27 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
   }
 }
 
+// A technique that renames a parameter would have nothing to draw with in motion.
+TEST_P(EveryTechnique, ValuesOfItsOwnAreOfItsParameters) {
+  const auto technique = make();
+  ParamList params;
+  technique->describe(params);
+  for (const Technique::Values& values : {technique->in_motion(), technique->of_selected({})})
+    for (const auto& [name, value] : values) {
+      ASSERT_TRUE(params.find(name)) << name;
+      EXPECT_NO_THROW(params.find(name)->set(value)) << name;
+    }
+}
+
+TEST_P(EveryTechnique, HasOneSizeOfPointsAtMost) {
+  const auto technique = make();
+  ParamList params;
+  technique->describe(params);
+  EXPECT_LE(std::count_if(params.all().begin(), params.all().end(),
+                          [](const Param& param) { return param.is_point_size; }),
+            1);
+}
+
 /// A noisy sphere over a floor, with normals that point outwards, with strays and a colour that changes,
 /// before a wall of few points: something for every parameter.
 PointCloud rich_scene() {

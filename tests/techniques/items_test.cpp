@@ -380,6 +380,16 @@ TEST(DrawRuleTest, TheFirstRuleThatSelectsAPointDrawsIt) {
             Look("splats").parameters.find("radius_scale")->get());
 }
 
+TEST(DrawRuleTest, AllSelectedPointsAreSoftUnlessAFieldSaysWhich) {
+  using Parameters = decltype(DrawRule::parameters);
+  EXPECT_EQ(DrawRule::parse("x 1..: soft opacity=0.2").parameters, (Parameters{{"field", "distance"},
+                                                                               {"field_threshold", "-1"},
+                                                                               {"modulation_threshold", "-1"},
+                                                                               {"opacity", "0.2"}}));
+  EXPECT_EQ(DrawRule::parse("x 1..: soft field-threshold=0.3").parameters,
+            (Parameters{{"field-threshold", "0.3"}}));
+}
+
 TEST_F(ItemsTest, RulesWithNoneLeavePointsOutAndOthersKeepTheirPlaceInTheFile) {
   scene::Scene scene;
   scene.cloud = sphere_cloud(2000);

@@ -531,6 +531,19 @@ TEST_F(LayersTest, OneLayerIsShownAlone) {
   }
 }
 
+TEST(LayersInMotion, AreTwoUnlessOneIsShown) {
+  const auto layers_of = [](const Values& own) -> std::string {
+    const auto technique = find_technique("layers").create();
+    for (const auto& [name, value] : own) set_parameter(*technique, name, value);
+    for (const auto& [name, value] : technique->in_motion())
+      if (name == "layers") return value;
+    return "";
+  };
+  EXPECT_EQ(layers_of({{"layers", "8"}}), "2");
+  EXPECT_EQ(layers_of({{"layers", "1"}}), "");
+  EXPECT_EQ(layers_of({{"show_layer", "3"}}), "");
+}
+
 TEST(OpacityTest, ListFollowsTheScalarsValues) {
   const float nan = std::nanf("");
   const ScalarField classes{"classification", 0, {6, 2, 2, nan, 64}, StoredType::uint8};

@@ -115,6 +115,11 @@ class Denoise final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
 
+  Values in_motion() const override {
+    // Splats of a pixel or two need no disc of a pixel around them, and a short row of bins no hashes.
+    return {{"antialias", "false"}, {"bins", "dense"}, {"dense_bins", "16"}};
+  }
+
   Attributes needs() const override { return Attribute::normal | Attribute::radius; }
 
   bool shows(Shading shading) const override {

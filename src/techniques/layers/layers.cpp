@@ -118,6 +118,16 @@ class Layers final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
 
+  Values in_motion() const override {
+    // Two layers show that there is something behind; closing the gaps of so coarse a picture takes one step.
+    Values less{{"antialias", "false"},
+                {"smoothing_iterations", "0"},
+                {"background_iterations", "1"},
+                {"occluded_iterations", "1"}};
+    if (parameters_.layers > 1 && parameters_.show_layer == 0) less.emplace_back("layers", "2");
+    return less;
+  }
+
   Attributes needs() const override {
     return parameters_.point_shape == PointShape::round ? Attributes() : Attributes(Attribute::normal);
   }

@@ -147,6 +147,16 @@ class Soft final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
 
+  Values in_motion() const override { return {{"order", "axis"}, {"antialias", "false"}}; }
+
+  /// Who selects points for haze has said which ones are soft: all of them, and none more than others.
+  Values of_selected(const Values& given) const override {
+    if (std::any_of(given.begin(), given.end(),
+                    [](const auto& parameter) { return parameter.first.starts_with("field"); }))
+      return {};
+    return {{"field", "distance"}, {"field_threshold", "-1"}, {"modulation_threshold", "-1"}};
+  }
+
   Attributes needs() const override {
     const Attributes drawing = Attribute::normal | Attribute::radius;
     return parameters_.field.field == "uncertainty" ? drawing | Attribute::uncertainty : drawing;

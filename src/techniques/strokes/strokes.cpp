@@ -53,6 +53,8 @@ class Strokes final : public Technique {
  public:
   void describe(ParamList& p) override { parameters_.describe(p); }
 
+  Values in_motion() const override { return {{"two_layers", "false"}, {"underpainting", "false"}}; }
+
   Attributes needs() const override { return Attribute::normal | Attribute::cluster; }
   bool has_soft_edges() const override { return true; }  // of brushes
   bool is_on_paper() override { return parameters_.resolve_look().medium != Medium::paint; }

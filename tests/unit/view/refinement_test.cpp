@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "session/look.h"
-
 namespace sfumato::view {
 namespace {
 
@@ -162,23 +160,6 @@ TEST(Refinement, TheFastWayIsTheLastOfItsOwn) {
   EXPECT_TRUE(drag.last.fast);
   EXPECT_FALSE(drag.last.stand_in);
   EXPECT_EQ(drag.last.divisor, 4);
-}
-
-// A technique that renames a parameter would have nothing to draw with in motion.
-TEST(Refinement, ParametersInMotionAreThoseOfTheTechnique) {
-  for (const TechniqueInfo& info : all_techniques())
-    for (const auto& [name, value] : motion_parameters(info.name)) {
-      Look look(info);
-      EXPECT_NO_THROW(look.set(name, value)) << info.name << " " << name;
-    }
-  const auto layers_of = [](const std::map<std::string, std::string>& own) {
-    for (const auto& [name, value] : motion_parameters("layers", own))
-      if (name == "layers") return value;
-    return std::string();
-  };
-  EXPECT_EQ(layers_of({{"layers", "8"}}), "2");
-  EXPECT_EQ(layers_of({{"layers", "1"}}), "");
-  EXPECT_EQ(layers_of({{"show_layer", "3"}}), "");
 }
 
 TEST(Refinement, AStandInIsNotForEver) {
