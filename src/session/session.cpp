@@ -113,7 +113,7 @@ std::string without_colors(const std::string& source, const PreparedCloud& cloud
   if (source == "clay" || source == "intensity") {
     const TechniqueChoice choice = choose_technique(cloud, nullptr);
     const bool has_surface = choice.surface_share >= analysis::enough_surface;
-    return has_surface && (source == "intensity" || choice.technique != "points") ? source : "elevation";
+    return has_surface && (source == "intensity" || !choice.too_few) ? source : "elevation";
   }
   if (source == "elevation" && !is_survey && !cloud.cloud.radii.empty() &&
       !cloud.computed.has(Attribute::radius))

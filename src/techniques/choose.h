@@ -12,6 +12,7 @@ struct TechniqueChoice {
   std::string technique;
   std::string reason;       ///< one line: kind of scan, and the number that says so
   float surface_share = 1;  ///< analysis/survey.h
+  bool too_few = false;     ///< points for anything to be said of a surface
 };
 
 /// `prepared` needs no attributes yet; `tree` is over its positions, or nothing where it is still to be

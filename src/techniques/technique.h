@@ -88,6 +88,8 @@ struct TechniqueInfo {
 
 /// Every technique of the house, in the order of the documentation.
 const std::vector<TechniqueInfo>& all_techniques();
+/// Draws whatever points there are at once: in place of one that is not chosen yet, or too slow to move.
+inline constexpr const char* stand_in_technique = "points";
 /// Throws Error(usage) naming the nearest technique when there is none of that name.
 const TechniqueInfo& find_technique(std::string_view name);
 

@@ -69,7 +69,7 @@ DrawRow DrawRow::from(const std::string& rule) {
   const std::size_t end = std::min(rest.find(' '), rest.size());
   row.technique = rest.substr(0, end);
   row.parameters = trimmed(rest.substr(end));
-  if (row.technique == DrawRule::none) row.technique = "points", row.visible = false;
+  if (row.technique == DrawRule::none) row.technique = stand_in_technique, row.visible = false;
   return row;
 }
 
@@ -88,7 +88,7 @@ void Wishes::set(const std::string& parameter, const std::string& value) {
       analysis[param->name] = param->get();
     return;
   }
-  Look look(technique.empty() ? "points" : technique);
+  Look look(technique.empty() ? stand_in_technique : technique);
   look.set(parameter, value);
   const auto& all = look.parameters.all();
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -178,7 +178,7 @@ std::vector<Control> Wishes::analysis_controls(const std::string& group) const {
 }
 
 std::unique_ptr<Look> Wishes::make_look() const {
-  auto look = std::make_unique<Look>(technique.empty() ? "points" : technique);
+  auto look = std::make_unique<Look>(technique.empty() ? stand_in_technique : technique);
   for (const auto& [name, value] : parameters_of(look->name)) look->set(name, value);
   return look;
 }

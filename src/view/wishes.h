@@ -73,7 +73,7 @@ struct Wishes : Request {
     color.range.reset(), color.solid.reset();
   }
 
-  /// Of the technique, "points" where none is chosen yet.
+  /// Of the technique, of `stand_in_technique` where none is chosen yet.
   std::unique_ptr<Look> make_look() const;
   /// Parameters of the analysis.
   std::vector<Control> analysis_controls(const std::string& group) const;

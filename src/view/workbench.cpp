@@ -272,7 +272,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       if (wishes_.technique.empty()) reason_ = ready->choice.reason;
       const auto settle = [&](Wishes& each) {
         if (each.technique.empty())
-          each.technique = ready->choice.technique.empty() ? "points" : ready->choice.technique;
+          each.technique = ready->choice.technique.empty() ? stand_in_technique : ready->choice.technique;
       };
       amend(settle);  // nothing chooses again where a hand goes back to
     }
@@ -352,7 +352,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
 PictureJob Workbench::job_for(const Wishes& wishes, const Quality& quality, int width, int height) const {
   PictureJob job;
   const bool known = !wishes.technique.empty() && !quality.stand_in;
-  job.technique = known ? wishes.technique : "points";
+  job.technique = known ? wishes.technique : stand_in_technique;
   if (known)
     job.parameters = wishes.parameters_of(job.technique);
   else
@@ -369,7 +369,7 @@ PictureJob Workbench::job_for(const Wishes& wishes, const Quality& quality, int 
       for (const auto& [name, value] : wishes.make_look()->technique->in_motion()) set(name, value);
     if (!quality.whole_cloud && wishes.settings().shadows == Shadows::soft) set("light_samples", "2");
   }
-  // What only some techniques can show is of no use to `points`.
+  // What only some techniques can show is of no use to the one that stands in.
   if (!known) std::erase_if(job.parameters, [](const auto& each) { return each.first == "shading"; });
   job.camera =
       wishes.camera.to_camera(std::max(1, width / quality.divisor), std::max(1, height / quality.divisor));

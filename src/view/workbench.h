@@ -245,7 +245,7 @@ class Workbench {
   std::uint64_t profile_id_ = 0;
   std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
   bool reading_view_ = false;
-  bool stand_in_is_due_ = false;  ///< `points` of a view that the technique has yet to measure
+  bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure
   std::vector<ShotAfterLoading> shots_after_loading_;
   std::deque<DelayedShot> delayed_shots_;
   std::vector<Shot> shots_;

@@ -125,7 +125,7 @@ void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
   if (!loaded.is_coarse) whole.settle = start_.settle;
   // The view is shown before the technique has measured its points.
   whole.measures = !is_another_view;
-  stand_in_is_due_ = is_another_view && wishes_.technique != "points";
+  stand_in_is_due_ = is_another_view && wishes_.technique != stand_in_technique;
   whole_->show(std::move(whole));
 }
 
