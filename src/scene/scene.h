@@ -20,6 +20,7 @@ namespace sfumato::scene {
 struct SceneFile {
   std::string name;
   std::optional<dmat4> transform;  ///< world from file
+  bool operator==(const SceneFile&) const = default;
 };
 
 struct SceneOptions {

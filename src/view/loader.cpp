@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -33,33 +34,6 @@ std::vector<ClassShare> classes_of(const PointCloud& cloud) {
 constexpr double coarse_px = 3;
 constexpr std::uint64_t least_coarse = 2'000'000;
 
-std::string key_of(const LoadJob& job) {
-  std::string key;
-  for (const scene::SceneFile& file : job.files) {
-    key += file.name + '\n';
-    if (file.transform) key.append(reinterpret_cast<const char*>(&*file.transform), sizeof *file.transform);
-  }
-  const scene::SceneOptions& points = job.request.points;
-  for (const std::string& column : points.read.columns) key += column + ',';
-  key += points.read.max_points ? std::to_string(*points.read.max_points) : "all";
-  key += job.request.vertices ? "vertices" : "faces";
-  key += points.up ? to_string(*points.up) : "auto";
-  return key;
-}
-
-/// Tells a file from one that took its name since.
-std::string stamp_of(const std::vector<scene::SceneFile>& files) {
-  std::string stamp;
-  for (const scene::SceneFile& file : files) {
-    struct stat found {};
-    if (::stat(file.name.c_str(), &found) != 0) continue;
-    for (const auto number : {std::int64_t(found.st_ino), std::int64_t(found.st_size),
-                              std::int64_t(found.st_mtim.tv_sec), std::int64_t(found.st_mtim.tv_nsec)})
-      stamp += ' ' + std::to_string(number);
-  }
-  return stamp;
-}
-
 /// How long a closed window's program waits for a read to notice.
 constexpr std::chrono::seconds patience{2};
 std::atomic<bool> left_work = false;
@@ -81,6 +55,20 @@ class Loader::Work {
 
  private:
   class Watch;
+  /// What all points of a job's files are read by.
+  struct Key {
+    std::vector<scene::SceneFile> files;
+    std::vector<std::string> columns;
+    std::optional<std::uint64_t> max_points;
+    bool vertices = false;
+    std::optional<UpAxis> up;
+    bool operator==(const Key&) const = default;
+  };
+  /// Tells files from those that took their names since: inode, size, time in seconds and nanoseconds of
+  /// each.
+  using Stamps = std::vector<std::array<std::int64_t, 4>>;
+  static Key key_of(const LoadJob& job);
+  static Stamps stamps_of(const std::vector<scene::SceneFile>& files);
   void serve();
   Loaded read(const LoadJob& job, Watch& watch);
   Loaded read_levels(const LoadJob& job, Opening& opening, Watch& watch);
@@ -104,10 +92,10 @@ class Loader::Work {
   std::atomic<bool> stop_{false}, cancel_{false};
   bool ended_ = false;
   std::optional<scene::Scene> kept_;  ///< of the thread alone
-  std::string kept_key_;
+  Key kept_key_;
   // Of files with levels, of the thread alone.
   std::shared_ptr<io::ChunkCache> nodes_;
-  std::string nodes_key_;
+  std::optional<std::pair<Key, Stamps>> nodes_key_;
   std::vector<ClassShare> classes_;  ///< of their coarse levels and what was read since, whatever is selected
   std::shared_ptr<scene::StandardInput> standard_input_;  ///< kept, once it was named: it comes only once
   PointCloud first_sample_;                               ///< some of it, until the file is read
@@ -152,6 +140,22 @@ class Loader::Work::Watch final : public Progress {
   Work& work_;
   std::chrono::steady_clock::time_point last_wake_{};
 };
+
+Loader::Work::Key Loader::Work::key_of(const LoadJob& job) {
+  const scene::SceneOptions& points = job.request.points;
+  return {job.files, points.read.columns, points.read.max_points, job.request.vertices, points.up};
+}
+
+Loader::Work::Stamps Loader::Work::stamps_of(const std::vector<scene::SceneFile>& files) {
+  Stamps stamps;
+  for (const scene::SceneFile& file : files) {
+    struct stat found {};
+    if (::stat(file.name.c_str(), &found) == 0)
+      stamps.push_back({std::int64_t(found.st_ino), std::int64_t(found.st_size),
+                        std::int64_t(found.st_mtim.tv_sec), std::int64_t(found.st_mtim.tv_nsec)});
+  }
+  return stamps;
+}
 
 void Loader::Work::load(LoadJob job) {
   const std::lock_guard lock(mutex_);
@@ -288,7 +292,8 @@ Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was called off
   Loaded out;
   out.id = job.id;
-  const std::string key = key_of(job), levels_key = key + stamp_of(job.files);
+  const Key key = key_of(job);
+  const std::pair levels_key(key, stamps_of(job.files));
   const bool is_kept = !job.anew && kept_ && key == kept_key_;
   if (!is_kept) kept_.reset(), watch.update(0, "reading");
   OpeningSteps steps;
@@ -297,7 +302,7 @@ Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   // What was decoded for the last views is not decoded again.
   if (job.anew || !nodes_ || nodes_key_ != levels_key) {
     nodes_ = std::make_shared<io::ChunkCache>(job.request.memory / scene::share_of_kept_nodes);
-    nodes_key_.clear();  // until the classes are known: this may be called off
+    nodes_key_.reset();  // until the classes are known: this may be called off
     // What is selected is not all that there is to select from.
     steps.see_levels = [&](const PointCloud& cloud) {
       classes_ = classes_of(cloud);

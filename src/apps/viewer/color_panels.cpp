@@ -123,9 +123,8 @@ void Interface::histogram(const Coloring& coloring) {
   const view::Loaded* scene = bench_.scene();
   if (!scene || !scene->near) return;
   constexpr std::size_t steps = 96;
-  if (const std::string key = fmt::format("{} {}", fmt::ptr(scene->near.get()), coloring.source);
-      key != histogram_key_) {
-    histogram_key_ = key;
+  if (std::pair of(scene->near, coloring.source); of != histogram_of_) {
+    histogram_of_ = std::move(of);
     histogram_ = view::histogram_of(*scene->near, coloring.source, steps);
   }
   if (histogram_.counts.empty()) return;

@@ -6,6 +6,8 @@
 #include <future>
 #include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/furniture.h"
@@ -91,10 +93,10 @@ class Interface {
   enum class Drag { none, rotate, pan, light } drag_ = Drag::none;
   dvec3 pivot_{0};
   int slice_axis_ = 2;
-  float corridor_ = 0;       ///< width, scene units; 0: not chosen yet
-  std::string profile_key_;  ///< of the plot in the window's texture
+  float corridor_ = 0;                             ///< width, scene units; 0: not chosen yet
+  std::tuple<std::uint64_t, int, int> plotted_{};  ///< profile and size of the plot in the window's texture
   view::Histogram histogram_;
-  std::string histogram_key_;
+  std::pair<std::shared_ptr<const PointCloud>, std::string> histogram_of_;  ///< cloud and source
   float histogram_from_ = 0;
   double drag_px_ = 0, last_fly_ms_ = 0, now_ms_ = 0;
   bool swallow_click_ = false;

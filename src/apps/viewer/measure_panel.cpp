@@ -97,10 +97,10 @@ void Interface::draw_profile(float width, float height) {
   tooltip("distance, height, coordinates and number of each point, as CSV");
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale, room = ImGui::GetContentRegionAvail();
   const int w = int(room.x * pixels.x), h = int(room.y * pixels.y);
-  const std::string key = fmt::format("{} {} {}", fmt::ptr(profile.get()), w, h);
+  const std::tuple wanted(profile->id, w, h);
   if (w > 0 && h > 0) {
-    if (key != profile_key_) window_.upload_plot(picture_of(*profile, unit, w, h));
-    profile_key_ = key;
+    if (wanted != plotted_) window_.upload_plot(picture_of(*profile, unit, w, h));
+    plotted_ = wanted;
     ImGui::Image(window_.plot(), room);
   }
   ImGui::End();
