@@ -78,13 +78,13 @@ void PaintThread::answer(Wanted& one, Answer answer) {
 }
 
 void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
-  if (const auto known = shared_.find(job.shared_key); !job.shared_key.empty() && known != shared_.end()) {
-    SceneReady ready = known->second->ready;
+  if (const std::shared_ptr<Stand> known = find(job.shared_key)) {
+    SceneReady ready = known->ready;
     ready.id = job.id;
     {
       const std::lock_guard lock(mutex);
-      one.stand = known->second;
-      one.held_key.clear();
+      one.stand = known;
+      one.held_key.reset();
     }
     drop_unused();
     return answer(one, std::move(ready));
@@ -131,8 +131,8 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
   {
     const std::lock_guard lock(mutex);
     one.stand = stand;
-    one.held_key.clear();
-    if (!job.shared_key.empty()) shared_[job.shared_key] = stand;
+    one.held_key.reset();
+    if (job.shared_key) shared_.emplace_back(*job.shared_key, stand);
   }
   answer(one, std::move(ready));
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <deque>
-#include <map>
 #include <thread>
 
 #include "view/painter.h"
@@ -84,7 +83,7 @@ struct Painter::Wanted {
   std::vector<Answer> answers;
   Activity activity;
   std::vector<std::string> driver_messages;
-  std::string held_key;
+  std::optional<SceneKey> held_key;
   std::shared_ptr<Stand> stand;  ///< null: nothing to draw
   std::atomic<std::uint64_t> point_bytes{0};
   std::atomic<bool> gone{false}, cancel_live{false}, cancel_scene{false};
@@ -121,7 +120,12 @@ class PaintThread {
     cancel_idle = true;
     work.notify_all();
   }
-  bool has(const std::string& key) const { return shared_.contains(key); }
+  /// Null: no points of that key are shared.
+  std::shared_ptr<Stand> find(const std::optional<SceneKey>& key) const {
+    for (const auto& [its_key, stand] : shared_)
+      if (its_key == key) return stand;
+    return nullptr;
+  }
 
   mutable std::mutex mutex;
   std::condition_variable work;
@@ -149,7 +153,7 @@ class PaintThread {
   std::unique_ptr<gl::Context> context_;
   std::vector<std::shared_ptr<Wanted>> painters_;  ///< with the lock
   std::size_t turn_ = 0;                           ///< whose wish was met last: each gets a picture in turn
-  std::map<std::string, std::shared_ptr<Stand>> shared_;
+  std::vector<std::pair<SceneKey, std::shared_ptr<Stand>>> shared_;
   std::optional<Failure> lost_;
   std::atomic<bool> stop_{false};
   std::thread thread_;  // last: it uses all the others

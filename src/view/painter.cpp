@@ -11,11 +11,11 @@ Painter::Painter(std::shared_ptr<PaintThread> thread, std::function<void()> wake
 
 Painter::~Painter() { thread_->remove(*mine_); }
 
-bool Painter::hold(const std::string& shared_key) {
+bool Painter::hold(const SceneKey& shared_key) {
   const std::lock_guard lock(thread_->mutex);
-  const bool is_here = thread_->has(shared_key);
-  mine_->held_key = is_here ? shared_key : "";
-  return is_here;
+  mine_->held_key.reset();
+  if (thread_->find(shared_key)) mine_->held_key = shared_key;
+  return mine_->held_key.has_value();
 }
 
 void Painter::show(SceneJob job) {

@@ -12,10 +12,10 @@
 #include <variant>
 #include <vector>
 
-#include "session/preset.h"
 #include "session/session.h"
 #include "view/picking.h"
 #include "view/profile.h"
+#include "view/wishes.h"
 
 namespace sfumato::view {
 
@@ -24,9 +24,9 @@ using Settle = std::function<TechniqueChoice(const TechniqueChoice&)>;
 
 struct SceneJob {
   std::uint64_t id = 0;
-  /// Painters of one thread that show the same key have the same points, those of the first that came; empty:
-  /// points of its own.
-  std::string shared_key;
+  /// Painters of one thread that show the same key have the same points, those of the first that came;
+  /// nothing: points of its own.
+  std::optional<SceneKey> shared_key;
   scene::Scene scene;
   Pose pose;
   SessionOptions options;
@@ -130,7 +130,7 @@ class Painter {
   Painter& operator=(const Painter&) = delete;
 
   /// The points of that key stay until this painter shows or holds something else; false: they are not here.
-  bool hold(const std::string& shared_key);
+  bool hold(const SceneKey& shared_key);
   /// Replaces the scene; pictures asked for before are cancelled, but for those to be kept, which it waits
   /// for.
   void show(SceneJob job);

@@ -8,16 +8,17 @@ SharedScenes::SharedScenes() {
   whole = Painter::make_thread(gate);
 }
 
-std::shared_ptr<const Loaded> SharedScenes::find(const std::string& scene_key) const {
-  const auto found = scenes_.find(scene_key);
-  return found == scenes_.end() ? nullptr : found->second.lock();
+std::shared_ptr<const Loaded> SharedScenes::find(const SceneKey& key) const {
+  for (const auto& [its_key, scene] : scenes_)
+    if (its_key == key) return scene.lock();
+  return nullptr;
 }
 
-std::shared_ptr<const Loaded> SharedScenes::keep(const std::string& scene_key, Loaded loaded) {
-  std::erase_if(scenes_, [](const auto& each) { return each.second.expired(); });
+std::shared_ptr<const Loaded> SharedScenes::keep(const SceneKey& key, Loaded loaded) {
+  std::erase_if(scenes_, [&](const auto& each) { return each.second.expired() || each.first == key; });
   loaded.whole = {}, loaded.sample = {};
   auto kept = std::make_shared<const Loaded>(std::move(loaded));
-  scenes_[scene_key] = kept;
+  scenes_.emplace_back(key, kept);
   return kept;
 }
 

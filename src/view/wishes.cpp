@@ -8,12 +8,6 @@
 namespace sfumato::view {
 namespace {
 
-std::string text_of(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += word + '\n';
-  return text;
-}
-
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(' ');
   return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(' ') - first + 1);
@@ -192,7 +186,7 @@ RenderSettings Wishes::settings() const {
 }
 
 void Wishes::take(const Preset& from) {
-  const std::string before = scene_key();
+  const SceneKey before = scene_key();
   if (!from.technique.empty() && from.technique != "auto") technique = find_technique(from.technique).name;
   reset_all();
   const std::unique_ptr<Look> look = make_look();
@@ -241,11 +235,11 @@ std::vector<std::string> Wishes::words(int width, int height) const {
   return words;
 }
 
-std::string Wishes::scene_key() const {
-  Wishes read;
-  read.whole = whole, read.files = files, read.placed = placed, read.items = items;
-  read.points = points, read.hide_classes = hide_classes, read.vertices = vertices, read.analysis = analysis;
-  return text_of(read.words(1, 1));
+SceneKey Wishes::scene_key() const {
+  SceneKey key{scene_files(), {}, points, hide_classes, vertices, whole, analysis};
+  for (const DrawRow& row : items) key.draw.push_back(row.rule());
+  key.points.read.strict = false;  // the same points, or none
+  return key;
 }
 
 Wishes Wishes::look() const {

@@ -27,6 +27,17 @@ struct DrawRow {
   std::string rule() const;
 };
 
+/// What must be read or sorted anew when it changes.
+struct SceneKey {
+  std::vector<scene::SceneFile> files;
+  std::vector<std::string> draw;  ///< rules, as --draw takes them
+  scene::SceneOptions points;
+  std::vector<int> hide_classes;
+  bool vertices = false, whole = false;
+  std::map<std::string, std::string> analysis;  ///< parameters
+  bool operator==(const SceneKey&) const = default;
+};
+
 /// A request whose technique, items, places of files and camera a hand changes: `draw`, `transforms` and
 /// `view` of the request are empty here.
 struct Wishes : Request {
@@ -88,8 +99,7 @@ struct Wishes : Request {
   std::vector<std::string> words(int width, int height) const;
   /// The options among them that a preset keeps: what is not a parameter.
   NamesAndValues options() const;
-  /// What must be read or sorted anew when it changes.
-  std::string scene_key() const;
+  SceneKey scene_key() const;
   /// Without the camera and what is drawn over the picture.
   Wishes look() const;
   bool operator==(const Wishes&) const = default;

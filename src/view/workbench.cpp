@@ -431,10 +431,10 @@ void Workbench::tick(double now_ms) {
     look_ = std::move(look);
     touched();
     // Another colour source may be what the scene was refused for.
-    if (scene_failed_) loaded_key_.clear(), key_changed_ms_ = now_ms;
+    if (scene_failed_) loaded_key_.reset(), key_changed_ms_ = now_ms;
   }
-  if (const std::string key = wishes_.scene_key(); key != wanted_key_) {
-    wanted_key_ = key;
+  if (SceneKey key = wishes_.scene_key(); key != wanted_key_) {
+    wanted_key_ = std::move(key);
     key_changed_ms_ = now_ms;
   }
   if (has_to_load() && (is_to_read_anew_ || now_ms - key_changed_ms_ >= reload_rest_ms) &&

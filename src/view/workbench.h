@@ -118,7 +118,7 @@ class Workbench {
   /// Only a sample of the files is there: they are being read, or could not be.
   bool has_sample_only() const { return scene_ && scene_->is_sample; }
   bool loading() const { return loading_; }
-  std::string loaded_key() const { return loaded_key_; }
+  const std::optional<SceneKey>& loaded_key() const { return loaded_key_; }
   const std::string& reason() const { return reason_; }
   bool whole_ready() const { return whole_ready_; }
   std::size_t left_out() const { return left_out_; }
@@ -224,7 +224,8 @@ class Workbench {
   std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0,
                 pick_id_ = 0;
   Quality in_flight_quality_, shown_quality_;
-  std::string loaded_key_, wanted_key_;
+  std::optional<SceneKey> loaded_key_;
+  SceneKey wanted_key_;
   Wishes look_;
   double key_changed_ms_ = -1e9;
   bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be

@@ -31,9 +31,9 @@ void Workbench::load(bool anew) {
   loaded_key_ = wanted_key_;
   known_.reset();
   if (start_.shared && !anew) {
-    known_ = start_.shared->find(loaded_key_);
+    known_ = start_.shared->find(wanted_key_);
     // Both keep it: one that had to be read again would miss what the other has.
-    const bool has_sample = sample_->hold(loaded_key_), has_whole = whole_->hold(loaded_key_);
+    const bool has_sample = sample_->hold(wanted_key_), has_whole = whole_->hold(wanted_key_);
     if (!has_sample || !has_whole) known_.reset();
     if (known_) return loader_->call_off();
   }
@@ -184,8 +184,10 @@ void Workbench::take_loaded(Loaded loaded) {
                 false});
   send_scene(loaded, is_another_view);
   scene_ = std::move(loaded);
-  if (start_.shared && !scene_->is_sample && !scene_->follows_view)
-    shared_scene_ = known_ ? std::exchange(known_, nullptr) : start_.shared->keep(loaded_key_, *scene_);
+  if (known_)
+    shared_scene_ = std::exchange(known_, nullptr);
+  else if (start_.shared && loaded_key_ && !scene_->is_sample && !scene_->follows_view)
+    shared_scene_ = start_.shared->keep(*loaded_key_, *scene_);
   // The picture of the view stays until there is a better one.
   if (!is_another_view || refinement_.moving(now_ms_)) touched();
 }

@@ -238,10 +238,14 @@ Outside Server::outside() {
   outside.in_background = [this](std::function<void()> work, std::function<void()> then) {
     in_background(std::move(work), std::move(then));
   };
-  outside.may_show = [this](const std::string& key) {
-    std::set<std::string> keys{key, keeper_->wishes().scene_key()};
+  outside.may_show = [this](const view::SceneKey& key) {
+    std::vector<std::optional<view::SceneKey>> keys{key};
+    const auto add = [&](const std::optional<view::SceneKey>& another) {
+      if (std::find(keys.begin(), keys.end(), another) == keys.end()) keys.push_back(another);
+    };
+    add(keeper_->wishes().scene_key());
     for (const Page* page : pages)
-      if (page->bench()) keys.insert(page->bench()->loaded_key());
+      if (page->bench()) add(page->bench()->loaded_key());
     return keys.size() <= settings.selections;
   };
   return outside;

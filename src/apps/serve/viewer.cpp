@@ -58,7 +58,7 @@ void Viewer::hear(std::string_view text, double now_ms) {
     const std::vector<std::string> words = bench_->wishes().words(bench_->width(), bench_->height());
     outside_.send_text(Json{{"command", command_of(words, "picture.png")}}.dump());
   }
-  const std::string key = bench_->wishes().scene_key();
+  const view::SceneKey key = bench_->wishes().scene_key();
   if (key != before.scene_key() && !outside_.may_show(key)) {
     bench_->change("refused", [&](view::Wishes& next) { next = before; });
     bench_->say("the server's limit of selections of points is reached (--selections); undo one, or wait",

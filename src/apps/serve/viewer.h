@@ -18,7 +18,7 @@ struct Outside {
   std::function<void(std::string)> send_bytes;
   /// Runs the first on another thread, then the second on this one.
   std::function<void(std::function<void()>, std::function<void()>)> in_background;
-  std::function<bool(const std::string&)> may_show;  ///< whether there is memory for points of that scene key
+  std::function<bool(const view::SceneKey&)> may_show;  ///< whether there is memory for those points
   Limits limits;
 };
 

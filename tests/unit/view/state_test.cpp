@@ -295,6 +295,16 @@ TEST(Wishes, KeysTellWhatHasToBeDoneAnew) {
   other.color.colormap = "turbo";
   EXPECT_NE(other.color, wishes.color);
   EXPECT_EQ(other.scene_key(), wishes.scene_key());
+  other = wishes;
+  other.placed = {std::nullopt};  // said or not, the file stands where its points say
+  EXPECT_EQ(other.scene_key(), wishes.scene_key());
+  other.placed = {dmat4(2)};
+  EXPECT_NE(other.scene_key(), wishes.scene_key());
+  other = wishes;
+  other.points.read.strict = true;
+  EXPECT_EQ(other.scene_key(), wishes.scene_key());
+  other.set("neighbors", "31");
+  EXPECT_NE(other.scene_key(), wishes.scene_key());
 }
 
 TEST(Picking, TakesTheNearestPointInFront) {
