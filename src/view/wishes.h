@@ -10,6 +10,7 @@
 
 #include "session/look.h"
 #include "session/preset.h"
+#include "session/session.h"
 #include "session/request.h"
 #include "view/controls.h"
 #include "view/navigator.h"
