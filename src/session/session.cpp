@@ -225,17 +225,20 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   shadow_box_.reset();
   unmeasured_.clear();
   around_ = std::move(scene.around);
+  std::vector<Unmeasured> unmeasured;
   for (PointCloud& part : cut(std::move(scene.cloud), matches)) {
-    Unmeasured& each = unmeasured_.emplace_back();
+    Unmeasured& each = unmeasured.emplace_back();
     each.points = part.size();
     if (around_)
       each.part = std::move(part);
     else
       each.sorted = analysis::sort_cloud(std::move(part), options.prepare, progress, whole_);
   }
+  unmeasured_ = std::move(unmeasured);
 }
 
 void Session::measure(Attributes needs, Progress& progress) {
+  if (unmeasured_.empty()) throw Error(ErrorCode::usage, "nothing to measure: set a scene first");
   const std::string& color_by = options_.color.color_by;
   const Attributes shown = color_by == "normal" ? Attributes(Attribute::normal) : Attributes();
   std::vector<ColoredCloud> prepared;
@@ -294,14 +297,19 @@ TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::Ne
 }
 
 TechniqueChoice Session::suggest() const {
+  if (unmeasured_.empty()) {
+    if (is_empty_) throw Error(ErrorCode::usage, "nothing to draw: set a scene first");
+    return suggest(prepared(), nullptr);
+  }
+  // Nobody draws by the caller's look, who wants to hear of it all the same.
   if (parts_.front().rule) return {"points", "every point is drawn by a rule"};
-  if (unmeasured_.empty()) return suggest(prepared(), nullptr);
   const analysis::SortedCloud& sorted = unmeasured_.front().sorted;
   return suggest(sorted.cloud, sorted.tree.get());
 }
 
 void Session::set_color(const ColorSettings& wanted) {
   options_.color = wanted;
+  if (is_empty_) return;  // `measure` colours by them
   std::vector<const PreparedCloud*> clouds;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     if (wanted.color_by == "normal") complete(k, Attribute::normal, no_progress());
@@ -324,7 +332,7 @@ void Session::complete(std::size_t part, Attributes needs, Progress& progress) {
 }
 
 void Session::complete(const Look& look, Progress& progress) {
-  for (std::size_t k = 0; k < parts_.size(); ++k)
+  for (std::size_t k = 0; !is_empty_ && k < parts_.size(); ++k)
     complete(k, (parts_[k].look ? *parts_[k].look : look).technique->needs(), progress);
 }
 

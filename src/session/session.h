@@ -34,16 +34,19 @@ class Session {
   explicit Session(gl::Context& context) : renderer_(context) {}
 
   /// Sorts the points of a scene: `suggest` may then be asked, and until `measure` has been called there is
-  /// nothing to draw. Throws Cancelled when `progress` asks for it.
+  /// nothing to draw (`empty`). Throws Error(usage) for rules that leave out every point, before anything of
+  /// the last scene is gone, and Cancelled when `progress` asks for it.
   void set_scene(scene::Scene scene, Pose pose, const SessionOptions& options,
                  Progress& progress = no_progress());
   /// Computes what the techniques need that will be drawn, in one search of neighbours, and colours the
-  /// points. Throws Error(usage) for a colour source that they do not have, and Cancelled.
+  /// points: once for each scene. Throws Error(usage) for a colour source that they do not have, or where no
+  /// sorted points wait for it, and Cancelled. After either step threw half way, the session is empty until
+  /// the next `set_scene`.
   void measure(Attributes needs, Progress& progress = no_progress());
   /// The scene of another session, as it is drawn there, in memory once (Renderer::share_clouds); colours and
   /// background may then become others here. Not while that one is in use.
   void share_scene(const Session& other);
-  /// What suits the points that no rule draws (techniques/choose.h).
+  /// What suits the points that no rule draws (techniques/choose.h). Throws Error(usage) without a scene.
   TechniqueChoice suggest() const;
   /// Other colours for the same points. A background that contrasts with them is found anew.
   void set_color(const ColorSettings& color);
@@ -65,7 +68,7 @@ class Session {
   VisiblePoints visible(Look& look, const Camera& camera, const VisiblePoints* merged = nullptr,
                         Progress& progress = no_progress());
   /// Whether the part has what the technique needs: computed without the others it would be wrong.
-  bool has_needs(const Look& look) const { return renderer_.has_needs(*look.technique); }
+  bool has_needs(const Look& look) const { return !is_empty_ && renderer_.has_needs(*look.technique); }
   RenderOutput render_merged(const VisiblePoints& merged, Look& look, const Camera& camera,
                              const RenderWants& wants = {}, Progress& progress = no_progress());
   /// Whether such a picture is drawn in tiles.
