@@ -130,6 +130,11 @@ void require_merging(bool merges) {
                 "technique that cannot): draw the whole cloud, or another technique");
 }
 
+/// Whether the technique cannot draw it in one go.
+bool exceeds(const Camera& camera, const Technique& technique) {
+  return std::int64_t(camera.width) * camera.height > technique.most_pixels();
+}
+
 /// Side of what all of them can draw in one go, px.
 int largest_canvas(std::span<const Item> items) {
   std::int64_t pixels = Renderer::most_pixels;
@@ -468,10 +473,8 @@ bool Renderer::is_tiled(const Camera& camera) const {
 }
 
 bool Renderer::is_tiled(std::span<const Item> items, const Camera& camera) const {
-  const std::int64_t pixels = std::int64_t(camera.width) * camera.height;
-  return is_tiled(camera) || std::any_of(items.begin(), items.end(), [&](const Item& item) {
-           return pixels > item.technique->most_pixels();
-         });
+  return is_tiled(camera) || std::any_of(items.begin(), items.end(),
+                                         [&](const Item& item) { return exceeds(camera, *item.technique); });
 }
 
 RenderOutput Renderer::render(std::span<const Item> items, const Camera& camera,
@@ -571,9 +574,8 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
 
 bool Renderer::merges(const Technique& technique, const Camera& camera,
                       const RenderSettings& settings) const {
-  const Item item{0, const_cast<Technique*>(&technique), &settings};
   return technique.merges() && state_->clouds.size() == 1 && settings.samples <= 1 &&
-         settings.shadows == Shadows::off && !is_tiled({&item, 1}, camera);
+         settings.shadows == Shadows::off && !is_tiled(camera) && !exceeds(camera, technique);
 }
 
 bool Renderer::has_needs(const Technique& technique) const {
