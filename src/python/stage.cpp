@@ -191,6 +191,8 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
                             session_->pose().vertical_exaggeration});
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
   shot.parameters = resolved(look.parameters);
+  const std::vector<std::string> values = look.resolved(shot.images.settings);
+  for (std::size_t i = 0; i < values.size(); ++i) shot.parameters[i].text = values[i];
   shot.analysis_parameters = resolved(choice_.prepare_parameters);
 }
 

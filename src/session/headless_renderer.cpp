@@ -129,8 +129,9 @@ Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camer
   Pictures pictures{std::move(out.rgba8), std::move(out.color_linear),
                     std::move(out.depth), std::move(out.normal),
                     chosen.technique,     chosen.reason};
-  for (const Param& param : look->parameters.all())
-    pictures.parameters.emplace_back(param.name, param.resolved());
+  const std::vector<std::string> values = look->resolved(out.settings);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    pictures.parameters.emplace_back(look->parameters.all()[i].name, values[i]);
   pictures.notes = s.notes;
   const std::vector<std::string>& of_colors = s.session.coloring().notes;
   pictures.notes.insert(pictures.notes.end(), of_colors.begin(), of_colors.end());

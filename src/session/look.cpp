@@ -42,6 +42,15 @@ std::vector<std::pair<std::string, std::string>> Look::changed() const {
   return values;
 }
 
+std::vector<std::string> Look::resolved(RenderSettings drawn) const {
+  ParamList shared;
+  drawn.describe(shared);
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < own_count; ++i) values.push_back(parameters.all()[i].resolved());
+  for (const Param& param : shared.all()) values.push_back(param.resolved());
+  return values;
+}
+
 void Look::check() const {
   Light::parse(settings.light_text);
   if (settings.ground && !casts_shadows(settings.shadows))

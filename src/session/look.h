@@ -28,6 +28,8 @@ struct Look {
   void take_over(const Look& other, bool shared_only = false);
   /// Those that are not at their defaults, as `set` takes them.
   std::vector<std::pair<std::string, std::string>> changed() const;
+  /// The value of each parameter, as Param::resolved, in a picture by these settings (RenderOutput).
+  std::vector<std::string> resolved(RenderSettings drawn) const;
   /// Throws Error(usage) for values that contradict each other.
   void check() const;
 

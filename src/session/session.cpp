@@ -349,9 +349,9 @@ void Session::forget_programs() {
     if (part.rule) part.look = part.rule->look(Look(part.rule->technique));
 }
 
-std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& progress) {
+std::vector<Item> Session::resolve(const Look& look, RenderSettings& settings, const Camera& camera,
+                                   Progress& progress) {
   if (is_empty_) throw Error(ErrorCode::usage, "nothing to render: there is no scene yet");
-  RenderSettings& settings = look.settings;
   std::vector<Item> items;
   const bool is_photographed = are_photographed_ && settings.shadows == Shadows::off &&
                                Light::parse(settings.light_text).kind == Light::Kind::shoulder;
@@ -360,19 +360,20 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
   // picture on a page.
   bool is_on_paper = settings.transparent || (settings.ground && casts_shadows(settings.shadows));
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    Look& own = parts_[k].look ? *parts_[k].look : look;
-    if (parts_[k].look) {
-      own.take_over(look, true);
-      for (const auto& [name, value] : parts_[k].rule->parameters) own.set(name, value);
+    if (Look* by_rule = parts_[k].look.get()) {
+      by_rule->take_over(look, true);
+      for (const auto& [name, value] : parts_[k].rule->parameters) by_rule->set(name, value);
     }
+    const Look& own = parts_[k].look ? *parts_[k].look : look;
+    RenderSettings& its = parts_[k].look ? parts_[k].look->settings : settings;
     complete(k, own.technique->needs(), progress);
     is_on_paper = is_on_paper || own.technique->is_on_paper();
     has_hard_edges = has_hard_edges || !own.technique->has_soft_edges();
     // Seen in parallel, a plane has one angle to view and light: a highlight would lift all of its colours.
     const bool has_highlights = coloring_.kind == ColorKind::rgb && !camera.orthographic();
-    own.settings.phong.resolve(is_photographed, !has_highlights);
-    own.settings.palette = palette_;
-    items.push_back({k, own.technique.get(), &own.settings});
+    its.phong.resolve(is_photographed, !has_highlights);
+    its.palette = palette_;
+    items.push_back({k, own.technique.get(), &its});
   }
   settings.background = background_ = options_.background.value_or(is_on_paper ? vec3(1) : contrasting_);
   settings.photographed = are_photographed_;
@@ -390,56 +391,61 @@ std::vector<Item> Session::settle(Look& look, const Camera& camera, Progress& pr
   return items;
 }
 
-void Session::name_notes(RenderOutput& out, const Look& look) const {
-  if (options_.draw.empty()) return;
+RenderOutput Session::finish(RenderOutput out, const Look& look, RenderSettings settings) const {
+  out.settings = std::move(settings);
+  if (options_.draw.empty()) return out;
   out.notes.clear();
   for (const Part& part : parts_) {
     const Look& own = part.look ? *part.look : look;
     for (const std::string& note : own.technique->notes()) out.notes.push_back(own.name + ": " + note);
   }
+  return out;
 }
 
-RenderOutput Session::render(Look& look, const Camera& camera, const RenderWants& wants, Progress& progress) {
-  RenderOutput out = renderer_.render(settle(look, camera, progress), camera, look.settings, wants, progress);
-  name_notes(out, look);
-  return out;
+RenderOutput Session::render(const Look& look, const Camera& camera, const RenderWants& wants,
+                             Progress& progress) {
+  RenderSettings settings = look.settings;
+  const std::vector<Item> items = resolve(look, settings, camera, progress);
+  return finish(renderer_.render(items, camera, settings, wants, progress), look, settings);
 }
 
 bool Session::merges(const Look& look, const Camera& camera) const {
   return options_.draw.empty() && renderer_.merges(*look.technique, camera, look.settings);
 }
 
-VisiblePoints Session::visible(Look& look, const Camera& camera, const VisiblePoints* merged,
+VisiblePoints Session::visible(const Look& look, const Camera& camera, const VisiblePoints* merged,
                                Progress& progress) {
-  const std::vector<Item> items = settle(look, camera, progress);
-  VisiblePoints visible =
-      renderer_.visible(*items.front().technique, camera, look.settings, merged, progress);
+  RenderSettings settings = look.settings;
+  const std::vector<Item> items = resolve(look, settings, camera, progress);
+  VisiblePoints visible = renderer_.visible(*items.front().technique, camera, settings, merged, progress);
   if (const auto& numbers = parts_.front().source_index)
     for (std::uint32_t& number : visible.number)
       if (number != VisiblePoints::nothing) number = (*numbers)[number];
   return visible;
 }
 
-RenderOutput Session::render_merged(const VisiblePoints& merged, Look& look, const Camera& camera,
+RenderOutput Session::render_merged(const VisiblePoints& merged, const Look& look, const Camera& camera,
                                     const RenderWants& wants, Progress& progress) {
-  const std::vector<Item> items = settle(look, camera, progress);
-  return renderer_.render_merged(merged, *items.front().technique, camera, look.settings, wants, progress);
+  RenderSettings settings = look.settings;
+  const std::vector<Item> items = resolve(look, settings, camera, progress);
+  return finish(renderer_.render_merged(merged, *items.front().technique, camera, settings, wants, progress),
+                look, settings);
 }
 
-RenderOutput Session::render_rows(Look& look, const Camera& camera, const RenderWants& wants,
+RenderOutput Session::render_rows(const Look& look, const Camera& camera, const RenderWants& wants,
                                   const RowSink& sink, Progress& progress) {
-  RenderOutput out =
-      renderer_.render_rows(settle(look, camera, progress), camera, look.settings, wants, sink, progress);
-  name_notes(out, look);
-  return out;
+  RenderSettings settings = look.settings;
+  const std::vector<Item> items = resolve(look, settings, camera, progress);
+  return finish(renderer_.render_rows(items, camera, settings, wants, sink, progress), look, settings);
 }
 
-RenderOutput Session::render_panorama(Look& look, const Camera& camera, const RenderWants& wants,
+RenderOutput Session::render_panorama(const Look& look, const Camera& camera, const RenderWants& wants,
                                       Progress& progress) {
-  RenderOutput out = sfumato::render_panorama(renderer_, settle(look, camera, progress), camera,
-                                              up_vector(pose_.upright.up), look.settings, wants, progress);
-  name_notes(out, look);
-  return out;
+  RenderSettings settings = look.settings;
+  const std::vector<Item> items = resolve(look, settings, camera, progress);
+  return finish(sfumato::render_panorama(renderer_, items, camera, up_vector(pose_.upright.up), settings,
+                                         wants, progress),
+                look, settings);
 }
 
 }  // namespace sfumato

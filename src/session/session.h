@@ -54,22 +54,22 @@ class Session {
 
   Camera first_view(int width, int height) const { return sfumato::first_view(pose_, width, height); }
   /// Draws until the picture is final: points that no rule selects with `look`, the others by their rules in
-  /// its light. What a technique needs and its points lack is computed and kept. What is automatic is settled
-  /// in `look.settings`.
-  RenderOutput render(Look& look, const Camera& camera, const RenderWants& wants = {},
+  /// its light. What a technique needs and its points lack is computed and kept. `RenderOutput::settings` are
+  /// those of the look, what is automatic resolved.
+  RenderOutput render(const Look& look, const Camera& camera, const RenderWants& wants = {},
                       Progress& progress = no_progress());
   /// The same row by row (techniques/renderer.h), for pictures that are too large for the memory. The output
   /// that is returned has no images.
-  RenderOutput render_rows(Look& look, const Camera& camera, const RenderWants& wants, const RowSink& sink,
-                           Progress& progress = no_progress());
+  RenderOutput render_rows(const Look& look, const Camera& camera, const RenderWants& wants,
+                           const RowSink& sink, Progress& progress = no_progress());
   /// Of a scene that is part of a cloud (Scene::whole), pictures of which are made of those of all parts
   /// (Renderer::visible). Not by rules.
   bool merges(const Look& look, const Camera& camera) const;
-  VisiblePoints visible(Look& look, const Camera& camera, const VisiblePoints* merged = nullptr,
+  VisiblePoints visible(const Look& look, const Camera& camera, const VisiblePoints* merged = nullptr,
                         Progress& progress = no_progress());
   /// Whether the part has what the technique needs: computed without the others it would be wrong.
   bool has_needs(const Look& look) const { return !is_empty_ && renderer_.has_needs(*look.technique); }
-  RenderOutput render_merged(const VisiblePoints& merged, Look& look, const Camera& camera,
+  RenderOutput render_merged(const VisiblePoints& merged, const Look& look, const Camera& camera,
                              const RenderWants& wants = {}, Progress& progress = no_progress());
   /// Whether such a picture is drawn in tiles.
   bool is_tiled(const Camera& camera) const { return renderer_.is_tiled(camera); }
@@ -83,7 +83,7 @@ class Session {
   /// all there.
   bool complete(Attributes attributes, Progress& progress);
   /// Everything around the camera's position (techniques/panorama.h).
-  RenderOutput render_panorama(Look& look, const Camera& camera, const RenderWants& wants = {},
+  RenderOutput render_panorama(const Look& look, const Camera& camera, const RenderWants& wants = {},
                                Progress& progress = no_progress());
 
   /// Points that are drawn alike: first those of no rule, when there are any, then those of each group of
@@ -123,10 +123,12 @@ class Session {
   std::vector<PointCloud> cut(PointCloud cloud, const std::vector<std::uint32_t>& matches);
   /// Colours of all parts together, so that a value has one colour in the whole scene.
   std::vector<std::vector<Rgba8>> color(const std::vector<const PreparedCloud*>& clouds);
-  /// Notes say which technique is meant where there are several.
-  void name_notes(RenderOutput& out, const Look& look) const;
-  /// What follows from scene and technique together; returns what is drawn.
-  std::vector<Item> settle(Look& look, const Camera& camera, Progress& progress);
+  /// Adds the settings. Notes say which technique is meant where there are several.
+  RenderOutput finish(RenderOutput out, const Look& look, RenderSettings settings) const;
+  /// Resolves in `settings`, those of the look, what follows from scene and technique together; returns what
+  /// is drawn by them.
+  std::vector<Item> resolve(const Look& look, RenderSettings& settings, const Camera& camera,
+                            Progress& progress);
 
   /// A part between `set_scene` and `measure`.
   struct Unmeasured {

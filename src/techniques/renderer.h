@@ -39,6 +39,7 @@ struct RenderOutput {
   std::uint64_t points_drawn = 0;  ///< points of batches inside the view
   std::uint64_t outliers = 0;      ///< points left out as such, in view or not
   std::vector<std::string> notes;  ///< the technique's
+  RenderSettings settings;         ///< of Session: those of the look, what is automatic resolved
 };
 
 /// One cloud of a scene, and how it is drawn. Each item has a technique of its own.

@@ -149,18 +149,15 @@ TEST_F(DataColorsTest, ShadesShowOnBlackLabels) {
 
 TEST_F(DataColorsTest, HighlightsAreForThingsAndNotForData) {
   Look look("splats");
-  render(look, "classification");
-  EXPECT_EQ(look.settings.phong.specular.value(), 0);
-  EXPECT_EQ(look.parameters.find("specular")->get(), "auto");
-  render(look, "elevation");
-  EXPECT_EQ(look.settings.phong.specular.value(), 0);
-  render(look, "clay");
-  EXPECT_EQ(look.settings.phong.specular.value(), 0) << "parallel views have none";
-  render(look, "clay", camera_at({0, -1, 4}, 160, 160));
-  EXPECT_EQ(look.settings.phong.specular.value(), 0.1f);
+  const auto specular = [&](const std::string& color_by, const Camera& camera = camera_above(10, 2, 160)) {
+    return render(look, color_by, camera).settings.phong.specular.value();
+  };
+  EXPECT_EQ(specular("classification"), 0);
+  EXPECT_EQ(specular("elevation"), 0);
+  EXPECT_EQ(specular("clay"), 0) << "parallel views have none";
+  EXPECT_EQ(specular("clay", camera_at({0, -1, 4}, 160, 160)), 0.1f);
   look.set("specular", "0.4");
-  render(look, "classification");
-  EXPECT_EQ(look.settings.phong.specular.value(), 0.4f);
+  EXPECT_EQ(specular("classification"), 0.4f);
 }
 
 /// A crown, of leaves in all of it or of bark around it, that is lighter to one side.

@@ -88,6 +88,36 @@ TEST_F(SessionTest, AStepThatIsStoppedLeavesNothingBehind) {
   EXPECT_TRUE(std::ranges::equal(picture(), whole));
 }
 
+TEST_F(SessionTest, ALookStaysAsItIsAndThePictureSaysWhatBecameOfIt) {
+  sort();
+  session_.measure({});
+  Look look("splats");
+  look.set("shadows", "hard"), look.set("edl_strength", "0.3");
+  const auto values = [&] {
+    std::vector<std::string> all;
+    for (const Param& param : look.parameters.all())
+      all.push_back(param.name + "=" + param.get() + "=" + param.resolved());
+    all.erase(all.begin(), all.begin() + std::ptrdiff_t(look.own_count));  // the technique's own are its own
+    return all;
+  };
+  const std::vector<std::string> before = values();
+  look.settings.background = vec3(0.25f);
+  const RenderOutput out = session_.render(look, camera_at({0, -4, 0.3}, 96, 72));
+  EXPECT_EQ(values(), before);
+  EXPECT_EQ(look.settings.background, vec3(0.25f));
+  EXPECT_EQ(out.settings.background, session_.background());
+  EXPECT_EQ(out.settings.edl_strength.value(), 0.3f);
+  EXPECT_GT(out.settings.light_size.value(), 0);
+  const std::vector<std::string> resolved = look.resolved(out.settings);
+  ASSERT_EQ(resolved.size(), look.parameters.all().size());
+  for (std::size_t i = 0; i < resolved.size(); ++i) {
+    const std::string& name = look.parameters.all()[i].name;
+    if (name == "light_size") EXPECT_NE(resolved[i], look.parameters.all()[i].resolved());
+    if (name == "edl_strength") EXPECT_EQ(resolved[i], "0.3");
+    if (name == "shadows") EXPECT_EQ(resolved[i], "hard");
+  }
+}
+
 TEST_F(SessionTest, PointsThatRulesDrawAreStillChosenFor) {
   sort();
   session_.measure({});

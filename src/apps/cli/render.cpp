@@ -203,13 +203,15 @@ std::string timings_text(const RenderReport& report, const Choice& choice) {
 }
 
 /// What automatic values became.
-std::string resolved_text(const Choice& choice) {
+std::string resolved_text(const RenderReport& report, const Choice& choice) {
   std::string text;
-  for (const auto& chosen : choice.techniques)
-    for (const Param& param : chosen->parameters.all())
-      if (param.can_be_auto && param.get() == "auto")
+  for (const auto& chosen : choice.techniques) {
+    const std::vector<std::string> values = last_values(report, *chosen);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (const Param& param = chosen->parameters.all()[i]; param.can_be_auto && param.get() == "auto")
         text += fmt::format("{}{}: {} is {}", text.empty() ? "" : "\n", chosen->name, with_dashes(param.name),
-                            param.resolved());
+                            values[i]);
+  }
   return text;
 }
 
@@ -243,7 +245,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
         c.x, c.y, c.z,
         options.moves_camera() || options.view.start ? ", and no camera options show all of it" : ""));
   }
-  console.tell(resolved_text(choice));
+  console.tell(resolved_text(report, choice));
   if (options.timings) console.say(timings_text(report, choice));
   console.say_notes({});
 }

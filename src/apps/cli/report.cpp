@@ -65,6 +65,16 @@ Json resolved(const ParamList& parameters) {
   return json;
 }
 
+Json resolved(const RenderReport& report, const Look& look) {
+  Json json = Json::object();
+  const std::vector<std::string> values = last_values(report, look);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Param& param = look.parameters.all()[i];
+    json[param.name] = value_of(param, values[i]);
+  }
+  return json;
+}
+
 Json timings(const TechniqueReport& report) {
   Json json = Json::object();
   for (const PassTiming& pass : report.passes) json[pass.name] = json.value(pass.name, 0.0) + pass.ms;
@@ -129,16 +139,21 @@ std::string techniques_json(const std::string& name) {
   return json.dump(2) + "\n";
 }
 
+std::vector<std::string> last_values(const RenderReport& report, const Look& look) {
+  const auto found = report.settings.find(look.name);
+  return look.resolved(found == report.settings.end() ? look.settings : found->second);
+}
+
 std::string render_json(const RenderReport& report, const Choice& choice, const std::string& camera_json) {
   Json json;
   json["outputs"] = report.outputs;
   if (choice.techniques.size() == 1) {
     json["technique"] = choice.techniques[0]->name;
-    json["parameters"] = resolved(choice.techniques[0]->parameters);
+    json["parameters"] = resolved(report, *choice.techniques[0]);
   } else {
     for (const auto& chosen : choice.techniques) {
       json["technique"].push_back(chosen->name);
-      json["parameters"][chosen->name] = resolved(chosen->parameters);
+      json["parameters"][chosen->name] = resolved(report, *chosen);
     }
   }
   for (const auto& chosen : choice.techniques)

@@ -1,6 +1,7 @@
 // What the commands print with --json.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,8 +53,12 @@ struct RenderReport {
   };
   std::vector<Draw> draw;
   std::vector<TechniqueReport> techniques;                ///< in the order of the choice
+  std::map<std::string, RenderSettings> settings;         ///< of the last picture by each technique
   std::vector<std::pair<std::string, double>> stages_ms;  ///< wall time: read, prepare, render, write
 };
+
+/// The value of each parameter of the look (Look::resolved) in its last picture.
+std::vector<std::string> last_values(const RenderReport& report, const Look& look);
 
 /// One technique: `technique` is its name, `parameters` and `timings_ms` are flat. Several: `technique` is
 /// the list, and both are keyed by technique.

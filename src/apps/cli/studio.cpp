@@ -132,6 +132,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
     console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
     out = render(chosen, camera);
     report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.outliers, out.notes};
+    report_.settings.insert_or_assign(chosen.name, out.settings);
     blank = blank && (out.points_drawn == 0 || (wants_.color && is_blank(out.rgba8, out.rgba8.at(0, 0))));
     if (choice_.techniques.size() > 1)
       panels.push_back({chosen.name, std::move(out.rgba8)});
@@ -245,6 +246,7 @@ void Studio::shoot_rows(const Camera& camera, int n, Stopwatch& watch) {
       console_);
   watch.lap("render");
   report_.techniques.front() = {out.timings, out.total_ms, out.points_drawn, out.outliers, out.notes};
+  report_.settings.insert_or_assign(chosen.name, out.settings);
   report_.blank_pictures += out.points_drawn == 0 || (wants_.color && rows.is_blank);
   report_.background = session_.background();
   close(rows, camera);
