@@ -24,8 +24,8 @@ std::string box_text(const Bounds& box) {
 
 }  // namespace
 
-publish::Facts facts_of(const RenderOptions& options, const Choice& choice, const RenderReport& report,
-                        const std::string& command, const Drawn& drawn) {
+publish::Facts facts_to_publish(const RenderOptions& options, const Choice& choice,
+                                const RenderReport& report, const std::string& command, const Drawn& drawn) {
   publish::Facts facts;
   const std::string first = stem_of(options.files.front());
   facts.title = !options.furniture.title.empty() ? options.furniture.title

@@ -17,7 +17,7 @@ struct Drawn {
   const std::vector<io::ReadReport>& files;
 };
 
-publish::Facts facts_of(const RenderOptions& options, const Choice& choice, const RenderReport& report,
-                        const std::string& command, const Drawn& drawn);
+publish::Facts facts_to_publish(const RenderOptions& options, const Choice& choice,
+                                const RenderReport& report, const std::string& command, const Drawn& drawn);
 
 }  // namespace sfumato::cli

@@ -368,7 +368,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   }
   studio.finish();
   if (options.publication)
-    options.publication->finish(facts_of(options, choice, report, command, {pose, box, crs, files}));
+    options.publication->finish(facts_to_publish(options, choice, report, command, {pose, box, crs, files}));
   std::optional<Camera> kept = request.preset.camera;
   if (!options.camera_file.empty()) kept = options.view.start;
   for (const std::string& name : {options.save_preset, options.save_scene}) {
