@@ -27,14 +27,8 @@ py::dict load(const std::string& file) {
   out["camera"] = preset.camera;
   py::list files;
   for (const scene::SceneFile& each : preset.files) {
-    py::object rows = py::none();
-    if (each.transform) {
-      py::list numbers;
-      for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column) numbers.append((*each.transform)[column][row]);
-      rows = numbers;
-    }
-    files.append(py::make_tuple(each.name, rows));
+    files.append(py::make_tuple(
+        each.name, each.transform ? py::object(py::cast(rows_of(*each.transform))) : py::none()));
   }
   out["files"] = files;
   return out;

@@ -76,6 +76,13 @@ std::optional<dmat4> transform_of_rows(std::span<const double> rows) {
   return matrix;
 }
 
+std::array<double, 16> rows_of(const dmat4& matrix) {
+  std::array<double, 16> rows;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) rows[std::size_t(4 * row + column)] = matrix[column][row];
+  return rows;
+}
+
 Preset load_preset(const std::filesystem::path& file) {
   auto refuse = [&](const std::string& what) {
     throw Error(ErrorCode::bad_input, file.string() + ": " + what);
@@ -167,14 +174,10 @@ void save_preset(const std::filesystem::path& file, std::span<const Look* const>
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   for (const scene::SceneFile& each : files) {
     const std::string name = std::filesystem::absolute(each.name).lexically_relative(folder).generic_string();
-    if (!each.transform) {
+    if (each.transform)
+      json["files"].push_back({{"file", name}, {"transform", rows_of(*each.transform)}});
+    else
       json["files"].push_back(name);
-      continue;
-    }
-    Json rows = Json::array();
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column) rows.push_back((*each.transform)[column][row]);
-    json["files"].push_back({{"file", name}, {"transform", rows}});
   }
   json["technique"] = automatic ? "auto" : names;
   json["parameters"] = Json::object();

@@ -8,6 +8,7 @@
 // win. Defaults of the user's own have the same form.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -39,6 +40,8 @@ struct Preset {
 /// World from file, of 16 numbers row by row; nothing where the last row is not 0 0 0 1 or space is
 /// flattened.
 std::optional<dmat4> transform_of_rows(std::span<const double> rows);
+/// Back again.
+std::array<double, 16> rows_of(const dmat4& matrix);
 
 /// Throws Error(bad_input) that names file and key.
 Preset load_preset(const std::filesystem::path& file);

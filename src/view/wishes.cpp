@@ -15,9 +15,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::string rows_text(const dmat4& matrix) {
   std::string text;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column)
-      text += (text.empty() ? "" : ",") + number_text(matrix[column][row]);
+  for (const double number : rows_of(matrix)) text += (text.empty() ? "" : ",") + number_text(number);
   return text;
 }
 
