@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <tuple>
 #include <utility>
@@ -135,6 +136,16 @@ std::uint64_t hash_of(const dvec3& place) {
   const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };  // -0 is 0
   return mixed(0, bits(place.x) * 0x9e3779b97f4a7c15 + bits(place.y) * 0xbf58476d1ce4e5b9 +
                       bits(place.z) * 0x94d049bb133111eb);
+}
+
+std::uint64_t hash_of(std::span<const std::uint8_t> record) {
+  std::uint64_t hash = 0;
+  for (std::size_t at = 0; at < record.size(); at += sizeof hash) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, record.data() + at, std::min(sizeof word, record.size() - at));
+    hash = mixed(hash, word);
+  }
+  return hash;
 }
 
 bool CloudFacts::Point::operator<(const Point& other) const {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,8 @@ struct Neighborhoods {
 
 /// Places by their hashes are in an order at random, whatever that of the points was.
 std::uint64_t hash_of(const dvec3& place);
+/// Records of points likewise.
+std::uint64_t hash_of(std::span<const std::uint8_t> record);
 /// Of places by hash the first.
 std::vector<dvec3> first_places(const std::vector<CloudFacts::Place>& places, std::size_t count);
 /// `tree`: over points relative to `origin`. `count`: how many a place has, itself included.

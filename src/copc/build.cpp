@@ -314,7 +314,9 @@ class Builder {
     return work_per_point + (schema_.computes() ? work_of_attributes : 0);
   }
   std::uint64_t work_of(std::uint64_t points) const {
-    return points * (schema_.record_length + work_of_a_point()) + work_per_stretch;
+    const std::uint64_t sampled = std::min<std::uint64_t>(points, 2 * RecordSample::most);
+    return points * (schema_.record_length + work_of_a_point()) + work_per_stretch +
+           2 * sampled * (schema_.record_length + sizeof(std::uint64_t));
   }
 
   void make_nodes() {
@@ -327,6 +329,13 @@ class Builder {
     maker.encode(Key{}, maker.add(roots_->load(Key{})));
     for (const EncodedNode& node : maker.nodes) file_->append(node);
     summary_.add(maker.summary);
+    add_sample();
+  }
+
+  void add_sample() {
+    NodeMaker maker(schema_, *locator_, progress_);
+    maker.encode(Key{}, maker.add(summary_.sample.first(RecordSample::size_for(points_))));
+    if (!maker.nodes.empty()) file_->set_sample(std::move(maker.nodes.front()));
   }
 
   /// Every node below `region`, whose own points come to lie in `roots_`.

@@ -192,6 +192,13 @@ std::uint64_t FileWriter::finish(const Cube& cube, const Summary& summary) {
     write_evlr(vlr.user_id.c_str(), vlr.record_id, vlr.data);
     ++evlrs;
   }
+  if (sample_.count > 0) {
+    std::vector<std::uint8_t> data(sample_head);
+    put(data.data(), sample_version), put(data.data() + 4, sample_.count);
+    data.insert(data.end(), sample_.bytes.begin(), sample_.bytes.end());
+    write_evlr(io::las::sample_user_id, io::las::sample_record_id, data);
+    ++evlrs;
+  }
   const std::uint64_t size = writer_.tell();
 
   std::vector<std::uint8_t> info(info_size);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "copc/octree.h"
@@ -16,6 +17,8 @@ class FileWriter {
   /// Throws Error(usage, io). Nothing has a name before `finish`.
   FileWriter(const std::filesystem::path& file, const Schema& schema);
   void append(const EncodedNode& node);
+  /// RecordSample, as a node is encoded.
+  void set_sample(EncodedNode sample) { sample_ = std::move(sample); }
   /// Writes what is known last, and names the file. Returns its size in bytes.
   std::uint64_t finish(const Cube& cube, const Summary& summary);
 
@@ -44,6 +47,7 @@ class FileWriter {
   int levels_ = 0;
   std::vector<Node> nodes_;
   std::vector<io::las::LazChunk> chunks_;
+  EncodedNode sample_;  ///< of no points: there is none
 };
 
 }  // namespace sfumato::copc

@@ -63,7 +63,8 @@ Place Locator::operator()(const std::uint8_t* record) const {
   return {at[0], at[1], at[2]};
 }
 
-void Summary::add(const std::uint8_t* record) {
+void Summary::add(std::span<const std::uint8_t> bytes) {
+  const std::uint8_t* record = bytes.data();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto steps = io::las::get<std::int32_t>(record + 4 * axis);
     low[axis] = points ? std::min(low[axis], steps) : steps;
@@ -75,6 +76,7 @@ void Summary::add(const std::uint8_t* record) {
     last_time = std::max(last_time, time);
   }
   ++points;
+  sample.add(bytes);
 }
 
 void Summary::add(const Summary& other) {
@@ -87,6 +89,7 @@ void Summary::add(const Summary& other) {
   first_time = std::min(first_time, other.first_time);
   last_time = std::max(last_time, other.last_time);
   points += other.points;
+  sample.add(other.sample);
 }
 
 NodeMaker::NodeMaker(const Schema& schema, const Locator& locator, Progress& progress, bool average_colors)
@@ -276,7 +279,7 @@ void NodeMaker::encode(const Key& key, std::span<const std::uint32_t> points) {
                 std::to_string(points.size()) + " points lie in nearly one place, and a node holds " +
                     std::to_string(io::las::largest_chunk) + "; leave them out or take --max-points");
   const std::vector<std::uint8_t> records = records_of(in_order(points));
-  for (std::size_t at = 0; at < records.size(); at += length_) summary.add(records.data() + at);
+  for (std::size_t at = 0; at < records.size(); at += length_) summary.add({records.data() + at, length_});
   nodes.push_back({key, std::uint32_t(points.size()),
                    io::las::encode_chunk(schema_.format, schema_.record_length, records)});
 }

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "copc/record_sample.h"
 #include "copc/schema.h"
 #include "copc/spool.h"
 #include "core/progress.h"
@@ -52,14 +53,15 @@ class Locator {
   dvec3 factor_, shift_;
 };
 
-/// What header and info say of the points.
+/// What is stored beside the points: by header and info, and the sample.
 struct Summary {
   std::array<std::int32_t, 3> low{}, high{};
   std::array<std::uint64_t, 15> by_return{};
   double first_time = std::numeric_limits<double>::infinity(), last_time = -first_time;
   std::uint64_t points = 0;
+  RecordSample sample;
 
-  void add(const std::uint8_t* record);
+  void add(std::span<const std::uint8_t> record);
   void add(const Summary& other);
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/morton.h"
 #include "io/byte_source.h"
 #include "io/copc_hierarchy.h"
 #include "io/las_fields.h"
@@ -64,6 +65,18 @@ Tree tree_of_tiles(const std::filesystem::path& path, Progress& progress) {
   return tree;
 }
 
+/// A record that says what no `build` writes is none.
+std::optional<io::las::LazChunk> find_sample(const io::las::InputFile& file, const io::las::Header& header) {
+  std::uint8_t head[sample_head];
+  if (header.sample_size < sizeof head + header.record_length) return std::nullopt;
+  file.read(header.sample_byte, head, sizeof head);
+  const auto count = io::las::get<std::uint32_t>(head + 4);
+  if (io::las::get<std::uint32_t>(head) != sample_version || count == 0 || count > RecordSample::most ||
+      count > header.count)
+    return std::nullopt;
+  return io::las::LazChunk{header.sample_byte + sizeof head, header.sample_size - sizeof head, 0, count};
+}
+
 }  // namespace
 
 Tree read_tree(const std::filesystem::path& path, Progress& progress) {
@@ -101,6 +114,7 @@ Tree read_tree(const std::filesystem::path& path, Progress& progress) {
   const io::las::RecordFile records(path);
   tree.bounds = records.bounds().value_or(Bounds{tree.cube.min, tree.cube.min + tree.cube.size});
   tree.crs = io::las::read_crs(header);
+  tree.sample = find_sample(file, header);
   std::vector<std::string> notes;
   for (const auto& fields : {io::las::standard_fields(header.format), io::las::extra_fields(header, notes)})
     for (const io::las::Field& field : fields)
@@ -120,6 +134,15 @@ io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& node
   std::vector<io::las::LazChunk> chunks;
   for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);
   return io::read_las_chunks(tree.file, chunks, progress, kept);
+}
+
+std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress) {
+  if (!tree.sample) return std::nullopt;
+  io::ReadResult result = io::read_las_chunks(tree.file, {*tree.sample}, progress);
+  if (!result.report.damage.empty() || result.cloud.empty()) return std::nullopt;
+  analysis::reorder(result.cloud, analysis::morton_order(result.cloud));
+  result.cloud.source_index.clear();  // of the record, not of the file
+  return result;
 }
 
 }  // namespace sfumato::copc

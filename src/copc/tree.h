@@ -32,6 +32,7 @@ struct Tree {
   std::vector<TreeNode> nodes;  ///< those with points, in file order
   std::string crs;
   std::vector<std::string> attributes;         ///< names, as the reader gives them
+  std::optional<io::las::LazChunk> sample;     ///< RecordSample, where `build` stored one
   std::shared_ptr<const io::TiledScan> tiled;  ///< where it is no COPC file
 
   /// The part of the node's cell that can hold points, world.
@@ -59,5 +60,8 @@ Tree read_tree(const std::filesystem::path& file, Progress& progress = no_progre
 /// decoded are left out: see the report.
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
                           Progress& progress = no_progress(), const io::KeptChunks& kept = {});
+
+/// `Tree::sample` along a Morton curve. Nothing where there is none, or where it is damaged.
+std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress = no_progress());
 
 }  // namespace sfumato::copc

@@ -60,6 +60,8 @@ void read_evlrs(const InputFile& file, Header& header, std::uint64_t byte, std::
       vlr.data.resize(length);
       file.read(byte, vlr.data.data(), length);
       header.vlrs.push_back(std::move(vlr));
+    } else if (vlr.user_id == sample_user_id && vlr.record_id == sample_record_id) {
+      header.sample_byte = byte, header.sample_size = length;
     }
     byte += length;
   }

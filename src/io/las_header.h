@@ -31,10 +31,15 @@ struct Header {
   std::uint64_t count = 0;  ///< points
   dvec3 scale{1}, offset{0};
   std::vector<Vlr> vlrs;
+  std::uint64_t sample_byte = 0, sample_size = 0;  ///< payload of the record named below; 0: there is none
 
   const Vlr* vlr(std::string_view user_id, std::uint16_t record_id) const;
   bool is_copc() const { return compressed && vlr("copc", 1) != nullptr; }
 };
+
+/// The extended record that `sfumato build` adds (copc/record_sample.h).
+inline constexpr const char* sample_user_id = "sfumato";
+inline constexpr std::uint16_t sample_record_id = 1;
 
 /// Bytes before the payload of a variable length record.
 inline constexpr std::uint64_t vlr_header_size = 54;

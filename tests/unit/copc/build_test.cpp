@@ -315,6 +315,103 @@ TEST_F(CopcBuild, TheSamePointsGiveTheSameBytes) {
   EXPECT_TRUE(first == test::load(path("out.copc.laz")));
 }
 
+TEST(CopcSample, PartsMergeToTheSampleOfTheWhole) {
+  std::mt19937 random(3);
+  std::vector<std::array<std::uint8_t, 9>> records(300'000);
+  for (auto& record : records)
+    for (std::uint8_t& byte : record) byte = std::uint8_t(random());
+  std::copy_n(records.begin(), 50'000, records.end() - 50'000);  // some are there twice
+  copc::RecordSample whole;
+  for (const auto& record : records) whole.add(record);
+  std::vector<copc::RecordSample> parts(7);
+  for (std::size_t i = records.size(); i-- > 0;) parts[i % 2 ? 0 : random() % 7].add(records[i]);
+  copc::RecordSample merged;
+  for (const copc::RecordSample& part : parts) merged.add(part);
+  const std::vector<std::uint8_t> expected = whole.first(copc::RecordSample::most);
+  EXPECT_EQ(expected.size(), 9 * copc::RecordSample::most);
+  EXPECT_TRUE(merged.first(copc::RecordSample::most) == expected);
+  EXPECT_TRUE(merged.first(1000) == std::vector(expected.begin(), expected.begin() + 9000));
+  EXPECT_EQ(copc::RecordSample().first(10).size(), 0u);
+}
+
+TEST_F(CopcBuild, StoresASampleOfAllPoints) {
+  const PointCloud cloud = scan(300'000);
+  const auto input = write(cloud, "in.laz");
+  const auto sample = [&](std::uint64_t memory) {
+    copc::BuildOptions options;
+    options.memory = memory;
+    build({input}, options);
+    validated();
+    const auto read = copc::read_sample(copc::read_tree(path("out.copc.laz")));
+    EXPECT_TRUE(read);
+    return read ? read->cloud : PointCloud();
+  };
+  const PointCloud few = sample(little_memory);
+  EXPECT_TRUE(rows(few) == rows(sample(copc::BuildOptions().memory))) << "in pieces or not";
+  ASSERT_EQ(few.size(), copc::RecordSample::size_for(cloud.size()));
+  // Times tell points apart.
+  const ScalarField *time = few.scalar("gps_time"), *intensity = few.scalar("intensity");
+  ASSERT_TRUE(time && intensity);
+  std::vector<bool> seen(cloud.size());
+  std::size_t walls = 0;
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    const auto number = std::size_t(std::lround((time->value(i) - 1000) / 0.125));
+    ASSERT_LT(number, cloud.size());
+    EXPECT_FALSE(seen[number]);
+    seen[number] = true;
+    EXPECT_EQ(intensity->value(i), cloud.scalar("intensity")->value(number));
+    EXPECT_LT(glm::distance(few.world(i), cloud.world(number)), 0.002);
+    walls += number % 4 == 0;
+  }
+  // By their number, and not by their place: five standard deviations.
+  EXPECT_NEAR(double(walls) / double(few.size()), 0.25, 5 * std::sqrt(0.25 * 0.75 / double(few.size())));
+  // Of few points the levels say as much.
+  build({write(scan(20'000), "small.laz")});
+  EXPECT_FALSE(copc::read_tree(path("out.copc.laz")).sample);
+}
+
+TEST_F(CopcBuild, ADamagedSampleIsNone) {
+  build({write(scan(200'000), "in.laz")});
+  const test::Bytes good = test::load(path("out.copc.laz"));
+  const auto read = [&](const test::Bytes& bytes) {
+    const auto file = test::save(bytes, "damaged.copc.laz");
+    const copc::Tree tree = copc::read_tree(file);
+    const bool has_sample = copc::read_sample(tree).has_value();
+    EXPECT_EQ(tree.points, 200'000u);
+    EXPECT_EQ(io::read(file).cloud.size(), 200'000u) << "the points are there without it";
+    std::filesystem::remove(file);
+    return has_sample;
+  };
+  EXPECT_TRUE(read(good));
+  const auto sample = *copc::read_tree(path("out.copc.laz")).sample;
+  const auto with = [&](std::size_t at, auto value) {
+    test::Bytes bytes = good;
+    test::put(bytes, at, value);
+    return bytes;
+  };
+  const std::size_t payload = sample.byte - copc::sample_head,
+                    layers = sample.byte + test::get<std::uint16_t>(good, 105) + 4;
+  ASSERT_EQ(test::get<std::uint32_t>(good, payload), copc::sample_version);
+  EXPECT_FALSE(read(with(payload, copc::sample_version + 1))) << "of a later version";
+  for (const std::uint32_t count : {0u, sample.count - 1, sample.count + 1, 0xFFFFFFFFu})
+    EXPECT_FALSE(read(with(payload + 4, count))) << count;
+  for (const std::uint64_t size : {std::uint64_t(0), std::uint64_t(20), ~std::uint64_t(0)})
+    EXPECT_FALSE(read(with(payload - 40, size))) << size;
+  EXPECT_FALSE(read(with(layers, 0x7F7F7F7Fu)));
+  for (const std::size_t left : {payload - 60, payload + 3, payload + 50, good.size() - 1})
+    EXPECT_FALSE(read(test::Bytes(good.begin(), good.begin() + std::ptrdiff_t(left)))) << left;
+  // Numbers of any kind are never fatal.
+  std::mt19937 random(11);
+  for (int round = 0; round < 20; ++round) {
+    test::Bytes bytes = good;
+    for (int k = 0; k < 8; ++k)
+      bytes[payload + (round % 2 ? random() % 200 : random() % (good.size() - payload))] =
+          std::uint8_t(random());
+    copc::read_sample(copc::read_tree(test::save(bytes, "damaged.copc.laz")));
+  }
+  std::filesystem::remove(test::temporary("damaged.copc.laz"));
+}
+
 TEST_F(CopcBuild, CutsABoxAndANumberWhileReading) {
   const PointCloud cloud = scan(100'000);
   const auto input = write(cloud, "in.laz");
@@ -479,7 +576,7 @@ TEST_F(CopcBuild, LargeHierarchiesHavePages) {
       std::memcpy(record.data() + 4 * axis, &steps, sizeof steps);
     }
     record[14] = 0x11;
-    summary.add(record.data());
+    summary.add(record);
     writer.append({key, 1, io::las::encode_chunk(6, schema.record_length, record)});
     ++nodes;
   };
