@@ -1,6 +1,7 @@
 #include "scene/leveled_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/byte_source.h"
 #include "scene/assemble.h"
@@ -12,6 +13,8 @@ namespace {
 constexpr std::uint64_t overview_points = 300'000;
 // Of what is out of view only shadows are seen: their details are wider than those of the surface.
 constexpr double outside_with_shadows = 0.25;
+// Of a sample of fewer points, the levels are no worse.
+constexpr std::size_t least_selected = 4096;
 
 }  // namespace
 
@@ -78,9 +81,38 @@ Scene LeveledScene::overview(Progress& progress, const std::function<void(const 
     scene.notes.push_back("nothing of the selection is in the coarse levels (" + std::string(nothing.what()) +
                           "): the view is that of all points");
   }
-  overview_ = std::make_shared<const PointCloud>(scene.cloud);
+  overview_ = sample(progress);
+  if (!overview_) overview_ = std::make_shared<const Overview>(Overview{scene.cloud});
   scene.overview = overview_;
   return scene;
+}
+
+std::shared_ptr<const Overview> LeveledScene::sample(Progress& progress) const {
+  // The levels have more points of a box than a sample of everything.
+  if (options_.selection.crop) return nullptr;
+  if (!std::all_of(trees_.begin(), trees_.end(),
+                   [](const copc::Tree& tree) { return tree.sample.has_value(); }))
+    return nullptr;
+  const double share = double(copc::RecordSample::most) / double(points());
+  std::vector<io::ReadResult> samples;
+  for (const copc::Tree& tree : trees_) {
+    std::optional<io::ReadResult> read = copc::read_sample(tree, progress);
+    if (!read) return nullptr;
+    const auto wanted = std::size_t(std::ceil(share * double(tree.points)));
+    if (read->cloud.size() > wanted) read->cloud = subsample(read->cloud, wanted);
+    samples.push_back(std::move(*read));
+  }
+  SceneOptions all = options_;
+  all.read.max_points.reset();
+  try {
+    Scene scene = assemble(files_, all, [&](std::size_t i) { return std::move(samples[i]); });
+    if (scene.cloud.size() < least_selected) return nullptr;
+    return std::make_shared<const Overview>(Overview{std::move(scene.cloud), true});
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {
+    return nullptr;  // nothing of the selection is in it
+  }
 }
 
 copc::NodeSelection LeveledScene::coarse_nodes(std::uint64_t points) const {

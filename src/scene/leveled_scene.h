@@ -28,7 +28,7 @@ class LeveledScene {
   Scene overview(Progress& progress = no_progress(),
                  const std::function<void(const PointCloud&)>& see_all = {});
   /// Where it was read before, of the same files and selection.
-  void set_overview(std::shared_ptr<const PointCloud> overview) { overview_ = std::move(overview); }
+  void set_overview(std::shared_ptr<const Overview> overview) { overview_ = std::move(overview); }
   /// As many whole levels as `points` and the budget allow, the coarsest in any case.
   Scene coarse(std::uint64_t points, Progress& progress = no_progress()) const;
   /// What the views need, within the budget. `has_shadows`: what is out of view counts too, coarsely.
@@ -55,13 +55,16 @@ class LeveledScene {
   /// All points of the nodes, and what is selected of them.
   Scene gather(const copc::NodeSelection& nodes, Progress& progress) const;
   Scene narrowed(Scene scene) const;
+  /// What is selected of the samples that the files bring, as many points of each as of the others in
+  /// proportion. Null: a file has none, or too few of its points are selected.
+  std::shared_ptr<const Overview> sample(Progress& progress) const;
 
   std::vector<SceneFile> files_;
   std::vector<copc::Tree> trees_;
   SceneOptions options_;
   std::uint64_t budget_ = 0;
   std::shared_ptr<io::ChunkCache> kept_;
-  std::shared_ptr<const PointCloud> overview_;
+  std::shared_ptr<const Overview> overview_;
 };
 
 /// What a point takes in memory from file to picture, for most techniques.

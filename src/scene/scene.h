@@ -42,6 +42,13 @@ struct LevelsReport {
   bool is_complete() const { return points == points_needed; }
 };
 
+/// Points from everywhere in the files.
+struct Overview : PointCloud {
+  /// A random sample of all of them that the files bring: all that is automatic about colours and technique
+  /// is measured there. Otherwise coarse levels, which are even in space, and what is in view has a say.
+  bool is_sample = false;
+};
+
 struct Scene {
   PointCloud cloud;
   std::vector<io::ReadReport> files;
@@ -52,9 +59,9 @@ struct Scene {
   std::vector<std::string> notes;      ///< of readers ("FILE: ..."), of putting together and of selecting
   std::vector<std::string> damage;     ///< of files, the parts that are left out, and why: a line each
   std::optional<LevelsReport> levels;  ///< of a scene that was read by its levels (scene/leveled_scene.h)
-  /// Of such a scene, where it is known: points from everywhere in the files, evenly. What follows from the
-  /// whole, as the ends of a colour map, is measured there, so that every view has the same.
-  std::shared_ptr<const PointCloud> overview;
+  /// Of such a scene, where it is known. What follows from the whole, as the ends of a colour map, is
+  /// measured there, so that every view has the same.
+  std::shared_ptr<const Overview> overview;
   /// Where the points are a part of a cloud, and others have the rest: what the whole decides
   /// (analysis/whole.h).
   std::shared_ptr<const WholeCloud> whole;

@@ -17,7 +17,7 @@ namespace sfumato {
 struct OpeningSteps {
   // Of files with levels whose pose is known, only what views need is read.
   std::optional<Pose> pose;
-  std::shared_ptr<const PointCloud> overview;
+  std::shared_ptr<const scene::Overview> overview;
   std::shared_ptr<io::ChunkCache> nodes;  ///< what was decoded of them
   /// Their coarse levels, whatever is selected; then these are read in any case.
   std::function<void(const PointCloud&)> see_levels;

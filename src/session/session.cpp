@@ -150,8 +150,8 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   };
   color_all();
   if (settings.color_by == "auto" && !settings.solid) {
-    settings.color_by = whole_ ? without_colors(coloring_.source, analysis::prepare(whole_->sample, {}, {}))
-                               : without_colors(coloring_.source, largest_of(clouds));
+    settings.color_by = is_sampled_ ? without_colors(coloring_.source, analysis::prepare(*overview_, {}, {}))
+                                    : without_colors(coloring_.source, largest_of(clouds));
     if (settings.color_by != coloring_.source) color_all();
   }
   const std::vector<Rgba8>& all = of_all ? of_all->colors : coloring_.colors;
@@ -219,6 +219,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   pose_ = std::move(pose);
   file_names_ = std::move(scene.file_names);
   whole_ = std::move(scene.whole);
+  is_sampled_ = whole_ || (scene.overview && scene.overview->is_sample);
   overview_ = whole_ ? std::shared_ptr<const PointCloud>(whole_, &whole_->sample) : std::move(scene.overview);
   notes_.clear();
   box_ = whole_ ? whole_->box : bounds(scene.cloud);
@@ -274,6 +275,7 @@ void Session::share_scene(const Session& other) {
   renderer_.share_clouds(other.renderer_);
   options_ = other.options_;
   file_names_ = other.file_names_, notes_ = other.notes_, overview_ = other.overview_, whole_ = other.whole_;
+  is_sampled_ = other.is_sampled_;
   parts_.clear();
   for (const Part& each : other.parts_) {
     Part& part = parts_.emplace_back(Part{each.rules, nullptr, nullptr, each.points, each.source_index});

@@ -24,7 +24,7 @@ struct LoadJob {
   bool has_shadows = false;  ///< then what is out of view counts too
   // What is known where nothing but the view changed.
   std::optional<Pose> pose;
-  std::shared_ptr<const PointCloud> overview;
+  std::shared_ptr<const scene::Overview> overview;
   std::optional<copc::NodeSelection> shown;  ///< need not be read again
 };
 
@@ -50,7 +50,7 @@ struct Loaded {
   bool is_coarse = false;  ///< more of the same view comes
   bool is_shown = false;   ///< the view shows no more than `LoadJob::shown`: there are no points here
   std::optional<copc::NodeSelection> nodes;
-  std::shared_ptr<const PointCloud> overview;
+  std::shared_ptr<const scene::Overview> overview;
   std::optional<Failure> failure;  ///< then nothing else holds
 };
 

@@ -215,11 +215,11 @@ def main():
         done = command(url("plain", "scan.copc.laz"), "-o", at("c.png"), "--resolution", "64x48", "-t", "points", "--max-points", "3000")
         check(f"a COPC for a small view: {server.fetched} of {size} bytes", done.returncode == 0 and server.fetched < size / 3, done)
 
-        # Of a larger one, through a long lens: only nodes that the view crosses, each once.
+        # Of a larger one, through a long lens: only nodes that the view crosses, each once, and the sample (1/30 of the points).
         size = os.path.getsize(at("large.copc.laz"))
         server.fetched, server.parts = 0, []
         done = command(url("plain", "large.copc.laz"), "-o", at("c.png"), "--resolution", "160x120", "-t", "points", "--zoom", "40")
-        check(f"a COPC through a long lens: {server.fetched} of {size} bytes", done.returncode == 0 and server.fetched < .21 * size, done)
+        check(f"a COPC through a long lens: {server.fetched} of {size} bytes", done.returncode == 0 and server.fetched < .26 * size, done)
         # Little reads fetch blocks of 16 KB, whose ends may lie in larger parts.
         overlap = lambda parts: sum(max(0, one[1] - next[0]) for one, next in zip(parts, parts[1:]))  # noqa: E731
         parts = sorted(server.parts)

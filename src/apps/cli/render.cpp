@@ -333,12 +333,12 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
       options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   const Pose& pose = opening.pose();
   watch.lap("read");
-  std::shared_ptr<const PointCloud> overview;
+  std::shared_ptr<const scene::Overview> overview;
   options.points.metres = scene.metres;
   if (options.sequence && options.files.size() > 1) {
     PointCloud all = overview_of(options.placed(), options, console);
     all.up = scene.cloud.up;
-    scene.overview = overview = std::make_shared<const PointCloud>(std::move(all));
+    scene.overview = overview = std::make_shared<const scene::Overview>(scene::Overview{std::move(all)});
   }
   const Bounds box = bounds(scene.cloud);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());

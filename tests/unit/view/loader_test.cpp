@@ -197,9 +197,8 @@ TEST(Loader, LooksAtTheWholeWhereTheCoarseLevelsHoldNothingOfTheSelection) {
   PointCloud cloud = test::scan(600'000);
   Loader loader([] {});
   const Loaded coarse = whole_of(loader, job_of_levels(build_scan("a.copc.laz", cloud)));
-  ASSERT_TRUE(coarse.overview);
   // Times tell points apart. One that the coarse levels lack becomes the only one of its class.
-  const ScalarField* seen = coarse.overview->scalar("gps_time");
+  const ScalarField* seen = coarse.whole.cloud.scalar("gps_time");
   ASSERT_TRUE(seen);
   std::vector<bool> is_coarse(cloud.size());
   for (std::size_t i = 0; i < seen->values.size(); ++i)

@@ -1,0 +1,159 @@
+// What is automatic of a file with levels follows from the sample that `build` stores: the same for every
+// view and budget, and as in a picture of all points.
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "copc/build.h"
+#include "io/io.h"
+#include "reference/gl_fixture.h"
+#include "session/opening.h"
+#include "session/session.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+constexpr int points = 600'000;
+
+/// A wavy ground of 100 m: two thirds of the points lie in a hundredth of it, and have other values. They are
+/// skewed everywhere.
+PointCloud two_densities() {
+  PointCloud cloud;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> unit(0, 1);
+  ScalarField amplitude{"amplitude", 0, {}, StoredType::float32};
+  for (int i = 0; i < points; ++i) {
+    const bool is_dense = i % 3 > 0;
+    const float side = is_dense ? 10 : 100, x = side * unit(random), y = side * unit(random);
+    cloud.positions.push_back({x, y, std::sin(x / 9) * std::cos(y / 7)});
+    amplitude.values.push_back(-(is_dense ? 1 : 20) * std::log(1 - unit(random)));
+  }
+  cloud.set_scalar(std::move(amplitude));
+  return cloud;
+}
+
+/// What a session makes of a view.
+struct Automatic {
+  double low = 0, high = 0;
+  TechniqueChoice choice;
+};
+
+class StoredSampleTest : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    std::filesystem::create_directories(folder_);
+    const PointCloud cloud = two_densities();
+    std::vector<std::uint32_t> halves[2];
+    for (std::uint32_t i = 0; i < cloud.size(); ++i) halves[i % 2].push_back(i);
+    for (int k : {0, 1}) io::write(half(k), select(cloud, halves[k]));
+    values_ = cloud.scalar("amplitude")->values;
+    std::sort(values_.begin(), values_.end());
+    copc::BuildOptions options;
+    options.memory = 8'000'000;  // in pieces
+    copc::build({half(0), half(1)}, scan(), options);
+  }
+  void TearDown() override {
+    std::filesystem::remove_all(folder_);
+    GlTest::TearDown();
+  }
+  std::filesystem::path half(int k) const { return folder_ / ("half" + std::to_string(k) + ".las"); }
+  std::filesystem::path scan() const { return folder_ / "scan.copc.laz"; }
+
+  static Camera above(double x, double height) {
+    Camera camera;
+    camera.position = {x, x, 50}, camera.target = {x, x, 0}, camera.up = {0, 1, 0};
+    camera.projection = Projection::orthographic;
+    camera.height_world = height;
+    camera.width = 320, camera.height = 320;
+    return camera;
+  }
+  static Automatic measured(scene::Scene scene, const Pose& pose) {
+    Session session(context());
+    SessionOptions options;
+    options.color.color_by = "amplitude";
+    session.set_scene(std::move(scene), pose, options);
+    Automatic found;
+    found.choice = session.suggest();
+    session.measure({});
+    found.low = session.coloring().low, found.high = session.coloring().high;
+    return found;
+  }
+  Automatic of_view(const std::filesystem::path& file, std::uint64_t budget, const Camera& camera) const {
+    Request request;
+    request.points.read.max_points = budget;
+    const Opening opening(request, scene::files_of({file.string()}));
+    EXPECT_TRUE(opening.has_levels());
+    scene::Scene scene = opening.read({&camera, 1}, false);
+    EXPECT_LE(scene.cloud.size(), budget);
+    return measured(std::move(scene), opening.pose());
+  }
+  /// Of all points, those below the value.
+  double share_below(double value) const {
+    const auto at = std::lower_bound(values_.begin(), values_.end(), float(value));
+    return double(at - values_.begin()) / double(values_.size());
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::path(::testing::TempDir()) / ("sfumato_stored_sample_" + std::to_string(::getpid()));
+  std::vector<float> values_;
+};
+
+TEST_F(StoredSampleTest, EveryViewAndBudgetHasTheRangeAndTheTechniqueOfTheWhole) {
+  Opening all({}, scene::files_of({half(0).string(), half(1).string()}));
+  ASSERT_FALSE(all.has_levels());
+  const Automatic whole = measured(all.take(), all.pose());
+  EXPECT_NEAR(share_below(whole.low), 0.02, 1e-4);
+  EXPECT_NEAR(share_below(whole.high), 0.98, 1e-4);
+  const Automatic first = of_view(scan(), 30'000, above(50, 100));
+  // Five standard deviations of the share of a sample.
+  const double off = 5 * std::sqrt(0.02 * 0.98 / double(copc::RecordSample::size_for(points)));
+  EXPECT_NEAR(share_below(first.low), 0.02, off);
+  EXPECT_NEAR(share_below(first.high), 0.98, off);
+  EXPECT_EQ(first.choice.technique, "surface");  // `splats` of files with levels
+  EXPECT_EQ(whole.choice.technique, "splats");
+  EXPECT_NEAR(first.choice.surface_share, whole.choice.surface_share, 0.1);
+  for (const std::uint64_t budget : {30'000u, 300'000u})
+    for (const Camera& camera : {above(5, 8), above(80, 30)}) {
+      const Automatic other = of_view(scan(), budget, camera);
+      EXPECT_EQ(other.low, first.low);
+      EXPECT_EQ(other.high, first.high);
+      EXPECT_EQ(other.choice.technique, first.choice.technique);
+      EXPECT_EQ(other.choice.reason, first.choice.reason);
+    }
+}
+
+TEST_F(StoredSampleTest, CoarseLevelsStandInForADamagedOne) {
+  const std::filesystem::path damaged = folder_ / "damaged.copc.laz";
+  std::filesystem::copy_file(scan(), damaged);
+  std::fstream(damaged, std::ios::in | std::ios::out | std::ios::binary)
+      .seekp(std::streamoff(copc::read_tree(scan()).sample->byte - copc::sample_head))
+      .put(99);  // a version
+  const auto overview = [](const std::filesystem::path& file, const Selection& selection) {
+    scene::SceneOptions options;
+    options.selection = selection;
+    auto leveled = scene::LeveledScene::open(scene::files_of({file.string()}), options, 10'000'000, true);
+    return leveled->overview().overview;
+  };
+  EXPECT_TRUE(overview(scan(), {})->is_sample);
+  EXPECT_FALSE(overview(damaged, {})->is_sample);
+  EXPECT_GT(overview(damaged, {})->size(), 0u);
+  // Of a box the levels know more, and of what is rare.
+  Selection part;
+  part.crop = Bounds{{0, 0, -2}, {50, 50, 2}};
+  EXPECT_FALSE(overview(scan(), part)->is_sample);
+  part = {};
+  part.filters = {{"amplitude", 0, 1}};
+  const auto some = overview(scan(), part);
+  EXPECT_TRUE(some->is_sample);
+  for (const float value : some->scalar("amplitude")->values) EXPECT_LE(value, 1);
+  part.filters = {{"amplitude", 60, 1e6}};
+  EXPECT_FALSE(overview(scan(), part)->is_sample);
+}
+
+}  // namespace
