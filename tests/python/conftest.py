@@ -29,7 +29,7 @@ def command():
 def scan(tmp_path_factory):
     """A file with colours, normals and scalars."""
     file = tmp_path_factory.mktemp("scan") / "courtyard.ply"
-    sfumato.write(file, sfumato.synth("courtyard", points=30_000, seed=3))
+    sfumato.write(file, sfumato.synth("courtyard", points=12_000, seed=3))
     return file
 
 
