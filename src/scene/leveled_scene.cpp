@@ -81,23 +81,25 @@ Scene LeveledScene::overview(Progress& progress, const std::function<void(const 
     scene.notes.push_back("nothing of the selection is in the coarse levels (" + std::string(nothing.what()) +
                           "): the view is that of all points");
   }
-  overview_ = sample(progress);
-  if (!overview_) overview_ = std::make_shared<const Overview>(Overview{scene.cloud});
+  std::optional<PointCloud> sampled = sample(progress);
+  overview_ = std::make_shared<const Overview>(
+      sampled ? Overview{std::move(*sampled), std::make_shared<const PointCloud>(scene.cloud)}
+              : Overview{scene.cloud, nullptr});
   scene.overview = overview_;
   return scene;
 }
 
-std::shared_ptr<const Overview> LeveledScene::sample(Progress& progress) const {
+std::optional<PointCloud> LeveledScene::sample(Progress& progress) const {
   // The levels have more points of a box than a sample of everything.
-  if (options_.selection.crop) return nullptr;
+  if (options_.selection.crop) return std::nullopt;
   if (!std::all_of(trees_.begin(), trees_.end(),
                    [](const copc::Tree& tree) { return tree.sample.has_value(); }))
-    return nullptr;
+    return std::nullopt;
   const double share = double(copc::RecordSample::most) / double(points());
   std::vector<io::ReadResult> samples;
   for (const copc::Tree& tree : trees_) {
     std::optional<io::ReadResult> read = copc::read_sample(tree, progress);
-    if (!read) return nullptr;
+    if (!read) return std::nullopt;
     const auto wanted = std::size_t(std::ceil(share * double(tree.points)));
     if (read->cloud.size() > wanted) read->cloud = subsample(read->cloud, wanted);
     samples.push_back(std::move(*read));
@@ -106,12 +108,12 @@ std::shared_ptr<const Overview> LeveledScene::sample(Progress& progress) const {
   all.read.max_points.reset();
   try {
     Scene scene = assemble(files_, all, [&](std::size_t i) { return std::move(samples[i]); });
-    if (scene.cloud.size() < least_selected) return nullptr;
-    return std::make_shared<const Overview>(Overview{std::move(scene.cloud), true});
+    if (scene.cloud.size() < least_selected) return std::nullopt;
+    return std::move(scene.cloud);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error&) {
-    return nullptr;  // nothing of the selection is in it
+    return std::nullopt;  // nothing of the selection is in it
   }
 }
 

@@ -56,8 +56,8 @@ class LeveledScene {
   Scene gather(const copc::NodeSelection& nodes, Progress& progress) const;
   Scene narrowed(Scene scene) const;
   /// What is selected of the samples that the files bring, as many points of each as of the others in
-  /// proportion. Null: a file has none, or too few of its points are selected.
-  std::shared_ptr<const Overview> sample(Progress& progress) const;
+  /// proportion. Nothing: a file has none, or too few of its points are selected.
+  std::optional<PointCloud> sample(Progress& progress) const;
 
   std::vector<SceneFile> files_;
   std::vector<copc::Tree> trees_;

@@ -44,9 +44,10 @@ struct LevelsReport {
 
 /// Points from everywhere in the files.
 struct Overview : PointCloud {
-  /// A random sample of all of them that the files bring: all that is automatic about colours and technique
-  /// is measured there. Otherwise coarse levels, which are even in space, and what is in view has a say.
-  bool is_sample = false;
+  /// Where the points are a random sample of all of them that the files bring, on which colours are measured:
+  /// the coarse levels, which are even in space and so tell of surfaces more than a sample as sparse. Null:
+  /// the points are those, and what is in view has a say.
+  std::shared_ptr<const PointCloud> levels;
 };
 
 struct Scene {

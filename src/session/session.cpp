@@ -150,8 +150,9 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   };
   color_all();
   if (settings.color_by == "auto" && !settings.solid) {
-    settings.color_by = is_sampled_ ? without_colors(coloring_.source, analysis::prepare(*overview_, {}, {}))
-                                    : without_colors(coloring_.source, largest_of(clouds));
+    const PointCloud* all = whole_ ? &whole_->sample : levels_.get();
+    settings.color_by = all ? without_colors(coloring_.source, analysis::prepare(*all, {}, {}))
+                            : without_colors(coloring_.source, largest_of(clouds));
     if (settings.color_by != coloring_.source) color_all();
   }
   const std::vector<Rgba8>& all = of_all ? of_all->colors : coloring_.colors;
@@ -219,7 +220,7 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   pose_ = std::move(pose);
   file_names_ = std::move(scene.file_names);
   whole_ = std::move(scene.whole);
-  is_sampled_ = whole_ || (scene.overview && scene.overview->is_sample);
+  levels_ = scene.overview ? scene.overview->levels : nullptr;
   overview_ = whole_ ? std::shared_ptr<const PointCloud>(whole_, &whole_->sample) : std::move(scene.overview);
   notes_.clear();
   box_ = whole_ ? whole_->box : bounds(scene.cloud);
@@ -275,7 +276,7 @@ void Session::share_scene(const Session& other) {
   renderer_.share_clouds(other.renderer_);
   options_ = other.options_;
   file_names_ = other.file_names_, notes_ = other.notes_, overview_ = other.overview_, whole_ = other.whole_;
-  is_sampled_ = other.is_sampled_;
+  levels_ = other.levels_;
   parts_.clear();
   for (const Part& each : other.parts_) {
     Part& part = parts_.emplace_back(Part{each.rules, nullptr, nullptr, each.points, each.source_index});
@@ -292,8 +293,9 @@ void Session::share_scene(const Session& other) {
 
 TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::NeighborTree* tree) const {
   if (!overview_ || !options_.draw.empty()) return choose_technique(sorted, tree, overview_ != nullptr);
-  return choice_of_overview_.at(overview_, [&] {
-    const analysis::SortedCloud whole = analysis::sort_cloud(*overview_, options_.prepare);
+  const std::shared_ptr<const PointCloud>& all = levels_ ? levels_ : overview_;
+  return choice_of_overview_.at(all, [&] {
+    const analysis::SortedCloud whole = analysis::sort_cloud(*all, options_.prepare);
     return choose_technique(whole.cloud, whole.tree.get(), true);
   });
 }

@@ -144,7 +144,7 @@ class Session {
   std::vector<std::string> file_names_, notes_;
   std::shared_ptr<const WholeCloud> whole_;     ///< may be null
   std::shared_ptr<const PointCloud> overview_;  ///< may be null
-  bool is_sampled_ = false;                     ///< it is a random sample, which alone decides
+  std::shared_ptr<const PointCloud> levels_;    ///< scene::Overview::levels
   // What was measured of an overview is kept while views of the same files follow each other.
   struct ColorOfOverview {
     std::shared_ptr<const PointCloud> overview;
