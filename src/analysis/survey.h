@@ -22,7 +22,7 @@ inline constexpr float enough_surface = 0.75f;
 /// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.
 float plane_residual(std::span<const vec3> positions);
 
-/// A cloud that still lacks what is measured from neighbours, and the tree over its positions.
+/// A cloud that still lacks what is measured from neighbours, and the tree that views its positions.
 struct SortedCloud {
   PreparedCloud cloud;
   std::unique_ptr<NeighborTree> tree;

@@ -74,6 +74,9 @@ std::optional<io::las::LazChunk> find_sample(const io::las::InputFile& file, con
   if (io::las::get<std::uint32_t>(head) != sample_version || count == 0 || count > RecordSample::most ||
       count > header.count)
     return std::nullopt;
+  constexpr std::uint64_t overhead = 65'536;  // of a chunk beside its points
+  if (header.sample_size > sizeof head + 2 * std::uint64_t(count) * header.record_length + overhead)
+    return std::nullopt;
   return io::las::LazChunk{header.sample_byte + sizeof head, header.sample_size - sizeof head, 0, count};
 }
 

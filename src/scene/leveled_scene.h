@@ -21,8 +21,8 @@ class LeveledScene {
   static std::optional<LeveledScene> open(const std::vector<SceneFile>& files, const SceneOptions& options,
                                           std::uint64_t memory, bool always = false);
 
-  /// The coarse levels: from where to look follows from them, and what they hold goes with all that is read
-  /// later (`Scene::overview`).
+  /// The coarse levels: from where to look follows from them. They, or the sample that the files bring, go
+  /// with all that is read later (`Scene::overview`).
   /// Where nothing of the selection is in them, they hold what the whole has, and a note says so.
   /// `see_all` is given what these levels hold whatever is selected, and whatever box.
   Scene overview(Progress& progress = no_progress(),

@@ -1,6 +1,7 @@
 #include "session/session.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -108,10 +109,11 @@ const PreparedCloud& largest_of(const std::vector<const PreparedCloud*>& clouds)
 /// too few points make a surface for light to show, or too little of one, as leaves, whose intensity besides
 /// is that of the part of a pulse that each stopped; clay where they have radii of their own, as of a mesh
 /// that is no survey, and light shows each fold.
-std::string without_colors(const std::string& source, const PreparedCloud& cloud) {
+std::string without_colors(const std::string& source, const PreparedCloud& cloud,
+                           const std::function<TechniqueChoice()>& choose) {
   const bool is_survey = cloud.cloud.las || !cloud.cloud.crs.empty();
   if (source == "clay" || source == "intensity") {
-    const TechniqueChoice choice = choose_technique(cloud, nullptr);
+    const TechniqueChoice choice = choose();
     const bool has_surface = choice.surface_share >= analysis::enough_surface;
     return has_surface && (source == "intensity" || !choice.too_few) ? source : "elevation";
   }
@@ -150,9 +152,10 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   };
   color_all();
   if (settings.color_by == "auto" && !settings.solid) {
-    const PointCloud* all = whole_ ? &whole_->sample : levels_.get();
-    settings.color_by = all ? without_colors(coloring_.source, analysis::prepare(*all, {}, {}))
-                            : without_colors(coloring_.source, largest_of(clouds));
+    const PreparedCloud& largest = largest_of(clouds);
+    settings.color_by = without_colors(coloring_.source, largest, [&] {
+      return whole_ || levels_ ? suggest(largest, nullptr) : choose_technique(largest, nullptr);
+    });
     if (settings.color_by != coloring_.source) color_all();
   }
   const std::vector<Rgba8>& all = of_all ? of_all->colors : coloring_.colors;

@@ -118,8 +118,7 @@ void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
       needs = stand->look_of(technique, job.parameters_of(technique)).technique->needs();
     first.session->measure(needs, watch);
   } catch (...) {
-    // A session that holds nothing is kept for the next scene; one that was cut off half way may draw what it
-    // has.
+    // Refused before anything changed, it still draws the last scene; cut off half way, it has nothing.
     if (!first.session->empty()) one.stand = stand;
     throw;
   }

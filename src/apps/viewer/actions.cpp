@@ -82,7 +82,7 @@ void Interface::act(Action action) {
     for (const Param& param : look_->parameters.all())
       if (param.is_point_size) {
         const std::vector<float> now = view::numbers_of(resolved(param.name));
-        if (now.size() != 1) continue;
+        if (now.size() != 1 || now[0] == 0) continue;  // 0: as small as it can be
         const float wanted = std::clamp(float(double(now[0]) * factor), float(param.min.value_or(0)),
                                         float(param.max.value_or(1e9)));
         return parameter(param.name, view::number_text(std::round(wanted * 1000) / 1000));
