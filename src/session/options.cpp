@@ -102,7 +102,7 @@ class Table {
   template <class Member, class Parse, class Write = Say>
   Table& value(const std::string& names, const std::string& metavar, const std::string& help, Member member,
                Parse parse, Write say = {}) {
-    Option row{names, metavar, help, title_, Option::Kind::text, scope_, "", "", {}, {}, {}};
+    Option row{names, metavar, help, title_, Option::Kind::text, scope_, false, "", "", {}, {}, {}};
     row.set = [=](Request& r, Text option, Text text) { std::invoke(member, r) = parse(option, text); };
     row.reset = [=](Request& r) { std::invoke(member, r) = std::invoke(member, plain()); };
     row.texts = [=](const Request& r) {
@@ -147,6 +147,10 @@ class Table {
   }
   Table& is(Scope scope) {
     rows.back().scope = scope;
+    return *this;
+  }
+  Table& served() {
+    rows.back().served = true;
     return *this;
   }
   /// Its kind of value there, and its keyword where that is not the option's name.
@@ -202,14 +206,16 @@ std::string text_or_file(Text text) {
 void add_output(Table& t) {
   t.group("Output", Scope::command);
   t.text(
-      "-t,--technique", "NAME[,NAME...]|all",
-      "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet",
-      &Request::technique);
+       "-t,--technique", "NAME[,NAME...]|all",
+       "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet",
+       &Request::technique)
+      .served();
   t.texts("--draw", "\"SELECTION: TECHNIQUE [name=value ...]\"",
           "draw selected points by another technique, such as \"classification 3-5: soft opacity=0.2\"; "
           "the first that selects a point wins (sfumato help draw)",
           &Request::draw, [](Text text) { return DrawRule::parse(text); })
-      .is(Scope::look);
+      .is(Scope::look)
+      .served();
   t.text("-o,--output", "FILE",
          "the picture: .png .jpg .webp (sRGB), .tif (sRGB; a plan is a GeoTIFF, transparent where nothing "
          "is), .exr (linear, Z, normals), .npy (linear RGBA); - is standard output",
@@ -289,21 +295,27 @@ void add_view(Table& t) {
   t.group("View", Scope::camera);
   t.value("--resolution", "WxH", "picture size in pixels (1280x720)", of_view(&ViewWishes::size),
           [](Text option, Text text) { return parse_resolution(option, text); })
-      .python("size", "size");
+      .python("size", "size")
+      .served();
   t.value("--view", "front|back|left|right|top|bottom|iso", "the side to look from",
           of_view(&ViewWishes::side), [](Text option, Text text) { return find_view(text, option), text; })
-      .python("text", "side");
+      .python("text", "side")
+      .served();
   t.value("--zoom", "F", "show things F times as large (1)", of_view(&ViewWishes::zoom), positive)
-      .python("number");
+      .python("number")
+      .served();
   t.value("--roll", "DEG", "turn the camera about its direction of view, counter-clockwise (0)",
           of_view(&ViewWishes::roll), number)
-      .python("number");
+      .python("number")
+      .served();
   t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at),
           vector)
-      .is(Scope::command);
+      .is(Scope::command)
+      .served();
   t.value("--distance", "D", "distance from the camera to the place it looks at, scene units",
           of_view(&ViewWishes::distance), positive)
-      .python("number");
+      .python("number")
+      .served();
   t.value(
        "--scale", "1:N", "print scale of an orthographic view", of_view(&ViewWishes::print_scale),
        [](Text option, Text text) {
@@ -336,7 +348,8 @@ void add_view(Table& t) {
       .python("number");
   t.flag("--whole", "keep the ceiling and near walls of a room, and frame all points but outliers",
          &Request::whole)
-      .is(Scope::look);
+      .is(Scope::look)
+      .served();
   t.flag("--panorama",
          "all around --camera-position in one picture twice as wide as high (2048x1024, equirectangular)",
          &Request::panorama)
@@ -347,25 +360,33 @@ void add_view(Table& t) {
          &Request::camera_file)
       .is(Scope::command);
   t.value("--camera-position", "X,Y,Z", "where the camera stands", of_view(&ViewWishes::position), vector)
-      .python("numbers", "position");
+      .python("numbers", "position")
+      .served();
   t.value("--camera-focal-point", "X,Y,Z", "what it looks at", of_view(&ViewWishes::focal_point), vector)
-      .python("numbers", "look_at");
+      .python("numbers", "look_at")
+      .served();
   t.value("--camera-view-up", "X,Y,Z", "direction that is up in the picture", of_view(&ViewWishes::view_up),
           direction)
-      .python("numbers", "view_up");
+      .python("numbers", "view_up")
+      .served();
   t.value("--camera-direction", "X,Y,Z", "direction of view", of_view(&ViewWishes::direction), direction)
-      .python("numbers", "direction");
+      .python("numbers", "direction")
+      .served();
   t.value("--camera-azimuth-angle", "DEG", "turn about the up axis, 0 from the front (what suits the scan)",
           of_view(&ViewWishes::azimuth), number)
-      .python("number", "azimuth");
+      .python("number", "azimuth")
+      .served();
   t.value("--camera-elevation-angle", "DEG", "height above the horizon, -90 to 90 (what suits the scan)",
           of_view(&ViewWishes::elevation), degrees_in(-90, 90))
-      .python("number", "elevation");
+      .python("number", "elevation")
+      .served();
   t.value("--camera-view-angle", "DEG", "full vertical angle: a smaller one zooms in (45)",
           of_view(&ViewWishes::fov), degrees_in(0.001, 179))
-      .python("number", "fov");
+      .python("number", "fov")
+      .served();
   t.flag("--camera-orthographic", "orthographic projection", of_view(&ViewWishes::orthographic))
-      .python("flag", "orthographic");
+      .python("flag", "orthographic")
+      .served();
 }
 
 void add_points(Table& t) {
@@ -379,32 +400,39 @@ void add_points(Table& t) {
   t.value("--crop", "X0,Y0,Z0,X1,Y1,Z1", "only the points in this box, world coordinates",
           kept(&Selection::crop), parse_box)
       .is(Scope::place)
-      .python("numbers");
+      .python("numbers")
+      .served();
   t.value("--crop-relative", "X0,Y0,Z0,X1,Y1,Z1",
           "--crop in shares of the whole box: 0,0,0,1,1,0.5 is the lower half", kept(&Selection::crop_share),
           parse_box)
-      .python("numbers");
+      .python("numbers")
+      .served();
   t.value("--show-classes", "N,N...", "only these classification codes", kept(&Selection::show_classes),
           parse_classes)
-      .python("integers");
+      .python("integers")
+      .served();
   t.value("--hide-classes", "N,N...|none",
           "classification codes to leave out, with withheld points (7,18: noise)", &Request::hide_classes,
           parse_classes)
-      .python("integers");
+      .python("integers")
+      .served();
   t.texts("--filter", "\"SCALAR A..B\"",
           "only points in a range of a scalar, such as \"intensity 10..200\" or \"z 3..\"; may be given "
           "several times",
           kept(&Selection::filters), [](Text text) { return parse_filter(text); })
-      .python("texts", "filters");
+      .python("texts", "filters")
+      .served();
   t.value("--max-points", "N", "at most N of the selected points, the same ones every time (1e6, 250k, 2M)",
           read(&io::ReadOptions::max_points), count)
-      .python("count");
+      .python("count")
+      .served();
   t.value("--columns", "x,y,z,...",
           "names of the columns of text files, .npy rows and .bin floats, instead of a guess",
           read(&io::ReadOptions::columns), [](Text, Text text) { return split(text, ','); })
       .python("words");
   t.flag("--vertices", "of meshes (PLY, OBJ) the vertices alone, instead of points on the faces",
-         &Request::vertices);
+         &Request::vertices)
+      .served();
   t.flag("--strict", "refuse partly damaged files instead of skipping the damaged parts",
          read(&io::ReadOptions::strict))
       .is(Scope::command);
@@ -417,7 +445,8 @@ void add_points(Table& t) {
               throw Error(ErrorCode::usage, option + ": '" + text + "' is not one of auto +X -X +Y -Y +Z -Z");
             return up;
           })
-      .python("text");
+      .python("text")
+      .served();
   t.value("--memory", "BYTES",
           "memory for the points of COPC files; of larger files only what the view shows is read (4G)",
           &Request::memory, count)
@@ -435,12 +464,14 @@ void add_colours(Table& t) {
          "auto, rgb, intensity, classification, elevation, density, normal, file, any scalar; rgb*intensity: "
          "the product",
          of_color(&ColorSettings::color_by))
-      .python("text");
+      .python("text")
+      .served();
   t.value("--color", "COLOUR", "one colour for all points: a name, #hex or R,G,B",
           of_color(&ColorSettings::solid),
           [](Text option, Text text) { return to_rgba8(parse_color_of(option, text)); })
       .or_nothing()
-      .python("text");
+      .python("text")
+      .served();
   std::string maps;
   for (const std::string& name : Colormap::names()) maps += (maps.empty() ? "" : " ") + name;
   t.value("--colormap", "NAME",
@@ -449,7 +480,8 @@ void add_colours(Table& t) {
               "NAME_r runs backwards; white,#ff8800,black: your own",
           of_color(&ColorSettings::colormap), [](Text, Text text) { return Colormap::named(text), text; })
       .or_nothing()
-      .python("text");
+      .python("text")
+      .served();
   t.value("--color-range", "A,B",
           "values at the ends of the colour map (2-98 % of the points, 0.1-99.9 % for heights)",
           of_color(&ColorSettings::range),
@@ -459,7 +491,8 @@ void add_colours(Table& t) {
             return std::array{v[0], v[1]};
           })
       .or_nothing()
-      .python("numbers", "range");
+      .python("numbers", "range")
+      .served();
   t.value("--class-colors", "2=#aa7744,6=orange",
           "colours of classes, by code or name; or a file with one CLASS=COLOUR per line",
           of_color(&ColorSettings::class_colors),
@@ -475,13 +508,15 @@ void add_colours(Table& t) {
   t.value("--exposure", "F", "brightness of the file's own colours, 1: as they are (what suits them)",
           of_color(&ColorSettings::exposure), within(0.1, 100))
       .or_nothing()
-      .python("number");
+      .python("number")
+      .served();
   t.value("--background-color", "COLOUR",
           "a name, #hex or R,G,B from 0 to 1 (dark grey, lighter for photographs; white for clay, other dark "
           "colours, charcoal, watercolor, shadows on a ground)",
           &Request::background, color)
       .or_nothing()
-      .python("text", "background");
+      .python("text", "background")
+      .served();
   t.flag("--no-background", "transparent where nothing is", &Request::no_background).python("", "background");
 }
 
@@ -490,11 +525,11 @@ void add_furniture(Table& t) {
   const auto legend = [](auto LegendLook::*member) {
     return [=](auto& r) -> auto& { return r.furniture.legend_look.*member; };
   };
-  const auto flag = [&](const char* name, const char* help, bool Furniture::*member) {
-    t.flag(name, help, drawn(member)).python("furniture");
+  const auto flag = [&](const char* name, const char* help, bool Furniture::*member) -> Table& {
+    return t.flag(name, help, drawn(member)).python("furniture");
   };
   t.group("In the picture", Scope::look);
-  flag("--legend", "explain the colours in the picture", &Furniture::legend);
+  flag("--legend", "explain the colours in the picture", &Furniture::legend).served();
   t.text("--legend-title", "TEXT", "title of the legend (what the colours show)", legend(&LegendLook::title))
       .python("furniture");
   t.text("--legend-unit", "UNIT", "after the title (for elevations that of the file's CRS)",

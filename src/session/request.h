@@ -86,6 +86,7 @@ struct Option {
   std::string metavar, help, group;
   Kind kind = Kind::text;
   Scope scope = Scope::command;
+  bool served = false;  ///< may be asked for over a network: it names no file, and does not outlive a picture
   std::string keyword, value;  ///< of Python, and what kind of value it takes there; empty: none
   /// Throws Error(usage) for values that are none.
   std::function<void(Request&, const std::string& option, const std::string& text)> set;

@@ -105,5 +105,19 @@ TEST(Request, PresetsKeepWhatTheTableSays) {
   }
 }
 
+/// A stranger neither reads nor writes files of this machine, nor changes what holds for other pictures.
+TEST(Request, WhatIsServedNamesNoFile) {
+  int served = 0;
+  for (const Option& option : request_options()) {
+    if (!option.served) continue;
+    ++served;
+    EXPECT_NE(option.scope, Option::Scope::file) << option.name();
+    for (const char* word : {"FILE", "FOLDER", "NAME_", "BYTES"})
+      EXPECT_EQ(option.metavar.find(word), std::string::npos) << option.name();
+    EXPECT_EQ(option.help.find(" file with"), std::string::npos) << option.name();
+  }
+  EXPECT_EQ(served, 32);
+}
+
 }  // namespace
 }  // namespace sfumato

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <set>
 
 #include "commands.h"
 #include "console.h"
@@ -17,44 +16,6 @@
 namespace sfumato::cli {
 namespace {
 
-/// Options of a picture that may come from elsewhere: none names a file, and none outlives the picture.
-/// Parameters of techniques and of the analysis may as well.
-const std::set<std::string>& options_of_requests() {
-  static const std::set<std::string> names{"technique",
-                                           "draw",
-                                           "resolution",
-                                           "view",
-                                           "zoom",
-                                           "roll",
-                                           "look-at",
-                                           "distance",
-                                           "whole",
-                                           "camera-position",
-                                           "camera-focal-point",
-                                           "camera-view-up",
-                                           "camera-direction",
-                                           "camera-azimuth-angle",
-                                           "camera-elevation-angle",
-                                           "camera-view-angle",
-                                           "camera-orthographic",
-                                           "crop",
-                                           "crop-relative",
-                                           "show-classes",
-                                           "hide-classes",
-                                           "filter",
-                                           "max-points",
-                                           "vertices",
-                                           "up",
-                                           "color-by",
-                                           "color",
-                                           "colormap",
-                                           "color-range",
-                                           "exposure",
-                                           "legend",
-                                           "background-color"};
-  return names;
-}
-
 bool is_parameter(const std::string& option) {
   std::string name = option.substr(std::min(option.size(), option.find('.') + 1));
   if (!techniques_with(name).empty()) return true;
@@ -63,10 +24,12 @@ bool is_parameter(const std::string& option) {
   return !choice.find(name).empty();
 }
 
+/// Of options that are served, and of parameters of techniques and of the analysis.
 Words words_of(const serve::Query& query) {
   Words words;
   for (const auto& [name, value] : query) {
-    if (!options_of_requests().contains(name) && !is_parameter(name))
+    const Option* option = find_option(name);
+    if (!(option && option->served) && !is_parameter(name))
       throw Error(ErrorCode::usage,
                   "'" + name + "' is no option of a picture that is asked for here; see openapi.json");
     words.push_back("--" + name + (value.empty() ? "" : "=" + value));
