@@ -3,6 +3,7 @@
 #include "bindings.h"
 #include "io/camera_json.h"
 #include "session/first_view.h"
+#include "session/preset.h"
 
 namespace sfumato::python {
 namespace {
@@ -20,12 +21,7 @@ void triple(py::class_<Camera>& type, const char* name) {
 }
 
 /// Column-major in glm, row-major in numpy.
-py::array matrix(const dmat4& m) {
-  py::array_t<double> out({4, 4});
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) out.mutable_at(row, column) = m[column][row];
-  return out;
-}
+py::array matrix(const dmat4& m) { return py::array_t<double>({4, 4}, rows_of(m).data()); }
 
 }  // namespace
 
