@@ -147,7 +147,7 @@ vec3 parse_color_of(const std::string& option, const std::string& text) {
   const std::string near = nearest_color(text);
   throw Error(ErrorCode::usage,
               option + ": '" + text + "' is no colour" +
-                  (near.empty() ? "" : "; did you mean " + near + "?") +
+                  (near.empty() ? "." : "; did you mean " + near + "?") +
                   " Write a name (steelblue), #hex (#4682b4) or R,G,B in 0..1 (0.27,0.51,0.71)");
 }
 
