@@ -52,6 +52,7 @@ void settle_view(Request& request) {
   refuse_pair(view.look_at && view.position, "--look-at and --camera-position");
   refuse_pair(view.distance && view.position, "--distance and --camera-position");
   refuse_pair(view.pixel_size && view.print_scale, "--pixel-size and --scale");
+  if (view.print_scale && !(request.dpi() > 0)) refuse_request("--scale needs a --dpi of more than 0");
   for (const auto& [option, given] :
        {std::pair("--pixel-size", view.pixel_size.has_value()), {"--scale", view.print_scale.has_value()}}) {
     if (!given) continue;
@@ -93,21 +94,24 @@ void settle_color(const Request& request) {
       refuse_request(std::string(option) + " does not go with --color, which paints every point alike");
 }
 
-void read_camera_file(Request& request) {
-  ViewWishes& view = request.view;
-  if (!request.camera_file.empty()) view.start = io::read_camera(request.camera_file);
+void settle_camera(const Request& request, const std::string& whose) {
+  const ViewWishes& view = request.view;
   if (view.position && view.focal_point && *view.position == *view.focal_point)
     refuse_request("the camera's position and the place it looks at are the same point");
   if (!view.start || !view.start->custom_intrinsics) return;
-  const std::string name = request.camera_file.empty() ? "the preset's camera" : request.camera_file;
   if (view.size)
-    refuse_request("--resolution does not go with the intrinsics of " + name +
+    refuse_request("--resolution does not go with the intrinsics of " + whose +
                    ": they hold for its own width and height");
   if (view.fov || view.orthographic || view.pixel_size || view.print_scale)
     refuse_request(
         "--camera-view-angle, --camera-orthographic, --pixel-size and --scale do not go with the "
         "intrinsics of " +
-        name);
+        whose);
+}
+
+void read_camera_file(Request& request) {
+  if (!request.camera_file.empty()) request.view.start = io::read_camera(request.camera_file);
+  settle_camera(request, request.camera_file.empty() ? "the preset's camera" : request.camera_file);
 }
 
 }  // namespace sfumato

@@ -109,6 +109,8 @@ std::string text_of(const Request& request, std::string_view name);
 /// Refuses what contradicts itself, before anything is read.
 void settle_view(Request& request);
 void settle_color(const Request& request);
+/// `whose`: the camera that `view.start` is.
+void settle_camera(const Request& request, const std::string& whose);
 /// Reads --camera FILE into `view.start`: a wrong one should not cost the time of reading a large scan.
 void read_camera_file(Request& request);
 
