@@ -78,6 +78,12 @@ double spacing(const CloudPtr& cloud, const py::object& progress) {
   return found;
 }
 
+/// What was given under a name; `to` stays where that is nothing or None.
+template <class T>
+void take(const py::dict& given, const char* name, T& to) {
+  if (given.contains(name) && !given[name].is_none()) to = given[name].cast<T>();
+}
+
 py::object clusters(const CloudPtr& cloud, const py::dict& wishes, const py::object& progress) {
   analysis::ClusterOptions options;
   take(wishes, "neighbors", options.neighbors), take(wishes, "min_size", options.min_size);

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/color.h"
 #include "core/colormap.h"
 #include "core/error.h"
 #include "core/option_text.h"
@@ -30,58 +29,20 @@ struct StageHandle {
   }
 };
 
-ColorSettings colors_of(const py::dict& wishes) {
-  ColorSettings color;
-  std::optional<std::string> colormap, class_colors, name;
-  take(wishes, "color_by", color.color_by), take(wishes, "colormap", colormap);
-  if (colormap) Colormap::named(color.colormap = *colormap);
-  take(wishes, "range", color.range);
-  if (color.range && color.range->at(0) == color.range->at(1))
-    throw Error(ErrorCode::usage, "range: it is empty");
-  take(wishes, "class_colors", class_colors);
-  if (class_colors) {
-    Request request;
-    find_option("class-colors")->set(request, "class_colors", *class_colors);
-    color.class_colors = request.color.class_colors;
-  }
-  take(wishes, "exposure", color.exposure);
-  if (color.exposure && !(*color.exposure >= 0.1 && *color.exposure <= 100))
-    throw Error(ErrorCode::usage, "exposure: it is outside [0.1, 100]");
-  take(wishes, "color", name);
-  if (name) {
-    if (color.color_by != "auto")
-      throw Error(ErrorCode::usage, "color and color_by contradict each other: give one of them");
-    if (!color.colormap.empty() || color.range)
-      throw Error(ErrorCode::usage, "colormap and range do not go with one colour for all points");
-    color.solid = to_rgba8(parse_color_of("color", *name));
-  }
-  return color;
-}
-
-StageOptions options_of(const std::string& technique, const Settings& parameters, const py::dict& wishes) {
-  StageOptions options;
-  options.technique = technique;
-  options.parameters = parameters;
-  options.color = colors_of(wishes);
-  take(wishes, "preset_parameters", options.preset.parameters);
-  take(wishes, "preset_file", options.preset.file);
-  std::string background = "auto";
-  take(wishes, "background", background);
-  if (background == "transparent")
-    options.transparent = true;
-  else if (background != "auto")
-    options.background = parse_color_of("background", background);
-  std::vector<std::string> rules;
-  take(wishes, "draw", rules);
-  for (const std::string& rule : rules) options.draw.push_back(DrawRule::parse(rule));
+/// `preset_file` is for messages.
+StageOptions options_of(const Request& request, const Settings& parameters, const Settings& preset_parameters,
+                        const std::string& preset_file) {
+  StageOptions options{request, parameters, {}};
+  options.preset.parameters = preset_parameters, options.preset.file = preset_file;
   return options;
 }
 
 /// The cloud is what `opening` gave, and is handed over.
 std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, const Opening& opening,
-                                  const std::string& technique, const Settings& parameters,
-                                  const py::dict& wishes, const py::object& progress) {
-  auto stage = std::make_shared<Stage>(options_of(technique, parameters, wishes));
+                                  const Request& request, const Settings& parameters,
+                                  const Settings& preset_parameters, const std::string& preset_file,
+                                  const py::object& progress) {
+  auto stage = std::make_shared<Stage>(options_of(request, parameters, preset_parameters, preset_file));
   // Before the work: what is raised after it must free the stage where its context is.
   auto handle = std::make_unique<StageHandle>(stage);
   run_gl(
@@ -97,60 +58,6 @@ std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, const Ope
       progress);
   return handle;
 }
-
-}  // namespace
-
-ViewWishes view_wishes(const py::dict& wishes) {
-  ViewWishes out;
-  const auto take = [&](const char* key, auto& to) { python::take(wishes, key, to); };
-  take("azimuth", out.azimuth), take("elevation", out.elevation), take("fov", out.fov);
-  take("distance", out.distance), take("pixel_size", out.pixel_size), take("scale", out.print_scale);
-  take("dpi", out.dpi), take("start", out.start), take("zoom", out.zoom), take("roll", out.roll);
-  take("orthographic", out.orthographic), take("side", out.side), take("size", out.size);
-  for (const auto& [key, value] :
-       {std::pair("pixel_size", out.pixel_size), {"scale", out.print_scale}, {"dpi", out.dpi}})
-    if (value && !(*value > 0)) throw Error(ErrorCode::usage, std::string(key) + ": it is not more than 0");
-  if (out.pixel_size && out.print_scale)
-    throw Error(ErrorCode::usage, "pixel_size and scale contradict each other: give one of them");
-  if (out.elevation && std::abs(*out.elevation) > 90)
-    throw Error(ErrorCode::usage, "elevation: it is outside [-90, 90] degrees");
-  if (out.fov && !(*out.fov >= 0.001 && *out.fov <= 179))
-    throw Error(ErrorCode::usage, "fov: it is outside [0.001, 179] degrees");
-  if (out.distance && !(*out.distance > 0)) throw Error(ErrorCode::usage, "distance: it is not more than 0");
-  const auto triple = [&](const char* key, std::optional<dvec3>& to) {
-    std::optional<std::array<double, 3>> v;
-    take(key, v);
-    if (!v) return;
-    to = dvec3(v->at(0), v->at(1), v->at(2));
-    if (!(glm::length(*to) <= 2e15))
-      throw Error(ErrorCode::usage, std::string(key) + ": it is beyond 1e15, where no point can be seen");
-  };
-  triple("position", out.position), triple("look_at", out.look_at), triple("direction", out.direction),
-      triple("view_up", out.view_up);
-  for (const auto& [name, value] : {std::pair("direction", out.direction), {"view_up", out.view_up}})
-    if (value && glm::length(*value) <= 0)
-      throw Error(ErrorCode::usage, std::string(name) + ": 0, 0, 0 is no direction");
-  if (out.position && out.look_at && out.direction)
-    throw Error(ErrorCode::usage,
-                "direction and position with look_at contradict each other: give two of them");
-  for (const auto& [name, given] :
-       {std::pair("position", out.position.has_value()), {"direction", out.direction.has_value()}})
-    if (given && (out.azimuth || out.elevation))
-      throw Error(ErrorCode::usage,
-                  std::string(name) + " and azimuth or elevation contradict each other: give one of them");
-  if (out.position && out.distance)
-    throw Error(ErrorCode::usage, "position and distance contradict each other: give one of them");
-  if (out.zoom && !(*out.zoom > 0)) throw Error(ErrorCode::usage, "zoom: it is not more than 0");
-  if (out.size && (out.size->first < 1 || out.size->second < 1))
-    throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
-  if (out.start && out.start->custom_intrinsics && (out.size || out.fov || out.orthographic))
-    throw Error(ErrorCode::usage,
-                "size, fov and orthographic do not go with the intrinsics of a camera: they hold for its own "
-                "width and height");
-  return out;
-}
-
-namespace {
 
 py::dict dict_of(const std::vector<Setting>& settings) {
   py::dict out;
@@ -172,7 +79,7 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
     else if (name == "dpi")
       said.furniture.dpi = parse_number(name, value);
     else
-      find_option(name)->set(said, name, value);
+      set_option(said, name, value);
   request.furniture = said.furniture;
   if (size.first < 1 || size.second < 1)
     throw Error(ErrorCode::usage, "size: give width and height in pixels, both at least 1");
@@ -338,11 +245,10 @@ void bind_stage(py::module_& module) {
       .def(py::init(&open))
       .def("render", &render)
       .def("set_color",
-           [](const StageHandle& self, const py::dict& wishes) {
-             const ColorSettings color = colors_of(wishes);
+           [](const StageHandle& self, const Request& request) {
              self.get();
              const std::shared_ptr<Stage> stage = self.stage;
-             run_gl([&](gl::Context&, Progress&) { stage->set_color(color); }, py::none());
+             run_gl([&](gl::Context&, Progress&) { stage->set_color(request.color); }, py::none());
            })
       .def("close", &StageHandle::close)
       .def_property_readonly(
@@ -416,10 +322,11 @@ void bind_stage(py::module_& module) {
   });
   module.def("contact_sheet", &sheet_of);
   // Asked before anything is read.
-  module.def("has_shadows", [](const std::string& technique, const Settings& parameters,
-                               const py::dict& wishes, const Settings& on_top) {
-    return Stage(options_of(technique, parameters, wishes)).has_shadows(on_top);
-  });
+  module.def(
+      "has_shadows", [](const Request& request, const Settings& parameters, const Settings& preset_parameters,
+                        const std::string& preset_file, const Settings& on_top) {
+        return Stage(options_of(request, parameters, preset_parameters, preset_file)).has_shadows(on_top);
+      });
   module.def("nearest_word", [](const std::string& word, const std::vector<std::string>& candidates) {
     return nearest_word(word, candidates);
   });

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/param.h"
-#include "session/view_wishes.h"
+#include "session/request.h"
 
 namespace sfumato::python {
 
@@ -22,9 +22,10 @@ void bind_analysis(py::module_& module);
 void bind_stage(py::module_& module);
 void bind_levels(py::module_& module);
 void bind_looks(py::module_& module);
+void bind_request(py::module_& module);
 
-/// What `Renderer.view` takes. Throws Error(usage).
-ViewWishes view_wishes(const py::dict& wishes);
+/// By its long name; errors name the keyword. Throws Error(usage) for texts that are none of its values.
+void set_option(Request& request, const std::string& name, const std::string& text);
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
@@ -48,12 +49,6 @@ py::dict describe(const Param& param);
 /// Throws Error(usage) for a name that is none of theirs: "`whose` 'nme'; did you mean 'name'?".
 void set_all(ParamList& parameters, const Settings& settings, const std::string& whose);
 py::list describe_all(const ParamList& parameters);
-
-/// What was given under a name; `to` stays where that is nothing or None.
-template <class T>
-void take(const py::dict& given, const char* name, T& to) {
-  if (given.contains(name) && !given[name].is_none()) to = given[name].cast<T>();
-}
 
 /// A view of memory that `owner` keeps.
 template <class T>

@@ -79,10 +79,6 @@ void bind_camera(py::module_& module) {
     const io::CameraPath path = io::read_camera_path(file);
     return std::pair(path.cameras, path.are_pictures);
   });
-  module.def("find_view", [](const std::string& name) {
-    const NamedView view = find_view(name, "view");
-    return std::pair(view.azimuth_deg, view.elevation_deg);
-  });
 }
 
 }  // namespace sfumato::python

@@ -182,45 +182,9 @@ py::tuple tuple_of(const dvec3& v) { return py::make_tuple(v.x, v.y, v.z); }
 }  // namespace
 
 std::optional<UpAxis> up_axis(const std::optional<std::string>& text) {
-  if (!text || *text == "auto") return std::nullopt;
-  if (const auto axis = parse_up_axis(*text)) return axis;
-  throw Error(ErrorCode::usage, "up: '" + *text + "' is not one of auto +X -X +Y -Y +Z -Z");
-}
-
-Request request_of(const py::dict& wishes) {
   Request request;
-  const auto take = [&](const char* key, auto& to) { python::take(wishes, key, to); };
-  const auto box = [&](const char* key) -> std::optional<Bounds> {
-    std::optional<std::vector<double>> v;
-    take(key, v);
-    if (!v) return std::nullopt;
-    if (v->size() != 6 || !(v->at(0) <= v->at(3) && v->at(1) <= v->at(4) && v->at(2) <= v->at(5)))
-      throw Error(ErrorCode::usage,
-                  std::string(key) + ": give six numbers X0, Y0, Z0, X1, Y1, Z1, the smaller ones first");
-    return Bounds{{v->at(0), v->at(1), v->at(2)}, {v->at(3), v->at(4), v->at(5)}};
-  };
-  io::ReadOptions& read = request.points.read;
-  take("columns", read.columns), take("max_points", read.max_points), take("strict", read.strict);
-  take("every_attribute", read.every_attribute), take("vertices", request.vertices);
-  take("memory", request.memory);
-  Selection& wanted = request.points.selection;
-  wanted.crop = box("crop"), wanted.crop_share = box("crop_relative");
-  if (wanted.crop && wanted.crop_share)
-    throw Error(ErrorCode::usage, "crop and crop_relative contradict each other: give one of them");
-  take("show_classes", wanted.show_classes);
-  request.hide_classes.clear();
-  take("hide_classes", request.hide_classes);
-  std::vector<std::string> filters;
-  take("filters", filters);
-  for (const std::string& text : filters) wanted.filters.push_back(parse_filter(text));
-  std::optional<std::string> up;
-  take("up", up);
-  request.points.up = up_axis(up);
-  take("whole", request.whole);
-  take("vertical_exaggeration", request.exaggeration);
-  if (const double by = request.vertical_exaggeration(); !(by >= 0.001 && by <= 1000))
-    throw Error(ErrorCode::usage, "vertical_exaggeration: it is outside [0.001, 1000]");
-  return request;
+  if (text) set_option(request, "up", *text);
+  return request.points.up;
 }
 
 void bind_cloud(py::module_& module) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bindings.h"
-#include "session/request.h"
+#include "scene/scene.h"
 
 namespace sfumato::python {
 
@@ -23,9 +23,6 @@ struct Cloud {
 
 /// "+Z", or None for nothing. Throws Error(usage).
 std::optional<UpAxis> up_axis(const std::optional<std::string>& text);
-/// What is read, what is kept of it, and how it stands, as the keywords of `Renderer` say. Throws
-/// Error(usage).
-Request request_of(const py::dict& wishes);
 
 /// World from points, given as 16 numbers row by row. Throws Error(usage) for what is no such transform.
 dmat4 transform_of(const std::vector<double>& rows);

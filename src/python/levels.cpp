@@ -68,8 +68,10 @@ scene::Scene scene_of(const Sources& sources, const scene::SceneOptions& options
   return scene::assemble(sources.files, options, read_one);
 }
 
-CloudPtr read(const py::list& items, const py::dict& wishes, const py::object& progress) {
-  const scene::SceneOptions options = request_of(wishes).scene_options();
+CloudPtr read(const py::list& items, const Request& request, bool every_attribute,
+              const py::object& progress) {
+  scene::SceneOptions options = request.scene_options();
+  options.read.every_attribute = every_attribute;
   const Sources sources = sources_of(items);
   auto cloud = std::make_shared<Cloud>();
   cloud->up = options.up;
@@ -78,8 +80,7 @@ CloudPtr read(const py::list& items, const py::dict& wishes, const py::object& p
   return cloud;
 }
 
-std::unique_ptr<Levels> open_levels(const py::list& items, const py::dict& wishes) {
-  const Request request = request_of(wishes);
+std::unique_ptr<Levels> open_levels(const py::list& items, const Request& request) {
   const Sources sources = sources_of(items);
   auto found = scene::LeveledScene::open(sources.files, request.scene_options(), request.memory, true);
   if (found) return std::make_unique<Levels>(Levels{std::move(*found), sources.files.front().name});
@@ -98,9 +99,8 @@ std::unique_ptr<Opening> opened(const std::function<Opening(Progress&)>& open, c
   return opening;
 }
 
-std::unique_ptr<Opening> open_files(const py::list& items, const py::dict& wishes,
+std::unique_ptr<Opening> open_files(const py::list& items, const Request& request,
                                     const py::object& progress) {
-  const Request request = request_of(wishes);
   const Sources sources = sources_of(items);
   return opened(
       [&](Progress& reporter) {
@@ -112,9 +112,8 @@ std::unique_ptr<Opening> open_files(const py::list& items, const py::dict& wishe
 }
 
 /// `own`: a cloud of the user is copied, for rendering sorts its points.
-std::unique_ptr<Opening> open_cloud(const CloudPtr& cloud, bool own, const py::dict& wishes,
+std::unique_ptr<Opening> open_cloud(const CloudPtr& cloud, bool own, Request request,
                                     const py::object& progress) {
-  Request request = request_of(wishes);
   if (!request.points.up) request.points.up = cloud->up;
   return opened(
       [&](Progress& reporter) {
@@ -189,15 +188,14 @@ void bind_levels(py::module_& module) {
   py::class_<Opening>(module, "Opening")
       .def(py::init(&open_files))
       .def(py::init(&open_cloud))
-      .def(py::init([](const Levels& levels, const py::dict& wishes, const py::object& progress) {
-        const Request request = request_of(wishes);
+      .def(py::init([](const Levels& levels, const Request& request, const py::object& progress) {
         return opened([&](Progress& reporter) { return Opening(request, levels.scene, reporter); }, progress);
       }))
       .def_property_readonly("has_levels", &Opening::has_levels)
       .def("first_view", &first_view_of)
       .def("first_of_turn", &first_of_turn)
-      .def("view", [](const Opening& self,
-                      const py::dict& wishes) { return view_of(self.pose(), view_wishes(wishes)); })
+      .def("view",
+           [](const Opening& self, const Request& request) { return view_of(self.pose(), request.view); })
       .def("inside", &Opening::inside)
       .def_property_readonly("up", [](const Opening& self) { return to_string(self.pose().upright.up); })
       .def_property_readonly("up_vector",

@@ -54,6 +54,7 @@ PYBIND11_MODULE(_engine, module) {
   using namespace sfumato::python;
   pybind11::register_exception_translator(translate);
   bind_camera(module);
+  bind_request(module);
   bind_cloud(module);
   bind_analysis(module);
   bind_stage(module);

@@ -39,10 +39,10 @@ std::optional<std::string> own_name(const std::string& name, const std::string& 
 
 }  // namespace
 
-Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(options_.technique) {
+Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(options_.request.technique) {
   if (choice_.count != 1)
     throw Error(ErrorCode::usage,
-                "technique: '" + options_.technique + "' names several; render them one by one");
+                "technique: '" + options_.request.technique + "' names several; render them one by one");
   const auto find = [&](const std::string& name) {
     std::vector<Param*> found = choice_.find(name);
     for (const auto& look : choice_.techniques)
@@ -55,7 +55,7 @@ Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(optio
     for (Param* param : find(name)) param->set(value);
   for (const auto& [name, value] : options_.parameters) {
     const std::vector<Param*> found = find(name);
-    if (found.empty()) refuse_parameter(name, options_.technique, names_of(choice_));
+    if (found.empty()) refuse_parameter(name, options_.request.technique, names_of(choice_));
     for (Param* param : found) param->set(value);
   }
   choice_.given = options_.parameters;
@@ -76,11 +76,12 @@ void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Pro
     notes_.push_back(std::to_string(scene.selected.hidden) +
                      " points are withheld or of a hidden class (hide_classes=() shows them)");
   crs_ = scene.cloud.crs;
+  const Request& request = options_.request;
   const Camera first = sfumato::first_view(pose, 1280, 720);
   for (const Note& note : notes_on(pose, {&first, 1})) notes_.push_back(for_python(note));
   session_ = std::make_unique<Session>(context);
   session_->set_scene(std::move(scene), pose,
-                      {choice_.prepare, options_.color, options_.background, options_.draw}, progress);
+                      {choice_.prepare, request.color, request.background, request.draw}, progress);
   if (choice_.automatic()) choice_.settle(session_->suggest());
   session_->measure(choice_.techniques.front()->technique->needs(), progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
@@ -143,7 +144,7 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
     }
   for (const auto& [key, value] : request.parameters) set(*look, key, value);
   look->check();
-  look->settings.transparent = options_.transparent;
+  look->settings.transparent = options_.request.no_background;
   return *look;
 }
 
@@ -172,7 +173,7 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
   shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)
                                  : session_->render(look, shot.camera, request.wants, progress);
   if (request.index) shot.index = PointIndex(*session_).of(shot.camera, shot.images.depth);
-  shot.transparent = options_.transparent;
+  shot.transparent = options_.request.no_background;
   shot.up = up, shot.crs = crs_;
   shot.technique = look.name;
   shot.reason = look.reason;

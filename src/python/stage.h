@@ -18,13 +18,9 @@
 namespace sfumato::python {
 
 struct StageOptions {
-  std::string technique = automatic_technique;
+  Request request;
   Settings parameters;
-  ColorSettings color;
-  std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
-  bool transparent = false;
-  std::vector<DrawRule> draw = {};
-  Preset preset = {};  ///< its parameters hold where the technique has them
+  Preset preset;  ///< its parameters hold where the technique has them
 };
 
 struct ShotRequest {

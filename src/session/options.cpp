@@ -209,6 +209,7 @@ void add_output(Table& t) {
        "-t,--technique", "NAME[,NAME...]|all",
        "technique (" + default_technique() + ": what suits the scan); several give a labelled contact sheet",
        &Request::technique)
+      .python("text")
       .served();
   t.texts("--draw", "\"SELECTION: TECHNIQUE [name=value ...]\"",
           "draw selected points by another technique, such as \"classification 3-5: soft opacity=0.2\"; "
@@ -311,6 +312,7 @@ void add_view(Table& t) {
   t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at),
           vector)
       .is(Scope::command)
+      .python("numbers")
       .served();
   t.value("--distance", "D", "distance from the camera to the place it looks at, scene units",
           of_view(&ViewWishes::distance), positive)
@@ -450,7 +452,8 @@ void add_points(Table& t) {
   t.value("--memory", "BYTES",
           "memory for the points of COPC files; of larger files only what the view shows is read (4G)",
           &Request::memory, count)
-      .is(Scope::command);
+      .is(Scope::command)
+      .python("count");
   t.value("--gpu-memory", "BYTES", "--memory for the graphics card (as much as --memory allows)",
           &Request::gpu_memory, count)
       .is(Scope::file);

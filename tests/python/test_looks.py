@@ -125,9 +125,23 @@ def test_presets_of_the_command(command, tmp_path, scan):
         assert renderer.render(technique="splats").rgba.tobytes() == other.rgba.tobytes()
 
 
+def test_numbers_reach_the_engine_as_they_are(scan):
+    place, middle = (0.1 + 0.2, -20 / 3, 1e-300), (np.float32(0.1), 1, 123456789.123456789)
+    with sfumato.Renderer(scan) as renderer:
+        camera = renderer.view(position=place, look_at=middle)
+    assert camera.position == place and camera.target == tuple(map(float, middle))
+
+
+def test_boxes_may_have_open_ends(scan):
+    low, high = (-np.inf, -np.inf, -np.inf), (np.inf, np.inf, 1.0)
+    assert 0 < len(sfumato.read(scan, crop=(*low, *high))) == (sfumato.read(scan).xyz[:, 2] <= 1).sum()
+    assert len(sfumato.read(scan, crop_relative=(low, (np.inf,) * 3))) == len(sfumato.read(scan))
+
+
 def test_numbers_of_numpy_in_looks(tmp_path, scan):
     given = {"technique": "points", "range": np.array([0, 4.0]), "crop_relative": np.array([[0, 0, 0], [1, 1, 0.5]]),
-             "color_by": "elevation", "max_points": np.int64(5000), "background": np.array([0.1, 0.2, 0.3])}
+             "color_by": "elevation", "max_points": np.int64(5000), "background": np.array([0.1, 0.2, 0.3]),
+             "vertical_exaggeration": np.longdouble(1.5)}
     with sfumato.Renderer(scan, **given) as renderer:
         wanted = renderer.render(size=SIZE)
         renderer.save_preset(tmp_path / "look.json")

@@ -4,7 +4,7 @@ from collections.abc import MutableMapping
 
 from . import _convert, _engine, _progress
 from ._error import Error, warn_of_damage
-from ._look import count_of
+from ._look import count_of, request_of
 from ._techniques import Parameter, text_of
 
 
@@ -228,10 +228,6 @@ def _xyz_of(columns):
     return np.stack([columns[axis] for axis in "xyz"], axis=1)
 
 
-def _wishes(**given):
-    return {name: value for name, value in given.items() if value is not None}
-
-
 def as_cloud(points, progress=None):
     """A `Cloud` as it is; files, arrays and clouds of other libraries as one."""
     if isinstance(points, Cloud):
@@ -274,10 +270,9 @@ def read(files, *more, columns=(), max_points=None, crop=None, crop_relative=Non
 
     Raises `Error`: "io" when a file cannot be opened, "bad_input" when it is damaged or holds no points, "usage".
     """
-    wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
-    wishes.update(columns=list(columns), max_points=count_of("max_points", max_points), up=up, every_attribute=bool(every_attribute),
-                  strict=bool(strict), vertices=bool(vertices))
-    engine = _engine.read(items_of(_words_of(files, more)), wishes, _progress.callback(progress))
+    request = request_of(columns=list(columns) or None, max_points=max_points, crop=crop, crop_relative=crop_relative, show_classes=show_classes,
+                         hide_classes=() if hide_classes is None else hide_classes, filters=filters, up=up, strict=bool(strict), vertices=bool(vertices))
+    engine = _engine.read(items_of(_words_of(files, more)), request, bool(every_attribute), _progress.callback(progress))
     warn_of_damage(engine)
     return Cloud._of(engine)
 
@@ -358,9 +353,9 @@ def open(files, *more, max_points=None, memory=None, crop=None, crop_relative=No
 
     Returns `Levels`. Raises `Error`: "usage" for files that are not COPC, "io", "bad_input".
     """
-    wishes = selection_of(crop, crop_relative, show_classes, hide_classes, filters)
-    wishes.update(max_points=count_of("max_points", max_points), memory=count_of("memory", memory), up=up, strict=bool(strict))
-    return Levels(_engine.Levels(items_of(_words_of(files, more)), wishes))
+    request = request_of(max_points=max_points, memory=memory, crop=crop, crop_relative=crop_relative, show_classes=show_classes,
+                         hide_classes=() if hide_classes is None else hide_classes, filters=filters, up=up, strict=bool(strict))
+    return Levels(_engine.Levels(items_of(_words_of(files, more)), request))
 
 
 def _words_of(files, more=()):
@@ -371,27 +366,6 @@ def _words_of(files, more=()):
 def items_of(things, rows=None):
     """Files and clouds as the engine takes them, all of them moved by the same 16 numbers."""
     return [(thing if isinstance(thing, str) else as_cloud(thing)._engine, rows) for thing in things]
-
-
-def selection_of(crop, crop_relative, show_classes, hide_classes, filters):
-    """What is wanted of the points, as the engine takes it."""
-    filters = [filters] if isinstance(filters, str) else list(filters)
-    return _wishes(crop=_six(crop), crop_relative=_six(crop_relative), show_classes=_list(show_classes),
-                   hide_classes=_list(hide_classes), filters=filters)
-
-
-def _list(values):
-    return None if values is None else [int(value) for value in values]
-
-
-def _six(values):
-    """Six numbers, or two corners."""
-    if values is None:
-        return None
-    flat = []
-    for value in values:
-        flat += list(value) if hasattr(value, "__iter__") else [value]
-    return [float(value) for value in flat]
 
 
 def write(file, points, progress=None):

@@ -1,5 +1,7 @@
 """Looks as keywords: presets of the command, and what is written as one."""
+import math
 import os
+import sys
 
 from . import _engine
 from ._camera import Camera
@@ -40,13 +42,13 @@ FURNITURE = tuple(keyword for _, keyword, kind, _ in _ALL if kind == "furniture"
 
 def furniture_of(keywords):
     """Names and texts of those keywords that are given."""
-    return [(name.replace("_", "-"), text_of(name, keywords[name])) for name in FURNITURE
-            if keywords.get(name) is not None]
+    return [option for name in FURNITURE for option in texts_of(name, keywords.get(name))]
 
 
 #: Options of the command: keyword, kind and reader, of `Renderer` and of `Renderer.view`.
 _OPTIONS = {name: (keyword, kind, _KINDS[kind]) for name, keyword, kind, of in _ALL if of == "look" and kind}
 _VIEWS = {name: (keyword, kind, _KINDS[kind]) for name, keyword, kind, of in _ALL if of == "view" and kind}
+_NAMES = {keyword: name for name, (keyword, _, _) in {**_OPTIONS, **_VIEWS}.items()}
 #: What says how a file is written, not how a picture looks.
 _OF_FILES = tuple(name for name, _, _, of in _ALL if of == "file")
 
@@ -131,24 +133,32 @@ def is_default(name, value):
     return value is None or (isinstance(value, (str, bool, int, float)) and value == KEYWORDS[name])
 
 
-def options_of(keywords, is_scene=False):
-    """Keywords as options of the command, for a preset or a scene; what is as always is left out."""
-    names = {keyword: option for option, (keyword, _, _) in _OPTIONS.items()}
-    options = []
-    for name, value in keywords.items():
-        if name == "technique" or is_default(name, value):
-            continue
-        if name == "background" and isinstance(value, str) and value == "transparent":
-            options.append(("no-background", "true"))
-        elif name in ("draw", "filters"):
-            options += [("draw" if name == "draw" else "filter", rule) for rule in value]
-        elif name == "hide_classes":
-            options.append(("hide-classes", ",".join(map(str, value)) or "none"))
-        elif name == "crop" and not is_scene:
-            raise Error("a preset holds no crop in world coordinates; crop_relative holds for any scan")
-        elif name in ("crop", "crop_relative"):
-            numbers = [number for each in value for number in (each if hasattr(each, "__iter__") else (each,))]  # maybe two corners
-            options.append((names[name], text_of(name, numbers)))
-        elif name in names:
-            options.append((names[name], text_of(name, value)))
-    return options
+def texts_of(keyword, value):
+    """Options of the command and their texts, which say what a keyword does; none for None, and for what is off."""
+    name = _NAMES.get(keyword, keyword)
+    if value is None or value is False:
+        return []
+    if keyword == "background" and isinstance(value, str) and value == "transparent":
+        return [("no-background", "true")]
+    if keyword in ("draw", "filters"):
+        return [(name, str(rule)) for rule in ([value] if isinstance(value, str) else value)]
+    if keyword in ("crop", "crop_relative") and not isinstance(value, str):
+        return [(name, text_of(keyword, _six(value)))]
+    return [(name, text_of(keyword, value) or ("none" if keyword == "hide_classes" else ""))]
+
+
+def _six(values):
+    """Six numbers, maybe given as two corners; open ends are as far as numbers reach, for the command knows no infinite ones."""
+    numbers = [number for each in values for number in (each if hasattr(each, "__iter__") else (each,))]
+    return [math.copysign(sys.float_info.max, number) if math.isinf(number) else number for number in numbers]
+
+
+def options_of(keywords):
+    """Keywords as options of the command and their texts, for a preset or a scene; what is as always is left out."""
+    return [option for name, value in keywords.items() if name != "technique" and not is_default(name, value)
+            for option in texts_of(name, value)]
+
+
+def request_of(options=(), start=None, **keywords):
+    """What the engine is asked for: these options and those of keywords. A view begins from the camera `start`."""
+    return _engine.Request([*options, *(option for name, value in keywords.items() for option in texts_of(name, value))], start)

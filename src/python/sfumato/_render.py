@@ -3,14 +3,13 @@ import os
 
 from . import _engine, _progress
 from ._camera import Camera, orbit
-from ._cloud import Cloud, Levels, selection_of
+from ._cloud import Cloud, Levels
 from ._error import Error, warn_of_damage
-from ._look import FURNITURE, KEYWORDS, Look, count_of, furniture_of, is_default, options_of
+from ._look import FURNITURE, KEYWORDS, Look, furniture_of, is_default, options_of, request_of
 from ._scene import Scene
-from ._techniques import settings_of
+from ._techniques import settings_of, text_of
 
 ALL_OUTPUTS = ("rgba", "linear", "depth", "normal")
-_COLORS = ("color", "color_by", "colormap", "range", "exposure", "class_colors")
 _KEYWORDS = ("colors", "camera", "size", "normals", "scalars", "radii", "memory", "strict", "preset", "outputs", "panorama", "progress", *KEYWORDS)
 
 
@@ -141,36 +140,6 @@ def _size(size):
     return int(width), int(height)
 
 
-def _scale(scale):
-    """The N of "1:N"."""
-    if isinstance(scale, str):
-        one, _, number = scale.partition(":")
-        try:
-            if one == "1":
-                return float(number)
-        except ValueError:
-            pass
-        raise Error(f"scale: '{scale}' is no scale; write \"1:200\"")
-    return scale
-
-
-def _color_text(name, value):
-    """A colour's name, or numbers from 0 to 1."""
-    if value is None or isinstance(value, str):
-        return value
-    values = [float(v) for v in value]
-    if len(values) != 3 or not all(0 <= v <= 1 for v in values):
-        raise Error(f"{name}: give a colour's name, #hex or three numbers from 0 to 1")
-    return ",".join(repr(v) for v in values)
-
-
-def _color_wishes(color, color_by, colormap, range, exposure, class_colors):
-    wishes = {"color": _color_text("color", color), "color_by": color_by, "colormap": colormap,
-              "range": None if range is None else tuple(float(v) for v in range),
-              "exposure": None if exposure is None else float(exposure), "class_colors": class_colors}
-    return {name: value for name, value in wishes.items() if value is not None}
-
-
 class Renderer:
     """One cloud for many pictures: points are sorted, measured and brought to the GPU once.
 
@@ -202,24 +171,15 @@ class Renderer:
         wanted = {**KEYWORDS, **look.keywords, **preset.keywords,
                   **{name: value for name, value in given.items() if not is_default(name, value)}}
         self._wanted, self._settings = wanted, settings
-        self._preset_parameters = look.parameters + preset.parameters
+        self._preset_parameters, self._preset_file = look.parameters + preset.parameters, preset.file or look.file
         self._first = {**look.view, **preset.view}
         self._first_camera = preset.camera or look.camera
         self._progress = _progress.callback(progress)
         self._furniture = {name: wanted[name] for name in FURNITURE}
         self.legend = wanted["legend"] in (True, "true")
 
-        wishes = self._wishes = _color_wishes(*(wanted[name] for name in _COLORS))
-        wishes["background"] = _color_text("background", wanted["background"]) or "auto"
-        wishes["draw"] = wanted["draw"]
-        if self._preset_parameters:
-            wishes["preset_parameters"] = self._preset_parameters
-            wishes["preset_file"] = preset.file or look.file
-        request = selection_of(wanted["crop"], wanted["crop_relative"], wanted["show_classes"], wanted["hide_classes"], wanted["filters"])
-        request.update(columns=list(wanted["columns"]), max_points=count_of("max_points", wanted["max_points"]), up=wanted["up"],
-                       memory=count_of("memory", memory), strict=bool(strict), vertices=bool(wanted["vertices"]), whole=bool(wanted["whole"]))
-        if wanted["vertical_exaggeration"] is not None:
-            request["vertical_exaggeration"] = float(wanted["vertical_exaggeration"])
+        self._of_reading = {"memory": memory, "strict": bool(strict)}
+        self._request = request = self._request_of(wanted)
 
         sources = None
         if isinstance(points, (str, os.PathLike)):
@@ -230,7 +190,7 @@ class Renderer:
             sources = points._sources()
         if any(each is not None for each in (colors, normals, scalars, radii)) and (sources or isinstance(points, (Cloud, Levels))):
             raise Error("a Cloud, a file or a scene brings its own colours, normals, scalars and radii; set them there")
-        _engine.has_shadows(wanted["technique"], settings, wishes, [])  # what is wrong is said before anything is read
+        self._has_shadows([])  # what is wrong is said before anything is read
         self._drawn = self._key = None
         if isinstance(points, Levels):
             self._opening = _engine.Opening(points._engine, request, self._progress)
@@ -243,10 +203,22 @@ class Renderer:
         if not self._opening.has_levels:
             self._show(self._opening.take(), bool(sources))
 
+    def _request_of(self, wanted):
+        """Of all but what is drawn into single pictures."""
+        drawn = {name: value for name, value in wanted.items() if name not in FURNITURE}
+        return request_of(options_of(drawn), technique=wanted["technique"], **self._of_reading)
+
+    @property
+    def _look(self):
+        return self._request, self._settings, self._preset_parameters, self._preset_file
+
+    def _has_shadows(self, settings):
+        return _engine.has_shadows(*self._look, settings)
+
     def _show(self, cloud, is_read=True):
         if is_read:
             warn_of_damage(cloud)
-        self._drawn = _engine.Stage(cloud, self._opening, self._wanted["technique"], self._settings, self._wishes, self._progress)
+        self._drawn = _engine.Stage(cloud, self._opening, *self._look, self._progress)
 
     @property
     def _stage(self):
@@ -259,7 +231,7 @@ class Renderer:
         """Reads what these views need of files that are read in parts."""
         if not self._opening.has_levels:
             return
-        shadows = _engine.has_shadows(self._wanted["technique"], self._settings, self._wishes, settings)
+        shadows = self._has_shadows(settings)
         key = tuple(camera.to_json() for camera in cameras), panorama, shadows
         if key == self._key:
             return
@@ -322,6 +294,8 @@ class Renderer:
     def save_preset(self, file, camera=None):
         """Writes technique, parameters, colours and selection as JSON, for ``preset=`` and ``sfumato --preset``; with a `Camera`
         also the view. The file appears when it is complete."""
+        if self._wanted["crop"] is not None:
+            raise Error("a preset holds no crop in world coordinates; crop_relative holds for any scan")
         _engine.save_preset(os.fspath(file), self.technique, [*self._preset_parameters, *self._settings], options_of(self._wanted), camera, [])
 
     def view(self, side=None, azimuth=None, elevation=None, zoom=1.0, roll=0.0, look_at=None, distance=None, fov=None,
@@ -359,28 +333,15 @@ class Renderer:
         start : `Camera`, optional
             Changes this one, in place of the view that shows the scan.
         """
-        wishes = {"zoom": float(zoom), "roll": float(roll), "orthographic": bool(orthographic)}
-        if size is not None:
-            wishes["size"] = _size(size)
-        if start is not None:
-            wishes["start"] = start
-        if side is not None:
-            if position is not None or direction is not None:
-                raise Error("a side and position or direction contradict each other: give one of them")
-            if azimuth is not None or elevation is not None:
-                raise Error("a side and azimuth or elevation contradict each other: give one of them")
-            azimuth, elevation = _engine.find_view(side)
-            wishes["side"] = side
-        for name, value in (("azimuth", azimuth), ("elevation", elevation), ("distance", distance), ("fov", fov), ("pixel_size", pixel_size),
-                            ("scale", _scale(scale)), ("dpi", dpi if scale is not None else None)):
-            if value is not None:
-                wishes[name] = float(value)
-        for name, value in (("look_at", look_at), ("position", position), ("direction", direction), ("view_up", view_up)):
-            if value is not None:
-                wishes[name] = tuple(float(v) for v in value)
-        camera = Camera._of(self._opening.view(wishes))
+        looks_at = [] if look_at is None else [("look-at" if position is None else "camera-focal-point", text_of("look_at", look_at))]
+        request = request_of(
+            looks_at, start, side=side, azimuth=azimuth, elevation=elevation, zoom=None if zoom == 1 else zoom, roll=roll, distance=distance, fov=fov,
+            orthographic=bool(orthographic), size=None if size is None else "{}x{}".format(*_size(size)), position=position, direction=direction,
+            view_up=view_up, pixel_size=pixel_size, scale=scale if scale is None or isinstance(scale, str) else "1:" + text_of("scale", scale),
+            dpi=None if scale is None else dpi)
+        camera = Camera._of(self._opening.view(request))
         if scale is not None:
-            camera._paper = (("print-scale", repr(_scale(scale))), ("dpi", repr(float(dpi))))
+            camera._paper = request.paper
         return camera
 
     def orbit(self, frames=120, degrees=360.0, start=None, size=None):
@@ -404,7 +365,7 @@ class Renderer:
         first, at_once = None, True
         if self._opening.has_levels:  # read once for all of them, as far as memory holds that
             cameras = [self._camera(camera, None) or self._opening.first_view(1280, 720) for camera in cameras]
-            shadows = _engine.has_shadows(self._wanted["technique"], self._settings, self._wishes, settings)
+            shadows = self._has_shadows(settings)
             at_once = len(cameras) == 1 or self._opening.holds(cameras, shadows)
             if at_once:
                 self._read(cameras, False, settings)
@@ -464,14 +425,11 @@ class Renderer:
 
     def color(self, color=None, color_by=None, colormap=None, range=None, exposure=None, class_colors=None):
         """Other colours for the same points, as in `render`."""
-        wishes = _color_wishes(color, color_by, colormap, range, exposure, class_colors)
-        self._stage.set_color(wishes)
-        self._wanted.update(color=color, color_by=color_by, colormap=colormap, range=range, exposure=exposure,
-                            class_colors=class_colors)
-        if self._opening.has_levels:  # also for what is read next
-            for name in _COLORS:
-                self._wishes.pop(name, None)
-            self._wishes.update(wishes)
+        wanted = {**self._wanted, "color": color, "color_by": color_by, "colormap": colormap, "range": range, "exposure": exposure,
+                  "class_colors": class_colors}
+        request = self._request_of(wanted)
+        self._stage.set_color(request)
+        self._wanted, self._request = wanted, request  # also for what is read next
 
     @property
     def technique(self):

@@ -134,7 +134,7 @@ class Scene:
         look = self._look()
         files = [(item.points, item._rows()) for item in self.items]
         _engine.save_preset(os.fspath(file), look.keywords.get("technique", "auto"), look.parameters,
-                            options_of(look.keywords, is_scene=True), camera or self.camera, files)
+                            options_of(look.keywords), camera or self.camera, files)
 
     def __repr__(self):
         return f"<Scene of {', '.join(map(repr, self.items)) or 'nothing'}>"

@@ -78,6 +78,8 @@ def text_of(name, value):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
         return repr(value)
+    if hasattr(value, "__float__") and not hasattr(value, "__iter__"):  # a fraction, or a number that is longer in numpy
+        return repr(float(value))
     try:
         return ",".join(text_of(name, each) for each in value)
     except TypeError:
