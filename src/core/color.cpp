@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "core/number_in.h"
 #include "core/param.h"
 
 namespace sfumato {
@@ -78,11 +79,9 @@ std::optional<vec3> parse_color(std::string_view text) {
   for (int k = 0; k < 3; ++k) {
     const std::size_t comma = text.find(',');
     if ((comma == std::string_view::npos) != (k == 2)) return std::nullopt;
-    const std::string_view part = text.substr(0, comma);
-    const auto [end, error] =
-        std::from_chars(part.data(), part.data() + part.size(), channels[std::size_t(k)]);
-    if (error != std::errc() || end != part.data() + part.size()) return std::nullopt;
-    if (!(channels[std::size_t(k)] >= 0 && channels[std::size_t(k)] <= 1)) return std::nullopt;
+    const std::optional<float> channel = number_in<float>(text.substr(0, comma));
+    if (!channel || !(*channel >= 0 && *channel <= 1)) return std::nullopt;
+    channels[std::size_t(k)] = *channel;
     text.remove_prefix(std::min(text.size(), comma == std::string_view::npos ? text.size() : comma + 1));
   }
   return vec3(channels[0], channels[1], channels[2]);

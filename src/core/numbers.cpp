@@ -1,8 +1,8 @@
 #include "core/numbers.h"
 
-#include <charconv>
 #include <cmath>
 
+#include "core/number_in.h"
 #include "core/param.h"
 
 namespace sfumato {
@@ -48,10 +48,8 @@ std::string no_such_number(const PointCloud& cloud, const std::string& name) {
 
 std::optional<double> parse_real(std::string_view text) {
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || std::isnan(value)) return std::nullopt;
-  return value;
+  const std::optional<double> value = number_in<double>(text);
+  return value && std::isnan(*value) ? std::nullopt : value;
 }
 
 }  // namespace sfumato

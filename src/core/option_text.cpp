@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/numbers.h"
 #include "core/param.h"
 
 namespace sfumato {
@@ -24,16 +25,14 @@ std::string number_text(double value) { return shortest(value); }
 std::string number_text(float value) { return shortest(value); }
 
 double parse_number(const std::string& option, std::string_view text) {
-  double value = 0;
-  const std::string shown(text);
-  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+  const std::optional<double> value = parse_real(text);
+  if (!value || !std::isfinite(*value)) {
+    const std::string shown(text);
     const bool comma = shown.find(',') != std::string::npos;
     throw Error(ErrorCode::usage, option + ": '" + shown + "' is not a number" +
                                       (comma ? "; write decimals with a point: 1.5" : ""));
   }
-  return value;
+  return *value;
 }
 
 bool parse_flag(const std::string& option, std::string_view text) {

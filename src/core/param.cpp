@@ -10,6 +10,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/number_in.h"
 
 namespace sfumato {
 namespace {
@@ -17,12 +18,11 @@ namespace {
 template <class T>
 bool parse_number(std::string_view text, T& out) {
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return false;
+  const std::optional<T> value = number_in<T>(text);
+  if (!value) return false;
   if constexpr (std::is_floating_point_v<T>)
-    if (!std::isfinite(value)) return false;
-  out = value;
+    if (!std::isfinite(*value)) return false;
+  out = *value;
   return true;
 }
 
@@ -295,10 +295,9 @@ std::optional<double> parse_count(std::string_view text) {
       default: break;
     }
   if (unit != 1) text.remove_suffix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  value *= unit;
+  const std::optional<double> number = number_in<double>(text);
+  if (!number) return std::nullopt;
+  const double value = *number * unit;
   // 2.3M is whole although 2.3 times a million in doubles need not be.
   if (!std::isfinite(value) || std::abs(value - std::round(value)) > 1e-9 * std::abs(value))
     return std::nullopt;

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/counted.h"
+#include "core/number_in.h"
 #include "io/color_depth.h"
 #include "io/e57_file.h"
 #include "io/format.h"
@@ -111,11 +112,9 @@ class E57Reader {
   std::int64_t whole(const pugi::xml_attribute& attribute, std::int64_t otherwise) const {
     const std::string_view text = attribute.value();
     if (text.empty()) return otherwise;
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size())
-      bad_xml("holds '" + std::string(text.substr(0, 30)) + "', expected a whole number");
-    return value;
+    const std::optional<std::int64_t> value = number_in<std::int64_t>(text);
+    if (!value) bad_xml("holds '" + std::string(text.substr(0, 30)) + "', expected a whole number");
+    return *value;
   }
 
   void read_xml() {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "io/columns.h"
 #include "core/counted.h"
 #include "core/lower_case.h"
+#include "core/number_in.h"
 #include "io/file.h"
 #include "io/format.h"
 #include "io/parallel.h"
@@ -110,12 +110,11 @@ class HeaderParser {
   std::uint64_t number(std::istringstream& words, const char* key, std::uint64_t limit) {
     std::string word;
     words >> word;
-    std::uint64_t value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (word.empty() || error != std::errc() || end != word.data() + word.size() || value > limit)
+    const std::optional<std::uint64_t> value = number_in<std::uint64_t>(word);
+    if (!value || *value > limit)
       fail("found " + std::string(key) + " '" + word.substr(0, 20) + "', expected a number up to " +
            std::to_string(limit) + " for each field; export it again");
-    return value;
+    return *value;
   }
 
   void check() {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <sstream>
 
+#include "core/number_in.h"
 #include "io/format.h"
 
 namespace sfumato::io {
@@ -58,12 +58,13 @@ class HeaderLines {
 
 PlyElement parse_element(HeaderLines& lines, std::istringstream& words) {
   PlyElement element;
-  std::string count;
-  words >> element.name >> count;
-  const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
-  if (count.empty() || error != std::errc() || end != count.data() + count.size())
-    lines.fail("found 'element " + element.name + " " + count +
+  std::string word;
+  words >> element.name >> word;
+  const std::optional<std::uint64_t> count = number_in<std::uint64_t>(word);
+  if (!count)
+    lines.fail("found 'element " + element.name + " " + word +
                "', expected 'element NAME COUNT'; export it again");
+  element.count = *count;
   return element;
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/lower_case.h"
+#include "core/number_in.h"
 #include "io/file.h"
 #include "io/npy_array.h"
 
@@ -77,11 +78,10 @@ class LegacyReader {
   }
   std::size_t count() {
     const std::string text = word();
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || value > text_.size())
+    const std::optional<std::size_t> value = number_in<std::size_t>(text);
+    if (!value || *value > text_.size())
       fail("found '" + text + "', expected a number that the file can hold; it is cut short or damaged");
-    return value;
+    return *value;
   }
   StoredType type() {
     const std::string text = word();

@@ -1,10 +1,11 @@
 #include "view/controls.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include "core/lower_case.h"
+#include "core/number_in.h"
+#include "core/option_text.h"
 
 namespace sfumato::view {
 namespace {
@@ -98,15 +99,10 @@ std::vector<Control> controls_of(const ParamList& parameters, const std::string&
 
 std::vector<float> numbers_of(const std::string& text) {
   std::vector<float> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (at < end) {
-    float value = 0;
-    const auto [stop, error] = std::from_chars(at, end, value);
-    if (error != std::errc()) return {};
-    numbers.push_back(value);
-    at = stop;
-    if (at < end && *at++ != ',') return {};
+  for (const std::string& word : split(text, ',')) {
+    const std::optional<float> number = number_in<float>(word);
+    if (!number) return {};
+    numbers.push_back(*number);
   }
   return numbers;
 }

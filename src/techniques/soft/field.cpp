@@ -1,30 +1,26 @@
 #include "techniques/soft/field.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "analysis/attributes.h"
 #include "analysis/quantiles.h"
 #include "core/error.h"
+#include "core/number_in.h"
+#include "core/option_text.h"
 #include "techniques/soft/sensor.h"
 
 namespace sfumato::soft {
 namespace {
 
 dvec3 parse_vector(const std::string& name, const std::string& text) {
-  dvec3 value(0);
-  const char *at = text.data(), *end = at + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [next, error] = std::from_chars(at, end, value[axis]);
-    const bool last = axis == 2;
-    if (error != std::errc() || (last ? next != end : next == end || *next != ',') ||
-        !std::isfinite(value[axis]))
-      throw Error(ErrorCode::usage, name + " is '" + text + "', not auto or X,Y,Z");
-    at = next + (last ? 0 : 1);
-  }
-  return value;
+  std::vector<double> values;
+  for (const std::string& word : split(text, ','))
+    if (const auto value = number_in<double>(word); value && std::isfinite(*value)) values.push_back(*value);
+  if (values.size() != 3 || std::count(text.begin(), text.end(), ',') != 2)
+    throw Error(ErrorCode::usage, name + " is '" + text + "', not auto or X,Y,Z");
+  return {values[0], values[1], values[2]};
 }
 
 // By view: g++ 13 and later take a reference to a temporary name for one that the result refers to.
