@@ -270,17 +270,16 @@ class PlacesNear {
       : positions_(positions), count_(count), size_(size) {}
   float limit() const { return limit_; }
   void add(std::uint32_t id, float distance2) {
-    seen_.push_back(sort_key(distance2, id));
-    const auto is_here = [&](std::uint64_t key) {
-      return distance2_of(key) == distance2 && positions_[id_of(key)] == positions_[id];
-    };
-    if (std::any_of(heap_.begin(), heap_.end(), is_here)) return;
-    heap_.push_back(sort_key(distance2, id));
-    std::push_heap(heap_.begin(), heap_.end());
-    if (heap_.size() > count_) std::pop_heap(heap_.begin(), heap_.end()), heap_.pop_back();
-    if (heap_.size() < count_) return;
+    const std::uint64_t key = sort_key(distance2, id);
+    seen_.push_back(key);
+    for (auto same = std::lower_bound(nearest_.begin(), nearest_.end(), sort_key(distance2, 0));
+         same != nearest_.end() && distance2_of(*same) == distance2; ++same)
+      if (positions_[id_of(*same)] == positions_[id]) return;
+    nearest_.insert(std::upper_bound(nearest_.begin(), nearest_.end(), key), key);
+    if (nearest_.size() > count_) nearest_.pop_back();
+    if (nearest_.size() < count_) return;
     // Points as near as this are no farther from the origin than that, and rounded so much.
-    const float farthest = std::sqrt(distance2_of(heap_.front())) * 1.00001f,
+    const float farthest = std::sqrt(distance2_of(nearest_.back())) * 1.00001f,
                 reach = farthest + 4 * std::numeric_limits<float>::epsilon() * (size_ + farthest);
     limit_ = std::nextafter(reach * reach, std::numeric_limits<float>::infinity());
   }
@@ -296,7 +295,7 @@ class PlacesNear {
   std::span<const vec3> positions_;
   std::size_t count_;
   float size_, limit_ = std::numeric_limits<float>::infinity();
-  std::vector<std::uint64_t> heap_;  ///< sort_key of the nearest, the farthest on top
+  std::vector<std::uint64_t> nearest_;  ///< sort_key, ascending
 };
 
 }  // namespace
