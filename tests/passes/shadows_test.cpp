@@ -541,8 +541,13 @@ TEST_F(ShadowTest, SeeThroughCastersDarkenByTheirOpacity) {
       {{{1, 1}, {1.4f, 0.2f}}, 0},
       {{{1, 0.2f}, {-1, 0.5f}}, 0.8},  // the last one lies behind the plane
   };
-  for (const auto& [casters, expected] : cases)
-    for (const char* text : {"dir:0,0,1", "dir:0.5,0.3,1", "dir:1,0,0.6", "1,0,9"}) {
+  // Two layers under every light, the others under one of them each: the maps of one take seconds.
+  const std::vector<const char*> lights{"dir:0,0,1", "dir:0.5,0.3,1", "dir:1,0,0.6", "1,0,9"};
+  for (std::size_t c = 0; c < cases.size(); ++c)
+    for (std::size_t l = 0; l < lights.size(); ++l) {
+      if (c != 1 && l != c % lights.size()) continue;
+      const auto& [casters, expected] = cases[c];
+      const char* const text = lights[l];
       PointCloud cloud = sheet(100, 1, 0);
       const std::size_t plane = cloud.size();
       std::vector<float> opacity(plane, 1.0f);
