@@ -191,11 +191,12 @@ void vtkSfumatoMapper::ShowPart(vtkActor* actor, const std::string& technique_wi
     sfumato::analysis::Share share = Ranks::DealOut(part, *own.whole);
     part = std::move(share.own), around = sfumato::PartRenderer::Around{std::move(share.around), technique_with_around};
   }
+  // Until all have one: what failed is tried again from its facts.
+  own.has_part = false;
   Ranks::Together([&] {
     if (!own.part) own.part = std::make_unique<sfumato::PartRenderer>();
     own.part->set_part(std::move(part), own.whole, colors_of_host(), std::move(around));
   });
-  // Not before: what failed is tried again.
   own.has_part = true;
 }
 
