@@ -195,6 +195,7 @@ std::uint64_t FileWriter::finish(const Cube& cube, const Summary& summary) {
   if (sample_.count > 0) {
     std::vector<std::uint8_t> data(sample_head);
     put(data.data(), sample_version), put(data.data() + 4, sample_.count);
+    put(data.data() + 8, std::uint64_t(summary.points));
     data.insert(data.end(), sample_.bytes.begin(), sample_.bytes.end());
     write_evlr(io::las::sample_user_id, io::las::sample_record_id, data);
     ++evlrs;

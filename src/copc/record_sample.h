@@ -35,9 +35,10 @@ class RecordSample {
   std::uint64_t limit_ = ~std::uint64_t{0};  ///< no larger hash is wanted
 };
 
-/// The record sample_user_id, sample_record_id (io/las_header.h): this number and that of the points, in 32
-/// bits each, and the points as a LASzip chunk like those of the nodes. Others are ignored.
-inline constexpr std::uint32_t sample_version = 1;
-inline constexpr std::uint64_t sample_head = 8;
+/// The record sample_user_id, sample_record_id (io/las_header.h): this number and that of its points, in 32
+/// bits each; the number of points of the file, in 64 bits: who changes these and copies the record has a
+/// sample of others; its points, as a LASzip chunk like those of the nodes. Other records are ignored.
+inline constexpr std::uint32_t sample_version = 2;
+inline constexpr std::uint64_t sample_head = 16;
 
 }  // namespace sfumato::copc

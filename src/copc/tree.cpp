@@ -72,7 +72,7 @@ std::optional<io::las::LazChunk> find_sample(const io::las::InputFile& file, con
   file.read(header.sample_byte, head, sizeof head);
   const auto count = io::las::get<std::uint32_t>(head + 4);
   if (io::las::get<std::uint32_t>(head) != sample_version || count == 0 || count > RecordSample::most ||
-      count > header.count)
+      io::las::get<std::uint64_t>(head + 8) != header.count)
     return std::nullopt;
   constexpr std::uint64_t overhead = 65'536;  // of a chunk beside its points
   if (header.sample_size > sizeof head + 2 * std::uint64_t(count) * header.record_length + overhead)
@@ -139,9 +139,9 @@ io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& node
   return io::read_las_chunks(tree.file, chunks, progress, kept);
 }
 
-std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress) {
+std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress, const io::KeptChunks& kept) {
   if (!tree.sample) return std::nullopt;
-  io::ReadResult result = io::read_las_chunks(tree.file, {*tree.sample}, progress);
+  io::ReadResult result = io::read_las_chunks(tree.file, {*tree.sample}, progress, kept);
   if (!result.report.damage.empty() || result.cloud.empty()) return std::nullopt;
   analysis::reorder(result.cloud, analysis::morton_order(result.cloud));
   result.cloud.source_index.clear();  // of the record, not of the file

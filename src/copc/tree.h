@@ -62,6 +62,7 @@ io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& node
                           Progress& progress = no_progress(), const io::KeptChunks& kept = {});
 
 /// `Tree::sample` along a Morton curve. Nothing where there is none, or where it is damaged.
-std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress = no_progress());
+std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress = no_progress(),
+                                          const io::KeptChunks& kept = {});
 
 }  // namespace sfumato::copc

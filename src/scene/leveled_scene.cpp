@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "io/byte_source.h"
 #include "scene/assemble.h"
@@ -81,10 +82,12 @@ Scene LeveledScene::overview(Progress& progress, const std::function<void(const 
     scene.notes.push_back("nothing of the selection is in the coarse levels (" + std::string(nothing.what()) +
                           "): the view is that of all points");
   }
-  std::optional<PointCloud> sampled = sample(progress);
-  overview_ = std::make_shared<const Overview>(
-      sampled ? Overview{std::move(*sampled), std::make_shared<const PointCloud>(scene.cloud)}
-              : Overview{scene.cloud, nullptr});
+  if (!overview_) {
+    std::optional<PointCloud> sampled = sample(progress);
+    overview_ = std::make_shared<const Overview>(
+        sampled ? Overview{std::move(*sampled), std::make_shared<const PointCloud>(scene.cloud)}
+                : Overview{scene.cloud, nullptr});
+  }
   scene.overview = overview_;
   return scene;
 }
@@ -92,13 +95,27 @@ Scene LeveledScene::overview(Progress& progress, const std::function<void(const 
 std::optional<PointCloud> LeveledScene::sample(Progress& progress) const {
   // The levels have more points of a box than a sample of everything.
   if (options_.selection.crop) return std::nullopt;
-  if (!std::all_of(trees_.begin(), trees_.end(),
-                   [](const copc::Tree& tree) { return tree.sample.has_value(); }))
-    return std::nullopt;
-  const double share = double(copc::RecordSample::most) / double(points());
+  // Files that are too small to bring one are read whole, as far as the levels would be.
+  std::uint64_t without = 0;
+  double share = double(copc::RecordSample::most) / double(points());  // the same of each
+  for (const copc::Tree& tree : trees_)
+    if (tree.sample)
+      share = std::min(share, double(tree.sample->count) / double(tree.points));
+    else
+      without += tree.points;
+  if (without > std::min(budget_, overview_points) || without == points()) return std::nullopt;
   std::vector<io::ReadResult> samples;
-  for (const copc::Tree& tree : trees_) {
-    std::optional<io::ReadResult> read = copc::read_sample(tree, progress);
+  for (std::size_t i = 0; i < trees_.size(); ++i) {
+    const copc::Tree& tree = trees_[i];
+    const io::KeptChunks kept{kept_.get(), i};
+    std::optional<io::ReadResult> read;
+    if (tree.sample) {
+      read = copc::read_sample(tree, progress, kept);
+    } else {
+      std::vector<std::size_t> nodes(tree.nodes.size());
+      std::iota(nodes.begin(), nodes.end(), std::size_t{0});
+      read = copc::read_nodes(tree, nodes, progress, kept);
+    }
     if (!read) return std::nullopt;
     const auto wanted = std::size_t(std::ceil(share * double(tree.points)));
     if (read->cloud.size() > wanted) read->cloud = subsample(read->cloud, wanted);

@@ -40,9 +40,9 @@ void Opening::read_overview(OpeningSteps steps, Progress& progress) {
                                         " needs all points in memory, and files are larger: give more "
                                         "memory or crop");
   if (steps.nodes) leveled_->keep_nodes(std::move(steps.nodes));
+  if (steps.pose) leveled_->set_overview(std::move(steps.overview));
   if (steps.see_levels || !steps.pose) scene_ = leveled_->overview(progress, steps.see_levels);
   if (!steps.pose) return stand(progress);
-  leveled_->set_overview(std::move(steps.overview));
   pose_ = std::move(*steps.pose);
 }
 

@@ -128,32 +128,65 @@ TEST_F(StoredSampleTest, EveryViewAndBudgetHasTheRangeOfTheWhole) {
     }
 }
 
+std::shared_ptr<const scene::Overview> overview(const std::vector<std::filesystem::path>& files,
+                                                const Selection& selection = {}) {
+  scene::SceneOptions options;
+  options.selection = selection;
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : files) names.push_back(file.string());
+  auto leveled = scene::LeveledScene::open(scene::files_of(names), options, 10'000'000, true);
+  return leveled->overview().overview;
+}
+
 TEST_F(StoredSampleTest, CoarseLevelsStandInForADamagedOne) {
-  const std::filesystem::path damaged = folder_ / "damaged.copc.laz";
-  std::filesystem::copy_file(scan(), damaged);
-  std::fstream(damaged, std::ios::in | std::ios::out | std::ios::binary)
-      .seekp(std::streamoff(copc::read_tree(scan()).sample->byte - copc::sample_head))
-      .put(99);  // a version
-  const auto overview = [](const std::filesystem::path& file, const Selection& selection) {
-    scene::SceneOptions options;
-    options.selection = selection;
-    auto leveled = scene::LeveledScene::open(scene::files_of({file.string()}), options, 10'000'000, true);
-    return leveled->overview().overview;
+  const copc::Tree tree = copc::read_tree(scan());
+  const auto changed = [&](std::uint64_t from_head, std::size_t bytes) {
+    const std::filesystem::path file = folder_ / "damaged.copc.laz";
+    std::filesystem::copy_file(scan(), file, std::filesystem::copy_options::overwrite_existing);
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
+        .seekp(std::streamoff(tree.sample->byte - copc::sample_head + from_head))
+        .write("\x99\x99\x99\x99\x99\x99\x99\x99", std::streamsize(bytes));
+    return overview({file});
   };
-  EXPECT_TRUE(overview(scan(), {})->levels);
-  EXPECT_FALSE(overview(damaged, {})->levels);
-  EXPECT_GT(overview(damaged, {})->size(), 0u);
+  EXPECT_TRUE(overview({scan()})->levels);
+  // The version, the number of its points, that of the file's, which another program wrote, and its points.
+  for (const auto& [from_head, bytes] : {std::pair(0, 1), {7, 1}, {8, 1}, {int(copc::sample_head) + 40, 8}}) {
+    EXPECT_FALSE(changed(std::uint64_t(from_head), std::size_t(bytes))->levels) << from_head;
+    EXPECT_GT(changed(std::uint64_t(from_head), std::size_t(bytes))->size(), 0u);
+  }
+}
+
+TEST_F(StoredSampleTest, FilesHaveSharesByTheirPoints) {
+  // One without a sample, as it is small: of other values, and a thirtieth of all points.
+  constexpr int few = 20'000;
+  PointCloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> side(100, 110);
+  for (int i = 0; i < few; ++i) cloud.positions.push_back({side(random), side(random), 0});
+  cloud.set_scalar({"amplitude", 0, std::vector<float>(few, -7.f), StoredType::float32});
+  const std::filesystem::path small = folder_ / "small.las", built = folder_ / "small.copc.laz";
+  io::write(small, cloud);
+  copc::build({small}, built);
+  ASSERT_FALSE(copc::read_tree(built).sample);
+  const auto both = overview({scan(), built});
+  ASSERT_TRUE(both->levels);
+  const std::vector<float>& values = both->scalar("amplitude")->values;
+  const double share = double(std::count(values.begin(), values.end(), -7.f)) / double(values.size());
+  EXPECT_NEAR(share, double(few) / double(points + few), 1e-4);  // less than a point of each
+}
+
+TEST_F(StoredSampleTest, IsSelectedFrom) {
   // Of a box the levels know more, and of what is rare.
   Selection part;
   part.crop = Bounds{{0, 0, -2}, {50, 50, 2}};
-  EXPECT_FALSE(overview(scan(), part)->levels);
+  EXPECT_FALSE(overview({scan()}, part)->levels);
   part = {};
   part.filters = {{"amplitude", 0, 1}};
-  const auto some = overview(scan(), part);
+  const auto some = overview({scan()}, part);
   EXPECT_TRUE(some->levels);
   for (const float value : some->scalar("amplitude")->values) EXPECT_LE(value, 1);
   part.filters = {{"amplitude", 60, 1e6}};
-  EXPECT_FALSE(overview(scan(), part)->levels);
+  EXPECT_FALSE(overview({scan()}, part)->levels);
 }
 
 }  // namespace
