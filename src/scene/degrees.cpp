@@ -148,7 +148,26 @@ void LocalMetres::apply(PointCloud& cloud) const {
   cloud.crs.clear();
 }
 
-std::string LocalMetres::note() const {
+namespace {
+
+std::string of_wide_steps(const PointCloud& degrees, const LocalMetres& metres) {
+  constexpr double least = 100;  // a scan has thousands
+  if (!degrees.las || !(degrees.las->scale.x > 0 && degrees.las->scale.y > 0)) return {};
+  const dvec3 places = glm::round(bounds(degrees).size() / degrees.las->scale) + 1.0;
+  if (std::max(places.x, places.y) >= least) return {};
+  const double step = std::max(degrees.las->scale.x, degrees.las->scale.y);
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "; the file keeps them in steps of %g degrees, %.0f m, which leave %.0f x %.0f places of the plan: "
+      "convert the original with a finer scale",
+      step, step * std::max(metres.east, metres.north), places.x, places.y);
+  return text;
+}
+
+}  // namespace
+
+std::string LocalMetres::note(const PointCloud& degrees) const {
   char text[320];
   if (geocentric) {
     std::snprintf(
@@ -166,7 +185,7 @@ std::string LocalMetres::note() const {
       by_values ? "by their values; the file names no coordinate system" : "by the coordinate system",
       std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(longitude), longitude < 0 ? "W" : "E",
       east / 1000, north / 1000);
-  return text;
+  return text + of_wide_steps(degrees, *this);
 }
 
 }  // namespace sfumato::scene

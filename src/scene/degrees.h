@@ -21,8 +21,9 @@ struct LocalMetres {
   dvec3 moved(const dvec3& degrees) const;
   Bounds moved(const Bounds& degrees) const;
   void apply(PointCloud& cloud) const;
-  /// One line that says so.
-  std::string note() const;
+  /// One line that says so. `degrees`: the points before `apply`; of a LAS file whose steps are so wide that
+  /// they leave a plan of less than a hundred places each way, it says that too.
+  std::string note(const PointCloud& degrees) const;
   bool operator==(const LocalMetres&) const = default;
 };
 

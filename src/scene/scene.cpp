@@ -98,8 +98,9 @@ Scene put_together(const std::vector<SceneFile>& files, const SceneOptions& opti
         files[0].name + ": no point is left in what was read of it; sfumato info shows where points are");
   if (!options.keep_degrees) scene.metres = options.metres ? options.metres : local_metres_of(scene.cloud);
   if (scene.metres) {
+    scene.notes.push_back((files.size() == 1 ? files[0].name + ": " : std::string()) +
+                          scene.metres->note(scene.cloud));
     scene.metres->apply(scene.cloud);
-    scene.notes.push_back((files.size() == 1 ? files[0].name + ": " : std::string()) + scene.metres->note());
   }
   if (options.up) scene.cloud.set_up(*options.up);
   return scene;
