@@ -304,10 +304,12 @@ TechniqueChoice Session::suggest(const PreparedCloud& sorted, const analysis::Ne
 }
 
 TechniqueChoice Session::suggest() const {
-  if (unmeasured_.empty() && is_empty_) throw Error(ErrorCode::usage, "nothing to draw: set a scene first");
+  if (unmeasured_.empty()) {
+    if (is_empty_) throw Error(ErrorCode::usage, "nothing to draw: set a scene first");
+    return suggest(prepared(), nullptr);
+  }
   // Nobody draws by the caller's look, who wants to hear of it all the same.
   if (parts_.front().rule) return {"points", "every point is drawn by a rule"};
-  if (unmeasured_.empty()) return suggest(prepared(), nullptr);
   const analysis::SortedCloud& sorted = unmeasured_.front().sorted;
   return suggest(sorted.cloud, sorted.tree.get());
 }
