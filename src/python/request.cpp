@@ -50,8 +50,9 @@ Settings paper_of(const Request& request) {
 }  // namespace
 
 void set_option(Request& request, const std::string& name, const std::string& text) {
-  const Option& option = *find_option(name);
-  option.set(request, option.keyword, text);
+  const Option* option = find_option(name);
+  if (!option) throw Error(ErrorCode::usage, "there is no option '" + name + "'");
+  option->set(request, option->keyword, text);
 }
 
 void bind_request(py::module_& module) {

@@ -103,34 +103,33 @@ std::optional<PointCloud> LeveledScene::sample(Progress& progress) const {
       share = std::min(share, double(tree.sample->count) / double(tree.points));
     else
       without += tree.points;
-  if (without > std::min(budget_, overview_points) || without == points()) return std::nullopt;
-  std::vector<io::ReadResult> samples;
-  for (std::size_t i = 0; i < trees_.size(); ++i) {
+  if (without > overview_points || without == points()) return std::nullopt;
+  SceneOptions all = options_;
+  all.read.max_points.reset();
+  const auto read_one = [&](std::size_t i) {
     const copc::Tree& tree = trees_[i];
     const io::KeptChunks kept{kept_.get(), i};
-    std::optional<io::ReadResult> read;
+    std::optional<io::ReadResult> sampled;
     if (tree.sample) {
-      read = copc::read_sample(tree, progress, kept);
+      sampled = copc::read_sample(tree, progress, kept);
+      if (!sampled) throw Error(ErrorCode::bad_input, files_[i].name + ": its sample is damaged");
     } else {
       std::vector<std::size_t> nodes(tree.nodes.size());
       std::iota(nodes.begin(), nodes.end(), std::size_t{0});
-      read = copc::read_nodes(tree, nodes, progress, kept);
+      sampled = copc::read_nodes(tree, nodes, progress, kept);
     }
-    if (!read) return std::nullopt;
     const auto wanted = std::size_t(std::ceil(share * double(tree.points)));
-    if (read->cloud.size() > wanted) read->cloud = subsample(read->cloud, wanted);
-    samples.push_back(std::move(*read));
-  }
-  SceneOptions all = options_;
-  all.read.max_points.reset();
+    if (sampled->cloud.size() > wanted) sampled->cloud = subsample(sampled->cloud, wanted);
+    return std::move(*sampled);
+  };
   try {
-    Scene scene = assemble(files_, all, [&](std::size_t i) { return std::move(samples[i]); });
+    Scene scene = assemble(files_, all, read_one, true);
     if (scene.cloud.size() < least_selected) return std::nullopt;
     return std::move(scene.cloud);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error&) {
-    return std::nullopt;  // nothing of the selection is in it
+    return std::nullopt;  // one is damaged, or nothing of the selection is in them
   }
 }
 

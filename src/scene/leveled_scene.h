@@ -56,7 +56,8 @@ class LeveledScene {
   Scene gather(const copc::NodeSelection& nodes, Progress& progress) const;
   Scene narrowed(Scene scene) const;
   /// What is selected of the samples that the files bring, as many points of each as of the others in
-  /// proportion. Nothing: a file has none, or too few of its points are selected.
+  /// proportion. Nothing: too few of their points are selected, one is damaged, or files without one are not
+  /// small.
   std::optional<PointCloud> sample(Progress& progress) const;
 
   std::vector<SceneFile> files_;

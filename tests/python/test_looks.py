@@ -263,3 +263,17 @@ def test_scenes_that_are_wrong(tmp_path, scan):
         sfumato.Item(scan, technique="points", point_sise=3)
     with pytest.raises(sfumato.Error, match="colours"):
         sfumato.render(sfumato.Scene([scan]), np.zeros((5, 3)))
+
+
+def test_what_a_keyword_may_be(scan):
+    noise = sfumato.Cloud(np.random.default_rng(1).uniform(size=(2_000, 3)), scalars={"classification": np.full(2_000, 7)})
+    # None hides nothing, wherever it stands, and no limit may be any number.
+    assert len(sfumato.Renderer(noise, hide_classes=None)) == 2_000
+    assert len(sfumato.Renderer(noise, preset={"hide_classes": None})) == 2_000
+    assert len(sfumato.Renderer(noise, hide_classes=(), max_points=10**18, memory=2**60)) == 2_000
+    # What is read once is asked for again with other colours.
+    part = sfumato.Renderer(scan, technique="points", crop=iter([0, 0, -9, 30, 30, 9]), show_classes=iter([2]))
+    part.color(color_by="elevation")
+    for crop in ((0, 0, 0, 1, 1, None), ("0", "0", "x", "1", "1", "1")):
+        with pytest.raises(sfumato.Error, match="crop"):
+            sfumato.Renderer(scan, crop=crop)

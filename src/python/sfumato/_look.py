@@ -1,5 +1,6 @@
 """Looks as keywords: presets of the command, and what is written as one."""
 import math
+import numbers
 import os
 import sys
 
@@ -127,7 +128,9 @@ KEYWORDS = {"technique": "auto", **{keyword: {"flag": False, "texts": (), "words
 
 
 def is_default(name, value):
-    """Whether a keyword is as when nobody says otherwise. Arrays of numpy never are."""
+    """Whether a keyword is as when nobody says otherwise. Arrays of numpy never are, nor no classes to hide."""
+    if name == "hide_classes" and value is None:
+        return False
     if isinstance(value, (list, tuple)):
         return tuple(value) == KEYWORDS[name]
     return value is None or (isinstance(value, (str, bool, int, float)) and value == KEYWORDS[name])
@@ -136,6 +139,10 @@ def is_default(name, value):
 def texts_of(keyword, value):
     """Options of the command and their texts, which say what a keyword does; none for None, and for what is off."""
     name = _NAMES.get(keyword, keyword)
+    if keyword == "hide_classes" and value is None:
+        value = ()
+    if keyword in ("max_points", "memory") and isinstance(value, numbers.Integral):
+        value = min(value, 9 * 10**15)  # the most that the command takes
     if value is None or value is False:
         return []
     if keyword == "background" and isinstance(value, str) and value == "transparent":
@@ -149,8 +156,8 @@ def texts_of(keyword, value):
 
 def _six(values):
     """Six numbers, maybe given as two corners; open ends are as far as numbers reach, for the command knows no infinite ones."""
-    numbers = [number for each in values for number in (each if hasattr(each, "__iter__") else (each,))]
-    return [math.copysign(sys.float_info.max, number) if math.isinf(number) else number for number in numbers]
+    ends = [end for each in values for end in (each if hasattr(each, "__iter__") and not isinstance(each, str) else (each,))]
+    return [math.copysign(sys.float_info.max, end) if hasattr(end, "__float__") and math.isinf(end) else end for end in ends]
 
 
 def options_of(keywords):

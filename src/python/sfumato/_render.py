@@ -162,9 +162,11 @@ class Renderer:
         given = {"technique": technique, "background": background, "up": up, "color": color, "color_by": color_by,
                  "colormap": colormap, "range": range, "exposure": exposure, "hide_classes": tuple(hide_classes or ()),
                  "show_classes": show_classes, "filters": [filters] if isinstance(filters, str) else list(filters), "crop": crop,
-                 "crop_relative": crop_relative, "max_points": max_points, "whole": whole, "vertices": bool(vertices), "class_colors": class_colors,
+                 "crop_relative": crop_relative, "max_points": max_points, "whole": bool(whole), "vertices": bool(vertices), "class_colors": class_colors,
                  "draw": [draw] if isinstance(draw, str) else [str(rule) for rule in draw]}
         given.update(drawn_on)
+        # Iterators are read once, and their values asked for again.
+        given = {name: tuple(value) if hasattr(value, "__next__") else value for name, value in given.items()}
         # Each wins over what comes before it: what is always so, the scene, the preset, what is given.
         look = points._look() if isinstance(points, Scene) else Look()
         preset = Look.of(preset)
@@ -327,9 +329,9 @@ class Renderer:
         direction, view_up : three numbers, optional
             Of the view, and what is up in the picture.
         pixel_size : float, optional
-            Scene units per pixel of an orthographic view; without `size` the picture is as large as the scan.
+            Scene units per pixel of an orthographic view, in place of `zoom` and `fov`; without `size` the picture is as large as the scan.
         scale : "1:N" or N, optional
-            Print scale of an orthographic view at `dpi` pixels an inch; `Picture.save` keeps them with ``dpi=``.
+            In place of these: print scale of an orthographic view at `dpi` pixels an inch; `Picture.save` keeps them with ``dpi=``.
         start : `Camera`, optional
             Changes this one, in place of the view that shows the scan.
         """
