@@ -21,8 +21,8 @@ TEST(Units, AreThoseOfTheAxesInWkt) {
 }
 
 TEST(Units, HeightsHaveTheirOwn) {
-  const std::string compound = std::string("COMPD_CS[\"c\",") + projected_feet +
-                               R"(,VERT_CS["h",VERT_DATUM["d",2005],UNIT["metre",1]]])";
+  std::string compound = R"(COMPD_CS["c",)";
+  compound.append(projected_feet).append(R"(,VERT_CS["h",VERT_DATUM["d",2005],UNIT["metre",1]]])");
   EXPECT_EQ(vertical_unit(compound).symbol, "m");
   EXPECT_EQ(horizontal_unit(compound).symbol, "ft");
   EXPECT_EQ(vertical_unit(projected_feet).symbol, "ft");
