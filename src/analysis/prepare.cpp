@@ -12,7 +12,6 @@
 #include "analysis/range_image.h"
 #include "analysis/spacing.h"
 #include "analysis/surface_noise.h"
-#include "analysis/survey.h"
 #include "core/error.h"
 
 namespace sfumato::analysis {

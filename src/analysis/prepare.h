@@ -1,8 +1,10 @@
 // From a cloud as it was read to a cloud ready for rendering.
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "analysis/neighbors.h"
 #include "analysis/stroke_attributes.h"
 #include "core/param.h"
 #include "core/prepared_cloud.h"
@@ -27,6 +29,16 @@ std::vector<Batch> cut_batches(const std::vector<vec3>& positions);
 /// result is the same for any number of threads. Throws Cancelled when the user stops it.
 PreparedCloud prepare(PointCloud cloud, Attributes needs, const PrepareOptions& options,
                       Progress& progress = no_progress());
+
+/// A cloud that still lacks what is measured from neighbours, and the tree that views its positions.
+struct SortedCloud {
+  PreparedCloud cloud;
+  std::unique_ptr<NeighborTree> tree;
+};
+/// The first half of `prepare`; `complete` is the other, with needs that may follow from the shape. Of a part
+/// of a cloud what decides is that of `whole`. Throws Error(usage) where the part has another origin.
+SortedCloud sort_cloud(PointCloud cloud, const PrepareOptions& options, Progress& progress = no_progress(),
+                       std::shared_ptr<const WholeCloud> whole = nullptr);
 
 /// Computes those attributes of `needs` that the cloud lacks, from its RGB-D views or else from neighbours,
 /// which are found once. What the file brought wins: only normals that are zero and radii that are not

@@ -1,7 +1,6 @@
 // How much of a cloud is surface, from a sample of its neighbourhoods.
 #pragma once
 
-#include <memory>
 #include <span>
 
 #include "analysis/neighbors.h"
@@ -21,15 +20,5 @@ inline constexpr float enough_surface = 0.75f;
 /// Median over some 500 points of the standard deviation of their 64 nearest neighbours from their common
 /// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.
 float plane_residual(std::span<const vec3> positions);
-
-/// A cloud that still lacks what is measured from neighbours, and the tree that views its positions.
-struct SortedCloud {
-  PreparedCloud cloud;
-  std::unique_ptr<NeighborTree> tree;
-};
-/// The first half of `prepare`; `complete` is the other, with needs that may follow from the shape. Of a part
-/// of a cloud what decides is that of `whole`. Throws Error(usage) where the part has another origin.
-SortedCloud sort_cloud(PointCloud cloud, const PrepareOptions& options, Progress& progress = no_progress(),
-                       std::shared_ptr<const WholeCloud> whole = nullptr);
 
 }  // namespace sfumato::analysis

@@ -13,7 +13,6 @@
 #include "analysis/spacing.h"
 #include "analysis/support.h"
 #include "analysis/surface_noise.h"
-#include "analysis/survey.h"
 #include "analysis/wide_normals.h"
 
 namespace sfumato::analysis {

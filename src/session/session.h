@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "analysis/prepare.h"
-#include "analysis/survey.h"
 #include "core/coloring.h"
 #include "core/derived.h"
 #include "scene/scene.h"

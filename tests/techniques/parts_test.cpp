@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "analysis/attributes.h"
+#include "analysis/prepare.h"
 #include "analysis/regions.h"
 #include "analysis/spacing.h"
-#include "analysis/survey.h"
 #include "analysis/whole.h"
 #include "reference/gl_fixture.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "analysis/survey.h"
+#include "analysis/prepare.h"
 #include "scans.h"
 
 using namespace sfumato;
