@@ -7,6 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 cp -r "$source/examples" "$work/examples"  # nothing of the checkout is in reach
+(cd "$work/prefix/include" && find sfumato -name '*.h' -printf '#include <%p>\n') >>"$work/examples/depth_of_points.cpp"
 cmake -G Ninja -S "$work/examples" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/build" --target example_depth_of_points
 "$work/build/example_depth_of_points"
