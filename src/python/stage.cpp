@@ -191,9 +191,8 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
                            {shot.camera, up, crs_, shot.coloring, shot.background, request.panorama,
                             session_->pose().vertical_exaggeration});
   for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
-  shot.parameters = resolved(look.parameters);
-  const std::vector<std::string> values = look.resolved(shot.images.settings);
-  for (std::size_t i = 0; i < values.size(); ++i) shot.parameters[i].text = values[i];
+  for (const auto& [param, value] : look.resolved(shot.images.settings))
+    shot.parameters.push_back({param.name, param.kind, param.can_be_auto, value});
   shot.analysis_parameters = resolved(choice_.prepare_parameters);
 }
 

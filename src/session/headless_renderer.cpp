@@ -129,9 +129,8 @@ Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camer
   Pictures pictures{std::move(out.rgba8), std::move(out.color_linear),
                     std::move(out.depth), std::move(out.normal),
                     chosen.technique,     chosen.reason};
-  const std::vector<std::string> values = look->resolved(out.settings);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    pictures.parameters.emplace_back(look->parameters.all()[i].name, values[i]);
+  for (const auto& [param, value] : look->resolved(out.settings))
+    pictures.parameters.emplace_back(param.name, value);
   pictures.notes = s.notes;
   const std::vector<std::string>& of_colors = s.session.coloring().notes;
   pictures.notes.insert(pictures.notes.end(), of_colors.begin(), of_colors.end());

@@ -42,12 +42,14 @@ std::vector<std::pair<std::string, std::string>> Look::changed() const {
   return values;
 }
 
-std::vector<std::string> Look::resolved(RenderSettings drawn) const {
+ParamValues Look::resolved(RenderSettings drawn) const {
   ParamList shared;
   drawn.describe(shared);
-  std::vector<std::string> values;
-  for (std::size_t i = 0; i < own_count; ++i) values.push_back(parameters.all()[i].resolved());
-  for (const Param& param : shared.all()) values.push_back(param.resolved());
+  ParamValues values;
+  for (std::size_t i = 0; i < parameters.all().size(); ++i) {
+    const Param& param = parameters.all()[i];
+    values.emplace_back(param, (i < own_count ? param : shared.all()[i - own_count]).resolved());
+  }
   return values;
 }
 

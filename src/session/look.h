@@ -10,6 +10,9 @@
 
 namespace sfumato {
 
+/// Parameters, which stay in their list, and a value of each.
+using ParamValues = std::vector<std::pair<const Param&, std::string>>;
+
 /// A technique, and one list of all its parameters: its own, then those that all techniques share.
 struct Look {
   explicit Look(const TechniqueInfo& info);
@@ -28,8 +31,8 @@ struct Look {
   void take_over(const Look& other, bool shared_only = false);
   /// Those that are not at their defaults, as `set` takes them.
   std::vector<std::pair<std::string, std::string>> changed() const;
-  /// The value of each parameter, as Param::resolved, in a picture by these settings (RenderOutput).
-  std::vector<std::string> resolved(RenderSettings drawn) const;
+  /// The value of each of `parameters`, as Param::resolved, in a picture by these settings (RenderOutput).
+  ParamValues resolved(RenderSettings drawn) const;
   /// Throws Error(usage) for values that contradict each other.
   void check() const;
 

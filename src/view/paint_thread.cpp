@@ -185,10 +185,8 @@ Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch
   if (wants.depth) picture.depth = sampled(out.depth, job.depth_step);
   picture.camera = job.camera;
   picture.technique = job.technique;
-  const std::vector<std::string> values = look.resolved(out.settings);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (const Param& param = look.parameters.all()[i]; param.can_be_auto)
-      picture.resolved.emplace_back(param.name, values[i]);
+  for (const auto& [param, value] : look.resolved(out.settings))
+    if (param.can_be_auto) picture.resolved.emplace_back(param.name, value);
   picture.notes = std::move(out.notes);
   picture.timings = std::move(out.timings);
   picture.points_drawn = out.points_drawn;

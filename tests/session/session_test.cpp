@@ -108,13 +108,12 @@ TEST_F(SessionTest, ALookStaysAsItIsAndThePictureSaysWhatBecameOfIt) {
   EXPECT_EQ(out.settings.background, session_.background());
   EXPECT_EQ(out.settings.edl_strength.value(), 0.3f);
   EXPECT_GT(out.settings.light_size.value(), 0);
-  const std::vector<std::string> resolved = look.resolved(out.settings);
+  const ParamValues resolved = look.resolved(out.settings);
   ASSERT_EQ(resolved.size(), look.parameters.all().size());
-  for (std::size_t i = 0; i < resolved.size(); ++i) {
-    const std::string& name = look.parameters.all()[i].name;
-    if (name == "light_size") EXPECT_NE(resolved[i], look.parameters.all()[i].resolved());
-    if (name == "edl_strength") EXPECT_EQ(resolved[i], "0.3");
-    if (name == "shadows") EXPECT_EQ(resolved[i], "hard");
+  for (const auto& [param, value] : resolved) {
+    if (param.name == "light_size") EXPECT_NE(value, param.resolved());
+    if (param.name == "edl_strength") EXPECT_EQ(value, "0.3");
+    if (param.name == "shadows") EXPECT_EQ(value, "hard");
   }
 }
 

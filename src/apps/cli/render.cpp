@@ -205,13 +205,11 @@ std::string timings_text(const RenderReport& report, const Choice& choice) {
 /// What automatic values became.
 std::string resolved_text(const RenderReport& report, const Choice& choice) {
   std::string text;
-  for (const auto& chosen : choice.techniques) {
-    const std::vector<std::string> values = last_values(report, *chosen);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (const Param& param = chosen->parameters.all()[i]; param.can_be_auto && param.get() == "auto")
+  for (const auto& chosen : choice.techniques)
+    for (const auto& [param, value] : last_values(report, *chosen))
+      if (param.can_be_auto && param.get() == "auto")
         text += fmt::format("{}{}: {} is {}", text.empty() ? "" : "\n", chosen->name, with_dashes(param.name),
-                            values[i]);
-  }
+                            value);
   return text;
 }
 

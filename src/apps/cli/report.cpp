@@ -67,11 +67,7 @@ Json resolved(const ParamList& parameters) {
 
 Json resolved(const RenderReport& report, const Look& look) {
   Json json = Json::object();
-  const std::vector<std::string> values = last_values(report, look);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const Param& param = look.parameters.all()[i];
-    json[param.name] = value_of(param, values[i]);
-  }
+  for (const auto& [param, value] : last_values(report, look)) json[param.name] = value_of(param, value);
   return json;
 }
 
@@ -139,7 +135,7 @@ std::string techniques_json(const std::string& name) {
   return json.dump(2) + "\n";
 }
 
-std::vector<std::string> last_values(const RenderReport& report, const Look& look) {
+ParamValues last_values(const RenderReport& report, const Look& look) {
   const auto found = report.settings.find(look.name);
   return look.resolved(found == report.settings.end() ? look.settings : found->second);
 }

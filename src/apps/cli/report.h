@@ -58,7 +58,7 @@ struct RenderReport {
 };
 
 /// The value of each parameter of the look (Look::resolved) in its last picture.
-std::vector<std::string> last_values(const RenderReport& report, const Look& look);
+ParamValues last_values(const RenderReport& report, const Look& look);
 
 /// One technique: `technique` is its name, `parameters` and `timings_ms` are flat. Several: `technique` is
 /// the list, and both are keyed by technique.
