@@ -123,8 +123,8 @@ void Interface::histogram(const Coloring& coloring) {
   const view::Loaded* scene = bench_.scene();
   if (!scene || !scene->near) return;
   constexpr std::size_t steps = 96;
-  if (std::pair of(scene->near, coloring.source); of != histogram_of_) {
-    histogram_of_ = std::move(of);
+  if (histogram_cloud_.lock() != scene->near || histogram_source_ != coloring.source) {
+    histogram_cloud_ = scene->near, histogram_source_ = coloring.source;
     histogram_ = view::histogram_of(*scene->near, coloring.source, steps);
   }
   if (histogram_.counts.empty()) return;

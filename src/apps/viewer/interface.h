@@ -96,7 +96,8 @@ class Interface {
   float corridor_ = 0;                             ///< width, scene units; 0: not chosen yet
   std::tuple<std::uint64_t, int, int> plotted_{};  ///< profile and size of the plot in the window's texture
   view::Histogram histogram_;
-  std::pair<std::shared_ptr<const PointCloud>, std::string> histogram_of_;  ///< cloud and source
+  std::weak_ptr<const PointCloud> histogram_cloud_;
+  std::string histogram_source_;
   float histogram_from_ = 0;
   double drag_px_ = 0, last_fly_ms_ = 0, now_ms_ = 0;
   bool swallow_click_ = false;
