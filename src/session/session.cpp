@@ -224,7 +224,10 @@ void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& opt
   file_names_ = std::move(scene.file_names);
   whole_ = std::move(scene.whole);
   levels_ = scene.overview ? scene.overview->levels : nullptr;
-  overview_ = whole_ ? std::shared_ptr<const PointCloud>(whole_, &whole_->sample) : std::move(scene.overview);
+  auto overview =
+      whole_ ? std::shared_ptr<const PointCloud>(whole_, &whole_->sample) : std::move(scene.overview);
+  if (overview != overview_) choice_of_overview_.forget(), color_of_overview_.forget();
+  overview_ = std::move(overview);
   notes_.clear();
   box_ = whole_ ? whole_->box : bounds(scene.cloud);
   shadow_box_.reset();

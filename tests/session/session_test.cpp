@@ -14,8 +14,10 @@ class SessionTest : public GlTest {
  protected:
   Session session_{context()};
 
-  void sort(const SessionOptions& options = {}, Progress& progress = no_progress()) {
+  void sort(const SessionOptions& options = {}, Progress& progress = no_progress(),
+            std::shared_ptr<const scene::Overview> overview = nullptr) {
     scene::Scene scene;
+    scene.overview = std::move(overview);
     scene.cloud = sphere_cloud(6000);
     scene.cloud.normals.clear();  // which `measure` computes
     ScalarField heights{"height", 0, {}, StoredType::float32};
@@ -86,6 +88,18 @@ TEST_F(SessionTest, AStepThatIsStoppedLeavesNothingBehind) {
   sort();
   session_.measure({});
   EXPECT_TRUE(std::ranges::equal(picture(), whole));
+}
+
+TEST_F(SessionTest, AnotherSceneFreesTheOverview) {
+  auto overview = std::make_shared<scene::Overview>();
+  static_cast<PointCloud&>(*overview) = sphere_cloud(6000);
+  const std::weak_ptr<const scene::Overview> held = overview;
+  sort({}, no_progress(), std::move(overview));
+  session_.measure({});
+  session_.suggest();
+  EXPECT_FALSE(held.expired());
+  sort();
+  EXPECT_TRUE(held.expired());
 }
 
 TEST_F(SessionTest, ALookStaysAsItIsAndThePictureSaysWhatBecameOfIt) {
