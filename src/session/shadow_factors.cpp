@@ -30,8 +30,8 @@ void share_by_place(const PreparedCloud& prepared, const PointCloud& cloud, std:
 
 }  // namespace
 
-std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud, RenderSettings& settings,
-                                  Progress& progress) {
+std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud,
+                                  const RenderSettings& settings, Progress& progress) {
   const Light light = Light::parse(settings.light_text);
   if (!casts_shadows(settings.shadows) || light.is_of_camera())
     throw Error(ErrorCode::usage,
@@ -41,8 +41,6 @@ std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud,
   bare.origin = cloud.origin, bare.up = cloud.up;
   bare.positions = cloud.positions, bare.normals = cloud.normals;
   const PreparedCloud prepared = analysis::prepare(std::move(bare), Attribute::normal, {}, progress);
-  const PointCloud* const clouds[] = {&prepared.cloud};
-  resolve_shadow_sizes(settings, bounds_without_strays(clouds), prepared.median_spacing);
 
   std::vector<float> factors(cloud.size(), 1.0f);
   const gl::Context::Use use(context);

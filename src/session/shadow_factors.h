@@ -14,9 +14,9 @@ namespace sfumato {
 /// One value per point, in the order of `cloud`: 0 dark to 1 lit, the share of the light's positions that it
 /// sees. They are those of a picture with `shadows` hard or soft and the same light in which every point is
 /// solid and the surface has normals (as in `splats`): normals that the cloud lacks are computed for the
-/// test. Automatic sizes are settled in `settings`. Throws Error(usage) for a light of the camera
-/// (`fix_light` makes it one that stands somewhere) and for shadows that are not found: off and stored.
-std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud, RenderSettings& settings,
-                                  Progress& progress = no_progress());
+/// test. Throws Error(usage) for a light of the camera (`fix_light` makes it one that stands somewhere) and
+/// for shadows that are not found: off and stored.
+std::vector<float> shadow_factors(gl::Context& context, const PointCloud& cloud,
+                                  const RenderSettings& settings, Progress& progress = no_progress());
 
 }  // namespace sfumato
