@@ -3,7 +3,7 @@
 //   ROWS        to the nearest point in the row
 //   COLUMNS     to the nearest point, from that
 //   OPEN_ROWS   to the nearest pixel in the row that is farther than `between` from all points: centre of an empty disc
-//   SURROUNDED  1 where a point is near, or no empty disc reaches
+//   SURROUNDED  1 where no such centre is as near as `between` less `beside`
 #include "frame.glsl"
 
 #ifdef ROWS
@@ -54,8 +54,9 @@ bool filter_pixel(ivec2 pixel) {
 #else
   float distance2 = texelFetch(distances, pixel + band, 0).x;
   bool vouched = distance2 <= beside * beside;
+  float nearest_open = between - beside;
   if (!vouched && distance2 <= between * between)
-    vouched = nearest_in_rows(open_rows, pixel + band, textureSize(open_rows, 0).y) > between * between;
+    vouched = nearest_in_rows(open_rows, pixel + band, textureSize(open_rows, 0).y) > nearest_open * nearest_open;
   out_0 = vec4(vouched ? 1.0 : 0.0);
 #endif
   return true;

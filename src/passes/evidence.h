@@ -10,13 +10,17 @@ namespace sfumato {
 
 /// How far from its points a picture may cover anything, px.
 struct EvidenceReach {
-  float beside = 0;  ///< of the nearest point, on whichever side
   /// Between points: as far as no empty disc of this radius reaches a pixel, points surround it. That is the
   /// alpha shape of the points on the screen (Edelsbrunner, Kirkpatrick, Seidel 1983).
   float between = 0;
+  /// As far outside of it, where the discs are smaller by as much around the same centres: outlines are as
+  /// straight as its own. Below `between`.
+  float beside = 0;
   /// Beyond that anything counts as near, and nothing has to be looked up.
   static constexpr float most = 96;
   bool limits() const { return between > 0 && between <= most; }
+  /// Whether discs of this radius reach visibly farther: dense points have none.
+  bool limits(float radius_px) const { return limits() && radius_px > beside + 1; }
 };
 
 class Evidence {

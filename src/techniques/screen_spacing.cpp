@@ -20,8 +20,12 @@ EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height) {
   // An empty disc of so many spacings is no chance in a random sample (exp(-pi 2.2^2) = 2.5e-7); of 1.7 it is
   // (1e-4), and as all of it is open, .4 % of a random wall would be.
   constexpr float widest_gap = 2.2f;
-  const float beside = widest_disc_px({}, height);
-  return {beside, std::max(between * beside, widest_gap * spacing.median_px)};
+  // The cell of a point on an outline ends half a spacing outside. Nearer than 4 px outlines would follow the
+  // chance by which points lie there.
+  constexpr float of_cell = 0.5f, least = 0.5f;
+  const float widest = widest_disc_px({}, height);
+  return {std::max(between * widest, widest_gap * spacing.median_px),
+          std::min(widest, std::max(least * widest, of_cell * spacing.median_px))};
 }
 
 float ScreenSpacings::widest_disc_px(const Frame& frame) {
@@ -92,8 +96,7 @@ std::optional<EvidenceReach> DiscEvidence::reach_of(const Frame& frame, ScreenSp
   const ScreenSpacing spacing = spacings.measure(frame.cloud, frame.views);
   EvidenceReach reach = evidence_reach(spacing, frame.camera.whole_height());
   reach.beside *= scale, reach.between *= scale;
-  // Where points are dense no disc is as large as that.
-  if (!reach.limits() || spacing.largest_px * usual_spacings * scale <= reach.beside) return std::nullopt;
+  if (!reach.limits(spacing.largest_px * usual_spacings * scale)) return std::nullopt;
   return reach;
 }
 

@@ -22,8 +22,8 @@ struct ScreenSpacing {
 /// Radius of the widest disc in a picture of this height: whether anything is farther from a measured point
 /// nobody knows. 8 px of 720; where most points in view are farther apart, as wide as the gaps between them.
 float widest_disc_px(const ScreenSpacing& spacing, int height);
-/// What such a picture may cover: beside a point so much, between points what is no hole of a surface of the
-/// spacing in view, at least 11 px of 720.
+/// What such a picture may cover: between points what is no hole of a surface of the spacing in view, at
+/// least 11 px of 720, and beside these half a spacing, 4 to 8 px.
 EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height);
 
 class ScreenSpacings {

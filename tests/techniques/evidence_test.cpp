@@ -63,9 +63,9 @@ double share_far_from(const PointCloud& cloud, const Camera& camera, const Image
 
 }  // namespace
 
-TEST_F(EvidenceTest, PixelsAreThoseNearPointsOrThatNoEmptyDiscReaches) {
+TEST_F(EvidenceTest, PixelsAreThoseBesideTheShapeOfPoints) {
   constexpr int size = 72, band = 14;
-  const EvidenceReach reach{3, 6.5f};
+  const EvidenceReach reach{6.5f, 2.25f};
   std::mt19937 random(3);
   Image<std::uint32_t> bits(size, size);
   std::fill(bits.begin(), bits.end(), 0xffffffffu);
@@ -80,15 +80,18 @@ TEST_F(EvidenceTest, PixelsAreThoseNearPointsOrThatNoEmptyDiscReaches) {
   Evidence evidence;
   const gl::Texture& found = evidence.find(points, band, size - 2 * band, size - 2 * band, reach);
   const Image<float> mask = found.download<float>();
-  int between = 0, open = 0;
+  int between = 0, beside = 0, open = 0;
   for (int y = 0; y < mask.height(); ++y)
     for (int x = 0; x < mask.width(); ++x) {
-      const bool beside = to_points.at(x + band, y + band) <= 9,
-                 surrounded = to_open.at(x + band, y + band) > 6.5 * 6.5;
-      EXPECT_EQ(mask.at(x, y) > 0, beside || surrounded) << x << ' ' << y;
-      between += surrounded && !beside, open += !beside && !surrounded;
+      const int point = to_points.at(x + band, y + band), disc = to_open.at(x + band, y + band);
+      const bool is_vouched = disc > 4.25 * 4.25;
+      EXPECT_EQ(mask.at(x, y) > 0, is_vouched) << x << ' ' << y;
+      if (point <= 2.25 * 2.25) EXPECT_TRUE(is_vouched) << "around a point " << x << ' ' << y;
+      between += disc > 6.5 * 6.5 && point > 9, beside += is_vouched && disc <= 6.5 * 6.5,
+          open += !is_vouched;
     }
   EXPECT_GT(between, 30);
+  EXPECT_GT(beside, 30);
   EXPECT_GT(open, 100);
 }
 

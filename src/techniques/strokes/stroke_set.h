@@ -75,7 +75,7 @@ class StrokeSet {
  private:
   std::uint32_t select(GpuCloud& cloud, std::size_t chunk, const StrokeData& data, const View& view);
   void set_sizes(gl::Program& program) const;
-  static constexpr EvidenceReach anywhere{0, 1e9f};
+  static constexpr EvidenceReach anywhere{1e9f, 0};
   EvidenceReach evidence_ = anywhere;
   void draw(gl::Program& program, const BrushPicture& brush, float least_alpha,
             const gl::Buffer& elements) const;

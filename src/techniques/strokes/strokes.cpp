@@ -82,6 +82,7 @@ class Strokes final : public Technique {
       const float step = parameters_.seed_step.resolve(float(seed_quantum(frame.cloud.median_spacing())));
       data_.update(frame.cloud, parameters_.tangent, step, frame.progress);
       reach_ = spacings_.evidence_reach(frame);
+      reach_.beside = widest_disc_px({}, frame.camera.whole_height());  // a brush reaches beyond an outline
       // Who asks for longer strokes has them.
       const float longer =
           std::max(1.0f, parameters_.stroke_length.user.value_or(0) / strokes::Look().length_percent);

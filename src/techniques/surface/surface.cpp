@@ -229,7 +229,7 @@ class SurfaceTechnique final : public Technique {
   OfEvidence evidence_of(const Frame& frame) {
     const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
     const EvidenceReach reach = evidence_reach(spacing, frame.camera.whole_height());
-    return {spacing, reach, reach.limits() && spacing.largest_px * removal_.gap_scale > reach.beside};
+    return {spacing, reach, reach.limits(spacing.largest_px * removal_.gap_scale)};
   }
 
   /// The second half of the default way: planes of the visible points, discs, and their average.
