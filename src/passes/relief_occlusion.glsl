@@ -43,9 +43,10 @@ float noise_of(vec2 pixel, int l) {
 }
 
 // Depth around a place, between the centres of the squares that are covered: of a plane its own, so that opposite
-// horizons of it cancel, and no step where a square ends. Moves the place to the middle of what is covered.
-//   x depth; y how much of the weights is covered
-vec2 depth_around(inout vec2 pixel, int l) {
+// horizons of it cancel, and no step where a square ends. What lies out of reach in front is no part of it: between that
+// and what is behind nothing was measured. Moves the place to the middle of what counts.
+//   x depth; y how much of the weights counts
+vec2 depth_around(inout vec2 pixel, int l, float own, float reach) {
   float side = float(2 << l);
   vec2 at = pixel / side - 0.5, t = fract(at);
   ivec2 low = max(ivec2(floor(at)), ivec2(0)), high = min(low + 1, (ivec2(frame.image_size) - 1) >> (l + 1));
@@ -53,6 +54,7 @@ vec2 depth_around(inout vec2 pixel, int l) {
        c = texelFetch(pyramid, ivec2(low.x, high.y), l).xy, d = texelFetch(pyramid, high, l).xy;
   vec4 depth = vec4(a.x, b.x, c.x, d.x);
   vec4 weight = vec4(1.0 - t.x, t.x, 1.0 - t.x, t.x) * vec4(1.0 - t.yy, t.yy) * vec4(greaterThan(depth, vec4(0.0)));
+  weight *= 1.0 - smoothstep(in_reach * reach, beyond * reach, own - depth);
   float covered = dot(weight, vec4(1.0)), inverse = 1.0 / max(covered, 1e-6);
   pixel = (floor(at) + 0.5 + inverse * vec2(weight.y + weight.w, weight.z + weight.w)) * side;
   return vec2(inverse * dot(weight, depth), covered);
@@ -76,11 +78,10 @@ bool filter_pixel(ivec2 square) {
     for (int k = 0; k < 8; ++k) {
       vec2 place = center + away * compass[k];
       bool is_outside = any(lessThan(place, vec2(0.0))) || any(greaterThan(place, vec2(frame.image_size)));
-      vec2 there = depth_around(place, l);
+      vec2 there = depth_around(place, l, own.x, reach);
       vec3 d = eye_from_pixel(place, there.x) - here;
-      float height = dot(d, towards), far = dot(d, d), across = sqrt(max(far - height * height, 0.0));
+      float height = dot(d, towards), across = sqrt(max(dot(d, d) - height * height, 0.0));
       float slope = (height - noise) / max(across, 1e-30);
-      if (slope > 0.0) slope *= 1.0 - smoothstep(in_reach * reach, beyond * reach, sqrt(far));
       if (slope > 0.0) slope *= clamp(2.0 * there.y - 1.0, 0.0, 1.0);  // a rim is no wall
       if (there.y <= 0.0 || is_outside) slope = nothing;
       if (k < 4) rise[k] = max(rise[k], slope);

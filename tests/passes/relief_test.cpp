@@ -164,6 +164,17 @@ TEST_F(ReliefTest, AValleyIsAsDarkAsItsClosedForm) {
               0.5 + 0.5 * mean(shade, size / 2 - 1, size / 2 + 1), 1e-4);
 }
 
+// A block 320 px before a wall, of which only 96 to 192 px reach: between the two there is no slope that was
+// measured.
+TEST_F(ReliefTest, WhatIsOutOfReachTakesNoLight) {
+  options.occlusion = 1;
+  const Image<float> shade = shade_of([](int x, int y) { return x < 64 && y < 96 ? 2 : 12; });
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      // Squares of 2 px that the edge cuts are the block's.
+      if (x >= 66 || y >= 98) ASSERT_GT(shade.at(x, y), 0.999f) << x << ' ' << y;
+}
+
 // Of a plane with the noise of a depth camera, here 1.5 px, nothing is drawn; a step of ten times that is.
 TEST_F(ReliefTest, NoiseIsNoRelief) {
   std::mt19937 random(3);
