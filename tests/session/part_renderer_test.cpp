@@ -125,6 +125,25 @@ TEST(PartRenderer, SplatsAreOnePictureWhoeverDrawsIt) {
     EXPECT_FALSE(differ(first.color.data()[i], last.color.data()[i])) << i;
 }
 
+TEST(PartRenderer, LayersAreOnePictureWhoeverDrawsIt) {
+  const PointCloud cloud = two_halves();
+  const std::vector<Part> one = parts_of(cloud, 1, [](std::uint32_t) { return 0; });
+  const std::vector<Part> halves =
+      parts_of(cloud, 3, [&](std::uint32_t i) { return cloud.positions[i].x < 0; });
+  // The normals are given, and who has no points needs none.
+  for (const Part& half : halves) EXPECT_FALSE(half.renderer->lacks("layers", {}));
+  for (const Parameters& parameters : {Parameters{}, Parameters{{"layers", "2"}, {"opacity", "0.4"}}}) {
+    EXPECT_EQ(one.front().renderer->rounds("layers", parameters), parameters.empty() ? 4 : 2);
+    const Pictures whole = picture(one, 0, "layers", parameters);
+    ASSERT_GT(std::ranges::count_if(whole.color, [](const Rgba8& c) { return c.a > 100; }), 5000);
+    for (std::size_t by = 0; by < 3; ++by) {
+      const Pictures parts = picture(halves, by, "layers", parameters);
+      EXPECT_TRUE(std::ranges::equal(parts.color, whole.color)) << by;
+      EXPECT_TRUE(std::ranges::equal(parts.depth, whole.depth)) << by;
+    }
+  }
+}
+
 TEST(PartRenderer, SaysWhatItCannotMerge) {
   const std::vector<Part> parts = parts_of(two_halves(), 1, [](std::uint32_t) { return 0; });
   PartRenderer& part = *parts.front().renderer;
