@@ -131,13 +131,13 @@ float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) 
 }
 
 float plane_residual(std::span<const vec3> positions) {
-  constexpr std::size_t samples = 500, around = 64;
+  constexpr std::size_t samples = 500;
   if (positions.size() < 4) return 0;
   const NeighborTree tree(positions);
   std::vector<float> residuals;
   const std::size_t step = std::max<std::size_t>(1, positions.size() / samples);
   for (std::size_t i = 0; i < positions.size(); i += step) {
-    KNearest nearest(around);
+    KNearest nearest(around_residual);
     tree.search(positions[i], nearest);
     residuals.push_back(float(residual_around(positions, nearest)));
   }

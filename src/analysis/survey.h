@@ -17,6 +17,8 @@ float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree =
 /// From here on a picture is one of surfaces, and light shows their shape (the curve: docs/first_look.md).
 inline constexpr float enough_surface = 0.75f;
 
+/// So many nearest points tell how far a point is from the plane through them.
+inline constexpr std::size_t around_residual = 64;
 /// Median over some 500 points of the standard deviation of their 64 nearest neighbours from their common
 /// plane, scene units; 0 for fewer than 4 points. Ranging noise and the bend of the surface both count.
 float plane_residual(std::span<const vec3> positions);

@@ -1,5 +1,6 @@
 #include "analysis/whole.h"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "analysis/quantiles.h"
 #include "analysis/spacing.h"
 #include "analysis/support.h"
+#include "analysis/survey.h"
 #include "analysis/surface_noise.h"
 #include "analysis/wide_normals.h"
 
@@ -42,6 +44,14 @@ Discs discs_at(const Neighborhoods& around) {
     if (const auto frame = local_frame(near, 0, others)) discs.scatter.push_back(scatter_of(*frame));
   }
   return discs;
+}
+
+Neighborhoods nearest_of(const Neighborhoods& around, std::size_t count) {
+  Neighborhoods out{around.places, {}};
+  for (const std::vector<dvec3>& nearest : around.nearest)
+    out.nearest.emplace_back(nearest.begin(),
+                             nearest.begin() + std::ptrdiff_t(std::min(nearest.size(), count)));
+  return out;
 }
 
 PointCloud places_only(const PointCloud& cloud) {
@@ -76,6 +86,7 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surrou
   whole->usual_box = robust_bounds(whole->sample);
   if (const float spacing = spacing_of(around.dots); spacing > 0) whole->median_spacing = spacing;
   if (facts.points >= around_noise_place) whole->noise = noise_of(around.noise);
+  whole->residual = residual_of(nearest_of(around.noise, around_residual));
   const Discs discs = discs_at(around.dots);
   whole->median_radius = quantile(discs.radii, 0.5), whole->is_rough = need_widening(discs.scatter);
   const std::vector<vec3>& normals = whole->sample.normals;

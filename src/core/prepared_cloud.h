@@ -96,6 +96,7 @@ struct WholeCloud {
   std::uint64_t points = 0;
   Bounds box, usual_box;  ///< world; usual: robust_bounds
   float median_spacing = 1, noise = 0;
+  float residual = 0;        ///< scene units: as analysis::plane_residual
   float median_radius = 0;   ///< of Eq. 20, scene units; 0: there are too few points
   bool is_rough = false;     ///< computed normals are to be averaged (analysis/wide_normals.h)
   bool has_normals = false;  ///< which its files brought, and which are used

@@ -4,6 +4,7 @@
 //   CUT           the cloud has half spaces that are left out: asking costs a tenth of a visit
 //   ORIENTED      points with a normal are discs in its plane, at the depths at which rays meet it
 //   DOTS          the cloud's field holds spacing and share of a surface (analysis/dots.h)
+//   SPACINGS      it holds the spacing of every point, scene units
 //   CASTERS       only points that stop a share of the light within `caster_range`
 //   LIST_LENGTH   the images are lists: as many depths of different bins a pixel, ascending, stacked
 //                 downwards
@@ -149,6 +150,8 @@ void main() {
 #ifdef DOTS
   vec2 own = point_fields(i);
   float spacing = own.x * spacing_unit;
+#elif defined(SPACINGS)
+  float spacing = min(point_field(i), largest_spacing);
 #else
   float spacing = min(spacing_in(group_row(), batch, position), largest_spacing);
 #endif

@@ -15,10 +15,12 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   const bool oriented = footprint.oriented && cloud.has_normals() && !single;
   const bool cut = !cloud.cut().empty();
   const bool dots = footprint.dot_share > 0 && footprint.mode == SizeMode::adaptive;
+  const bool spacings = footprint.spacing_is_field && footprint.mode == SizeMode::adaptive && !dots;
   const bool both = !depth_bits;
-  gl::Program& program = programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) +
-                                   (lists ? 8 : 0) + (casters ? 16 : 0) + (oriented ? 32 : 0) +
-                                   (cut ? 64 : 0) + (dots ? 128 : 0) + (both ? 256 : 0)];
+  gl::Program& program =
+      programs_[(index ? 1 : 0) + (single ? 2 : 0) + (reference ? 4 : 0) + (lists ? 8 : 0) +
+                (casters ? 16 : 0) + (oriented ? 32 : 0) + (cut ? 64 : 0) + (dots ? 128 : 0) +
+                (both ? 256 : 0) + (spacings ? 512 : 0)];
   if (!program) {
     gl::Defines defines;
     if (index) defines.push_back("WRITE_INDEX");
@@ -29,6 +31,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
     if (oriented) defines.push_back("ORIENTED");
     if (cut) defines.push_back("CUT");
     if (dots) defines.push_back("DOTS");
+    if (spacings) defines.push_back("SPACINGS");
     if (lists) defines.push_back("LIST_LENGTH " + std::to_string(list_length));
     program = gl::Program::compute("passes/points_to_pixels.comp", defines);
   }
@@ -54,7 +57,7 @@ void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& f
   for (GpuCloud::Chunk& chunk : cloud.chunks()) {
     cloud.bind_geometry(chunk);
     if (oriented) cloud.bind_normals(chunk);
-    if (dots) cloud.bind_field(chunk);
+    if (dots || spacings) cloud.bind_field(chunk);
     if (casters) cloud.bind_casters(chunk);
     program.dispatch(chunk.groups_per_batch, chunk.visible_batches);
   }

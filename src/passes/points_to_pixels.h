@@ -33,6 +33,9 @@ struct Footprint {
   /// (analysis/dots.h). Where there is none, points are this share of the size that would close it, within
   /// these limits, px; 0: no such field.
   float dot_share = 0, least_dot_px = 1, most_dot_px = 1;
+  /// Adaptive, without dots: the cloud's field holds the spacing of every point, scene units, in place of
+  /// that of its batch.
+  bool spacing_is_field = false;
   /// Points that are farther apart than this, px, and than usual are smaller by the root of how much farther,
   /// to `least_dot_px`: what is sparse recedes behind what is measured well.
   float sparse_px = 0;

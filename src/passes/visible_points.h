@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "core/image.h"
 
@@ -28,12 +29,16 @@ struct VisiblePoints {
   /// Then, of what counts as one surface with that hit: weighted colours and weight, weighted normals and
   /// distances.
   Image<vec4> color_sum{}, normal_sum{};
-  /// Adds what the next round of the same parts knows.
+
+  /// Of surfaces one behind the other, in a round each (techniques/layers): the points of the rounds before,
+  /// from front to back. Those of all parts: nobody merges them again.
+  std::vector<VisiblePoints> in_front{};
+  /// Adds what the next round of the same parts knows: points lie behind those of the rounds before.
   void add_round(VisiblePoints next);
 };
 
 /// Of each pixel the nearer point; at one depth that of the lower number; the nearer hit, and the sum of
-/// sums. Associative and commutative, bit for bit, but for the rounding of sums. Of one size.
+/// sums. Associative and commutative, bit for bit, but for the rounding of sums. Of one size and round.
 void merge(VisiblePoints& into, const VisiblePoints& of);
 
 }  // namespace sfumato

@@ -111,13 +111,13 @@ bool PartRenderer::merges(const std::string& technique, const Camera& camera, co
       [&] { return state_->drawing->session.merges(state_->look_of(technique, parameters), camera); });
 }
 
-bool PartRenderer::lacks(const std::string& technique) {
+bool PartRenderer::lacks(const std::string& technique, const Parameters& parameters) {
   return state_->worker.run(
-      [&] { return !state_->drawing->session.has_needs(state_->look_of(technique, {})); });
+      [&] { return !state_->drawing->session.has_needs(state_->look_of(technique, parameters)); });
 }
 
-int PartRenderer::rounds(const std::string& technique) {
-  return state_->worker.run([&] { return state_->look_of(technique, {}).technique->rounds(); });
+int PartRenderer::rounds(const std::string& technique, const Parameters& parameters) {
+  return state_->worker.run([&] { return state_->look_of(technique, parameters).technique->rounds(); });
 }
 
 VisiblePoints PartRenderer::visible(const std::string& technique, const Camera& camera,

@@ -36,9 +36,9 @@ class PartRenderer {
   /// Whether such a picture can be drawn part by part (Renderer::merges).
   bool merges(const std::string& technique, const Camera& camera, const Parameters& parameters);
   /// Whether the part has not yet all that it needs: what that is found from lies around the part, too.
-  bool lacks(const std::string& technique);
+  bool lacks(const std::string& technique, const Parameters& parameters);
   /// So often parts are to be asked what they show, and that merged: Technique::rounds.
-  int rounds(const std::string& technique);
+  int rounds(const std::string& technique, const Parameters& parameters);
   /// `merged`: of the rounds before.
   VisiblePoints visible(const std::string& technique, const Camera& camera, const Parameters& parameters,
                         const VisiblePoints* merged = nullptr);

@@ -579,7 +579,8 @@ bool Renderer::merges(const Technique& technique, const Camera& camera,
 }
 
 bool Renderer::has_needs(const Technique& technique) const {
-  return technique.needs().without(state_->clouds.front()->prepared().available).empty();
+  const PreparedCloud& prepared = state_->clouds.front()->prepared();
+  return prepared.cloud.empty() || technique.needs().without(prepared.available).empty();
 }
 
 VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const RenderSettings& settings,

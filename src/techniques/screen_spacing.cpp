@@ -86,6 +86,7 @@ const gl::Texture* DiscEvidence::find(Frame& frame, const Camera& camera, Screen
                                       float radius_scale) {
   const std::optional<EvidenceReach> reach = reach_of(frame, spacings, radius_scale);
   if (!reach) return nullptr;
+  if (frame.merged) return &evidence_.find(frame.merged->vouching, camera.width, camera.height, *reach);
   return &evidence_.find(frame.cloud, camera, frame.cloud.prepared().cloud.origin, *reach, frame.timers);
 }
 
@@ -100,19 +101,12 @@ std::optional<EvidenceReach> DiscEvidence::reach_of(const Frame& frame, ScreenSp
   return reach;
 }
 
-Image<std::uint32_t> DiscEvidence::points(Frame& frame, ScreenSpacings& spacings, float radius_scale) {
+Image<std::uint32_t> DiscEvidence::points(Frame& frame, const Camera& camera, ScreenSpacings& spacings,
+                                          float radius_scale) {
   const std::optional<EvidenceReach> reach = reach_of(frame, spacings, radius_scale);
   if (!reach) return {};
-  return evidence_.draw_points(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, *reach)
+  return evidence_.draw_points(frame.cloud, camera, frame.cloud.prepared().cloud.origin, *reach)
       .download<std::uint32_t>();
-}
-
-void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,
-                         const gl::Texture& albedo, const Image<std::uint32_t>& points) {
-  const std::optional<EvidenceReach> reach = reach_of(frame, spacings, radius_scale);
-  if (!reach) return;
-  evidence_.find(points, frame.camera.width, frame.camera.height, *reach);
-  evidence_.apply(albedo, frame.target.depth, frame.target.normal);
 }
 
 void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,

@@ -44,17 +44,16 @@ class DiscEvidence {
   /// Discs of Eq. 20 (1.13 spacings) leave exp(-pi 1.13^2) = 2 % of a randomly sampled surface open; times
   /// 1.5, 1e-4.
   static constexpr float usual_scale = 1.5f;
-  /// Where points vouch for anything, R8 of the camera's size (Evidence::find); null: all over the picture.
+  /// Where points vouch for anything, those of all parts where these are merged, R8 of the camera's size
+  /// (Evidence::find); null: all over the picture.
   const gl::Texture* find(Frame& frame, const Camera& camera, ScreenSpacings& spacings, float radius_scale);
   /// Once discs of `radius_scale` are drawn into `albedo`, depth and normal of the target. What is larger
   /// than usual may cover as much more.
   void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, const gl::Texture& albedo);
   /// Of a part of a cloud: which pixels its points vouch for, in a view with a band around it, as
   /// VisiblePoints::vouching. Nothing is there where nothing is to be taken away.
-  Image<std::uint32_t> points(Frame& frame, ScreenSpacings& spacings, float radius_scale);
-  /// `apply` with those of all parts.
-  void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, const gl::Texture& albedo,
-             const Image<std::uint32_t>& points);
+  Image<std::uint32_t> points(Frame& frame, const Camera& camera, ScreenSpacings& spacings,
+                              float radius_scale);
 
  private:
   std::optional<EvidenceReach> reach_of(const Frame& frame, ScreenSpacings& spacings, float radius_scale);

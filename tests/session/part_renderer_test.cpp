@@ -71,16 +71,17 @@ std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count) {
 const Camera view = front_camera(160, 120, 3);
 
 /// Put together by the part of that number.
-Pictures picture(const std::vector<Part>& parts, std::size_t by, const std::string& technique = "points") {
+Pictures picture(const std::vector<Part>& parts, std::size_t by, const std::string& technique = "points",
+                 const Parameters& parameters = {}) {
   VisiblePoints merged;
-  for (int round = 0; round < parts[by].renderer->rounds(technique); ++round) {
+  for (int round = 0; round < parts[by].renderer->rounds(technique, parameters); ++round) {
     const VisiblePoints* before = round > 0 ? &merged : nullptr;
-    VisiblePoints all = parts[by].renderer->visible(technique, view, {}, before);
+    VisiblePoints all = parts[by].renderer->visible(technique, view, parameters, before);
     for (std::size_t k = 0; k < parts.size(); ++k)
-      if (k != by) merge(all, parts[k].renderer->visible(technique, view, {}, before));
+      if (k != by) merge(all, parts[k].renderer->visible(technique, view, parameters, before));
     merged.add_round(std::move(all));
   }
-  return parts[by].renderer->picture(merged, technique, view, {});
+  return parts[by].renderer->picture(merged, technique, view, parameters);
 }
 
 TEST(PartRenderer, ThePictureIsOneWhoeverDrawsIt) {
@@ -106,9 +107,9 @@ TEST(PartRenderer, SplatsAreOnePictureWhoeverDrawsIt) {
   const Pictures whole = one.render("splats", view, {}, std::nullopt);
   const std::vector<Part> shares = shares_of(cloud, 3);
   const std::vector<Part> alone = parts_of(cloud, 1, [](std::uint32_t) { return 0; });
-  EXPECT_TRUE(alone.front().renderer->lacks("splats"));
-  EXPECT_FALSE(alone.front().renderer->lacks("points"));
-  for (const Part& share : shares) EXPECT_FALSE(share.renderer->lacks("splats"));
+  EXPECT_TRUE(alone.front().renderer->lacks("splats", {}));
+  EXPECT_FALSE(alone.front().renderer->lacks("points", {}));
+  for (const Part& share : shares) EXPECT_FALSE(share.renderer->lacks("splats", {}));
   const Pictures first = picture(shares, 0, "splats");
   const auto differ = [](const Rgba8& a, const Rgba8& b) {
     return std::abs(a.r - b.r) > 1 || std::abs(a.g - b.g) > 1 || std::abs(a.b - b.b) > 1;
@@ -122,6 +123,25 @@ TEST(PartRenderer, SplatsAreOnePictureWhoeverDrawsIt) {
   const Pictures last = picture(shares, 2, "splats");
   for (std::size_t i = 0; i < first.color.size(); ++i)
     EXPECT_FALSE(differ(first.color.data()[i], last.color.data()[i])) << i;
+}
+
+TEST(PartRenderer, LayersAreOnePictureWhoeverDrawsIt) {
+  const PointCloud cloud = two_halves();
+  const std::vector<Part> one = parts_of(cloud, 1, [](std::uint32_t) { return 0; });
+  const std::vector<Part> halves =
+      parts_of(cloud, 3, [&](std::uint32_t i) { return cloud.positions[i].x < 0; });
+  // The normals are given, and who has no points needs none.
+  for (const Part& half : halves) EXPECT_FALSE(half.renderer->lacks("layers", {}));
+  for (const Parameters& parameters : {Parameters{}, Parameters{{"layers", "2"}, {"opacity", "0.4"}}}) {
+    EXPECT_EQ(one.front().renderer->rounds("layers", parameters), parameters.empty() ? 4 : 2);
+    const Pictures whole = picture(one, 0, "layers", parameters);
+    ASSERT_GT(std::ranges::count_if(whole.color, [](const Rgba8& c) { return c.a > 100; }), 5000);
+    for (std::size_t by = 0; by < 3; ++by) {
+      const Pictures parts = picture(halves, by, "layers", parameters);
+      EXPECT_TRUE(std::ranges::equal(parts.color, whole.color)) << by;
+      EXPECT_TRUE(std::ranges::equal(parts.depth, whole.depth)) << by;
+    }
+  }
 }
 
 TEST(PartRenderer, SaysWhatItCannotMerge) {

@@ -221,7 +221,7 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
     technique = own.part->settle(this->Technique);
     parameters = changed_parameters(technique, this->Parameters);
     merges = own.part->merges(technique, camera, parameters);
-    lacks = own.part->lacks(technique), rounds = own.part->rounds(technique);
+    lacks = own.part->lacks(technique, parameters), rounds = own.part->rounds(technique, parameters);
   });
   if (!merges) {
     if (!own.has_all) this->ShowInput(actor);

@@ -15,6 +15,7 @@
 #include <map>
 #include <string>
 
+#include "analysis/spacing.h"
 #include "analysis/survey.h"
 #include "core/derived.h"
 #include "core/error.h"
@@ -134,6 +135,13 @@ class Layers final : public Technique {
 
   Transparency transparency() const override { return Transparency::layers; }
 
+  /// Scalars, from which a list of opacities chooses, are no part of what pixels show.
+  bool merges() const override { return !parameters_.opacity.user || parameters_.opacity.user->size() < 2; }
+  /// The layers that are peeled.
+  int rounds() const override {
+    return parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
+  }
+
   std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud& cloud, Progress&) override {
     std::vector<float> list = opacity_list();
     if (cloud.size() == 0) return nullptr;
@@ -148,13 +156,13 @@ class Layers final : public Technique {
     // The extent looks past its border by itself, but for points of 64 px and more; image_normal.glsl as far
     // as it may.
     const int point = 1 + int(std::ceil(0.5f * largest_footprint(camera.whole_height())));
-    return cloud.has_normals() ? point : point + 128;
+    return cloud.has_normals() ? point : point + farthest_image_normal;
   }
 
   bool render(Frame& frame) override {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
-    const int last = parameters_.show_layer > 0 ? parameters_.show_layer : parameters_.layers;
+    const int last = rounds();
     make_textures(view, frame.behind != nullptr, has_categories(frame));
     {
       auto timing = frame.timers.scope("clear");
@@ -168,30 +176,41 @@ class Layers final : public Technique {
     if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
     cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view);
     peel_.begin(view, footprint_, cascade_, bin_);
-    evidence_mask_ = keeps_to_evidence() ? evidence_.find(frame, extent.camera, spacings_, 1) : nullptr;
-    for (peeled_ = 0; peeled_ < last;) {
+    // A part stops where the layers of all parts end.
+    const int known = !frame.visible ? last : frame.merged ? int(frame.merged->in_front.size()) + 1 : 0;
+    const bool holds_last = knows_last_ && !frame.visible;
+    bool is_open = true;
+    evidence_mask_ =
+        keeps_to_evidence() && known > 0 ? evidence_.find(frame, extent.camera, spacings_, 1) : nullptr;
+    for (peeled_ = 0; peeled_ < known;) {
       ++peeled_;
       const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
       const bool is_first = peeled_ == std::max(parameters_.show_layer, 1);
       const bool is_filled = n_background_ + n_occluded_ > 0;
-      fill(frame, peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
+      fill(frame, frame.merged
+                      ? take_up(*frame.merged)
+                      : peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
       if (frame.behind) clip(frame);
-      if (knows_last_) {
+      if (holds_last) {
         if (peeled_ == 1) cover(frame, depth_, coverage_);
         if (peeled_ > 1) cover(frame, frame.behind ? next_depth_ : depth_, next_coverage_);
         if (peeled_ > 1) blend_last(frame, true);
       }
       if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first && frame.wants_normal);
-      if (is_shown) smooth(frame);
+      if (is_shown && (holds_last || !knows_last_)) smooth(frame);
       if (is_first) extent.copy(depth_, frame.target.depth);
       if (is_first && frame.wants_normal) extent.copy(normal_, frame.target.normal);
-      const bool is_open = advance(frame, view, is_shown && !knows_last_);
-      if (knows_last_) {
+      is_open = advance(frame, view, is_shown && !knows_last_);
+      if (holds_last) {
         std::swap(color_, held_color_);
         std::swap(depth_, held_depth_);
       }
       if (!is_open) break;
       frame.progress.check();
+    }
+    if (frame.visible) {
+      show_part(frame, view, extent.camera, is_open);
+      return true;
     }
     if (knows_last_) {
       if (frame.behind) cover(frame, behind_depth_, next_coverage_);
@@ -204,10 +223,10 @@ class Layers final : public Technique {
   }
 
   std::vector<std::string> notes() const override {
-    std::vector<std::string> lines{std::to_string(peeled_) + (peeled_ == 1 ? " layer, " : " layers, ") +
-                                   std::to_string(peel_.visits()) +
-                                   (peel_.visits() == 1 ? " visit" : " visits") + " of the points (" +
-                                   (cascade_ ? "cascade" : "passes") + ")"};
+    std::vector<std::string> lines{std::to_string(peeled_) + (peeled_ == 1 ? " layer" : " layers")};
+    if (peel_.visits() > 0)
+      lines.front() += ", " + std::to_string(peel_.visits()) + (peel_.visits() == 1 ? " visit" : " visits") +
+                       " of the points (" + (cascade_ ? "cascade" : "passes") + ")";
     if (is_noisy_) lines.push_back("the points are too noisy for discs in the surface: drawn round");
     return lines;
   }
@@ -248,13 +267,30 @@ class Layers final : public Technique {
 
     // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
     const int last = std::max(parameters_.show_layer, parameters_.layers);
-    const int reach = std::min(last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3,
-                               layers::ScreenExtent::most_reach);
-    return {prepared, frame.camera, point_size, reach};
+    const int reach = last * (n_background_ + n_occluded_) + parameters_.smoothing_iterations + 3;
+    if (!prepared.whole)
+      return {prepared, frame.camera, point_size, std::min(reach, layers::ScreenExtent::most_reach)};
+    take_spacings(frame);
+    // Of points farther out some parts draw more than others, as their batches lie.
+    const int of_normals = needs().empty() && !prepared.whole->has_normals ? farthest_image_normal : 0;
+    return {frame.camera, reach + of_normals + 1 + int(std::ceil(0.5f * footprint_.most_px))};
+  }
+
+  /// Sizes of points by the whole of which this is a part, whose batches are others.
+  void take_spacings(Frame& frame) {
+    if (has_list_) return;  // the field has opacities
+    const PreparedCloud& prepared = frame.cloud.prepared();
+    frame.cloud.set_field(point_spacings_.at(frame.cloud.serial(), [&] {
+      return frame.cloud.make_values(
+          "spacing",
+          analysis::spacings_at(prepared.cloud.positions, prepared.whole->spacing, frame.progress));
+    }));
+    footprint_.spacing_is_field = true;
   }
 
   /// How far points are from the surface, scene units; measured once for a cloud.
   float residual(const GpuCloud& cloud) {
+    if (const WholeCloud* whole = cloud.prepared().whole.get()) return whole->residual;
     return residual_.at(cloud.serial(),
                         [&] { return analysis::plane_residual(cloud.prepared().cloud.positions); });
   }
@@ -263,7 +299,9 @@ class Layers final : public Technique {
   /// another.
   bool draws_discs(const GpuCloud& cloud) {
     is_noisy_ = false;
-    if (parameters_.point_shape == PointShape::round || !cloud.has_normals()) return false;
+    if (parameters_.point_shape == PointShape::round) return false;
+    // Of parts all have normals, but for one without points.
+    if (!cloud.prepared().whole && !cloud.has_normals()) return false;
     // Points in one place lie on no surface: edge-on discs there would show nothing.
     if (!(cloud.bounds().diagonal() > 0)) return false;
     is_noisy_ = parameters_.point_shape == PointShape::automatic &&
@@ -328,6 +366,45 @@ class Layers final : public Technique {
     keep_vouched_.run({evidence_mask_}, {&depth_, &index_});
   }
 
+  /// The layer that all parts show. The index of a point is that of its pixel, by which its colour and normal
+  /// are found.
+  const gl::Texture& take_up(const VisiblePoints& merged) {
+    const std::size_t before = std::size_t(peeled_) - 1;
+    const VisiblePoints& layer = before < merged.in_front.size() ? merged.in_front[before] : merged;
+    const Image<std::uint32_t>& bits = layer.depth_bits;
+    Image<std::uint32_t> pixels(bits.width(), bits.height(), VisiblePoints::nothing);
+    for (std::size_t i = 0; i < bits.size(); ++i)
+      if (bits.data()[i] != VisiblePoints::nothing) pixels.data()[i] = std::uint32_t(i);
+    depth_.upload(layer.depth());
+    index_.upload(pixels);
+    gl::ensure(pixel_colors_, "colours of points", GL_RGBA32F, bits.width(), bits.height());
+    pixel_colors_.upload(layer.colors);
+    has_pixel_normals_ = !layer.normals.empty();
+    if (has_pixel_normals_) {
+      gl::ensure(pixel_normals_, "normals of points", GL_RGBA32F, bits.width(), bits.height());
+      pixel_normals_.upload(layer.normals);
+    }
+    return depth_;
+  }
+
+  /// The nearest points of this part behind the layers of all parts.
+  void show_part(Frame& frame, const View& view, const Camera& camera, bool is_open) {
+    VisiblePoints& visible = *frame.visible;
+    if (!is_open) {  // no pixel can hold another layer
+      visible.depth_bits = visible.number =
+          Image<std::uint32_t>(view.width(), view.height(), VisiblePoints::nothing);
+      visible.colors = Image<vec4>(view.width(), view.height(), vec4(0));
+      return;
+    }
+    to_pixels_.draw(frame.cloud, view, footprint_, part_, frame.timers, peeled_ > 0 ? &limit_ : nullptr);
+    to_pixels_.resolve(frame.cloud, view, part_, frame.timers, frame.cloud.has_normals());
+    visible.depth_bits = part_.depth_bits.download<std::uint32_t>();
+    visible.number = part_.index.download<std::uint32_t>();
+    visible.colors = part_.albedo.download<vec4>();
+    if (frame.cloud.has_normals()) visible.normals = part_.normal.download<vec4>();
+    if (keeps_to_evidence() && peeled_ == 0) visible.vouching = evidence_.points(frame, camera, spacings_, 1);
+  }
+
   /// Points of a size that somebody asked for are as large as that.
   bool keeps_to_evidence() const { return parameters_.point_size.is_auto(); }
 
@@ -336,13 +413,15 @@ class Layers final : public Technique {
     auto timing = frame.timers.scope("light");
     GpuCloud& cloud = frame.cloud;
     const int shading = int(frame.settings.shading);
-    ScreenPass& pass = light_[cloud.has_normals() * 1 + cloud.has_shadow() * 2 + has_list_ * 4 +
-                              write_normals * 8 + has_categories(frame) * 16 + shading * 32];
+    const bool merged = frame.merged, has_normals = merged ? has_pixel_normals_ : cloud.has_normals();
+    ScreenPass& pass = light_[has_normals * 1 + cloud.has_shadow() * 2 + has_list_ * 4 + write_normals * 8 +
+                              has_categories(frame) * 16 + merged * 32 + shading * 64];
     if (!pass) {
       gl::Defines defines{"SHADING " + std::to_string(shading)};
       std::vector<GLenum> formats{GL_RGBA32F, has_categories(frame) ? GLenum(GL_RG32F) : GLenum(GL_R32F)};
       if (has_categories(frame)) defines.push_back("CATEGORIES");
-      if (cloud.has_normals()) defines.push_back("HAS_NORMALS");
+      if (merged) defines.push_back("MERGED");
+      if (has_normals) defines.push_back("HAS_NORMALS");
       if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
       if (has_list_) defines.push_back("HAS_OPACITY");
       if (write_normals) {
@@ -353,11 +432,19 @@ class Layers final : public Technique {
     }
     if (!has_list_)
       pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
-    if (!cloud.has_normals())
+    if (!has_normals)
       pass.set("d_min", d_min_)
           .set("spacing", 0.5f * parameters_.point_size.value() * cloud.median_spacing());
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
+    if (merged) {
+      const gl::Texture& normals = has_normals ? pixel_normals_ : pixel_colors_;  // not read
+      if (write_normals)
+        pass.run({&depth_, &index_, &pixel_colors_, &normals}, {&color_, &cosine_, &normal_});
+      else
+        pass.run({&depth_, &index_, &pixel_colors_, &normals}, {&color_, &cosine_});
+      return;
+    }
     cloud.for_each_place(pass, [&](GpuCloud::Chunk& chunk) {
       cloud.bind_geometry(chunk);
       cloud.bind_colors(chunk);
@@ -451,9 +538,11 @@ class Layers final : public Technique {
 
   Parameters parameters_;
   float d_min_ = 0, bin_ = 0;
-  static constexpr float most_noise = 0.75f;  ///< spacings
+  static constexpr float most_noise = 0.75f;         ///< spacings
+  static constexpr int farthest_image_normal = 128;  ///< px: image_normal.glsl
   bool is_noisy_ = false;
   Derived<std::uint64_t, float> residual_;
+  Derived<std::uint64_t, std::shared_ptr<const GpuCloud::Values>> point_spacings_;
   /// Of a cloud: opacities that a scalar picks from a list.
   struct OpacityKey {
     std::uint64_t serial;
@@ -482,6 +571,11 @@ class Layers final : public Technique {
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
   gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
   gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;
+  /// Of clouds in parts: what is found of one of them, and what all of them show in a layer.
+  PointsToPixels to_pixels_;
+  PixelLayer part_;
+  gl::Texture pixel_colors_, pixel_normals_;
+  bool has_pixel_normals_ = false;
 };
 
 }  // namespace

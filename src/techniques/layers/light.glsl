@@ -1,13 +1,22 @@
 // The lit surface of a layer: colour, opacity and normal of the point that each pixel took.
 //   HAS_NORMALS, HAS_SHADOW, HAS_OPACITY   what the cloud has for each point; else one value, or the image
 //   WRITE_NORMAL                           somebody reads the normals
+//   MERGED                                 points of all parts of a cloud: `index_image` has their pixels
 //   CATEGORIES                             colours are those of the palette: which one, beside the cosine
 #include "shading.glsl"
 #include "cloud.glsl"
-#include "places.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;
 layout(binding = UNIT_INPUT + 1) uniform usampler2D index_image;
+#ifdef MERGED
+layout(binding = UNIT_INPUT + 2) uniform sampler2D colors_of_pixels;
+#ifdef HAS_NORMALS
+layout(binding = UNIT_INPUT + 3) uniform sampler2D normals_of_pixels;
+#endif
+const bool write_background = true;
+#else
+#include "places.glsl"
+#endif
 
 #ifndef HAS_OPACITY
 uniform float opacity;
@@ -26,13 +35,22 @@ bool filter_pixel(ivec2 pixel) {
   out_2 = vec4(0.0, 0.0, 0.0, 1.0);
 #endif
   if (source == 0xffffffffu) return write_background;
+#ifdef MERGED
+  int width = textureSize(colors_of_pixels, 0).x;
+  ivec2 from = ivec2(int(source) % width, int(source) / width);
+  vec3 own_color = texelFetch(colors_of_pixels, from, 0).rgb;
+#else
   int i = place_in_chunk(source);
   if (i < 0) return false;
+  vec3 own_color = point_color(i);
+#endif
   float depth = texelFetch(depth_image, pixel, 0).x;
 #ifdef HAS_OPACITY
   float opacity = point_field(i);
 #endif
-#ifdef HAS_NORMALS
+#if defined(HAS_NORMALS) && defined(MERGED)
+  vec3 normal = texelFetch(normals_of_pixels, from, 0).xyz;
+#elif defined(HAS_NORMALS)
   vec3 normal = point_normal(i);
 #else
   vec3 normal = image_normal(pixel, depth);
@@ -44,7 +62,6 @@ bool filter_pixel(ivec2 pixel) {
 #ifdef HAS_SHADOW
   shadow = point_shadow(i);
 #endif
-  vec3 own_color = point_color(i);
   vec4 color = vec4(own_color * opacity, opacity);
   out_0 = shaded_color(color, vec2(pixel) + 0.5, depth, vec4(normal, shadow));
   out_1 = vec4(dot(normal, normal) > 0.25 ? abs(cosine) : 1.0);

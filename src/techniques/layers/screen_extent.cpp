@@ -48,6 +48,12 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
   camera = picture.with_guard_band(most_reach).tile(x + most_reach, y + most_reach, width, height);
 }
 
+ScreenExtent::ScreenExtent(const Camera& picture, int band) : x(-band), y(-band) {
+  const int corner = std::max(most_reach, band);
+  camera = picture.with_guard_band(corner).tile(corner - band, corner - band, picture.width + 2 * band,
+                                                picture.height + 2 * band);
+}
+
 void ScreenExtent::copy(const gl::Texture& part, const gl::Texture& picture) const {
   const int x0 = std::max(x, 0), y0 = std::max(y, 0);
   const int x1 = std::min(x + part.width(), picture.width()),

@@ -16,6 +16,8 @@ struct ScreenExtent {
 
   /// `reach`: pixels that operators move or look; `point_size`: diameter of a point, in spacings.
   ScreenExtent(const PreparedCloud& prepared, const Camera& picture, float point_size, int reach);
+  /// All of the picture, and so many pixels around it: the same for all parts of a cloud.
+  ScreenExtent(const Camera& picture, int band);
   /// Copies what lies inside the picture.
   void copy(const gl::Texture& part, const gl::Texture& picture) const;
   /// The other way, depths: infinity in what the picture does not hold.

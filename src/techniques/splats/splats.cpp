@@ -75,19 +75,16 @@ class Splats final : public Technique {
     blend.kernel = parameters_.kernel;
     blend.opaque = parameters_.blend == Parameters::Blend::opaque;
 
-    const bool clamps = parameters_.clamp_radius;
     if (frame.visible) {
       show_part(frame, view, shape, blend);
       return true;
     }
     const SplatSurfaceTargets targets{albedo_, frame.target.depth, frame.target.normal};
-    if (frame.merged) {
+    if (frame.merged)
       surface_.normalize(view, frame.merged->color_sum, frame.merged->normal_sum, targets, frame.timers);
-      if (clamps) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_, frame.merged->vouching);
-    } else {
+    else
       surface_.draw(frame.cloud, view, shape, blend, targets, frame.timers);
-      if (clamps) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
-    }
+    if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
 
     auto timing = frame.timers.scope("shade");
     shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
@@ -107,7 +104,8 @@ class Splats final : public Technique {
     }
     surface_.find_nearest(frame.cloud, view, shape, blend, frame.timers);
     visible.nearest = surface_.nearest_t().download<float>();
-    if (parameters_.clamp_radius) visible.vouching = evidence_.points(frame, spacings_, shape.radius_scale);
+    if (parameters_.clamp_radius)
+      visible.vouching = evidence_.points(frame, frame.camera, spacings_, shape.radius_scale);
   }
 
   Parameters parameters_;
