@@ -16,7 +16,8 @@ constexpr double reload_rest_ms = 250;
 }  // namespace
 
 Workbench::Workbench(Start start)
-    : watch(start.watch),
+    : sequence(start.frames),
+      watch(start.watch),
       start_(std::move(start)),
       wishes_(start_.wishes),
       history_(wishes_),
@@ -25,7 +26,7 @@ Workbench::Workbench(Start start)
       whole_(start_.shared ? std::make_unique<Painter>(start_.shared->whole, start_.wake)
                            : std::make_unique<Painter>(gate_, start_.wake)),
       loader_(std::make_unique<Loader>(start_.wake)) {
-  frames_ = start_.frames;
+  sequence.follow(wishes_.files);
   if (wishes_.files.empty())
     loaded_key_ = wanted_key_ = wishes_.scene_key();  // until some are opened
   else
@@ -49,8 +50,9 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
     say(error.what(), true);
     return;
   }
-  if (next.files != wishes_.files) sample_camera_.reset(), is_playing_frames_ = false;
+  if (next.files != wishes_.files) sample_camera_.reset(), sequence.play(false);
   wishes_ = std::move(next);
+  sequence.follow(wishes_.files);
   history_.record(wishes_, what, now_ms_);
 }
 
@@ -69,6 +71,7 @@ void Workbench::undo() {
   play(false);
   if (!history_.can_undo()) return say("nothing to undo");
   wishes_ = history_.undo();
+  sequence.follow(wishes_.files);
   touched();
 }
 
@@ -76,6 +79,7 @@ void Workbench::redo() {
   if (!history_.can_redo()) return say("nothing to redo");
   play_began_ms_.reset();  // a step of its own would leave nothing to redo
   wishes_ = history_.redo();
+  sequence.follow(wishes_.files);
   touched();
 }
 
@@ -219,33 +223,15 @@ void Workbench::amend(const std::function<void(Wishes&)>& edit) {
   edit(wishes_);
 }
 
-bool Workbench::is_frame(const Wishes& wishes) const {
-  return wishes.files.size() == 1 &&
-         std::any_of(frames_.begin(), frames_.end(),
-                     [&](const scene::SceneFile& each) { return each.name == wishes.files.front(); });
-}
-
-const std::vector<scene::SceneFile>& Workbench::frames() const {
-  static const std::vector<scene::SceneFile> none;
-  return is_frame(wishes_) ? frames_ : none;
-}
-
-std::size_t Workbench::frame() const {
-  const std::vector<scene::SceneFile>& all = frames();
-  const auto is_shown = [&](const scene::SceneFile& each) { return each.name == wishes_.files.front(); };
-  if (frame_ < all.size() && is_shown(all[frame_])) return frame_;
-  return std::size_t(std::find_if(all.begin(), all.end(), is_shown) - all.begin());
-}
-
 void Workbench::show_frame(std::size_t i) {
-  if (i >= frames().size() || i == frame()) return;
+  if (i >= sequence.frames().size() || i == sequence.frame()) return;
+  const scene::SceneFile& file = sequence.frames()[i];
   const auto show = [&](Wishes& each) {
-    if (is_frame(each)) each.files = {frames_[i].name}, each.placed = {frames_[i].transform};
+    if (sequence.holds(each.files)) each.files = {file.name}, each.placed = {file.transform};
   };
   history_.amend(show);  // nobody undoes the time that went by
   show(wishes_);
-  frame_ = i;
-  frame_since_ms_ = now_ms_;
+  sequence.show(i, now_ms_);
 }
 
 void Workbench::play(bool on) {
@@ -416,13 +402,9 @@ void Workbench::tick(double now_ms) {
   watch_files();
   watch_shaders();
 
-  // A frame that stands is shown for a moment, else fast ones would never be seen whole.
-  if (!settled())
-    frame_stood_ms_.reset();
-  else if (!frame_stood_ms_)
-    frame_stood_ms_ = now_ms;
-  if (playing_frames() && frame_stood_ms_ && frame_due_ms() <= now_ms) {
-    show_frame((frame() + 1) % frames().size());
+  sequence.set_stands(settled(), now_ms);
+  if (const auto due = sequence.due_ms(); due && *due <= now_ms) {
+    show_frame((sequence.frame() + 1) % sequence.frames().size());
     key_changed_ms_ = now_ms - reload_rest_ms;  // nobody drags a slider here
     wanted_key_ = wishes_.scene_key();
   }
@@ -450,7 +432,7 @@ void Workbench::tick(double now_ms) {
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
   if (play_began_ms_ || known_) return 0;
-  if (playing_frames() && frame_stood_ms_) return std::max(0.0, frame_due_ms() - now_ms);
+  if (const auto due = sequence.due_ms()) return std::max(0.0, *due - now_ms);
   std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
   if (has_to_load()) {
     const double until = is_to_read_anew_ ? 0 : std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);

@@ -19,6 +19,7 @@
 #include "view/navigator.h"
 #include "view/painter.h"
 #include "view/refinement.h"
+#include "view/sequence.h"
 #include "view/shared_scenes.h"
 #include "view/wishes.h"
 
@@ -149,14 +150,8 @@ class Workbench {
   bool playing() const { return play_began_ms_.has_value(); }
   double play_time_s() const { return play_began_ms_ ? 1e-3 * (now_ms_ - *play_began_ms_) : 0; }
 
-  /// Files of a sequence, seen from one camera; empty: what is open is no frame of one.
-  const std::vector<scene::SceneFile>& frames() const;
-  std::size_t frame() const;
+  Sequence sequence;
   void show_frame(std::size_t i);
-  /// Shows the next frame as soon as the present one stands, and `frames_per_second` allow.
-  void play_frames(bool on) { is_playing_frames_ = on; }
-  bool playing_frames() const { return is_playing_frames_ && !frames().empty(); }
-  double frames_per_second = 5;
 
   bool watch = false;
 
@@ -195,7 +190,6 @@ class Workbench {
   bool has_to_load() const {
     return (is_to_read_anew_ || wanted_key_ != loaded_key_) && delayed_shots_.empty();
   }
-  bool is_frame(const Wishes& wishes) const;
   void shoot_what_is_loaded();
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
   void amend(const std::function<void(Wishes&)>& edit);
@@ -209,9 +203,6 @@ class Workbench {
   bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
   void watch_shaders();
-  double frame_due_ms() const {
-    return std::max(frame_since_ms_ + 1000 / frames_per_second, *frame_stood_ms_ + 60);
-  }
 
   Start start_;
   Wishes wishes_;
@@ -255,11 +246,6 @@ class Workbench {
   std::set<std::string> notes_said_;  ///< of readers
   std::optional<Failure> fatal_;
   std::optional<double> play_began_ms_;
-  std::vector<scene::SceneFile> frames_;
-  std::size_t frame_ = 0;  ///< the last that was shown: a sequence may have a file twice
-  bool is_playing_frames_ = false;
-  double frame_since_ms_ = 0;
-  std::optional<double> frame_stood_ms_;  ///< since then its whole picture is shown
   std::vector<std::pair<std::string, std::int64_t>> file_times_, shader_times_;
 
   std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);

@@ -167,7 +167,8 @@ void Workbench::take_loaded(Loaded loaded) {
       if (!sample_camera_ || each.camera == *sample_camera_) each.camera = first;
       each.frame_on_load = loaded.is_sample;  // the whole says where it is, exactly
       // The other frames stand as the first does.
-      if (!loaded.is_sample && is_frame(each) && !each.points.up) each.points.up = loaded.pose.upright.up;
+      if (!loaded.is_sample && sequence.holds(each.files) && !each.points.up)
+        each.points.up = loaded.pose.upright.up;
     };
     const bool is_wanted = wishes_.scene_key() == loaded_key_;
     amend(place);

@@ -180,11 +180,11 @@ TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
   bench.open({(folder_ / "missing.las").string()}, false);
   ASSERT_TRUE(load(bench));
   EXPECT_EQ(mistakes_, 1);
-  EXPECT_TRUE(bench.frames().empty());
+  EXPECT_TRUE(bench.sequence.frames().empty());
   bench.undo();
   ASSERT_TRUE(load(bench));
   EXPECT_EQ(bench.wishes().camera, turned);
-  EXPECT_EQ(bench.frames().size(), 2u);
+  EXPECT_EQ(bench.sequence.frames().size(), 2u);
 }
 
 // The old scene stays on the screen, but there is no command that draws it.
@@ -306,13 +306,13 @@ TEST_F(WorkbenchTest, ASequenceMayShowAFileTwice) {
   Start sequence = start(one);
   sequence.frames = scene::files_of({one, one, two, one});
   Workbench& bench = show(sequence);
-  bench.frames_per_second = 20;
-  bench.play_frames(true);
+  bench.sequence.frames_per_second = 20;
+  bench.sequence.play(true);
   for (const std::size_t frame : {1u, 2u, 3u, 0u, 1u})
-    ASSERT_TRUE(wait(bench, [&] { return bench.frame() == frame; })) << frame;
-  bench.play_frames(false);
+    ASSERT_TRUE(wait(bench, [&] { return bench.sequence.frame() == frame; })) << frame;
+  bench.sequence.play(false);
   bench.show_frame(3);
-  EXPECT_EQ(bench.frame(), 3u);
+  EXPECT_EQ(bench.sequence.frame(), 3u);
   EXPECT_EQ(bench.wishes().files, std::vector{one});
 }
 
@@ -330,9 +330,9 @@ TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   EXPECT_THAT(bench.wishes().words(1, 1), Contains("--transform=1: 1,0,0,1000,0,1,0,0,0,0,1,0,0,0,0,1"));
   bench.change("shadows", [](Wishes& wishes) { wishes.set("shadows", "hard"); });
   bench.undo();
-  EXPECT_EQ(bench.frame(), 1u);
+  EXPECT_EQ(bench.sequence.frame(), 1u);
   bench.redo();
-  EXPECT_EQ(bench.frame(), 1u);
+  EXPECT_EQ(bench.sequence.frame(), 1u);
   bench.show_frame(0);
   ASSERT_TRUE(load(bench));
   EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 24.5, 1);

@@ -172,8 +172,8 @@ void Interface::act(Action action) {
       bench_.say(fmt::format("key {} of the camera path", bench_.path.keys().size()));
       break;
     case Action::play:
-      if (bench_.frames().size() > 1 && bench_.path.keys().size() < 2)
-        bench_.play_frames(!bench_.playing_frames());
+      if (bench_.sequence.frames().size() > 1 && bench_.path.keys().size() < 2)
+        bench_.sequence.play(!bench_.sequence.playing());
       else
         bench_.play(!bench_.playing());
       break;
