@@ -164,19 +164,18 @@ dvec3 Workbench::place_at(double x_px, double y_px) const {
 
 void Workbench::cut_profile(double width) {
   if (has_sample_only()) return say("a profile is of all points: they are still being read", true);
-  std::vector<dvec3> line;
-  for (const Picked& each : picked_) line.push_back(each.world);
+  std::vector<dvec3> line = picks.line();
   if (horizontal_length(line, navigator_.up_axis()) <= 0)
     return say("a profile needs a line: click two points that do not stand above each other", true);
-  profile_id_ = next_id_++;
-  whole_->profile({profile_id_, std::move(line), width});
+  picks.asked_profile_ = next_id_++;
+  whole_->profile({picks.asked_profile_, std::move(line), width});
 }
 
 void Workbench::pick(double x_px, double y_px, bool add) {
   if (has_sample_only()) return say("points are picked among all of them: they are still being read");
-  pick_id_ = next_id_++;
-  pick_adds_ = add;
-  whole_->pick({pick_id_, camera(), x_px, y_px});
+  picks.asked_point_ = next_id_++;
+  picks.is_line_ = add;
+  whole_->pick({picks.asked_point_, camera(), x_px, y_px});
 }
 
 void Workbench::shoot(const Wishes& wishes, int width, int height) {
@@ -285,29 +284,28 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     shown_quality_ = in_flight_quality_;
     shown_ = std::make_shared<const Picture>(std::move(*picture));
   } else if (auto* pick = std::get_if<PickAnswer>(&answer)) {
-    if (pick->id != pick_id_) return;
+    if (pick->id != picks.asked_point_) return;
     if (!pick->picked) return say("no point there");
-    if (!pick_adds_ && picked_.size() > 2) picked_.clear();  // after a line begins the next one
-    picked_.push_back(std::move(*pick->picked));
-    if (!pick_adds_ && picked_.size() > 2) picked_.erase(picked_.begin());
+    picks.add(std::move(*pick->picked));
     if (on_message) {
       const double size = navigator_.scene_size();
-      const dvec3 at = picked_.back().world;
-      std::string text = "picked point " + std::to_string(picked_.back().source) + ": " +
+      const std::vector<Picked>& points = picks.points();
+      const dvec3 at = points.back().world;
+      std::string text = "picked point " + std::to_string(points.back().source) + ": " +
                          coordinate_text(at.x, size) + " " + coordinate_text(at.y, size) + " " +
                          coordinate_text(at.z, size);
-      if (picked_.size() == 2) {
-        const Measure m = measure(picked_[0].world, at, navigator_.up_axis());
+      if (points.size() == 2) {
+        const Measure m = measure(points[0].world, at, navigator_.up_axis());
         text +=
             ", distance " + coordinate_text(m.distance, size) + ", height " + coordinate_text(m.height, size);
       }
       on_message({text, false});
     }
   } else if (auto* profile = std::get_if<Profile>(&answer)) {
-    if (profile->id != profile_id_) return;
+    if (profile->id != picks.asked_profile_) return;
     if (profile->points.empty()) return say("no point within the corridor: make it wider", true);
     say("profile of " + counted(profile->points.size(), "point"));
-    profile_ = std::make_shared<const Profile>(std::move(*profile));
+    picks.profile_ = std::make_shared<const Profile>(std::move(*profile));
   } else if (auto* off = std::get_if<CalledOff>(&answer)) {
     if (off->id == in_flight_ && in_flight_) {
       in_flight_ = 0;

@@ -18,6 +18,7 @@
 #include "view/loader.h"
 #include "view/navigator.h"
 #include "view/painter.h"
+#include "view/picks.h"
 #include "view/refinement.h"
 #include "view/sequence.h"
 #include "view/shared_scenes.h"
@@ -95,15 +96,12 @@ class Workbench {
   dvec3 place_at(double x_px, double y_px) const;
   /// What a turn that begins there turns about: the point under the cursor, else the target.
   dvec3 pivot_at(double x_px, double y_px) const;
-  /// Asks for the point under the cursor with all that it holds; it comes to `picked`.
+  Picks picks;
+  /// Asks for the point under the cursor with all that it holds; it comes to `picks`.
   /// `add`: to a line of as many points as are picked so; else the last two remain.
   void pick(double x_px, double y_px, bool add = false);
-  const std::vector<Picked>& picked() const { return picked_; }  ///< newest last
-  void clear_picked() { picked_.clear(); }
-  /// Along the line of picked points, of whatever stands in a corridor that wide; it comes to `profile`.
+  /// Along the line of picked points, of whatever stands in a corridor that wide; it comes to `picks`.
   void cut_profile(double width);
-  const std::shared_ptr<const Profile>& profile() const { return profile_; }  ///< null: none
-  void close_profile() { profile_.reset(); }
 
   /// The newest picture; null before the first.
   std::shared_ptr<const Picture> picture() const { return shown_; }
@@ -212,8 +210,7 @@ class Workbench {
   int width_ = 0, height_ = 0;
   double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0,
          watched_ms_ = 0, shaders_watched_ms_ = 0;
-  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0,
-                pick_id_ = 0;
+  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0;
   Quality in_flight_quality_, shown_quality_;
   std::optional<SceneKey> loaded_key_;
   SceneKey wanted_key_;
@@ -231,10 +228,6 @@ class Workbench {
   std::string reason_;
   std::size_t left_out_ = 0;
   Activity activity_;
-  std::vector<Picked> picked_;
-  bool pick_adds_ = false;
-  std::shared_ptr<const Profile> profile_;
-  std::uint64_t profile_id_ = 0;
   std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
   bool reading_view_ = false;
   bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure

@@ -148,7 +148,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.is_sample && !loaded.is_first && refinement_.moving(now_ms_)) return;
   for (const std::string& note : loaded.notes)
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
-  if (!is_another_view) picked_.clear(), profile_.reset();
+  if (!is_another_view) picks.clear(), picks.close_profile();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject, loaded.pose.vertical());
   if (wishes_.frame_on_load && width_ > 0 && loaded.is_first) {
     ViewCamera first;

@@ -224,16 +224,16 @@ TEST_F(LevelsTest, ChosenPointsStayWhenTheViewChanges) {
   bench.set_size(width, height);
   ASSERT_TRUE(settle(bench));
   bench.pick(width / 2.0, height / 2.0);
-  ASSERT_TRUE(wait(bench, [&] { return !bench.picked().empty(); }));
-  const dvec3 picked = bench.picked()[0].world;
+  ASSERT_TRUE(wait(bench, [&] { return !bench.picks.points().empty(); }));
+  const dvec3 picked = bench.picks.points()[0].world;
   bench.move("turn", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
   ASSERT_TRUE(settle(bench));
-  ASSERT_EQ(bench.picked().size(), 1u);
-  EXPECT_EQ(bench.picked()[0].world, picked);
+  ASSERT_EQ(bench.picks.points().size(), 1u);
+  EXPECT_EQ(bench.picks.points()[0].world, picked);
 }
 
 TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {

@@ -216,7 +216,7 @@ const std::map<std::string, Deed>& deeds() {
       {"view", [](auto& bench, auto&, auto& said, auto&) { show_side(bench, said.text("name")); }},
       {"pick", [](auto& bench, auto&, auto& said,
                   auto&) { bench.pick(said.number("x"), said.number("y"), said.flag("add")); }},
-      {"clear", [](auto& bench, auto&, auto&, auto&) { bench.clear_picked(), bench.close_profile(); }},
+      {"clear", [](auto& bench, auto&, auto&, auto&) { bench.picks.clear(), bench.picks.close_profile(); }},
       {"profile", [](auto& bench, auto&, auto& said, auto&) { bench.cut_profile(said.number("width")); }},
       {"technique",
        [](auto& bench, auto&, auto& said, auto&) {

@@ -162,8 +162,8 @@ void Interface::act(Action action) {
       break;
     case Action::clear_picks:
       help_ = false;
-      bench_.clear_picked();
-      bench_.close_profile();
+      bench_.picks.clear();
+      bench_.picks.close_profile();
       bench_.play(false);
       break;
     case Action::profile: bench_.cut_profile(double(corridor())); break;

@@ -158,7 +158,7 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddCircle(at, r + 1, rim, 24, 3.5f);
       list->AddCircle(at, r + 1, paint(0xffffff), 24, 1.5f);
     }
-  const auto& picked = bench_.picked();
+  const auto& picked = bench_.picks.points();
   for (std::size_t i = 1; i < picked.size(); ++i) {
     const auto [a, seen_a] = place(picked[i - 1].world);
     const auto [b, seen_b] = place(picked[i].world);
