@@ -184,13 +184,10 @@ void Workbench::shoot(const Wishes& wishes, int width, int height) {
     return say("only a sample could be read: there is no picture of the whole to save", true);
   if (load_failed_) return say("the files could not be read: there is no picture to save", true);
   if (is_loading_wishes()) {
-    shots_after_loading_.push_back({width, height, wishes});
+    shots.after_loading_.push_back({width, height, wishes});
     return say("the picture is saved once everything is loaded");
   }
-  if (follows_view()) {
-    delayed_shots_.push_back({view_of(wishes, width, height), wishes});
-    return;
-  }
+  if (follows_view()) return shots.of_view_.push_back({width, height, wishes});
   paint_shot(wishes, width, height);
 }
 
@@ -202,14 +199,14 @@ void Workbench::paint_shot(const Wishes& wishes, int width, int height) {
     shot.up = scene_->pose.upright.up, shot.crs = scene_->crs;
     shot.cutaway = note_on_cutaway(scene_->pose, {&job.camera, 1});
   }
-  waiting_shots_.emplace_back(job.id, std::move(shot));
+  shots.painted_.emplace_back(job.id, std::move(shot));
   whole_->paint_for_keeps(std::move(job));
 }
 
 /// Saves what was asked for while files were read.
 void Workbench::shoot_what_is_loaded() {
-  if (shots_after_loading_.empty() || is_loading_wishes()) return;
-  for (const ShotAfterLoading& each : std::exchange(shots_after_loading_, {})) {
+  if (shots.after_loading_.empty() || is_loading_wishes()) return;
+  for (const Shots::Order& each : std::exchange(shots.after_loading_, {})) {
     // From where it was asked for, unless other points were wished for since.
     const bool are_its_points = each.wishes.scene_key() == loaded_key_;
     shoot(are_its_points ? each.wishes : wishes_, each.width, each.height);
@@ -218,7 +215,7 @@ void Workbench::shoot_what_is_loaded() {
 
 void Workbench::amend(const std::function<void(Wishes&)>& edit) {
   history_.amend(edit);
-  for (ShotAfterLoading& each : shots_after_loading_) edit(each.wishes);
+  for (Shots::Order& each : shots.after_loading_) edit(each.wishes);
   edit(wishes_);
 }
 
@@ -263,14 +260,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     }
     touched();
   } else if (auto* picture = std::get_if<Picture>(&answer)) {
-    for (auto it = waiting_shots_.begin(); it != waiting_shots_.end(); ++it)
-      if (it->first == picture->id) {
-        it->second.picture = std::move(*picture);
-        shots_.push_back(std::move(it->second));
-        waiting_shots_.erase(it);
-        return;
-      }
-    if (picture->id != in_flight_) return;
+    if (shots.finish(*picture) || picture->id != in_flight_) return;
     in_flight_ = 0;
     refinement_.done(in_flight_quality_, picture->draw_ms);
     const bool in_motion = !(in_flight_quality_ == Refinement::ladder[0]);
@@ -322,13 +312,12 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     } else if (of_scene) {
       loading_ = false;
       scene_failed_ = true;
-      shots_after_loading_.clear();
-      delayed_shots_.clear();
+      shots.drop_waiting();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;
       refinement_.failed();
     }
-    std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == failure->id; });
+    shots.drop_painted(failure->id);
     say(failure->message, true);
   }
 }

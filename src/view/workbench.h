@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "session/notes.h"
 #include "view/history.h"
 #include "view/key_frames.h"
 #include "view/loader.h"
@@ -22,6 +20,7 @@
 #include "view/refinement.h"
 #include "view/sequence.h"
 #include "view/shared_scenes.h"
+#include "view/shots.h"
 #include "view/wishes.h"
 
 namespace sfumato::view {
@@ -52,16 +51,6 @@ struct Memory {
 struct Message {
   std::string text;
   bool is_error = false;
-};
-
-/// A picture that was asked for to be kept.
-struct Shot {
-  Picture picture;
-  std::vector<std::string> words;  ///< the command without -o
-  Furniture furniture = {};
-  UpAxis up = UpAxis::pos_z;
-  std::string crs = {};
-  std::optional<Note> cutaway = {};
 };
 
 class Workbench {
@@ -128,13 +117,10 @@ class Workbench {
   void set_timings(bool on) { timings_ = on; }
   void repaint();
 
-  /// A picture of the present view for keeps; it comes to `take_shots`, once everything is loaded. Of files
-  /// with levels, what it shows is read before.
+  Shots shots;
+  /// A picture of the present view for keeps; it comes to `shots`, once everything is loaded. Of files with
+  /// levels, what it shows is read before.
   void shoot(int width, int height) { shoot(wishes_, width, height); }
-  std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
-  bool shooting() const {
-    return !shots_after_loading_.empty() || !delayed_shots_.empty() || !waiting_shots_.empty();
-  }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -161,16 +147,6 @@ class Workbench {
     bool has_shadows = false;
     bool operator==(const SeenView&) const = default;
   };
-  /// A picture of files with levels, until its points are here.
-  struct DelayedShot {
-    SeenView view;
-    Wishes wishes;
-  };
-  /// A picture that was asked for while files were read.
-  struct ShotAfterLoading {
-    int width = 0, height = 0;
-    Wishes wishes;
-  };
 
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
@@ -186,7 +162,7 @@ class Workbench {
   bool is_loading_wishes() const;
   /// Waits while points are read for a picture to be kept.
   bool has_to_load() const {
-    return (is_to_read_anew_ || wanted_key_ != loaded_key_) && delayed_shots_.empty();
+    return (is_to_read_anew_ || wanted_key_ != loaded_key_) && shots.of_view_.empty();
   }
   void shoot_what_is_loaded();
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
@@ -231,10 +207,6 @@ class Workbench {
   std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
   bool reading_view_ = false;
   bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure
-  std::vector<ShotAfterLoading> shots_after_loading_;
-  std::deque<DelayedShot> delayed_shots_;
-  std::vector<Shot> shots_;
-  std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;
   std::set<std::string> notes_said_;  ///< of readers
   std::optional<Failure> fatal_;

@@ -51,11 +51,13 @@ void Workbench::load(bool anew) {
 }
 
 Workbench::SeenView Workbench::wanted_view() const {
-  return delayed_shots_.empty() ? view_of(wishes_, width_, height_) : delayed_shots_.front().view;
+  if (shots.of_view_.empty()) return view_of(wishes_, width_, height_);
+  const Shots::Order& shot = shots.of_view_.front();
+  return view_of(shot.wishes, shot.width, shot.height);
 }
 
 const Wishes& Workbench::wishes_of_view() const {
-  return delayed_shots_.empty() ? wishes_ : delayed_shots_.front().wishes;
+  return shots.of_view_.empty() ? wishes_ : shots.of_view_.front().wishes;
 }
 
 Workbench::SeenView Workbench::view_of(const Wishes& wishes, int width, int height) {
@@ -72,16 +74,16 @@ void Workbench::follow_view() {
   if (!follows_view() || loading_ || load_failed_ || width_ <= 0) return;
   const SeenView wanted = wanted_view();
   if (read_view_ == wanted) {
-    if (!delayed_shots_.empty() && whole_ready_ && !reading_view_) {
+    if (!shots.of_view_.empty() && whole_ready_ && !reading_view_) {
       // A hand that went on while the points were read gets the picture it asked for.
-      paint_shot(delayed_shots_.front().wishes, wanted.width, wanted.height);
-      delayed_shots_.pop_front();
+      paint_shot(shots.of_view_.front().wishes, wanted.width, wanted.height);
+      shots.of_view_.pop_front();
     }
     return;
   }
   if (std::exchange(reading_view_, false)) loader_->call_off();
   read_view_.reset();
-  if (refinement_.moving(now_ms_) && delayed_shots_.empty()) return;
+  if (refinement_.moving(now_ms_) && shots.of_view_.empty()) return;
   read_view_ = wanted;
   reading_view_ = true;
   load_id_ = next_id_++;
@@ -137,8 +139,7 @@ void Workbench::take_loaded(Loaded loaded) {
   if (loaded.failure) {
     loading_ = false;
     load_failed_ = !is_another_view;
-    shots_after_loading_.clear();
-    delayed_shots_.clear();
+    shots.drop_waiting();
     if (!scene_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
     if (has_sample_only()) say("what is shown is a sample of what could be read");

@@ -151,7 +151,7 @@ TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
   bench.shoot(4 * width, 4 * height);
   std::vector<Shot> shots;
   ASSERT_TRUE(wait(bench, [&] {
-    for (Shot& shot : bench.take_shots()) shots.push_back(std::move(shot));
+    for (Shot& shot : bench.shots.take()) shots.push_back(std::move(shot));
     return !shots.empty();
   }));
   Camera camera = bench.camera();
@@ -182,7 +182,7 @@ TEST_F(LevelsTest, PicturesForKeepsComeBeforeWhatIsWishedNext) {
   });
   std::vector<Shot> shots;
   ASSERT_TRUE(wait(bench, [&] {
-    for (Shot& shot : bench.take_shots()) shots.push_back(std::move(shot));
+    for (Shot& shot : bench.shots.take()) shots.push_back(std::move(shot));
     return shots.size() == 2 && bench.settled() && !has_walls(*bench.scene());
   }));
   EXPECT_EQ(different(shots[0].picture.image, picture_of(first)), 0u);

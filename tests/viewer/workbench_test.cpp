@@ -78,8 +78,8 @@ class WorkbenchTest : public ::testing::Test {
   }
   /// The pictures that were asked for, once all of them are there.
   std::vector<Shot> shots(Workbench& bench) {
-    EXPECT_TRUE(wait(bench, [&] { return !bench.shooting(); }));
-    return bench.take_shots();
+    EXPECT_TRUE(wait(bench, [&] { return !bench.shots.pending(); }));
+    return bench.shots.take();
   }
   static void reset(Workbench& bench) {
     bench.move("reset", [](Navigator& hand) { hand.reset(); });

@@ -130,7 +130,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!bench_) return;
     const auto self = std::exchange(itself_, nullptr);
     bench_->tick(now_ms());
-    std::vector<view::Shot> shots = bench_->take_shots();
+    std::vector<view::Shot> shots = bench_->shots.take();
     std::string complaint;
     for (const view::Message& each : bench_->take_messages())
       if (each.is_error) complaint = each.text;

@@ -184,7 +184,7 @@ void Viewer::send_picture(double now_ms) {
 }
 
 void Viewer::send_shots() {
-  for (view::Shot& shot : bench_->take_shots()) {
+  for (view::Shot& shot : bench_->shots.take()) {
     auto encoded = std::make_shared<std::string>();
     const int width = shot.picture.image.width(), height = shot.picture.image.height();
     outside_.in_background(

@@ -24,7 +24,7 @@ std::string free_name(const std::string& stem, const std::string& extension) {
 }
 
 void Interface::take_shots() {
-  for (view::Shot& shot : bench_.take_shots()) {
+  for (view::Shot& shot : bench_.shots.take()) {
     const std::string name = free_name("sfumato", ".png");
     // Taken at once, so that two pictures in a row do not get one name.
     if (std::FILE* file = std::fopen(name.c_str(), "wx")) std::fclose(file);
