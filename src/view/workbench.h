@@ -1,9 +1,9 @@
 // Everything between the hand and the picture: wishes, camera, history, the reading of files, and two
 // painters, one of the whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws
-// itself and shows what is here; it never waits. All of it is used on one thread.
+// itself and shows what is here, in `scene`, `picks`, `shots`, `path` and `sequence`; it never waits. All of it
+// is used on one thread.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,11 +13,11 @@
 
 #include "view/history.h"
 #include "view/key_frames.h"
-#include "view/loader.h"
 #include "view/navigator.h"
 #include "view/painter.h"
 #include "view/picks.h"
 #include "view/refinement.h"
+#include "view/scene_state.h"
 #include "view/sequence.h"
 #include "view/shared_scenes.h"
 #include "view/shots.h"
@@ -73,7 +73,6 @@ class Workbench {
   bool can_undo() const { return history_.can_undo(); }
   bool can_redo() const { return history_.can_redo(); }
 
-  void open(const std::vector<std::string>& files, bool add);
   void set_size(int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
@@ -85,6 +84,7 @@ class Workbench {
   dvec3 place_at(double x_px, double y_px) const;
   /// What a turn that begins there turns about: the point under the cursor, else the target.
   dvec3 pivot_at(double x_px, double y_px) const;
+
   Picks picks;
   /// Asks for the point under the cursor with all that it holds; it comes to `picks`.
   /// `add`: to a line of as many points as are picked so; else the last two remain.
@@ -95,27 +95,21 @@ class Workbench {
   /// The newest picture; null before the first.
   std::shared_ptr<const Picture> picture() const { return shown_; }
   Quality shown_quality() const { return shown_quality_; }
-  bool settled() const { return refinement_.settled() && !loading_ && !is_coarser_than_wanted(); }
+  bool settled() const { return refinement_.settled() && !scene.loading() && !is_coarser_than_wanted(); }
   bool moving() const { return refinement_.moving(now_ms_); }
   double motion_ms() const { return motion_ms_; }  ///< between two pictures in motion, smoothed; 0: none yet
   double first_picture_ms() const { return first_picture_ms_; }
   const Activity& activity() const { return activity_; }
-  const Loaded* scene() const {
-    return scene_ ? &*scene_ : nullptr;
-  }  ///< without its clouds, which the painters have
-  /// Only a sample of the files is there: they are being read, or could not be.
-  bool has_sample_only() const { return scene_ && scene_->is_sample; }
-  bool loading() const { return loading_; }
-  const std::optional<SceneKey>& loaded_key() const { return loaded_key_; }
-  const std::string& reason() const { return reason_; }
-  bool whole_ready() const { return whole_ready_; }
-  std::size_t left_out() const { return left_out_; }
+  void repaint();
+
+  SceneState scene;
+  void open(const std::vector<std::string>& files, bool add);
+  bool watch = false;  ///< read files again when they change
   std::string renderer_name() const { return whole_->renderer_name(); }
   /// What the drivers of both painters complained of since the last call.
   std::vector<std::string> take_driver_messages();
   Memory memory() const;
   void set_timings(bool on) { timings_ = on; }
-  void repaint();
 
   Shots shots;
   /// A picture of the present view for keeps; it comes to `shots`, once everything is loaded. Of files with
@@ -132,27 +126,18 @@ class Workbench {
   /// Plays the path from its begin, or stops it.
   void play(bool on);
   bool playing() const { return play_began_ms_.has_value(); }
-  double play_time_s() const { return play_began_ms_ ? 1e-3 * (now_ms_ - *play_began_ms_) : 0; }
 
   Sequence sequence;
   void show_frame(std::size_t i);
 
-  bool watch = false;
-
  private:
-  /// What files with levels are read for.
-  struct SeenView {
-    ViewCamera camera;
-    int width = 0, height = 0;
-    bool has_shadows = false;
-    bool operator==(const SeenView&) const = default;
-  };
+  using SeenView = SceneState::SeenView;
+  using Stage = SceneState::Stage;
 
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
   void take_answer(Answer answer, bool of_whole);
   void load(bool anew);
-  bool follows_view() const { return scene_ && scene_->follows_view; }
   static SeenView view_of(const Wishes& wishes, int width, int height);
   /// Of the window, or of a picture to be kept that waits for its points.
   SeenView wanted_view() const;
@@ -160,10 +145,7 @@ class Workbench {
   bool is_coarser_than_wanted() const;
   void follow_view();
   bool is_loading_wishes() const;
-  /// Waits while points are read for a picture to be kept.
-  bool has_to_load() const {
-    return (is_to_read_anew_ || wanted_key_ != loaded_key_) && shots.of_view_.empty();
-  }
+  std::optional<double> load_due_ms() const;
   void shoot_what_is_loaded();
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
   void amend(const std::function<void(Wishes&)>& edit);
@@ -173,8 +155,6 @@ class Workbench {
   void send_scene(Loaded& loaded, bool is_another_view);
   PictureJob job_for(const Wishes& wishes, const Quality& quality, int width, int height) const;
   void ask();
-  void touched();
-  bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
   void watch_shaders();
 
@@ -186,26 +166,12 @@ class Workbench {
   int width_ = 0, height_ = 0;
   double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0,
          watched_ms_ = 0, shaders_watched_ms_ = 0;
-  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0;
+  std::uint64_t next_id_ = 1, in_flight_ = 0;
   Quality in_flight_quality_, shown_quality_;
-  std::optional<SceneKey> loaded_key_;
-  SceneKey wanted_key_;
   Wishes look_;
-  double key_changed_ms_ = -1e9;
-  bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be
-  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false,
-       scene_failed_ = false, load_failed_ = false;  ///< the last: what is shown is not what is wished for
-  bool timings_ = false, had_whole_ = false;
-  std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
-  std::optional<Loaded> scene_;
-  std::shared_ptr<const Loaded> known_,
-      shared_scene_;  ///< what another workbench has read: about to be taken; taken
+  bool timings_ = false;
   std::shared_ptr<const Picture> shown_;
-  std::string reason_;
-  std::size_t left_out_ = 0;
   Activity activity_;
-  std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
-  bool reading_view_ = false;
   bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure
   std::vector<Message> messages_;
   std::set<std::string> notes_said_;  ///< of readers

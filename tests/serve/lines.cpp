@@ -67,7 +67,7 @@ class Lines {
     using Clock = std::chrono::steady_clock;
     const auto is_there = [&] {
       return bench_.settled() && !bench_.shots.pending() && !bench_.playing() &&
-             bench_.wishes().scene_key() == bench_.loaded_key();
+             bench_.wishes().scene_key() == bench_.scene.key();
     };
     do {
       bench_.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());

@@ -101,8 +101,8 @@ void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
 void show_class(Workbench& bench, int id, bool shown) {
   bench.change("classes", [&](Wishes& next) {
     Selection& wanted = next.points.selection;
-    if (!wanted.show_classes.empty() && bench.scene()) {
-      for (const ClassShare& each : bench.scene()->classes)
+    if (!wanted.show_classes.empty() && bench.scene.loaded()) {
+      for (const ClassShare& each : bench.scene.loaded()->classes)
         if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), each.id) ==
             wanted.show_classes.end())
           next.hide_classes.push_back(each.id);

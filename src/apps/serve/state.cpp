@@ -63,7 +63,7 @@ Json colors(const Workbench& bench) {
             {"legend", wishes.furniture.legend},
             {"colormaps", Colormap::choices()}};
   for (const auto& [key, option] : color_options) json[key] = text_of(wishes, option);
-  json["sources"] = view::color_sources(bench.scene());
+  json["sources"] = view::color_sources(bench.scene.loaded());
   if (!bench.picture()) return json;
   const Coloring& coloring = bench.picture()->coloring;
   json["source"] = coloring.source;
@@ -84,7 +84,7 @@ Json colors(const Workbench& bench) {
 }
 
 Json scene_json(const Workbench& bench) {
-  const view::Loaded* scene = bench.scene();
+  const view::Loaded* scene = bench.scene.loaded();
   if (!scene) return nullptr;
   const Wishes& wishes = bench.wishes();
   const Selection& selection = wishes.points.selection;
@@ -172,7 +172,7 @@ Json state_of(const Workbench& bench) {
   for (const std::string& file : bench.wishes().files)
     files.push_back(file.substr(file.find_last_of('/') + 1));
   state["files"] = files;
-  state["technique"] = {{"name", bench.wishes().technique}, {"reason", bench.reason()}};
+  state["technique"] = {{"name", bench.wishes().technique}, {"reason", bench.scene.reason()}};
   state["notes"] = bench.picture() && bench.settled() ? Json(bench.picture()->notes) : Json::array();
   state["scene"] = scene_json(bench);
   state["controls"] = controls(bench);

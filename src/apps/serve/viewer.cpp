@@ -147,7 +147,7 @@ void Viewer::send_picture(double now_ms) {
     publish::PackedDepth depth;
   };
   auto encoded = std::make_shared<Encoded>();
-  const view::Loaded* scene = bench_->scene();
+  const view::Loaded* scene = bench_->scene.loaded();
   const UpAxis up = scene ? scene->pose.upright.up : UpAxis::pos_z;
   const std::string crs = scene ? scene->crs : "";
   const bool draws_furniture = !furniture.empty() && picture->image.width() == bench_->width() &&

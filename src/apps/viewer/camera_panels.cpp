@@ -15,7 +15,7 @@ namespace sfumato::viewer {
 
 void Interface::clip_panel() {
   clip_ = heading("Clip box", false);
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   if (!clip_ || !scene) return;
   const auto& crop = bench_.wishes().points.selection.crop;
   bool on = crop.has_value();

@@ -31,7 +31,7 @@ Image<Rgba8> picture_of(const view::Profile& profile, const std::string& unit, i
 
 void Interface::measure_panel() {
   if (!heading("Measure", false)) return;
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   const auto& picked = bench_.picks.points();
   const double size = bench_.navigator().scene_size();
   const std::string unit = view::unit_of(scene ? scene->crs : "");
@@ -73,7 +73,7 @@ void Interface::draw_profile(float width, float height) {
   ImGui::Begin("Profile", &open,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoScrollbar);
-  const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
+  const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
   const auto save = [&](const char* extension, const auto& write) {
     const std::string name = free_name("profile", extension);
     try {

@@ -58,7 +58,7 @@ void Interface::file_list() {
 
 void Interface::scene_panel() {
   if (!heading("Scene", false)) return;
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   if (!scene) return;
   if (const int frames = int(bench_.sequence.frames().size()); frames > 1) {
     int frame = int(bench_.sequence.frame()) + 1;
@@ -72,9 +72,10 @@ void Interface::scene_panel() {
     tooltip("frames a second, as far as whole pictures keep up");
   }
   file_list();
-  note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read),
-                   thousands(scene->points_shown),
-                   bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
+  note(fmt::format(
+      "{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read),
+      thousands(scene->points_shown),
+      bench_.scene.left_out() ? fmt::format(", {} in places with others", bench_.scene.left_out()) : ""));
   note(fmt::format("up {} ({})", to_string(scene->pose.upright.up), scene->pose.upright.reason));
   if (bool whole = bench_.wishes().whole; scene->pose.subject.room || whole) {
     if (ImGui::Checkbox("whole room", &whole))
