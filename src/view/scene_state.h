@@ -17,7 +17,7 @@ class SceneState {
   const Loaded* loaded() const { return loaded_ ? &*loaded_ : nullptr; }
   /// Its files are read, or prepared to be drawn.
   bool loading() const { return stage_ == Stage::reading || stage_ == Stage::preparing; }
-  /// The whole cloud of them can be drawn.
+  /// The whole cloud can be drawn.
   bool is_ready() const { return whole_.is_ready && !loading(); }
   /// Of what is loaded or loading; nothing: it was refused, and is to be loaded again.
   const std::optional<SceneKey>& key() const { return key_; }
@@ -29,8 +29,8 @@ class SceneState {
   enum class Stage {
     idle,
     reading,
-    preparing,  ///< by the painter of the whole cloud
-    refused,    ///< by it
+    preparing,  ///< to be drawn: the painter of the whole cloud
+    refused,    ///< by that painter
     unreadable  ///< what is shown is not what is wished for
   };
   /// What files with levels are read for.

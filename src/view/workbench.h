@@ -1,7 +1,7 @@
 // Everything between the hand and the picture: wishes, camera, history, the reading of files, and two
 // painters, one of the whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws
-// itself and shows what is here, in `scene`, `picks`, `shots`, `path` and `sequence`; it never waits. All of it
-// is used on one thread.
+// itself and shows what is here, in `scene`, `picks`, `shots`, `path` and `sequence`; it never waits. All of
+// it is used on one thread.
 #pragma once
 
 #include <functional>
@@ -100,9 +100,11 @@ class Workbench {
   double motion_ms() const { return motion_ms_; }  ///< between two pictures in motion, smoothed; 0: none yet
   double first_picture_ms() const { return first_picture_ms_; }
   const Activity& activity() const { return activity_; }
+  /// What is shown is out of date.
   void repaint();
 
   SceneState scene;
+  /// In place of what is open, or beside it; where that changes nothing, the files are read again.
   void open(const std::vector<std::string>& files, bool add);
   bool watch = false;  ///< read files again when they change
   std::string renderer_name() const { return whole_->renderer_name(); }
@@ -128,6 +130,7 @@ class Workbench {
   bool playing() const { return play_began_ms_.has_value(); }
 
   Sequence sequence;
+  /// Of `sequence.frames`; no step that could be undone.
   void show_frame(std::size_t i);
 
  private:
