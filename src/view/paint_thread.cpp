@@ -205,8 +205,8 @@ PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
   double nearest = 0;
   for (std::size_t k = 0; k < session.parts().size(); ++k) {
     const PointCloud& cloud = session.cloud(k);
-    const auto index =
-        nearest_point(cloud, job.camera, job.x_px, job.y_px, 12, 0.02, session.pose().subject.room);
+    const auto index = nearest_point(cloud, job.camera, job.x_px, job.y_px, 12, 0.02,
+                                     session.pose().subject.room, session.prepared(k).batches);
     if (!index) continue;
     const double depth = project(job.camera, cloud.world(*index)).z;
     if (found.picked && depth >= nearest) continue;

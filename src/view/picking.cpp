@@ -28,23 +28,44 @@ std::string fixed(double value, int decimals) {
 
 std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px,
                                          double y_px, double reach_px, double depth_share,
-                                         const std::optional<Room>& room) {
+                                         const std::optional<Room>& room, std::span<const Batch> batches) {
   const dmat4 view = camera.view(cloud.origin);
   const Intrinsics k = camera.intrinsics();
   const bool parallel = camera.orthographic();
   const Cut cut = room ? cut_before(*room, camera) : Cut{};
   std::vector<Candidate> near;
   double front = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const dvec3 eye(view * glm::dvec4(dvec3(cloud.positions[i]), 1));
-    const double depth = -eye.z;
-    if (!parallel && !(depth > 0)) continue;
-    const double w = parallel ? 1 : depth;
-    const double dx = k.cx + k.fx * eye.x / w - x_px, dy = k.cy - k.fy * eye.y / w - y_px;
-    const double distance2 = dx * dx + dy * dy;
-    if (distance2 > reach_px * reach_px || (!cut.empty() && is_cut(cut, cloud.world(i)))) continue;
-    near.push_back({depth, distance2, i});
-  }
+  const auto look_at = [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      const dvec3 eye(view * glm::dvec4(dvec3(cloud.positions[i]), 1));
+      const double depth = -eye.z;
+      if (!parallel && !(depth > 0)) continue;
+      const double w = parallel ? 1 : depth;
+      const double dx = k.cx + k.fx * eye.x / w - x_px, dy = k.cy - k.fy * eye.y / w - y_px;
+      const double distance2 = dx * dx + dy * dy;
+      if (distance2 > reach_px * reach_px || (!cut.empty() && is_cut(cut, cloud.world(i)))) continue;
+      near.push_back({depth, distance2, i});
+    }
+  };
+  // The sides of a square around the cursor are planes through the eye: a box outside one of them is out of
+  // reach. Half a pixel is for rounding.
+  const double reach = reach_px + 0.5;
+  const auto may_reach = [&](const Batch& batch) {
+    glm::dvec4 most(-std::numeric_limits<double>::infinity());
+    for (int corner = 0; corner < 8; ++corner) {
+      const dvec3 place{corner & 1 ? batch.box_max.x : batch.box_min.x,
+                        corner & 2 ? batch.box_max.y : batch.box_min.y,
+                        corner & 4 ? batch.box_max.z : batch.box_min.z};
+      const dvec3 eye(view * glm::dvec4(place, 1));
+      const double w = parallel ? 1 : -eye.z;
+      const double dx = (k.cx - x_px) * w + k.fx * eye.x, dy = (k.cy - y_px) * w - k.fy * eye.y;
+      most = glm::max(most, glm::dvec4(reach * w - dx, reach * w + dx, reach * w - dy, reach * w + dy));
+    }
+    return glm::all(glm::greaterThanEqual(most, glm::dvec4(0)));
+  };
+  if (batches.empty()) look_at(0, cloud.size());
+  for (const Batch& batch : batches)
+    if (may_reach(batch)) look_at(batch.first, batch.count);
   if (near.empty()) return std::nullopt;
   // The surface in front: the nearest depth near the cursor, and those the view's scale allows to be of the
   // same surface.

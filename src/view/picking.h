@@ -3,22 +3,25 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/camera.h"
-#include "core/point_cloud.h"
+#include "core/prepared_cloud.h"
 #include "core/room.h"
 
 namespace sfumato::view {
 
 /// The point whose projection is nearest to (x, y) among those in front: of all points within `reach_px`,
 /// those that lie behind the nearest by more than `depth_share` of its depth are hidden by it. Walls of
-/// `room` that are not drawn for this camera are not picked. Nothing when none is within reach.
+/// `room` that are not drawn for this camera are not picked. Nothing when none is within reach. Given the
+/// `batches` of the cloud, it looks only into those that may hold such a point.
 std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& camera, double x_px,
                                          double y_px, double reach_px = 12, double depth_share = 0.02,
-                                         const std::optional<Room>& room = {});
+                                         const std::optional<Room>& room = {},
+                                         std::span<const Batch> batches = {});
 
 /// A picked point with all that it holds.
 struct Picked {

@@ -8,15 +8,10 @@
 #include "core/error.h"
 
 namespace sfumato::view {
-namespace {
-
-/// Sliders that decide which points there are rest so long before the points are selected anew.
-constexpr double reload_rest_ms = 250;
-
-}  // namespace
 
 Workbench::Workbench(Start start)
     : watch(start.watch),
+      sequence(start.frames),
       start_(std::move(start)),
       wishes_(start_.wishes),
       history_(wishes_),
@@ -25,9 +20,9 @@ Workbench::Workbench(Start start)
       whole_(start_.shared ? std::make_unique<Painter>(start_.shared->whole, start_.wake)
                            : std::make_unique<Painter>(gate_, start_.wake)),
       loader_(std::make_unique<Loader>(start_.wake)) {
-  frames_ = start_.frames;
+  sequence.follow(wishes_.files);
   if (wishes_.files.empty())
-    loaded_key_ = wanted_key_ = wishes_.scene_key();  // until some are opened
+    scene.key_ = scene.wanted_key_ = wishes_.scene_key();  // until some are opened
   else
     load(false);
 }
@@ -38,8 +33,8 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
     edit(next);
     const SessionOptions options = next.session_options();
     // A number that the scan lacks is named at once, not when the scene has been taken apart for it.
-    if (scene_ && scene_->near && next.scene_key() != wishes_.scene_key())
-      for (const DrawRule& rule : options.draw) (void)rule.selector.matches(*scene_->near);
+    if (scene.loaded_ && scene.loaded_->near && next.scene_key() != wishes_.scene_key())
+      for (const DrawRule& rule : options.draw) (void)rule.selector.matches(*scene.loaded_->near);
     if (!next.technique.empty()) {
       Look look(next.technique);
       for (const auto& [name, value] : next.parameters_of(next.technique)) look.set(name, value);
@@ -49,8 +44,9 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
     say(error.what(), true);
     return;
   }
-  if (next.files != wishes_.files) sample_camera_.reset(), is_playing_frames_ = false;
+  if (next.files != wishes_.files) scene.sample_camera_.reset(), sequence.play(false);
   wishes_ = std::move(next);
+  sequence.follow(wishes_.files);
   history_.record(wishes_, what, now_ms_);
 }
 
@@ -62,21 +58,23 @@ void Workbench::move(const std::string& what, const std::function<void(Navigator
   play(false);  // a hand takes over
   wishes_.camera = navigator_.camera();
   history_.record(wishes_, what, now_ms_);
-  touched();
+  repaint();
 }
 
 void Workbench::undo() {
   play(false);
   if (!history_.can_undo()) return say("nothing to undo");
   wishes_ = history_.undo();
-  touched();
+  sequence.follow(wishes_.files);
+  repaint();
 }
 
 void Workbench::redo() {
   if (!history_.can_redo()) return say("nothing to redo");
   play_began_ms_.reset();  // a step of its own would leave nothing to redo
   wishes_ = history_.redo();
-  touched();
+  sequence.follow(wishes_.files);
+  repaint();
 }
 
 void Workbench::say(const std::string& text, bool is_error) {
@@ -104,8 +102,7 @@ Memory Workbench::memory() const {
   return memory;
 }
 
-void Workbench::touched() { refinement_.changed(now_ms_); }
-void Workbench::repaint() { touched(); }
+void Workbench::repaint() { refinement_.changed(now_ms_); }
 
 void Workbench::open(const std::vector<std::string>& files, bool add) {
   std::vector<std::string> expanded;
@@ -123,7 +120,7 @@ void Workbench::open(const std::vector<std::string>& files, bool add) {
   for (const std::string& file : expanded)
     if (std::find(next.files.begin(), next.files.end(), file) == next.files.end()) next.files.push_back(file);
   if (next.scene_key() == wishes_.scene_key()) {
-    is_to_read_anew_ = true;
+    scene.is_to_read_anew_ = true;
     return;
   }
   next.frame_on_load = true;
@@ -135,14 +132,14 @@ void Workbench::set_size(int width, int height) {
   if (width == width_ && height == height_) return;
   width_ = width, height_ = height;
   refinement_.forget();
-  touched();
+  repaint();
 }
 
 std::optional<dvec3> Workbench::point_at(const Camera& seen, double x_px, double y_px) const {
-  if (scene_ && scene_->near)
+  if (scene.loaded_ && scene.loaded_->near)
     if (const auto index =
-            nearest_point(*scene_->near, seen, x_px, y_px, 24, 0.02, scene_->pose.subject.room))
-      return scene_->near->world(*index);
+            nearest_point(*scene.loaded_->near, seen, x_px, y_px, 24, 0.02, scene.loaded_->pose.subject.room))
+      return scene.loaded_->near->world(*index);
   return std::nullopt;
 }
 
@@ -159,35 +156,32 @@ dvec3 Workbench::place_at(double x_px, double y_px) const {
 }
 
 void Workbench::cut_profile(double width) {
-  if (has_sample_only()) return say("a profile is of all points: they are still being read", true);
-  std::vector<dvec3> line;
-  for (const Picked& each : picked_) line.push_back(each.world);
+  if (scene.has_sample_only()) return say("a profile is of all points: they are still being read", true);
+  std::vector<dvec3> line = picks.line();
   if (horizontal_length(line, navigator_.up_axis()) <= 0)
     return say("a profile needs a line: click two points that do not stand above each other", true);
-  profile_id_ = next_id_++;
-  whole_->profile({profile_id_, std::move(line), width});
+  picks.asked_profile_ = next_id_++;
+  whole_->profile({picks.asked_profile_, std::move(line), width});
 }
 
 void Workbench::pick(double x_px, double y_px, bool add) {
-  if (has_sample_only()) return say("points are picked among all of them: they are still being read");
-  pick_id_ = next_id_++;
-  pick_adds_ = add;
-  whole_->pick({pick_id_, camera(), x_px, y_px});
+  if (scene.has_sample_only()) return say("points are picked among all of them: they are still being read");
+  picks.asked_point_ = next_id_++;
+  picks.is_line_ = add;
+  whole_->pick({picks.asked_point_, camera(), x_px, y_px});
 }
 
 void Workbench::shoot(const Wishes& wishes, int width, int height) {
-  if (scene_failed_ || wishes.files.empty()) return say("there is no picture to save", true);
-  if (has_sample_only() && !loading_)
+  if (scene.stage_ == Stage::refused || wishes.files.empty()) return say("there is no picture to save", true);
+  if (scene.has_sample_only() && !scene.loading())
     return say("only a sample could be read: there is no picture of the whole to save", true);
-  if (load_failed_) return say("the files could not be read: there is no picture to save", true);
+  if (scene.stage_ == Stage::unreadable)
+    return say("the files could not be read: there is no picture to save", true);
   if (is_loading_wishes()) {
-    shots_after_loading_.push_back({width, height, wishes});
+    shots.after_loading_.push_back({width, height, wishes});
     return say("the picture is saved once everything is loaded");
   }
-  if (follows_view()) {
-    delayed_shots_.push_back({view_of(wishes, width, height), wishes});
-    return;
-  }
+  if (scene.follows_view()) return shots.of_view_.push_back({width, height, wishes});
   paint_shot(wishes, width, height);
 }
 
@@ -195,57 +189,39 @@ void Workbench::paint_shot(const Wishes& wishes, int width, int height) {
   PictureJob job = job_for(wishes, Refinement::ladder[0], width, height);
   job.id = next_id_++;
   Shot shot{{}, wishes.words(width, height), wishes.furniture};
-  if (scene_) {
-    shot.up = scene_->pose.upright.up, shot.crs = scene_->crs;
-    shot.cutaway = note_on_cutaway(scene_->pose, {&job.camera, 1});
+  if (scene.loaded_) {
+    shot.up = scene.loaded_->pose.upright.up, shot.crs = scene.loaded_->crs;
+    shot.cutaway = note_on_cutaway(scene.loaded_->pose, {&job.camera, 1});
   }
-  waiting_shots_.emplace_back(job.id, std::move(shot));
+  shots.painted_.emplace_back(job.id, std::move(shot));
   whole_->paint_for_keeps(std::move(job));
 }
 
 /// Saves what was asked for while files were read.
 void Workbench::shoot_what_is_loaded() {
-  if (shots_after_loading_.empty() || is_loading_wishes()) return;
-  for (const ShotAfterLoading& each : std::exchange(shots_after_loading_, {})) {
+  if (shots.after_loading_.empty() || is_loading_wishes()) return;
+  for (const Shots::Order& each : std::exchange(shots.after_loading_, {})) {
     // From where it was asked for, unless other points were wished for since.
-    const bool are_its_points = each.wishes.scene_key() == loaded_key_;
+    const bool are_its_points = each.wishes.scene_key() == scene.key_;
     shoot(are_its_points ? each.wishes : wishes_, each.width, each.height);
   }
 }
 
 void Workbench::amend(const std::function<void(Wishes&)>& edit) {
   history_.amend(edit);
-  for (ShotAfterLoading& each : shots_after_loading_) edit(each.wishes);
+  for (Shots::Order& each : shots.after_loading_) edit(each.wishes);
   edit(wishes_);
 }
 
-bool Workbench::is_frame(const Wishes& wishes) const {
-  return wishes.files.size() == 1 &&
-         std::any_of(frames_.begin(), frames_.end(),
-                     [&](const scene::SceneFile& each) { return each.name == wishes.files.front(); });
-}
-
-const std::vector<scene::SceneFile>& Workbench::frames() const {
-  static const std::vector<scene::SceneFile> none;
-  return is_frame(wishes_) ? frames_ : none;
-}
-
-std::size_t Workbench::frame() const {
-  const std::vector<scene::SceneFile>& all = frames();
-  const auto is_shown = [&](const scene::SceneFile& each) { return each.name == wishes_.files.front(); };
-  if (frame_ < all.size() && is_shown(all[frame_])) return frame_;
-  return std::size_t(std::find_if(all.begin(), all.end(), is_shown) - all.begin());
-}
-
 void Workbench::show_frame(std::size_t i) {
-  if (i >= frames().size() || i == frame()) return;
+  if (i >= sequence.frames().size() || i == sequence.frame()) return;
+  const scene::SceneFile& file = sequence.frames()[i];
   const auto show = [&](Wishes& each) {
-    if (is_frame(each)) each.files = {frames_[i].name}, each.placed = {frames_[i].transform};
+    if (sequence.holds(each.files)) each.files = {file.name}, each.placed = {file.transform};
   };
   history_.amend(show);  // nobody undoes the time that went by
   show(wishes_);
-  frame_ = i;
-  frame_since_ms_ = now_ms_;
+  sequence.show(i, now_ms_);
 }
 
 void Workbench::play(bool on) {
@@ -259,33 +235,26 @@ void Workbench::play(bool on) {
 void Workbench::take_answer(Answer answer, bool of_whole) {
   if (auto* ready = std::get_if<SceneReady>(&answer)) {
     if (!of_whole) {
-      sample_ready_ = ready->id == sample_scene_id_;
+      scene.sample_.is_ready = ready->id == scene.sample_.id;
       return;
     }
-    if (ready->id != whole_scene_id_) return;
-    whole_ready_ = true;
-    loading_ = false;
-    left_out_ = ready->left_out;
+    if (ready->id != scene.whole_.id) return;
+    scene.whole_.is_ready = true;
+    if (scene.stage_ == Stage::preparing) scene.stage_ = Stage::idle;
+    scene.left_out_ = ready->left_out;
     for (const std::string& note : ready->notes) say(note);
     refinement_.set_whole_ready(true);
-    if (!scene_->is_coarse) {
-      if (wishes_.technique.empty()) reason_ = ready->choice.reason;
+    if (!scene.loaded_->is_coarse) {
+      if (wishes_.technique.empty()) scene.reason_ = ready->choice.reason;
       const auto settle = [&](Wishes& each) {
         if (each.technique.empty())
           each.technique = ready->choice.technique.empty() ? stand_in_technique : ready->choice.technique;
       };
       amend(settle);  // nothing chooses again where a hand goes back to
     }
-    touched();
+    repaint();
   } else if (auto* picture = std::get_if<Picture>(&answer)) {
-    for (auto it = waiting_shots_.begin(); it != waiting_shots_.end(); ++it)
-      if (it->first == picture->id) {
-        it->second.picture = std::move(*picture);
-        shots_.push_back(std::move(it->second));
-        waiting_shots_.erase(it);
-        return;
-      }
-    if (picture->id != in_flight_) return;
+    if (shots.finish(*picture) || picture->id != in_flight_) return;
     in_flight_ = 0;
     refinement_.done(in_flight_quality_, picture->draw_ms);
     const bool in_motion = !(in_flight_quality_ == Refinement::ladder[0]);
@@ -299,52 +268,49 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     shown_quality_ = in_flight_quality_;
     shown_ = std::make_shared<const Picture>(std::move(*picture));
   } else if (auto* pick = std::get_if<PickAnswer>(&answer)) {
-    if (pick->id != pick_id_) return;
+    if (pick->id != picks.asked_point_) return;
     if (!pick->picked) return say("no point there");
-    if (!pick_adds_ && picked_.size() > 2) picked_.clear();  // after a line begins the next one
-    picked_.push_back(std::move(*pick->picked));
-    if (!pick_adds_ && picked_.size() > 2) picked_.erase(picked_.begin());
+    picks.add(std::move(*pick->picked));
     if (on_message) {
       const double size = navigator_.scene_size();
-      const dvec3 at = picked_.back().world;
-      std::string text = "picked point " + std::to_string(picked_.back().source) + ": " +
+      const std::vector<Picked>& points = picks.points();
+      const dvec3 at = points.back().world;
+      std::string text = "picked point " + std::to_string(points.back().source) + ": " +
                          coordinate_text(at.x, size) + " " + coordinate_text(at.y, size) + " " +
                          coordinate_text(at.z, size);
-      if (picked_.size() == 2) {
-        const Measure m = measure(picked_[0].world, at, navigator_.up_axis());
+      if (points.size() == 2) {
+        const Measure m = measure(points[0].world, at, navigator_.up_axis());
         text +=
             ", distance " + coordinate_text(m.distance, size) + ", height " + coordinate_text(m.height, size);
       }
       on_message({text, false});
     }
   } else if (auto* profile = std::get_if<Profile>(&answer)) {
-    if (profile->id != profile_id_) return;
+    if (profile->id != picks.asked_profile_) return;
     if (profile->points.empty()) return say("no point within the corridor: make it wider", true);
     say("profile of " + counted(profile->points.size(), "point"));
-    profile_ = std::make_shared<const Profile>(std::move(*profile));
+    picks.profile_ = std::make_shared<const Profile>(std::move(*profile));
   } else if (auto* off = std::get_if<CalledOff>(&answer)) {
     if (off->id == in_flight_ && in_flight_) {
       in_flight_ = 0;
       refinement_.called_off();
     }
   } else if (auto* failure = std::get_if<Failure>(&answer)) {
-    if (failure->id == sample_scene_id_ && failure->id != 0) {
-      sample_failed_ = true;  // rules may leave nothing of a sample: the whole cloud is drawn in its place
+    if (failure->id == scene.sample_.id && failure->id != 0) {
+      scene.sample_.is_refused = true;  // rules may leave nothing of it: the whole cloud is drawn then
       return;
     }
-    const bool of_scene = failure->id == whole_scene_id_;
+    const bool of_scene = failure->id == scene.whole_.id;
     if (failure->id == 0 || (of_scene && !shown_)) {
       fatal_ = *failure;
     } else if (of_scene) {
-      loading_ = false;
-      scene_failed_ = true;
-      shots_after_loading_.clear();
-      delayed_shots_.clear();
+      if (scene.stage_ == Stage::idle || scene.stage_ == Stage::preparing) scene.stage_ = Stage::refused;
+      shots.drop_waiting();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;
       refinement_.failed();
     }
-    std::erase_if(waiting_shots_, [&](const auto& each) { return each.first == failure->id; });
+    shots.drop_painted(failure->id);
     say(failure->message, true);
   }
 }
@@ -381,7 +347,7 @@ PictureJob Workbench::job_for(const Wishes& wishes, const Quality& quality, int 
 }
 
 void Workbench::ask() {
-  if (width_ <= 0 || !can_draw()) return;
+  if (width_ <= 0 || !scene.can_draw()) return;
   refinement_.set_subject(wishes_.technique);
   auto quality = refinement_.next(now_ms_);
   if (!quality) return;
@@ -391,22 +357,22 @@ void Workbench::ask() {
   in_flight_quality_ = *quality;
   refinement_.begun(*quality, now_ms_);
   if (!quality->whole_cloud) whole_->call_off();
-  (quality->whole_cloud || sample_failed_ ? *whole_ : *sample_).paint(std::move(job));
+  (quality->whole_cloud || scene.sample_.is_refused ? *whole_ : *sample_).paint(std::move(job));
 }
 
 void Workbench::tick(double now_ms) {
   now_ms_ = now_ms;
   if (began_ms_ < 0) began_ms_ = now_ms;
   if (play_began_ms_) {
-    const double time = play_time_s();
+    const double time = 1e-3 * (now_ms - *play_began_ms_);
     const bool is_over = time > path.duration_s();
     if (!path.empty()) wishes_.camera = is_over ? path.keys().back() : path.at(time);
     if (is_over) play(false);
-    touched();
+    repaint();
   }
-  if (width_ > 0 && known_) {
-    Loaded loaded = *known_;
-    loaded.id = load_id_, loaded.is_first = true;
+  if (width_ > 0 && scene.known_) {
+    Loaded loaded = *scene.known_;
+    loaded.id = scene.load_id_, loaded.is_first = true;
     take_loaded(std::move(loaded));
   } else if (width_ > 0) {
     if (auto loaded = loader_->take()) take_loaded(std::move(*loaded));
@@ -416,30 +382,21 @@ void Workbench::tick(double now_ms) {
   watch_files();
   watch_shaders();
 
-  // A frame that stands is shown for a moment, else fast ones would never be seen whole.
-  if (!settled())
-    frame_stood_ms_.reset();
-  else if (!frame_stood_ms_)
-    frame_stood_ms_ = now_ms;
-  if (playing_frames() && frame_stood_ms_ && frame_due_ms() <= now_ms) {
-    show_frame((frame() + 1) % frames().size());
-    key_changed_ms_ = now_ms - reload_rest_ms;  // nobody drags a slider here
-    wanted_key_ = wishes_.scene_key();
+  sequence.set_stands(settled(), now_ms);
+  if (const auto due = sequence.due_ms(); due && *due <= now_ms) {
+    show_frame((sequence.frame() + 1) % sequence.frames().size());
+    scene.want(wishes_.scene_key(), -SceneState::rest_ms);  // at once: nobody drags a slider here
   }
 
   if (Wishes look = wishes_.look(); look != look_) {
     look_ = std::move(look);
-    touched();
+    repaint();
     // Another colour source may be what the scene was refused for.
-    if (scene_failed_) loaded_key_.reset(), key_changed_ms_ = now_ms;
+    if (scene.stage_ == Stage::refused) scene.key_.reset(), scene.wanted_since_ms_ = now_ms;
   }
-  if (SceneKey key = wishes_.scene_key(); key != wanted_key_) {
-    wanted_key_ = std::move(key);
-    key_changed_ms_ = now_ms;
-  }
-  if (has_to_load() && (is_to_read_anew_ || now_ms - key_changed_ms_ >= reload_rest_ms) &&
-      !wishes_.files.empty())
-    load(is_to_read_anew_);
+  scene.want(wishes_.scene_key(), now_ms);
+  if (const auto due = load_due_ms(); due && *due <= now_ms && !wishes_.files.empty())
+    load(scene.is_to_read_anew_);
   shoot_what_is_loaded();
   follow_view();
   ask();
@@ -449,14 +406,14 @@ void Workbench::tick(double now_ms) {
 }
 
 std::optional<double> Workbench::wait_ms(double now_ms) const {
-  if (play_began_ms_ || known_) return 0;
-  if (playing_frames() && frame_stood_ms_) return std::max(0.0, frame_due_ms() - now_ms);
-  std::optional<double> wait = can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
-  if (has_to_load()) {
-    const double until = is_to_read_anew_ ? 0 : std::max(0.0, key_changed_ms_ + reload_rest_ms - now_ms);
+  if (play_began_ms_ || scene.known_) return 0;
+  if (const auto due = sequence.due_ms()) return std::max(0.0, *due - now_ms);
+  std::optional<double> wait = scene.can_draw() ? refinement_.wait_ms(now_ms) : std::nullopt;
+  if (const auto due = load_due_ms()) {
+    const double until = std::max(0.0, *due - now_ms);
     wait = std::min(wait.value_or(until), until);
   }
-  if (follows_view() && !loading_ && !load_failed_ && read_view_ != wanted_view())
+  if (scene.may_follow_view() && scene.read_view_ != wanted_view())
     wait = std::min(wait.value_or(Refinement::rest_ms), Refinement::rest_ms);
   if (watch || !start_.shader_folder.empty()) wait = std::min(wait.value_or(500), 500.0);
   return wait;

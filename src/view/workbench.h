@@ -1,10 +1,9 @@
 // Everything between the hand and the picture: wishes, camera, history, the reading of files, and two
 // painters, one of the whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws
-// itself and shows what is here; it never waits. All of it is used on one thread.
+// itself and shows what is here, in `scene`, `picks`, `shots`, `path` and `sequence`; it never waits. All of
+// it is used on one thread.
 #pragma once
 
-#include <algorithm>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,14 +11,16 @@
 #include <string>
 #include <vector>
 
-#include "session/notes.h"
 #include "view/history.h"
 #include "view/key_frames.h"
-#include "view/loader.h"
 #include "view/navigator.h"
 #include "view/painter.h"
+#include "view/picks.h"
 #include "view/refinement.h"
+#include "view/scene_state.h"
+#include "view/sequence.h"
 #include "view/shared_scenes.h"
+#include "view/shots.h"
 #include "view/wishes.h"
 
 namespace sfumato::view {
@@ -52,16 +53,6 @@ struct Message {
   bool is_error = false;
 };
 
-/// A picture that was asked for to be kept.
-struct Shot {
-  Picture picture;
-  std::vector<std::string> words;  ///< the command without -o
-  Furniture furniture = {};
-  UpAxis up = UpAxis::pos_z;
-  std::string crs = {};
-  std::optional<Note> cutaway = {};
-};
-
 class Workbench {
  public:
   explicit Workbench(Start start);
@@ -82,7 +73,6 @@ class Workbench {
   bool can_undo() const { return history_.can_undo(); }
   bool can_redo() const { return history_.can_redo(); }
 
-  void open(const std::vector<std::string>& files, bool add);
   void set_size(int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
@@ -94,48 +84,39 @@ class Workbench {
   dvec3 place_at(double x_px, double y_px) const;
   /// What a turn that begins there turns about: the point under the cursor, else the target.
   dvec3 pivot_at(double x_px, double y_px) const;
-  /// Asks for the point under the cursor with all that it holds; it comes to `picked`.
+
+  Picks picks;
+  /// Asks for the point under the cursor with all that it holds; it comes to `picks`.
   /// `add`: to a line of as many points as are picked so; else the last two remain.
   void pick(double x_px, double y_px, bool add = false);
-  const std::vector<Picked>& picked() const { return picked_; }  ///< newest last
-  void clear_picked() { picked_.clear(); }
-  /// Along the line of picked points, of whatever stands in a corridor that wide; it comes to `profile`.
+  /// Along the line of picked points, of whatever stands in a corridor that wide; it comes to `picks`.
   void cut_profile(double width);
-  const std::shared_ptr<const Profile>& profile() const { return profile_; }  ///< null: none
-  void close_profile() { profile_.reset(); }
 
   /// The newest picture; null before the first.
   std::shared_ptr<const Picture> picture() const { return shown_; }
   Quality shown_quality() const { return shown_quality_; }
-  bool settled() const { return refinement_.settled() && !loading_ && !is_coarser_than_wanted(); }
+  bool settled() const { return refinement_.settled() && !scene.loading() && !is_coarser_than_wanted(); }
   bool moving() const { return refinement_.moving(now_ms_); }
   double motion_ms() const { return motion_ms_; }  ///< between two pictures in motion, smoothed; 0: none yet
   double first_picture_ms() const { return first_picture_ms_; }
   const Activity& activity() const { return activity_; }
-  const Loaded* scene() const {
-    return scene_ ? &*scene_ : nullptr;
-  }  ///< without its clouds, which the painters have
-  /// Only a sample of the files is there: they are being read, or could not be.
-  bool has_sample_only() const { return scene_ && scene_->is_sample; }
-  bool loading() const { return loading_; }
-  const std::optional<SceneKey>& loaded_key() const { return loaded_key_; }
-  const std::string& reason() const { return reason_; }
-  bool whole_ready() const { return whole_ready_; }
-  std::size_t left_out() const { return left_out_; }
+  /// What is shown is out of date.
+  void repaint();
+
+  SceneState scene;
+  /// In place of what is open, or beside it; where that changes nothing, the files are read again.
+  void open(const std::vector<std::string>& files, bool add);
+  bool watch = false;  ///< read files again when they change
   std::string renderer_name() const { return whole_->renderer_name(); }
   /// What the drivers of both painters complained of since the last call.
   std::vector<std::string> take_driver_messages();
   Memory memory() const;
   void set_timings(bool on) { timings_ = on; }
-  void repaint();
 
-  /// A picture of the present view for keeps; it comes to `take_shots`, once everything is loaded. Of files
-  /// with levels, what it shows is read before.
+  Shots shots;
+  /// A picture of the present view for keeps; it comes to `shots`, once everything is loaded. Of files with
+  /// levels, what it shows is read before.
   void shoot(int width, int height) { shoot(wishes_, width, height); }
-  std::vector<Shot> take_shots() { return std::exchange(shots_, {}); }
-  bool shooting() const {
-    return !shots_after_loading_.empty() || !delayed_shots_.empty() || !waiting_shots_.empty();
-  }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -147,43 +128,19 @@ class Workbench {
   /// Plays the path from its begin, or stops it.
   void play(bool on);
   bool playing() const { return play_began_ms_.has_value(); }
-  double play_time_s() const { return play_began_ms_ ? 1e-3 * (now_ms_ - *play_began_ms_) : 0; }
 
-  /// Files of a sequence, seen from one camera; empty: what is open is no frame of one.
-  const std::vector<scene::SceneFile>& frames() const;
-  std::size_t frame() const;
+  Sequence sequence;
+  /// Of `sequence.frames`; no step that could be undone.
   void show_frame(std::size_t i);
-  /// Shows the next frame as soon as the present one stands, and `frames_per_second` allow.
-  void play_frames(bool on) { is_playing_frames_ = on; }
-  bool playing_frames() const { return is_playing_frames_ && !frames().empty(); }
-  double frames_per_second = 5;
-
-  bool watch = false;
 
  private:
-  /// What files with levels are read for.
-  struct SeenView {
-    ViewCamera camera;
-    int width = 0, height = 0;
-    bool has_shadows = false;
-    bool operator==(const SeenView&) const = default;
-  };
-  /// A picture of files with levels, until its points are here.
-  struct DelayedShot {
-    SeenView view;
-    Wishes wishes;
-  };
-  /// A picture that was asked for while files were read.
-  struct ShotAfterLoading {
-    int width = 0, height = 0;
-    Wishes wishes;
-  };
+  using SeenView = SceneState::SeenView;
+  using Stage = SceneState::Stage;
 
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
   void take_answer(Answer answer, bool of_whole);
   void load(bool anew);
-  bool follows_view() const { return scene_ && scene_->follows_view; }
   static SeenView view_of(const Wishes& wishes, int width, int height);
   /// Of the window, or of a picture to be kept that waits for its points.
   SeenView wanted_view() const;
@@ -191,11 +148,7 @@ class Workbench {
   bool is_coarser_than_wanted() const;
   void follow_view();
   bool is_loading_wishes() const;
-  /// Waits while points are read for a picture to be kept.
-  bool has_to_load() const {
-    return (is_to_read_anew_ || wanted_key_ != loaded_key_) && delayed_shots_.empty();
-  }
-  bool is_frame(const Wishes& wishes) const;
+  std::optional<double> load_due_ms() const;
   void shoot_what_is_loaded();
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
   void amend(const std::function<void(Wishes&)>& edit);
@@ -205,13 +158,8 @@ class Workbench {
   void send_scene(Loaded& loaded, bool is_another_view);
   PictureJob job_for(const Wishes& wishes, const Quality& quality, int width, int height) const;
   void ask();
-  void touched();
-  bool can_draw() const { return sample_ready_ || (sample_failed_ && whole_ready_); }
   void watch_files();
   void watch_shaders();
-  double frame_due_ms() const {
-    return std::max(frame_since_ms_ + 1000 / frames_per_second, *frame_stood_ms_ + 60);
-  }
 
   Start start_;
   Wishes wishes_;
@@ -221,45 +169,17 @@ class Workbench {
   int width_ = 0, height_ = 0;
   double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0,
          watched_ms_ = 0, shaders_watched_ms_ = 0;
-  std::uint64_t next_id_ = 1, load_id_ = 0, whole_scene_id_ = 0, sample_scene_id_ = 0, in_flight_ = 0,
-                pick_id_ = 0;
+  std::uint64_t next_id_ = 1, in_flight_ = 0;
   Quality in_flight_quality_, shown_quality_;
-  std::optional<SceneKey> loaded_key_;
-  SceneKey wanted_key_;
   Wishes look_;
-  double key_changed_ms_ = -1e9;
-  bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be
-  bool loading_ = false, whole_ready_ = false, sample_ready_ = false, sample_failed_ = false,
-       scene_failed_ = false, load_failed_ = false;  ///< the last: what is shown is not what is wished for
-  bool timings_ = false, had_whole_ = false;
-  std::optional<ViewCamera> sample_camera_;  ///< what a sample was framed by
-  std::optional<Loaded> scene_;
-  std::shared_ptr<const Loaded> known_,
-      shared_scene_;  ///< what another workbench has read: about to be taken; taken
+  bool timings_ = false;
   std::shared_ptr<const Picture> shown_;
-  std::string reason_;
-  std::size_t left_out_ = 0;
   Activity activity_;
-  std::vector<Picked> picked_;
-  bool pick_adds_ = false;
-  std::shared_ptr<const Profile> profile_;
-  std::uint64_t profile_id_ = 0;
-  std::optional<SeenView> read_view_;  ///< what the points are for that are here or being read
-  bool reading_view_ = false;
   bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure
-  std::vector<ShotAfterLoading> shots_after_loading_;
-  std::deque<DelayedShot> delayed_shots_;
-  std::vector<Shot> shots_;
-  std::vector<std::pair<std::uint64_t, Shot>> waiting_shots_;
   std::vector<Message> messages_;
   std::set<std::string> notes_said_;  ///< of readers
   std::optional<Failure> fatal_;
   std::optional<double> play_began_ms_;
-  std::vector<scene::SceneFile> frames_;
-  std::size_t frame_ = 0;  ///< the last that was shown: a sequence may have a file twice
-  bool is_playing_frames_ = false;
-  double frame_since_ms_ = 0;
-  std::optional<double> frame_stood_ms_;  ///< since then its whole picture is shown
   std::vector<std::pair<std::string, std::int64_t>> file_times_, shader_times_;
 
   std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);

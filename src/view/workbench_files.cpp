@@ -10,11 +10,17 @@ namespace sfumato::view {
 
 /// The scene that is drawn is not yet the one that is wished for.
 bool Workbench::is_loading_wishes() const {
-  return loading_ || (!whole_ready_ && !follows_view()) || wishes_.scene_key() != loaded_key_;
+  return scene.loading() || (!scene.whole_.is_ready && !scene.follows_view()) ||
+         wishes_.scene_key() != scene.key_;
+}
+
+/// Nothing while points are read for a picture to be kept.
+std::optional<double> Workbench::load_due_ms() const {
+  return shots.of_view_.empty() ? scene.due_ms() : std::nullopt;
 }
 
 LoadJob Workbench::load_job(const Wishes& wishes) const {
-  LoadJob job{load_id_, wishes, wishes.scene_files()};
+  LoadJob job{scene.load_id_, wishes, wishes.scene_files()};
   job.request.memory = start_.memory;
   // Windows show heights as they are.
   job.request.exaggeration.reset(), job.request.output_index.clear(), job.request.panorama = false;
@@ -22,40 +28,41 @@ LoadJob Workbench::load_job(const Wishes& wishes) const {
 }
 
 void Workbench::load(bool anew) {
-  load_id_ = next_id_++;
-  loading_ = true;
-  scene_failed_ = load_failed_ = false;
-  is_to_read_anew_ = false;
-  wanted_key_ = wishes_.scene_key();
-  if (loaded_key_ != wanted_key_) file_times_.clear();
-  loaded_key_ = wanted_key_;
-  known_.reset();
+  scene.load_id_ = next_id_++;
+  scene.stage_ = Stage::reading;
+  scene.is_to_read_anew_ = false;
+  scene.wanted_key_ = wishes_.scene_key();
+  if (scene.key_ != scene.wanted_key_) file_times_.clear();
+  scene.key_ = scene.wanted_key_;
+  scene.known_.reset();
   if (start_.shared && !anew) {
-    known_ = start_.shared->find(wanted_key_);
+    scene.known_ = start_.shared->find(scene.wanted_key_);
     // Both keep it: one that had to be read again would miss what the other has.
-    const bool has_sample = sample_->hold(wanted_key_), has_whole = whole_->hold(wanted_key_);
-    if (!has_sample || !has_whole) known_.reset();
-    if (known_) return loader_->call_off();
+    const bool has_sample = sample_->hold(scene.wanted_key_), has_whole = whole_->hold(scene.wanted_key_);
+    if (!has_sample || !has_whole) scene.known_.reset();
+    if (scene.known_) return loader_->call_off();
   }
   LoadJob job = load_job(wishes_);
   job.anew = anew;
   job.sample_first = wishes_.frame_on_load && !anew;  // else something better is on the screen
-  reading_view_ = false;
-  read_view_.reset();
-  if (follows_view() && !wishes_.frame_on_load) {
-    read_view_ = wanted_view();
+  scene.is_reading_view_ = false;
+  scene.read_view_.reset();
+  if (scene.follows_view() && !wishes_.frame_on_load) {
+    scene.read_view_ = wanted_view();
     job.seen = camera();
-    job.has_shadows = read_view_->has_shadows;
+    job.has_shadows = scene.read_view_->has_shadows;
   }
   loader_->load(std::move(job));
 }
 
 Workbench::SeenView Workbench::wanted_view() const {
-  return delayed_shots_.empty() ? view_of(wishes_, width_, height_) : delayed_shots_.front().view;
+  if (shots.of_view_.empty()) return view_of(wishes_, width_, height_);
+  const Shots::Order& shot = shots.of_view_.front();
+  return view_of(shot.wishes, shot.width, shot.height);
 }
 
 const Wishes& Workbench::wishes_of_view() const {
-  return delayed_shots_.empty() ? wishes_ : delayed_shots_.front().wishes;
+  return shots.of_view_.empty() ? wishes_ : shots.of_view_.front().wishes;
 }
 
 Workbench::SeenView Workbench::view_of(const Wishes& wishes, int width, int height) {
@@ -63,65 +70,65 @@ Workbench::SeenView Workbench::view_of(const Wishes& wishes, int width, int heig
 }
 
 bool Workbench::is_coarser_than_wanted() const {
-  return follows_view() && !scene_failed_ && !load_failed_ &&
-         (!whole_ready_ || reading_view_ || read_view_ != wanted_view());
+  return scene.follows_view() && scene.stage_ != Stage::refused && scene.stage_ != Stage::unreadable &&
+         (!scene.whole_.is_ready || scene.is_reading_view_ || scene.read_view_ != wanted_view());
 }
 
 /// Reads what the view shows of files with levels, once the hand rests.
 void Workbench::follow_view() {
-  if (!follows_view() || loading_ || load_failed_ || width_ <= 0) return;
+  if (!scene.may_follow_view() || width_ <= 0) return;
   const SeenView wanted = wanted_view();
-  if (read_view_ == wanted) {
-    if (!delayed_shots_.empty() && whole_ready_ && !reading_view_) {
+  if (scene.read_view_ == wanted) {
+    if (!shots.of_view_.empty() && scene.whole_.is_ready && !scene.is_reading_view_) {
       // A hand that went on while the points were read gets the picture it asked for.
-      paint_shot(delayed_shots_.front().wishes, wanted.width, wanted.height);
-      delayed_shots_.pop_front();
+      paint_shot(shots.of_view_.front().wishes, wanted.width, wanted.height);
+      shots.of_view_.pop_front();
     }
     return;
   }
-  if (std::exchange(reading_view_, false)) loader_->call_off();
-  read_view_.reset();
-  if (refinement_.moving(now_ms_) && delayed_shots_.empty()) return;
-  read_view_ = wanted;
-  reading_view_ = true;
-  load_id_ = next_id_++;
+  if (std::exchange(scene.is_reading_view_, false)) loader_->call_off();
+  scene.read_view_.reset();
+  if (refinement_.moving(now_ms_) && shots.of_view_.empty()) return;
+  scene.read_view_ = wanted;
+  scene.is_reading_view_ = true;
+  scene.load_id_ = next_id_++;
   const Wishes& wishes = wishes_of_view();
   LoadJob job = load_job(wishes);
   job.seen = wanted.camera.to_camera(wanted.width, wanted.height);
   job.has_shadows = wanted.has_shadows;
-  job.pose = scene_->pose;
-  job.overview = scene_->overview;
-  job.shown = scene_->nodes;
+  job.pose = scene.loaded_->pose;
+  job.overview = scene.loaded_->overview;
+  job.shown = scene.loaded_->nodes;
   loader_->load(std::move(job));
 }
 
 void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
   const Wishes& wanted = wishes_of_view();
-  const auto job_of = [&](scene::Scene scene) {
+  const auto job_of = [&](scene::Scene part) {
     SceneJob job;
     job.id = next_id_++;
-    job.scene = std::move(scene);
+    job.scene = std::move(part);
     job.pose = loaded.pose;
     job.options = wanted.session_options();
     job.technique = wanted.technique;
-    if (start_.shared && !loaded.is_sample && !loaded.follows_view) job.shared_key = loaded_key_;
+    if (start_.shared && !loaded.is_sample && !loaded.follows_view) job.shared_key = scene.key_;
     job.parameters_of = [wishes = wanted](const std::string& technique) {
       return wishes.parameters_of(technique);
     };
     return job;
   };
-  sample_ready_ = whole_ready_ = sample_failed_ = false;
+  scene.sample_ = scene.whole_ = {};
   refinement_.set_whole_ready(false);
   if (!is_another_view) refinement_.forget();
   in_flight_ = 0;
   refinement_.called_off();
   SceneJob sample = job_of(std::move(loaded.sample));
-  sample_scene_id_ = sample.id;
+  scene.sample_.id = sample.id;
   sample_->show(std::move(sample));
-  whole_scene_id_ = 0;
   if (loaded.is_sample) return;
   SceneJob whole = job_of(std::move(loaded.whole));
-  whole_scene_id_ = whole.id;
+  scene.whole_.id = whole.id;
+  if (scene.loading()) scene.stage_ = Stage::preparing;
   if (!loaded.is_coarse) whole.settle = start_.settle;
   // The view is shown before the technique has measured its points.
   whole.measures = !is_another_view;
@@ -130,32 +137,29 @@ void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
 }
 
 void Workbench::take_loaded(Loaded loaded) {
-  if (loaded.id != load_id_) return;
-  const bool is_another_view = reading_view_;
-  if (!loaded.is_coarse) reading_view_ = false;
+  if (loaded.id != scene.load_id_) return;
+  const bool is_another_view = scene.is_reading_view_;
+  if (!loaded.is_coarse) scene.is_reading_view_ = false;
   if (loaded.is_shown) return;
   if (loaded.failure) {
-    loading_ = false;
-    load_failed_ = !is_another_view;
-    shots_after_loading_.clear();
-    delayed_shots_.clear();
-    if (!scene_) fatal_ = loaded.failure;
+    if (!is_another_view) scene.stage_ = Stage::unreadable;
+    shots.drop_waiting();
+    if (!scene.loaded_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
-    if (has_sample_only()) say("what is shown is a sample of what could be read");
+    if (scene.has_sample_only()) say("what is shown is a sample of what could be read");
     return;
   }
   // What more was read of a sample waits while a hand turns what there is.
   if (loaded.is_sample && !loaded.is_first && refinement_.moving(now_ms_)) return;
   for (const std::string& note : loaded.notes)
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
-  if (!is_another_view) picked_.clear(), profile_.reset();
+  if (!is_another_view) picks.clear(), picks.close_profile();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject, loaded.pose.vertical());
   if (wishes_.frame_on_load && width_ > 0 && loaded.is_first) {
     ViewCamera first;
     try {
-      first = ViewCamera::from(start_.first_camera && !had_whole_
-                                   ? start_.first_camera(loaded.pose, width_, height_)
-                                   : first_view(loaded.pose, width_, height_));
+      first = ViewCamera::from(start_.first_camera ? start_.first_camera(loaded.pose, width_, height_)
+                                                   : first_view(loaded.pose, width_, height_));
     } catch (const Error& error) {
       if (!loaded.is_sample) say(error.what(), true);
       first = ViewCamera::from(first_view(loaded.pose, width_, height_));
@@ -164,36 +168,37 @@ void Workbench::take_loaded(Loaded loaded) {
       if (!each.frame_on_load || each.files != wishes_.files) return;
       each.home = first;
       // A hand that has turned the sample goes on from there.
-      if (!sample_camera_ || each.camera == *sample_camera_) each.camera = first;
+      if (!scene.sample_camera_ || each.camera == *scene.sample_camera_) each.camera = first;
       each.frame_on_load = loaded.is_sample;  // the whole says where it is, exactly
       // The other frames stand as the first does.
-      if (!loaded.is_sample && is_frame(each) && !each.points.up) each.points.up = loaded.pose.upright.up;
+      if (!loaded.is_sample && sequence.holds(each.files) && !each.points.up)
+        each.points.up = loaded.pose.upright.up;
     };
-    const bool is_wanted = wishes_.scene_key() == loaded_key_;
+    const bool is_wanted = wishes_.scene_key() == scene.key_;
     amend(place);
-    if (is_wanted) loaded_key_ = wanted_key_ = wishes_.scene_key();
-    sample_camera_.reset();
-    if (loaded.is_sample) sample_camera_ = first;
-    if (!scene_) history_ = History<Wishes>(wishes_);  // nothing was there that a step could go back to
+    if (is_wanted) scene.key_ = scene.wanted_key_ = wishes_.scene_key();
+    scene.sample_camera_.reset();
+    if (loaded.is_sample) scene.sample_camera_ = first;
+    if (!scene.loaded_) history_ = History<Wishes>(wishes_);  // there is nothing to go back to
   }
-  had_whole_ = had_whole_ || !loaded.is_sample;
+  if (!loaded.is_sample) start_.first_camera = nullptr;  // it is of the first files
   if (on_message)
     on_message({loaded.is_sample
                     ? "a sample of " + counted(loaded.points_shown, "point") + ", while the files are read"
                     : are(loaded.points_shown, "point") + " read",
                 false});
   send_scene(loaded, is_another_view);
-  scene_ = std::move(loaded);
-  if (known_)
-    shared_scene_ = std::exchange(known_, nullptr);
-  else if (start_.shared && loaded_key_ && !scene_->is_sample && !scene_->follows_view)
-    shared_scene_ = start_.shared->keep(*loaded_key_, *scene_);
+  scene.loaded_ = std::move(loaded);
+  if (scene.known_)
+    scene.kept_ = std::exchange(scene.known_, nullptr);
+  else if (start_.shared && scene.key_ && !scene.loaded_->is_sample && !scene.loaded_->follows_view)
+    scene.kept_ = start_.shared->keep(*scene.key_, *scene.loaded_);
   // The picture of the view stays until there is a better one.
-  if (!is_another_view || refinement_.moving(now_ms_)) touched();
+  if (!is_another_view || refinement_.moving(now_ms_)) repaint();
 }
 
 void Workbench::watch_files() {
-  if (!watch || is_to_read_anew_ || now_ms_ - watched_ms_ < 500) return;
+  if (!watch || scene.is_to_read_anew_ || now_ms_ - watched_ms_ < 500) return;
   watched_ms_ = now_ms_;
   std::vector<std::pair<std::string, std::int64_t>> times;
   for (const std::string& file : wishes_.files) {
@@ -204,7 +209,7 @@ void Workbench::watch_files() {
   }
   if (!file_times_.empty() && times != file_times_) {
     say("files changed: reading them again");
-    is_to_read_anew_ = true;
+    scene.is_to_read_anew_ = true;
   }
   file_times_ = std::move(times);
 }
@@ -234,7 +239,7 @@ void Workbench::watch_shaders() {
     sample_->forget_programs();
     whole_->forget_programs();
     refinement_.forget();
-    touched();
+    repaint();
   }
   shader_times_ = std::move(times);
 }

@@ -50,7 +50,7 @@ void read_messages(std::string_view bytes) {
       if (!is_theirs || std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
     }
     (void)bench.take_messages();
-    (void)bench.take_shots();
+    (void)bench.shots.take();
     bytes.remove_prefix(std::min(cut + 1, bytes.size()));
   }
   (void)serve::state_of(bench).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

@@ -48,7 +48,7 @@ class Lines {
     }
     settle();
     Json answer{{"did", what}};
-    for (view::Shot& shot : bench_.take_shots()) {
+    for (view::Shot& shot : bench_.shots.take()) {
       const io::PngTexts texts = finish(shot, text("file"));
       io::write_png(text("file"), shot.picture.image, false, texts);
       shot.words.insert(shot.words.begin(), "sfumato");
@@ -66,8 +66,8 @@ class Lines {
   void settle() {
     using Clock = std::chrono::steady_clock;
     const auto is_there = [&] {
-      return bench_.settled() && !bench_.shooting() && !bench_.playing() &&
-             bench_.wishes().scene_key() == bench_.loaded_key();
+      return bench_.settled() && !bench_.shots.pending() && !bench_.playing() &&
+             bench_.wishes().scene_key() == bench_.scene.key();
     };
     do {
       bench_.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());

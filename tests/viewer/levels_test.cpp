@@ -102,11 +102,11 @@ TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
   Workbench bench(start());
   bench.set_size(width, height);
   ASSERT_TRUE(settle(bench));
-  ASSERT_TRUE(bench.scene());
-  EXPECT_TRUE(bench.scene()->follows_view);
-  EXPECT_FALSE(bench.scene()->is_coarse);
+  ASSERT_TRUE(bench.scene.loaded());
+  EXPECT_TRUE(bench.scene.loaded()->follows_view);
+  EXPECT_FALSE(bench.scene.loaded()->is_coarse);
   EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
-  const std::uint64_t first = bench.scene()->points_shown;
+  const std::uint64_t first = bench.scene.loaded()->points_shown;
   EXPECT_GT(first, 60'000u);
   const double low = bench.picture()->coloring.low, high = bench.picture()->coloring.high;
   EXPECT_LT(first, points);
@@ -122,7 +122,7 @@ TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
   });
   EXPECT_FALSE(bench.settled());
   ASSERT_TRUE(settle(bench));
-  const auto near = bench.scene()->nodes;
+  const auto near = bench.scene.loaded()->nodes;
   const Image<Rgba8> expected = picture_of(bench.camera());
   EXPECT_EQ(different(bench.picture()->image, expected), 0u);
   // A height has the colour that it had from afar.
@@ -141,7 +141,7 @@ TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
     navigator.set_camera(far);
   });
   ASSERT_TRUE(settle(bench));
-  EXPECT_EQ(bench.scene()->points_shown, first);
+  EXPECT_EQ(bench.scene.loaded()->points_shown, first);
 }
 
 TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
@@ -151,7 +151,7 @@ TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
   bench.shoot(4 * width, 4 * height);
   std::vector<Shot> shots;
   ASSERT_TRUE(wait(bench, [&] {
-    for (Shot& shot : bench.take_shots()) shots.push_back(std::move(shot));
+    for (Shot& shot : bench.shots.take()) shots.push_back(std::move(shot));
     return !shots.empty();
   }));
   Camera camera = bench.camera();
@@ -182,8 +182,8 @@ TEST_F(LevelsTest, PicturesForKeepsComeBeforeWhatIsWishedNext) {
   });
   std::vector<Shot> shots;
   ASSERT_TRUE(wait(bench, [&] {
-    for (Shot& shot : bench.take_shots()) shots.push_back(std::move(shot));
-    return shots.size() == 2 && bench.settled() && !has_walls(*bench.scene());
+    for (Shot& shot : bench.shots.take()) shots.push_back(std::move(shot));
+    return shots.size() == 2 && bench.settled() && !has_walls(*bench.scene.loaded());
   }));
   EXPECT_EQ(different(shots[0].picture.image, picture_of(first)), 0u);
   EXPECT_EQ(different(shots[1].picture.image, picture_of(second)), 0u);
@@ -224,16 +224,16 @@ TEST_F(LevelsTest, ChosenPointsStayWhenTheViewChanges) {
   bench.set_size(width, height);
   ASSERT_TRUE(settle(bench));
   bench.pick(width / 2.0, height / 2.0);
-  ASSERT_TRUE(wait(bench, [&] { return !bench.picked().empty(); }));
-  const dvec3 picked = bench.picked()[0].world;
+  ASSERT_TRUE(wait(bench, [&] { return !bench.picks.points().empty(); }));
+  const dvec3 picked = bench.picks.points()[0].world;
   bench.move("turn", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
   ASSERT_TRUE(settle(bench));
-  ASSERT_EQ(bench.picked().size(), 1u);
-  EXPECT_EQ(bench.picked()[0].world, picked);
+  ASSERT_EQ(bench.picks.points().size(), 1u);
+  EXPECT_EQ(bench.picks.points()[0].world, picked);
 }
 
 TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
@@ -242,19 +242,19 @@ TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
   ASSERT_TRUE(settle(bench));
   const ViewCamera seen = bench.wishes().camera;
   bench.change("hide", [](Wishes& wishes) { wishes.hide_classes = {6}; });
-  ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
   ASSERT_TRUE(settle(bench));
   EXPECT_EQ(bench.wishes().camera, seen);
-  EXPECT_FALSE(has_walls(*bench.scene()));
-  EXPECT_EQ(bench.scene()->classes.size(), 2u) << "what is hidden can be shown again";
+  EXPECT_FALSE(has_walls(*bench.scene.loaded()));
+  EXPECT_EQ(bench.scene.loaded()->classes.size(), 2u) << "what is hidden can be shown again";
   bench.move("zoom", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
   ASSERT_TRUE(settle(bench));
-  EXPECT_FALSE(has_walls(*bench.scene()));
-  EXPECT_EQ(bench.scene()->classes.size(), 2u);
+  EXPECT_FALSE(has_walls(*bench.scene.loaded()));
+  EXPECT_EQ(bench.scene.loaded()->classes.size(), 2u);
 }
 
 // One reading of the coarse levels says which classes there are, whatever is selected of them.
@@ -310,7 +310,7 @@ TEST_F(LevelsTest, AFileThatCannotBeReadIsSaidOnce) {
   bench.set_size(width, height);
   ASSERT_TRUE(settle(bench));
   bench.open({(folder_ / "missing.copc.laz").string()}, false);
-  ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
   ASSERT_TRUE(settle(bench));
   for (int n = 0; n < 2; ++n) {
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
@@ -319,9 +319,9 @@ TEST_F(LevelsTest, AFileThatCannotBeReadIsSaidOnce) {
   EXPECT_THAT(std::exchange(mistakes_, {}), ::testing::SizeIs(1));
   bench.undo();  // the turn
   bench.undo();
-  ASSERT_TRUE(wait(bench, [&] { return bench.loading(); }));
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
   ASSERT_TRUE(settle(bench));
-  EXPECT_TRUE(bench.scene()->nodes);
+  EXPECT_TRUE(bench.scene.loaded()->nodes);
 }
 
 }  // namespace

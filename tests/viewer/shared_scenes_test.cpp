@@ -60,7 +60,7 @@ class SharedScenesTest : public ::testing::Test {
     const Workbench* last = *(benches.end() - 1);
     for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
       settle(benches);
-      if (last->scene()->points_shown == points) return;
+      if (last->scene.loaded()->points_shown == points) return;
     }
     FAIL() << "other points did not come within a minute";
   }
@@ -80,7 +80,7 @@ TEST_F(SharedScenesTest, SecondReadsNothingAndSharesThePoints) {
   std::filesystem::remove(file_);  // whoever reads it now fails
   const auto second = open(shared);
   settle({first.get(), second.get()});
-  EXPECT_EQ(first->scene()->near, second->scene()->near);
+  EXPECT_EQ(first->scene.loaded()->near, second->scene.loaded()->near);
   EXPECT_EQ(first->memory().points, second->memory().points);
   EXPECT_TRUE(same(*first->picture(), *second->picture()));
 }
@@ -118,8 +118,8 @@ TEST_F(SharedScenesTest, AnotherSelectionOfPointsIsNobodyElses) {
   second->change("classes", [](Wishes& next) { next.hide_classes = {2}; });
   until(1250, {first.get(), second.get()});
   settle({first.get(), second.get()});
-  EXPECT_EQ(first->scene()->points_shown, 2500u);
-  EXPECT_EQ(second->scene()->points_shown, 1250u);
+  EXPECT_EQ(first->scene.loaded()->points_shown, 2500u);
+  EXPECT_EQ(second->scene.loaded()->points_shown, 1250u);
   EXPECT_FALSE(same(*first->picture(), *second->picture()));
   second->undo();  // what the first has is here
   std::filesystem::remove(file_);

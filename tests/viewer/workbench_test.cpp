@@ -74,12 +74,12 @@ class WorkbenchTest : public ::testing::Test {
   }
   /// What was just wished for is read, or refused.
   bool load(Workbench& bench) {
-    return wait(bench, [&] { return bench.loading(); }) && settle(bench);
+    return wait(bench, [&] { return bench.scene.loading(); }) && settle(bench);
   }
   /// The pictures that were asked for, once all of them are there.
   std::vector<Shot> shots(Workbench& bench) {
-    EXPECT_TRUE(wait(bench, [&] { return !bench.shooting(); }));
-    return bench.take_shots();
+    EXPECT_TRUE(wait(bench, [&] { return !bench.shots.pending(); }));
+    return bench.shots.take();
   }
   static void reset(Workbench& bench) {
     bench.move("reset", [](Navigator& hand) { hand.reset(); });
@@ -145,14 +145,14 @@ TEST_F(WorkbenchTest, UndoKeepsTheTechniqueThatWasChosen) {
   unsettled.settle = [](const TechniqueChoice&) { return TechniqueChoice{"splats", "for a test"}; };
   Workbench bench(unsettled);
   bench.set_size(320, 200);
-  ASSERT_TRUE(wait(bench, [&] { return bench.scene() != nullptr; }));
-  ASSERT_FALSE(bench.whole_ready());  // which chooses
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loaded() != nullptr; }));
+  ASSERT_TRUE(bench.wishes().technique.empty());
   turn(bench);
-  ASSERT_TRUE(wait(bench, [&] { return bench.whole_ready(); }));
+  ASSERT_TRUE(wait(bench, [&] { return !bench.wishes().technique.empty(); }));
   EXPECT_EQ(bench.wishes().technique, "splats");
   bench.undo();
   EXPECT_EQ(bench.wishes().technique, "splats");
-  EXPECT_EQ(bench.reason(), "for a test");
+  EXPECT_EQ(bench.scene.reason(), "for a test");
 }
 
 // A file that is open is read again where it stands, and arms nothing for later.
@@ -164,11 +164,25 @@ TEST_F(WorkbenchTest, OpeningWhatIsOpenReadsItAgain) {
   write("here.las", 0, 60);
   bench.open({file}, false);
   ASSERT_TRUE(load(bench));
-  EXPECT_EQ(bench.scene()->points_read, 3600u);
+  EXPECT_EQ(bench.scene.loaded()->points_read, 3600u);
   EXPECT_EQ(bench.wishes().camera, turned);
   hide_class(bench, 6);
   ASSERT_TRUE(load(bench));
   EXPECT_EQ(bench.wishes().camera, turned);
+}
+
+// The painter that is done with the last points does not end the reading of the next ones.
+TEST_F(WorkbenchTest, IsLoadingUntilTheNewestFilesAreThere) {
+  const std::string file = write("here.las", 0), larger = write("larger.las", 0, 700);
+  Workbench& bench = show(start(file));
+  hide_class(bench, 6);
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loaded()->points_shown == 1250; }));
+  std::filesystem::rename(larger, file);
+  bench.open({file}, false);
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
+  ASSERT_TRUE(wait(bench, [&] { return !bench.scene.loading(); }));
+  EXPECT_EQ(bench.scene.loaded()->points_read, 490000u);
+  EXPECT_EQ(mistakes_, 0);
 }
 
 TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
@@ -180,11 +194,11 @@ TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
   bench.open({(folder_ / "missing.las").string()}, false);
   ASSERT_TRUE(load(bench));
   EXPECT_EQ(mistakes_, 1);
-  EXPECT_TRUE(bench.frames().empty());
+  EXPECT_TRUE(bench.sequence.frames().empty());
   bench.undo();
   ASSERT_TRUE(load(bench));
   EXPECT_EQ(bench.wishes().camera, turned);
-  EXPECT_EQ(bench.frames().size(), 2u);
+  EXPECT_EQ(bench.sequence.frames().size(), 2u);
 }
 
 // The old scene stays on the screen, but there is no command that draws it.
@@ -280,7 +294,7 @@ TEST_F(WorkbenchTest, APathThatWasPlayedIsAStep) {
   // A hand that goes on takes over.
   bench.path.seconds_per_key = 20;
   bench.play(true);
-  ASSERT_TRUE(wait(bench, [&] { return bench.play_time_s() > 0.1; }));
+  ASSERT_TRUE(wait(bench, [&] { return bench.wishes().camera != before; }));
   const ViewCamera left = bench.wishes().camera;
   turn(bench);
   EXPECT_FALSE(bench.playing());
@@ -289,7 +303,7 @@ TEST_F(WorkbenchTest, APathThatWasPlayedIsAStep) {
   bench.undo();
   EXPECT_EQ(bench.wishes().camera, before);
   bench.play(true);
-  ASSERT_TRUE(wait(bench, [&] { return bench.play_time_s() > 0.1; }));
+  ASSERT_TRUE(wait(bench, [&] { return bench.wishes().camera != before; }));
   bench.undo();
   EXPECT_FALSE(bench.playing());
   EXPECT_EQ(bench.wishes().camera, before);
@@ -306,13 +320,13 @@ TEST_F(WorkbenchTest, ASequenceMayShowAFileTwice) {
   Start sequence = start(one);
   sequence.frames = scene::files_of({one, one, two, one});
   Workbench& bench = show(sequence);
-  bench.frames_per_second = 20;
-  bench.play_frames(true);
+  bench.sequence.frames_per_second = 20;
+  bench.sequence.play(true);
   for (const std::size_t frame : {1u, 2u, 3u, 0u, 1u})
-    ASSERT_TRUE(wait(bench, [&] { return bench.frame() == frame; })) << frame;
-  bench.play_frames(false);
+    ASSERT_TRUE(wait(bench, [&] { return bench.sequence.frame() == frame; })) << frame;
+  bench.sequence.play(false);
   bench.show_frame(3);
-  EXPECT_EQ(bench.frame(), 3u);
+  EXPECT_EQ(bench.sequence.frame(), 3u);
   EXPECT_EQ(bench.wishes().files, std::vector{one});
 }
 
@@ -326,16 +340,16 @@ TEST_F(WorkbenchTest, FramesHaveTheirTransformsAndNoSteps) {
   Workbench& bench = show(sequence);
   bench.show_frame(1);
   ASSERT_TRUE(load(bench));
-  EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 1024.5, 1);
+  EXPECT_NEAR(bench.scene.loaded()->pose.subject.box.center().x, 1024.5, 1);
   EXPECT_THAT(bench.wishes().words(1, 1), Contains("--transform=1: 1,0,0,1000,0,1,0,0,0,0,1,0,0,0,0,1"));
   bench.change("shadows", [](Wishes& wishes) { wishes.set("shadows", "hard"); });
   bench.undo();
-  EXPECT_EQ(bench.frame(), 1u);
+  EXPECT_EQ(bench.sequence.frame(), 1u);
   bench.redo();
-  EXPECT_EQ(bench.frame(), 1u);
+  EXPECT_EQ(bench.sequence.frame(), 1u);
   bench.show_frame(0);
   ASSERT_TRUE(load(bench));
-  EXPECT_NEAR(bench.scene()->pose.subject.box.center().x, 24.5, 1);
+  EXPECT_NEAR(bench.scene.loaded()->pose.subject.box.center().x, 24.5, 1);
 }
 
 TEST_F(WorkbenchTest, WaitsForItsFirstFiles) {
@@ -345,14 +359,14 @@ TEST_F(WorkbenchTest, WaitsForItsFirstFiles) {
   Workbench bench(std::move(start));
   bench.set_size(320, 200);
   for (int i = 0; i < 20; ++i) tick(bench);
-  EXPECT_FALSE(bench.loading());
+  EXPECT_FALSE(bench.scene.loading());
   EXPECT_FALSE(bench.wait_ms(1e4));
   bench.shoot(64, 64);
   tick(bench);
   EXPECT_EQ(mistakes_, 1) << "there is no picture to save";
   bench.open({here}, false);
   ASSERT_TRUE(load(bench));
-  EXPECT_EQ(bench.scene()->points_shown, 2500u);
+  EXPECT_EQ(bench.scene.loaded()->points_shown, 2500u);
   EXPECT_FALSE(bench.fatal());
   EXPECT_FALSE(bench.can_undo());
 }

@@ -101,8 +101,8 @@ void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
 void show_class(Workbench& bench, int id, bool shown) {
   bench.change("classes", [&](Wishes& next) {
     Selection& wanted = next.points.selection;
-    if (!wanted.show_classes.empty() && bench.scene()) {
-      for (const ClassShare& each : bench.scene()->classes)
+    if (!wanted.show_classes.empty() && bench.scene.loaded()) {
+      for (const ClassShare& each : bench.scene.loaded()->classes)
         if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), each.id) ==
             wanted.show_classes.end())
           next.hide_classes.push_back(each.id);
@@ -216,7 +216,7 @@ const std::map<std::string, Deed>& deeds() {
       {"view", [](auto& bench, auto&, auto& said, auto&) { show_side(bench, said.text("name")); }},
       {"pick", [](auto& bench, auto&, auto& said,
                   auto&) { bench.pick(said.number("x"), said.number("y"), said.flag("add")); }},
-      {"clear", [](auto& bench, auto&, auto&, auto&) { bench.clear_picked(), bench.close_profile(); }},
+      {"clear", [](auto& bench, auto&, auto&, auto&) { bench.picks.clear(), bench.picks.close_profile(); }},
       {"profile", [](auto& bench, auto&, auto& said, auto&) { bench.cut_profile(said.number("width")); }},
       {"technique",
        [](auto& bench, auto&, auto& said, auto&) {

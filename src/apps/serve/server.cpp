@@ -130,7 +130,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!bench_) return;
     const auto self = std::exchange(itself_, nullptr);
     bench_->tick(now_ms());
-    std::vector<view::Shot> shots = bench_->take_shots();
+    std::vector<view::Shot> shots = bench_->shots.take();
     std::string complaint;
     for (const view::Message& each : bench_->take_messages())
       if (each.is_error) complaint = each.text;
@@ -245,7 +245,7 @@ Outside Server::outside() {
     };
     add(keeper_->wishes().scene_key());
     for (const Page* page : pages)
-      if (page->bench()) add(page->bench()->loaded_key());
+      if (page->bench()) add(page->bench()->scene.key());
     return keys.size() <= settings.selections;
   };
   return outside;
@@ -302,7 +302,7 @@ void Server::tick_keeper() {
   for (const view::Message& each : keeper_->take_messages()) sources.say(each.text);
   if (keeper_->fatal()) return lost(*keeper_->fatal());
   if (is_ready_) return;
-  if (keeper_->whole_ready() && !keeper_->has_sample_only() && !keeper_->loading()) {
+  if (keeper_->scene.is_ready()) {
     is_ready_ = true;
     const std::set<Page*> all = pages;
     for (Page* page : all) page->begin_viewer();

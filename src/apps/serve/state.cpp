@@ -63,7 +63,7 @@ Json colors(const Workbench& bench) {
             {"legend", wishes.furniture.legend},
             {"colormaps", Colormap::choices()}};
   for (const auto& [key, option] : color_options) json[key] = text_of(wishes, option);
-  json["sources"] = view::color_sources(bench.scene());
+  json["sources"] = view::color_sources(bench.scene.loaded());
   if (!bench.picture()) return json;
   const Coloring& coloring = bench.picture()->coloring;
   json["source"] = coloring.source;
@@ -84,7 +84,7 @@ Json colors(const Workbench& bench) {
 }
 
 Json scene_json(const Workbench& bench) {
-  const view::Loaded* scene = bench.scene();
+  const view::Loaded* scene = bench.scene.loaded();
   if (!scene) return nullptr;
   const Wishes& wishes = bench.wishes();
   const Selection& selection = wishes.points.selection;
@@ -115,7 +115,7 @@ Json scene_json(const Workbench& bench) {
 Json picks(const Workbench& bench) {
   const double size = bench.navigator().scene_size();
   Json all = Json::array();
-  for (const view::Picked& each : bench.picked()) {
+  for (const view::Picked& each : bench.picks.points()) {
     Json attributes = Json::array();
     for (const auto& [name, value] : each.attributes) attributes.push_back({name, value});
     Json one{{"world", json_of(each.world)},
@@ -126,7 +126,7 @@ Json picks(const Workbench& bench) {
              {"attributes", attributes}};
     if (!all.empty()) {
       const view::Measure m =
-          view::measure(bench.picked()[all.size() - 1].world, each.world, bench.navigator().up_axis());
+          view::measure(bench.picks.points()[all.size() - 1].world, each.world, bench.navigator().up_axis());
       one["distance"] = m.distance, one["height"] = m.height, one["horizontal"] = m.horizontal;
       one["distance_text"] = view::coordinate_text(m.distance, size);
     }
@@ -136,7 +136,7 @@ Json picks(const Workbench& bench) {
 }
 
 Json profile_json(const Workbench& bench) {
-  const auto& profile = bench.profile();
+  const auto& profile = bench.picks.profile();
   if (!profile) return nullptr;
   constexpr std::size_t most = 20'000;  // of a drawing a few hundred pixels wide
   const std::size_t step = (profile->points.size() + most - 1) / most;
@@ -172,7 +172,7 @@ Json state_of(const Workbench& bench) {
   for (const std::string& file : bench.wishes().files)
     files.push_back(file.substr(file.find_last_of('/') + 1));
   state["files"] = files;
-  state["technique"] = {{"name", bench.wishes().technique}, {"reason", bench.reason()}};
+  state["technique"] = {{"name", bench.wishes().technique}, {"reason", bench.scene.reason()}};
   state["notes"] = bench.picture() && bench.settled() ? Json(bench.picture()->notes) : Json::array();
   state["scene"] = scene_json(bench);
   state["controls"] = controls(bench);

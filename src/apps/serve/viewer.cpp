@@ -147,7 +147,7 @@ void Viewer::send_picture(double now_ms) {
     publish::PackedDepth depth;
   };
   auto encoded = std::make_shared<Encoded>();
-  const view::Loaded* scene = bench_->scene();
+  const view::Loaded* scene = bench_->scene.loaded();
   const UpAxis up = scene ? scene->pose.upright.up : UpAxis::pos_z;
   const std::string crs = scene ? scene->crs : "";
   const bool draws_furniture = !furniture.empty() && picture->image.width() == bench_->width() &&
@@ -184,7 +184,7 @@ void Viewer::send_picture(double now_ms) {
 }
 
 void Viewer::send_shots() {
-  for (view::Shot& shot : bench_->take_shots()) {
+  for (view::Shot& shot : bench_->shots.take()) {
     auto encoded = std::make_shared<std::string>();
     const int width = shot.picture.image.width(), height = shot.picture.image.height();
     outside_.in_background(

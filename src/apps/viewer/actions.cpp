@@ -24,7 +24,7 @@ std::string free_name(const std::string& stem, const std::string& extension) {
 }
 
 void Interface::take_shots() {
-  for (view::Shot& shot : bench_.take_shots()) {
+  for (view::Shot& shot : bench_.shots.take()) {
     const std::string name = free_name("sfumato", ".png");
     // Taken at once, so that two pictures in a row do not get one name.
     if (std::FILE* file = std::fopen(name.c_str(), "wx")) std::fclose(file);
@@ -162,8 +162,8 @@ void Interface::act(Action action) {
       break;
     case Action::clear_picks:
       help_ = false;
-      bench_.clear_picked();
-      bench_.close_profile();
+      bench_.picks.clear();
+      bench_.picks.close_profile();
       bench_.play(false);
       break;
     case Action::profile: bench_.cut_profile(double(corridor())); break;
@@ -172,8 +172,8 @@ void Interface::act(Action action) {
       bench_.say(fmt::format("key {} of the camera path", bench_.path.keys().size()));
       break;
     case Action::play:
-      if (bench_.frames().size() > 1 && bench_.path.keys().size() < 2)
-        bench_.play_frames(!bench_.playing_frames());
+      if (bench_.sequence.frames().size() > 1 && bench_.path.keys().size() < 2)
+        bench_.sequence.play(!bench_.sequence.playing());
       else
         bench_.play(!bench_.playing());
       break;

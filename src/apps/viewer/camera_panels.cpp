@@ -15,7 +15,7 @@ namespace sfumato::viewer {
 
 void Interface::clip_panel() {
   clip_ = heading("Clip box", false);
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   if (!clip_ || !scene) return;
   const auto& crop = bench_.wishes().points.selection.crop;
   bool on = crop.has_value();
@@ -98,7 +98,7 @@ void Interface::camera_panel() {
   ImGui::InputTextWithHint("##size", "size of the view", &screenshot_size_);
   tooltip("size of saved pictures: 3840x2160, or empty for that of the view");
   ImGui::SameLine();
-  if (ImGui::Button(bench_.shooting() ? "saving" : "save picture")) act(view::Action::screenshot);
+  if (ImGui::Button(bench_.shots.pending() ? "saving" : "save picture")) act(view::Action::screenshot);
 }
 
 void Interface::path_panel() {

@@ -48,7 +48,7 @@ void Interface::color_panel() {
   const std::string shown = wishes.color.color_by == "auto" && picture()
                                 ? "auto: " + picture()->coloring.source
                                 : wishes.color.color_by;
-  if (const auto chosen = choose("source", shown, view::color_sources(bench_.scene())))
+  if (const auto chosen = choose("source", shown, view::color_sources(bench_.scene.loaded())))
     bench_.change("color-by", [&](view::Wishes& next) { next.show_source(*chosen); });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
@@ -120,7 +120,7 @@ void Interface::color_panel() {
 bool Interface::has_swatches() const { return !picture()->coloring.swatches.empty(); }
 
 void Interface::histogram(const Coloring& coloring) {
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   if (!scene || !scene->near) return;
   constexpr std::size_t steps = 96;
   if (histogram_cloud_.lock() != scene->near || histogram_source_ != coloring.source) {
@@ -168,7 +168,7 @@ void Interface::histogram(const Coloring& coloring) {
 }
 
 void Interface::class_panel() {
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   if (!scene || scene->classes.empty() || !heading("Classes", false)) return;
   const view::Wishes& wishes = bench_.wishes();
   const Selection& selection = wishes.points.selection;

@@ -95,7 +95,7 @@ void Interface::draw_status(float y, float width, float height) {
                    ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
   std::string text;
-  if (const view::Loaded* scene = bench_.scene()) {
+  if (const view::Loaded* scene = bench_.scene.loaded()) {
     text = counted_of(scene->points_shown, std::max(scene->points_read, scene->points_shown), "point");
   }
   if (const view::Picture* shown = picture()) {

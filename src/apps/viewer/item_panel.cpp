@@ -29,7 +29,7 @@ std::string suggested_selection(const view::Loaded& scene, const view::Wishes& w
 }  // namespace
 
 void Interface::item_panel() {
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   const std::vector<view::DrawRow>& rows = bench_.wishes().items;
   if (!scene || !heading("Items", !rows.empty())) return;
   std::vector<std::string> techniques;

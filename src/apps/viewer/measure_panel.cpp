@@ -31,8 +31,8 @@ Image<Rgba8> picture_of(const view::Profile& profile, const std::string& unit, i
 
 void Interface::measure_panel() {
   if (!heading("Measure", false)) return;
-  const view::Loaded* scene = bench_.scene();
-  const auto& picked = bench_.picked();
+  const view::Loaded* scene = bench_.scene.loaded();
+  const auto& picked = bench_.picks.points();
   const double size = bench_.navigator().scene_size();
   const std::string unit = view::unit_of(scene ? scene->crs : "");
   if (picked.empty()) note("click two points: distance and height; Ctrl+click goes on, as a line");
@@ -51,7 +51,7 @@ void Interface::measure_panel() {
   if (ImGui::Button("profile")) act(view::Action::profile);
   tooltip("all points in the corridor along the picked line, from the side (V)");
   ImGui::SameLine();
-  if (ImGui::Button("forget points")) bench_.clear_picked();
+  if (ImGui::Button("forget points")) bench_.picks.clear();
 }
 
 float Interface::corridor() const {
@@ -59,13 +59,11 @@ float Interface::corridor() const {
 }
 
 double Interface::line_length() const {
-  std::vector<dvec3> line;
-  for (const view::Picked& each : bench_.picked()) line.push_back(each.world);
-  return view::horizontal_length(line, bench_.navigator().up_axis());
+  return view::horizontal_length(bench_.picks.line(), bench_.navigator().up_axis());
 }
 
 void Interface::draw_profile(float width, float height) {
-  const auto& profile = bench_.profile();
+  const auto& profile = bench_.picks.profile();
   if (!profile) return;
   const float pad = 8 * window_.scale();
   const float tall = std::max(160 * window_.scale(), 0.42f * height);
@@ -75,7 +73,7 @@ void Interface::draw_profile(float width, float height) {
   ImGui::Begin("Profile", &open,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoScrollbar);
-  const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
+  const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
   const auto save = [&](const char* extension, const auto& write) {
     const std::string name = free_name("profile", extension);
     try {
@@ -104,7 +102,7 @@ void Interface::draw_profile(float width, float height) {
     ImGui::Image(window_.plot(), room);
   }
   ImGui::End();
-  if (!open) bench_.close_profile();
+  if (!open) bench_.picks.close_profile();
 }
 
 }  // namespace sfumato::viewer

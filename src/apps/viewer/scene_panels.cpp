@@ -58,23 +58,24 @@ void Interface::file_list() {
 
 void Interface::scene_panel() {
   if (!heading("Scene", false)) return;
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   if (!scene) return;
-  if (const int frames = int(bench_.frames().size()); frames > 1) {
-    int frame = int(bench_.frame()) + 1;
-    if (ImGui::Button(bench_.playing_frames() ? "pause" : "play"))
-      bench_.play_frames(!bench_.playing_frames());
+  if (const int frames = int(bench_.sequence.frames().size()); frames > 1) {
+    int frame = int(bench_.sequence.frame()) + 1;
+    if (ImGui::Button(bench_.sequence.playing() ? "pause" : "play"))
+      bench_.sequence.play(!bench_.sequence.playing());
     ImGui::SameLine();
     if (ImGui::SliderInt("frame", &frame, 1, frames)) bench_.show_frame(std::size_t(frame - 1));
-    float rate = float(bench_.frames_per_second);
+    float rate = float(bench_.sequence.frames_per_second);
     if (ImGui::SliderFloat("a second", &rate, 0.2f, 30, "%.1f", ImGuiSliderFlags_Logarithmic))
-      bench_.frames_per_second = double(rate);
+      bench_.sequence.frames_per_second = double(rate);
     tooltip("frames a second, as far as whole pictures keep up");
   }
   file_list();
-  note(fmt::format("{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read),
-                   thousands(scene->points_shown),
-                   bench_.left_out() ? fmt::format(", {} in places with others", bench_.left_out()) : ""));
+  note(fmt::format(
+      "{}: {} points, {} shown{}", scene->formats, thousands(scene->points_read),
+      thousands(scene->points_shown),
+      bench_.scene.left_out() ? fmt::format(", {} in places with others", bench_.scene.left_out()) : ""));
   note(fmt::format("up {} ({})", to_string(scene->pose.upright.up), scene->pose.upright.reason));
   if (bool whole = bench_.wishes().whole; scene->pose.subject.room || whole) {
     if (ImGui::Checkbox("whole room", &whole))

@@ -120,7 +120,7 @@ void Interface::technique_panel() {
     tooltip(fmt::format("{}: {}\nkey {}", techniques[i].name, techniques[i].summary, i + 1));
   }
   if (now.empty()) note("looking for the technique that suits the scan");
-  if (!bench_.reason().empty()) note("chosen: " + bench_.reason());
+  if (!bench_.scene.reason().empty()) note("chosen: " + bench_.scene.reason());
   if (picture() && bench_.settled())
     for (const std::string& each : picture()->notes) note(each);
   ImGui::Spacing();

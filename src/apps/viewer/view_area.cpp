@@ -36,7 +36,7 @@ void Interface::show_picture() {
   const bool exact = picture->image.width() == bench_.width() && picture->image.height() == bench_.height();
   if (furniture.empty() || !exact) return window_.upload(picture->image, exact);
   Image<Rgba8> explained = picture->image;
-  const view::Loaded* scene = bench_.scene();
+  const view::Loaded* scene = bench_.scene.loaded();
   draw_furniture(explained, *picture, furniture, scene ? scene->pose.upright.up : UpAxis::pos_z,
                  scene ? scene->crs : "");
   window_.upload(explained, exact);
@@ -158,7 +158,7 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddCircle(at, r + 1, rim, 24, 3.5f);
       list->AddCircle(at, r + 1, paint(0xffffff), 24, 1.5f);
     }
-  const auto& picked = bench_.picked();
+  const auto& picked = bench_.picks.points();
   for (std::size_t i = 1; i < picked.size(); ++i) {
     const auto [a, seen_a] = place(picked[i - 1].world);
     const auto [b, seen_b] = place(picked[i].world);
@@ -167,7 +167,7 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddLine(a, b, accent, 1.5f);
       const view::Measure m =
           view::measure(picked[i - 1].world, picked[i].world, bench_.navigator().up_axis());
-      const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
+      const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
       const double size = bench_.navigator().scene_size();
       if (picked.size() <= 12)
         label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
@@ -189,7 +189,7 @@ void Interface::draw_marks(float sx, float sy) {
   for (const auto& [name, value] : last.attributes) text += "\n" + name + "  " + value;
   if (picked.size() == 2) {
     const view::Measure m = view::measure(picked[0].world, last.world, bench_.navigator().up_axis());
-    const std::string unit = view::unit_of(bench_.scene() ? bench_.scene()->crs : "");
+    const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
     text += fmt::format("\ndistance {} {}\nheight {} {}\nhorizontal {} {}",
                         view::coordinate_text(m.distance, size), unit, view::coordinate_text(m.height, size),
                         unit, view::coordinate_text(m.horizontal, size), unit);

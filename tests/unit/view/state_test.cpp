@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <set>
 
 #include "core/error.h"
@@ -338,6 +339,32 @@ TEST(Picking, PassesThroughWallsThatAreNotDrawn) {
   EXPECT_EQ(nearest_point(cloud, camera, 300, 300, 12, 0.02, room), 0u);
   const Ceiling ceiling{{0, 0, 1}, {0.5, 0, 0, 0.5}, {0, 0.5, 0, 0.5}, 1, {2}};  // z > 2 about the middle
   EXPECT_EQ(nearest_point(cloud, camera, 300, 300, 12, 0.02, Room{{}, ceiling}), 0u);
+}
+
+TEST(Picking, FindsInBatchesWhatItFindsInAllPoints) {
+  PointCloud cloud;
+  std::vector<Batch> batches;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> place(0, 1);
+  for (int b = 0; b < 64; ++b) {
+    const vec3 corner(b % 4, b / 4 % 4, b / 16);
+    Batch batch{std::uint32_t(cloud.size()), 20, corner, corner + vec3(1)};
+    for (unsigned i = 0; i < batch.count; ++i)
+      cloud.positions.push_back(corner + vec3(place(random), place(random), place(random)));
+    batches.push_back(batch);
+  }
+  int found = 0;
+  for (const dvec3& eye : {dvec3(2, -8, 3), dvec3(2.1, 1.7, 2.2)})  // before the points, and among them
+    for (const bool is_parallel : {false, true}) {
+      const Camera camera = ViewCamera{eye, {2, 2, 2}, {0, 0, 1}, 60, is_parallel}.to_camera(600, 400);
+      for (int y = 0; y <= 400; y += 20)
+        for (int x = 0; x <= 600; x += 20) {
+          const auto all = nearest_point(cloud, camera, x, y);
+          EXPECT_EQ(nearest_point(cloud, camera, x, y, 12, 0.02, {}, batches), all) << x << " " << y;
+          found += all.has_value();
+        }
+    }
+  EXPECT_GT(found, 300);
 }
 
 TEST(Picking, MeasuresAlongTheUpAxis) {
