@@ -11,6 +11,7 @@
 
 namespace sfumato {
 
+/// The k-th number of a value.
 inline float component(float value, std::size_t) { return value; }
 inline float component(const vec3& value, std::size_t k) { return value[int(k)]; }
 inline std::uint8_t component(const Rgba8& color, std::size_t k) {
@@ -26,8 +27,8 @@ struct TypedAttribute {
   static constexpr StoredType stored =
       std::is_same_v<Component, std::uint8_t> ? StoredType::uint8 : StoredType::float32;
 
-  const char* name;
-  Value missing;  ///< of a point that has none in a cloud of which others have one
+  const char* name;  ///< of the array
+  Value missing;     ///< of a point that has none in a cloud of which others have one
   std::array<const char*, width> components;  ///< names in files
 
   static auto& of(auto& cloud) { return cloud.*member; }
