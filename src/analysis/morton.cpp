@@ -16,6 +16,7 @@
 
 #include "analysis/memory.h"
 #include "core/error.h"
+#include "core/typed_attributes.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -254,6 +255,7 @@ class CurveSort {
 /// Permutes `values` by way of `scratch`, which stays touched and warm from one attribute to the next.
 template <class T>
 void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, std::byte* scratch) {
+  static_assert(sizeof(T) <= sizeof(vec3), "reorder() makes scratch as large as the positions");
   if (values.empty()) return;
   T* const sorted = reinterpret_cast<T*>(scratch);
   tbb::parallel_for(Range(0, order.size(), grain), [&](const Range& range) {
@@ -311,9 +313,7 @@ std::vector<std::uint64_t> curve_keys(std::span<const vec3> places, const vec3& 
 void reorder(PointCloud& cloud, std::vector<std::uint32_t> order) {
   const auto scratch = unset_array<std::byte>(order.size() * sizeof(vec3));
   permute(cloud.positions, order, scratch.get());
-  permute(cloud.normals, order, scratch.get());
-  permute(cloud.colors, order, scratch.get());
-  permute(cloud.radii, order, scratch.get());
+  for_each_attribute([&](const auto& each) { permute(each.of(cloud), order, scratch.get()); });
   for (ScalarField& field : cloud.scalars) permute(field.values, order, scratch.get());
   if (cloud.source_index.empty())
     cloud.source_index = std::move(order);

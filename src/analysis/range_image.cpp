@@ -9,6 +9,7 @@
 
 #include "analysis/quantiles.h"
 #include "core/order.h"
+#include "core/typed_attributes.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -368,14 +369,11 @@ void complete_from_views(PointCloud& cloud, const ViewPlaces& views, Attributes 
   if (needs.has(Attribute::normal) && cloud.normals.empty()) lacking = lacking | Attribute::normal;
   if (needs.has(Attribute::radius) && cloud.radii.empty()) lacking = lacking | Attribute::radius;
   complete_from_grids(organised, lacking, progress);
-  if (!organised.normals.empty()) {
-    cloud.normals.assign(cloud.size(), vec3(0));
-    for (std::size_t k = 0; k < order.size(); ++k) cloud.normals[order[k]] = organised.normals[k];
-  }
-  if (!organised.radii.empty()) {
-    cloud.radii.assign(cloud.size(), 0.0f);
-    for (std::size_t k = 0; k < order.size(); ++k) cloud.radii[order[k]] = organised.radii[k];
-  }
+  for_each_attribute([&](const auto& each) {
+    if (each.of(organised).empty()) return;
+    each.of(cloud).assign(cloud.size(), each.missing);
+    for (std::size_t k = 0; k < order.size(); ++k) each.of(cloud)[order[k]] = each.of(organised)[k];
+  });
 }
 
 }  // namespace sfumato::analysis

@@ -7,6 +7,7 @@
 
 #include "core/order.h"
 #include "core/subsample.h"
+#include "core/typed_attributes.h"
 
 namespace sfumato {
 
@@ -189,9 +190,7 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ord
   out.las = cloud.las;
   out.scanners = cloud.scanners;
   out.positions = gather(cloud.positions, order);
-  out.normals = gather(cloud.normals, order);
-  out.colors = gather(cloud.colors, order);
-  out.radii = gather(cloud.radii, order);
+  for_each_attribute([&](const auto& each) { each.of(out) = gather(each.of(cloud), order); });
   for (const ScalarField& field : cloud.scalars)
     out.scalars.push_back({field.name, field.offset, gather(field.values, order), field.type});
   out.source_index = cloud.source_index.empty() ? order : gather(cloud.source_index, order);
@@ -229,13 +228,12 @@ void append(PointCloud& cloud, const PointCloud& other) {
   const dvec3 shift = other.origin - cloud.origin;
   cloud.positions.reserve(n + m);
   for (const vec3& p : other.positions) cloud.positions.push_back(vec3(dvec3(p) + shift));
-  extend(cloud.normals, n, other.normals, m, vec3(0));
   const bool has_own = !lacks_colors(cloud), has_theirs = !lacks_colors(other);
   const LowBytes low_bytes(cloud, other, has_own, has_theirs);
   if (!has_own && has_theirs) cloud.colors.clear();
-  const bool drops_theirs = has_own && !has_theirs;
-  extend(cloud.colors, n, drops_theirs ? std::vector<Rgba8>() : other.colors, m, no_color);
-  extend(cloud.radii, n, other.radii, m, 0.0f);
+  for_each_attribute([&](const auto& each) { extend(each.of(cloud), n, each.of(other), m, each.missing); });
+  if (has_own && !has_theirs)
+    std::fill(cloud.colors.begin() + std::ptrdiff_t(n), cloud.colors.end(), no_color);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (ScalarField& field : cloud.scalars) {
     const ScalarField* theirs =

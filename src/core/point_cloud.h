@@ -79,8 +79,9 @@ struct Bounds {
 };
 
 struct PointCloud {
-  dvec3 origin{0};                   ///< world position of the local (0,0,0)
-  std::vector<vec3> positions;       ///< relative to origin, always finite
+  dvec3 origin{0};              ///< world position of the local (0,0,0)
+  std::vector<vec3> positions;  ///< relative to origin, always finite
+  // The typed attributes; core/typed_attributes.h describes each.
   std::vector<vec3> normals;         ///< unit, or zero where unknown; empty when the cloud has none
   std::vector<Rgba8> colors;         ///< sRGB; empty when the cloud has none
   std::vector<float> radii;          ///< scene units; empty when the cloud has none

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/made_once.h"
@@ -34,6 +35,15 @@ class Attributes {
   std::uint32_t bits_ = 0;
 };
 constexpr Attributes operator|(Attribute a, Attribute b) { return Attributes(a) | Attributes(b); }
+/// As reports name them.
+inline std::vector<std::string> names_of(Attributes attributes) {
+  std::vector<std::string> names;
+  if (attributes.has(Attribute::normal)) names.push_back("normal");
+  if (attributes.has(Attribute::radius)) names.push_back("radius");
+  if (attributes.has(Attribute::uncertainty)) names.push_back("uncertainty");
+  if (attributes.has(Attribute::cluster)) names.push_back("cluster");
+  return names;
+}
 
 /// About 10,000 points that follow each other on the Morton curve: the unit of culling and level of detail.
 struct Batch {

@@ -126,7 +126,6 @@ CloudBuilder::CloudBuilder(std::vector<Column> columns, std::size_t rows, bool b
     wide_positions_ = wide_positions_ || is_wide(columns_[std::size_t(xyz_[k])].stored);
   }
   alpha_ = column_of(columns_, Role::alpha);
-  radius_ = column_of(columns_, Role::radius);
   if (wide_positions_)
     allocate(world_, rows);
   else
@@ -141,13 +140,12 @@ CloudBuilder::CloudBuilder(std::vector<Column> columns, std::size_t rows, bool b
     else
       allocate(raw_colors_, rows);
   }
-  if (radius_ >= 0) allocate(radii_, rows);
   if (keep_places_) allocate(places_, rows);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (columns_[i].role != Role::scalar) continue;
-    Field& field = fields_.emplace_back();
-    field.column = i;
-    if (is_wide(columns_[i].stored))
+    const bool is_radius = columns_[i].role == Role::radius;
+    if (columns_[i].role != Role::scalar && !is_radius) continue;
+    Field& field = fields_.emplace_back(Field{i, is_radius ? &PointCloud::radii : nullptr});
+    if (is_wide(columns_[i].stored) && !field.attribute)
       allocate(field.wide, rows);
     else
       allocate(field.narrow, rows);
@@ -176,7 +174,6 @@ void CloudBuilder::decode_batch(Cursor& cursor, Batch& batch, std::uint64_t plac
     decode_positions<float>(cursor, batch, positions_);
   if (normal_[0] >= 0) decode_normals(cursor, batch);
   if (color_[0] >= 0) decode_colors(cursor, batch);
-  if (radius_ >= 0) decode_values(cursor, batch, std::size_t(radius_), radii_);
   for (Field& field : fields_) {
     if (field.wide.empty())
       decode_values(cursor, batch, field.column, field.narrow);
@@ -303,8 +300,7 @@ void CloudBuilder::close_gaps(const std::vector<Cursor>& cursors) {
     }
     values.erase(to, values.end());
   };
-  close(positions_), close(world_), close(normals_), close(colors_), close(raw_colors_), close(radii_),
-      close(places_);
+  close(positions_), close(world_), close(normals_), close(colors_), close(raw_colors_), close(places_);
   for (Field& field : fields_) close(field.narrow), close(field.wide);
 }
 
@@ -470,11 +466,12 @@ void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
   finish_colors(stats, report);
   cloud.normals = std::move(normals_);
   cloud.colors = std::move(colors_);
-  cloud.radii = std::move(radii_);
   cloud.grid_index = std::move(places_);
   for (Field& field : fields_) {
     const Column& column = columns_[field.column];
-    if (is_wide(column.stored)) {
+    if (field.attribute) {
+      cloud.*field.attribute = std::move(field.narrow);
+    } else if (is_wide(column.stored)) {
       cloud.scalars.push_back(make_scalar(column.name, column.stored, field.wide, stats[field.column]));
       field.wide = {};
     } else {

@@ -89,6 +89,7 @@ class CloudBuilder {
   struct Batch;
   struct Field {
     std::size_t column = 0;
+    std::vector<float> PointCloud::*attribute = nullptr;  ///< instead of a scalar
     std::vector<float> narrow;
     std::vector<double> wide;  ///< types that float cannot hold, until the offset is known
   };
@@ -109,14 +110,13 @@ class CloudBuilder {
 
   std::vector<Column> columns_;
   bool swap_ = false;
-  int xyz_[3], normal_[3], color_[3], alpha_ = -1, radius_ = -1;  ///< columns; -1: none
+  int xyz_[3], normal_[3], color_[3], alpha_ = -1;  ///< columns; -1: none
   bool wide_positions_ = false, byte_colors_ = false, keep_places_ = false;
 
   std::vector<vec3> positions_, normals_;
   std::vector<dvec3> world_;  ///< positions of files that hold doubles, until the origin is known
   std::vector<Rgba8> colors_;
   std::vector<vec4> raw_colors_;  ///< colours that are not bytes, until their range is known
-  std::vector<float> radii_;
   std::vector<std::uint32_t> places_;
   std::vector<Field> fields_;
 };

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/counted.h"
+#include "core/typed_attributes.h"
 
 namespace sfumato::io::las {
 namespace {
@@ -179,14 +180,11 @@ std::vector<Source> sources_of(const PointCloud& cloud) {
     if (is_residual && !(name == rgb_low_name && cloud.colors.empty())) continue;
     sources.push_back({Field{name, scalar.type}, &scalar, residual_of(name)});
   }
-  auto add = [&](const char* name, int axis, bool is_radius) {
-    Source source{Field{name, StoredType::float32}};
-    source.normal_axis = axis;
-    source.is_radius = is_radius;
-    sources.push_back(source);
-  };
-  if (!cloud.normals.empty()) add("nx", 0, false), add("ny", 1, false), add("nz", 2, false);
-  if (!cloud.radii.empty()) add("radius", -1, true);
+  for_each_attribute([&](const auto& each) {
+    if (each.stored != StoredType::float32 || each.of(cloud).empty()) return;  // colours have fields of LAS
+    for (std::size_t k = 0; k < each.width; ++k)
+      sources.push_back({Field{each.components[k], each.stored}, nullptr, nullptr, each.number, k});
+  });
   return sources;
 }
 
@@ -221,8 +219,7 @@ StoredType extra_type(const Source& source, const Range& range) {
 }  // namespace
 
 double Source::value(const PointCloud& cloud, std::size_t i) const {
-  if (normal_axis >= 0) return cloud.normals[i][normal_axis];
-  if (is_radius) return cloud.radii[i];
+  if (number) return number(cloud, i, component);
   if (!residual) return scalar->value(i);
   const double rest = residual->value(i);
   // The two parts first: their sum is exact, and only then meets the large offset.

@@ -17,8 +17,9 @@ struct Source {
   Field field;
   const ScalarField* scalar = nullptr;
   const ScalarField* residual = nullptr;  ///< added to `scalar`
-  int normal_axis = -1;                   ///< 0 to 2: the normal's component instead
-  bool is_radius = false;
+  /// Of a typed attribute instead: its component at a point.
+  double (*number)(const PointCloud& cloud, std::size_t i, std::size_t component) = nullptr;
+  std::size_t component = 0;
   double missing = std::numeric_limits<double>::quiet_NaN();  ///< written for what is no number
 
   double value(const PointCloud& cloud, std::size_t i) const;

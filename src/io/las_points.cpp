@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/order.h"
+#include "core/typed_attributes.h"
 #include "io/color_depth.h"
 #include "io/columns.h"
 #include "io/large_vector.h"
@@ -289,7 +290,7 @@ ReadResult PointCollector::finish(const std::vector<Stats>& parts, Progress& pro
   place_points(result, total, progress);
   place_colors(result, progress);
   place_scalars(result, total);
-  place_normals_and_radii(result);
+  place_attributes(result);
   return result;
 }
 
@@ -423,7 +424,7 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
   }
 }
 
-void PointCollector::place_normals_and_radii(ReadResult& result) {
+void PointCollector::place_attributes(ReadResult& result) {
   PointCloud& cloud = result.cloud;
   const ScalarField *x = cloud.scalar("nx"), *y = cloud.scalar("ny"), *z = cloud.scalar("nz");
   if (x && y && z) {
@@ -437,13 +438,17 @@ void PointCollector::place_normals_and_radii(ReadResult& result) {
         cloud.normals[i] = std::abs(squared - 1) < 1e-5f ? normal : normal / std::sqrt(squared);
     }
   }
-  if (const ScalarField* radius = cloud.scalar("radius")) {
-    cloud.radii.resize(cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i) cloud.radii[i] = float(radius->value(i));
-  }
-  std::erase_if(cloud.scalars, [&](const ScalarField& field) {
-    return (!cloud.normals.empty() && (field.name == "nx" || field.name == "ny" || field.name == "nz")) ||
-           (!cloud.radii.empty() && field.name == "radius");
+  for_each_attribute([&](const auto& each) {
+    auto& values = each.of(cloud);
+    if constexpr (std::is_same_v<decltype(values), std::vector<float>&>)
+      if (const ScalarField* field = cloud.scalar(each.components[0])) {
+        values.resize(cloud.size());
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = float(field->value(i));
+      }
+    if (values.empty() || each.stored != StoredType::float32) return;
+    std::erase_if(cloud.scalars, [&](const ScalarField& field) {
+      return std::find(each.components.begin(), each.components.end(), field.name) != each.components.end();
+    });
   });
 }
 

@@ -64,7 +64,7 @@ class PointCollector {
   void place_points(ReadResult& result, const Stats& total, Progress& progress);
   void place_colors(ReadResult& result, Progress& progress);
   void place_scalars(ReadResult& result, const Stats& total);
-  void place_normals_and_radii(ReadResult& result);
+  void place_attributes(ReadResult& result);
 
   Header header_;
   std::size_t points_ = 0;

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/typed_attributes.h"
+
 namespace sfumato::io {
 namespace {
 
@@ -25,8 +27,7 @@ bool all_fit(const ScalarField& field, std::size_t count) {
   return true;
 }
 
-}  // namespace
-
+/// The type that holds every value of the field: as stored in its file if that still does.
 StoredType smallest_type(const ScalarField& field, std::size_t count) {
   bool fits = false;
   switch (field.type) {
@@ -42,6 +43,7 @@ StoredType smallest_type(const ScalarField& field, std::size_t count) {
   return fits ? field.type : StoredType::float64;
 }
 
+/// World coordinates are exact as floats.
 bool positions_fit_floats(const PointCloud& cloud) {
   if (cloud.origin == dvec3(0)) return true;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -58,10 +60,7 @@ void put(std::vector<std::byte>& record, T value) {
   std::memcpy(record.data() + at, &value, sizeof value);
 }
 
-template void put(std::vector<std::byte>&, vec3);
-template void put(std::vector<std::byte>&, dvec3);
-template void put(std::vector<std::byte>&, float);
-template void put(std::vector<std::byte>&, std::uint8_t);
+}  // namespace
 
 void put_as(std::vector<std::byte>& record, StoredType type, double value) {
   switch (type) {
@@ -76,49 +75,31 @@ void put_as(std::vector<std::byte>& record, StoredType type, double value) {
   }
 }
 
-double OutColumn::value(const PointCloud& cloud, std::size_t i) const {
-  switch (source) {
-    case Source::x:
-    case Source::y:
-    case Source::z: return cloud.world(i)[int(source)];
-    case Source::nx:
-    case Source::ny:
-    case Source::nz: return cloud.normals[i][int(source) - int(Source::nx)];
-    case Source::red: return cloud.colors[i].r;
-    case Source::green: return cloud.colors[i].g;
-    case Source::blue: return cloud.colors[i].b;
-    case Source::alpha: return cloud.colors[i].a;
-    case Source::radius: return cloud.radii[i];
-    case Source::scalar: return cloud.scalars[scalar].value(i);
-  }
-  return 0;
-}
-
 void OutColumn::print(const PointCloud& cloud, std::size_t i, std::string& text) const {
-  if (int(source) <= int(Source::z))
-    return print_sum(cloud.origin[int(source)], cloud.positions[i][int(source)], text);
-  if (source == Source::scalar)
-    return print_sum(cloud.scalars[scalar].offset, cloud.scalars[scalar].values[i], text);
+  if (kind == Kind::position)
+    return print_sum(cloud.origin[int(index)], cloud.positions[i][int(index)], text);
+  if (kind == Kind::scalar)
+    return print_sum(cloud.scalars[index].offset, cloud.scalars[index].values[i], text);
   print_sum(0, float(value(cloud, i)), text);
 }
 
 std::vector<OutColumn> columns_to_write(const PointCloud& cloud) {
-  using Source = OutColumn::Source;
+  using Kind = OutColumn::Kind;
   std::vector<OutColumn> columns;
   const StoredType position = positions_fit_floats(cloud) ? StoredType::float32 : StoredType::float64;
-  const auto add = [&](std::initializer_list<const char*> names, Source first, StoredType type) {
-    int k = 0;
-    for (const char* name : names) columns.push_back({name, type, Source(int(first) + k++)});
-  };
-  add({"x", "y", "z"}, Source::x, position);
-  if (!cloud.normals.empty()) add({"nx", "ny", "nz"}, Source::nx, StoredType::float32);
-  if (!cloud.colors.empty()) add({"red", "green", "blue"}, Source::red, StoredType::uint8);
-  if (std::any_of(cloud.colors.begin(), cloud.colors.end(), [](const Rgba8& c) { return c.a != 255; }))
-    add({"alpha"}, Source::alpha, StoredType::uint8);
-  if (!cloud.radii.empty()) add({"radius"}, Source::radius, StoredType::float32);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    columns.push_back({std::string(1, "xyz"[axis]), position, Kind::position, axis,
+                       [](const PointCloud& c, std::size_t i, std::size_t k) { return c.world(i)[int(k)]; }});
+  for_each_attribute([&](const auto& each) {
+    for (std::size_t k = 0; k < each.width && !each.of(cloud).empty(); ++k)
+      columns.push_back({each.components[k], each.stored, Kind::attribute, k, each.number});
+  });
+  if (std::all_of(cloud.colors.begin(), cloud.colors.end(), [](const Rgba8& c) { return c.a == 255; }))
+    std::erase_if(columns, [](const OutColumn& column) { return column.is("alpha"); });
   for (std::size_t k = 0; k < cloud.scalars.size(); ++k)
     columns.push_back(
-        {cloud.scalars[k].name, smallest_type(cloud.scalars[k], cloud.size()), Source::scalar, k});
+        {cloud.scalars[k].name, smallest_type(cloud.scalars[k], cloud.size()), Kind::scalar, k,
+         [](const PointCloud& c, std::size_t i, std::size_t n) { return c.scalars[n].value(i); }});
   return columns;
 }
 

@@ -3,31 +3,28 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/point_cloud.h"
 
 namespace sfumato::io {
 
-/// The type that holds every value of the field: as stored in its file if that still does.
-StoredType smallest_type(const ScalarField& field, std::size_t count);
-/// World coordinates are exact as floats.
-bool positions_fit_floats(const PointCloud& cloud);
-
-template <class T>
-void put(std::vector<std::byte>& record, T value);
 /// The value at the end of the record, as that type.
 void put_as(std::vector<std::byte>& record, StoredType type, double value);
 
 /// One number of every point.
 struct OutColumn {
-  enum class Source { x, y, z, nx, ny, nz, red, green, blue, alpha, radius, scalar };
+  enum class Kind { position, attribute, scalar };
   std::string name;
   StoredType type = StoredType::float32;
-  Source source = Source::scalar;
-  std::size_t scalar = 0;  ///< which, of `cloud.scalars`
+  Kind kind = Kind::scalar;
+  std::size_t index = 0;  ///< of the axis, of the component, of the scalar in `cloud.scalars`
+  double (*number)(const PointCloud& cloud, std::size_t i, std::size_t index) = nullptr;
 
-  double value(const PointCloud& cloud, std::size_t i) const;
+  double value(const PointCloud& cloud, std::size_t i) const { return number(cloud, i, index); }
+  /// Whether it is that component of a typed attribute; a scalar may have its name.
+  bool is(std::string_view component) const { return kind == Kind::attribute && name == component; }
   /// The shortest decimals that give this number back.
   void print(const PointCloud& cloud, std::size_t i, std::string& text) const;
 };

@@ -1,4 +1,4 @@
-// Clouds as binary records: PCD 0.7, and NPY as a structured array (numpy.load gives one field for each
+// Clouds as binary records: PLY, PCD 0.7, and NPY as a structured array (numpy.load gives one field for each
 // number).
 #include <algorithm>
 #include <cctype>
@@ -24,15 +24,28 @@ std::pair<char, int> kind_of(StoredType type) {
   }
 }
 
-std::string column_name(std::string text, std::string_view unwanted) {
+const char* ply_name(StoredType type) {
+  switch (type) {
+    case StoredType::uint8: return "uchar";
+    case StoredType::int8: return "char";
+    case StoredType::uint16: return "ushort";
+    case StoredType::int16: return "short";
+    case StoredType::uint32: return "uint";
+    case StoredType::int32: return "int";
+    case StoredType::float32: return "float";
+    default: return "double";  // PLY has no 64-bit integers
+  }
+}
+
+std::string header_text(std::string text, std::string_view unwanted, char instead = '_') {
   for (char& c : text)
-    if (unwanted.find(c) != std::string_view::npos) c = '_';
+    if (unwanted.find(c) != std::string_view::npos) c = instead;
   return text;
 }
 
+/// `packed_color`: the column in whose place the whole colour is written, in four bytes; or null.
 void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector<OutColumn>& columns,
-                   bool packed_color, Progress& progress) {
-  using Source = OutColumn::Source;
+                   const OutColumn* packed_color, Progress& progress) {
   std::vector<std::byte> record;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (i % 65536 == 0) {
@@ -41,12 +54,9 @@ void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector
     }
     record.clear();
     for (const OutColumn& column : columns) {
-      if (packed_color && column.source == Source::red) {
+      if (&column == packed_color) {
         const Rgba8 c = cloud.colors[i];
         for (std::uint8_t byte : {c.b, c.g, c.r, c.a}) put_as(record, StoredType::uint8, byte);
-      } else if (packed_color && int(column.source) >= int(Source::green) &&
-                 int(column.source) <= int(Source::alpha)) {
-        continue;
       } else {
         put_as(record, column.type, column.value(cloud, i));
       }
@@ -57,24 +67,41 @@ void write_records(AtomicWriter& out, const PointCloud& cloud, const std::vector
 
 }  // namespace
 
-WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
-  using Source = OutColumn::Source;
+WriteReport write_ply(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
   const std::vector<OutColumn> columns = columns_to_write(cloud);
-  const bool alpha = std::any_of(columns.begin(), columns.end(),
-                                 [](const OutColumn& column) { return column.source == Source::alpha; });
+  // What nobody said is no more certain afterwards: whoever draws the file looks for it in the points.
+  std::string header = std::string("ply\nformat binary_little_endian 1.0\ncomment ") +
+                       (cloud.up_is_known ? "up " : "usual_up ") + to_string(cloud.up) + "\n";
+  if (!cloud.crs.empty()) header += "comment crs " + header_text(cloud.crs, "\r\n", ' ') + "\n";
+  header += "element vertex " + std::to_string(cloud.size()) + "\n";
+  for (const OutColumn& column : columns)
+    header +=
+        std::string("property ") + ply_name(column.type) + " " + header_text(column.name, " \t\r\n") + "\n";
+  AtomicWriter out(file);
+  out.write(header + "end_header\n");
+  write_records(out, cloud, columns, nullptr, progress);
+  out.commit();
+  return {};
+}
+
+WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud, Progress& progress) {
+  std::vector<OutColumn> columns = columns_to_write(cloud);
+  const auto place_of = [&](std::string_view component) {
+    return std::find_if(columns.begin(), columns.end(),
+                        [&](const OutColumn& column) { return column.is(component); });
+  };
+  // The colour is one float that is four bytes: what every reader of PCD knows.
+  const bool alpha = place_of("alpha") != columns.end();
+  std::erase_if(columns, [](const OutColumn& column) {
+    return column.is("green") || column.is("blue") || column.is("alpha");
+  });
+  const auto red = place_of("red");
   std::string names, sizes, types, counts;
   for (const OutColumn& column : columns) {
     auto [type, size] = kind_of(column.type);
-    std::string name = column_name(column.name, " \t\r\n");
-    if (column.source == Source::nx || column.source == Source::ny || column.source == Source::nz)
-      name = "normal_" + name.substr(1);
-    if (column.source == Source::red) {  // one float that is four bytes: what every reader of PCD knows
-      name = alpha ? "rgba" : "rgb";
-      type = alpha ? 'U' : 'F';
-      size = 4;
-    } else if (int(column.source) > int(Source::red) && int(column.source) <= int(Source::alpha)) {
-      continue;
-    }
+    std::string name = header_text(column.name, " \t\r\n");
+    if (column.is("nx") || column.is("ny") || column.is("nz")) name = "normal_" + name.substr(1);
+    if (column.is("red")) name = alpha ? "rgba" : "rgb", type = alpha ? 'U' : 'F', size = 4;
     names += " " + name;
     sizes += " " + std::to_string(size);
     types += std::string(" ") + type;
@@ -85,7 +112,7 @@ WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud
   out.write("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS" + names + "\nSIZE" + sizes +
             "\nTYPE" + types + "\nCOUNT" + counts + "\nWIDTH " + points +
             "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n");
-  write_records(out, cloud, columns, true, progress);
+  write_records(out, cloud, columns, red == columns.end() ? nullptr : &*red, progress);
   out.commit();
   return {};
 }
@@ -95,7 +122,7 @@ WriteReport write_npy_cloud(const std::filesystem::path& file, const PointCloud&
   std::string header = "{'descr': [";
   for (const OutColumn& column : columns) {
     const auto [type, size] = kind_of(column.type);
-    header += "('" + column_name(column.name, "'\\\r\n") + "', '" + (size == 1 ? "|" : "<") +
+    header += "('" + header_text(column.name, "'\\\r\n") + "', '" + (size == 1 ? "|" : "<") +
               std::string(1, char(std::tolower(type))) + std::to_string(size) + "'), ";
   }
   header += "], 'fortran_order': False, 'shape': (" + std::to_string(cloud.size()) + ",), }";
@@ -109,7 +136,7 @@ WriteReport write_npy_cloud(const std::filesystem::path& file, const PointCloud&
   for (int k = 0; k < 4; ++k) length += char(header.size() >> (8 * k) & 255);
   out.write(length);
   out.write(header);
-  write_records(out, cloud, columns, false, progress);
+  write_records(out, cloud, columns, nullptr, progress);
   out.commit();
   return {};
 }

@@ -158,16 +158,12 @@ py::dict describe(const TechniqueInfo& info) {
   py::dict out;
   out["name"] = info.name;
   out["summary"] = info.summary;
-  py::list needs, own, shared;
-  const Attributes attributes = look.technique->needs();
-  if (attributes.has(Attribute::normal)) needs.append("normal");
-  if (attributes.has(Attribute::radius)) needs.append("radius");
-  if (attributes.has(Attribute::uncertainty)) needs.append("uncertainty");
-  if (attributes.has(Attribute::cluster)) needs.append("cluster");
+  py::list own, shared;
   const auto& all = look.parameters.all();
   for (std::size_t i = 0; i < all.size(); ++i)
     (i < look.own_count ? own : shared).append(python::describe(all[i]));
-  out["needs"] = needs, out["parameters"] = own, out["shared_parameters"] = shared;
+  out["needs"] = names_of(look.technique->needs());
+  out["parameters"] = own, out["shared_parameters"] = shared;
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/typed_attributes.h"
 #include "io/memory.h"
 #include "run.h"
 #include "synth/synth.h"
@@ -188,28 +189,20 @@ std::optional<UpAxis> up_axis(const std::optional<std::string>& text) {
 }
 
 void bind_cloud(py::module_& module) {
-  py::class_<Cloud, CloudPtr>(module, "Cloud")
-      .def("__len__", [](Cloud& self) { return self.points().size(); })
+  py::class_<Cloud, CloudPtr> type(module, "Cloud");
+  for_each_attribute([&](const auto& each) {
+    type.def(each.name, [](const py::object& self) -> py::object {
+      using Each = std::remove_cvref_t<decltype(each)>;
+      auto& values = Each::of(self.cast<CloudPtr>()->points());
+      if (values.empty()) return py::none();
+      std::vector<py::ssize_t> shape{py::ssize_t(values.size())};
+      if (Each::width > 1) shape.push_back(Each::width);
+      return view(reinterpret_cast<typename Each::Component*>(values.data()), shape, self);
+    });
+  });
+  type.def("__len__", [](Cloud& self) { return self.points().size(); })
       .def("positions", [](const py::object& self) { return positions(self.cast<CloudPtr>(), self); })
       .def("world", &world)
-      .def("normals",
-           [](const py::object& self) -> py::object {
-             auto& values = self.cast<CloudPtr>()->points().normals;
-             if (values.empty()) return py::none();
-             return view(&values[0].x, {py::ssize_t(values.size()), 3}, self);
-           })
-      .def("colors",
-           [](const py::object& self) -> py::object {
-             auto& values = self.cast<CloudPtr>()->points().colors;
-             if (values.empty()) return py::none();
-             return view(&values[0].r, {py::ssize_t(values.size()), 4}, self);
-           })
-      .def("radii",
-           [](const py::object& self) -> py::object {
-             auto& values = self.cast<CloudPtr>()->points().radii;
-             if (values.empty()) return py::none();
-             return view(values.data(), {py::ssize_t(values.size())}, self);
-           })
       .def("scalar", [](const py::object& self,
                         const std::string& name) { return scalar(self.cast<CloudPtr>(), name, self); })
       .def("scalar_types",

@@ -11,6 +11,7 @@
 #include "analysis/whole.h"
 #include "core/color.h"
 #include "core/error.h"
+#include "core/typed_attributes.h"
 #include "passes/shadows.h"
 #include "techniques/panorama.h"
 
@@ -194,9 +195,9 @@ std::uint64_t Session::point_bytes() const {
   std::uint64_t bytes = 0;
   for (std::size_t k = 0; !is_empty_ && k < parts_.size(); ++k) {
     const PointCloud& points = cloud(k);
-    bytes += points.positions.size() * sizeof(vec3) + points.normals.size() * sizeof(vec3) +
-             (points.colors.size() + colors(k).size()) * sizeof(Rgba8) + points.radii.size() * sizeof(float) +
+    bytes += points.positions.size() * sizeof(vec3) + colors(k).size() * sizeof(Rgba8) +
              points.source_index.size() * sizeof(std::uint32_t);
+    for_each_attribute([&](const auto& each) { bytes += each.of(points).size() * sizeof each.missing; });
     if (parts_[k].source_index) bytes += parts_[k].source_index->size() * sizeof(std::uint32_t);
     for (const ScalarField& field : points.scalars) bytes += field.values.size() * sizeof(float);
   }

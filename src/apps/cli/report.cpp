@@ -44,13 +44,7 @@ Json describe(const TechniqueInfo& info) {
   Json json;
   json["name"] = info.name;
   json["summary"] = info.summary;
-  Json needs = Json::array();
-  const Attributes attributes = chosen.technique->needs();
-  if (attributes.has(Attribute::normal)) needs.push_back("normal");
-  if (attributes.has(Attribute::radius)) needs.push_back("radius");
-  if (attributes.has(Attribute::uncertainty)) needs.push_back("uncertainty");
-  if (attributes.has(Attribute::cluster)) needs.push_back("cluster");
-  json["needs"] = needs;
+  json["needs"] = names_of(chosen.technique->needs());
   json["parameters"] = Json::array();
   json["shared_parameters"] = Json::array();
   const auto& all = chosen.parameters.all();
