@@ -20,7 +20,7 @@ uniform float spacing;    // of the points between which a surface was closed, s
 
 const float threshold = 2.0;              // mean details; in one of twenty of normal noise is more
 const float deviations = 3.5;             // of points: sqrt(12) are a step of depth that was rounded
-const float in_reach = 1.0, beyond = 2.0;  // of the farthest octave: what is farther in front occludes nothing
+const float in_reach = 1.0, beyond = 2.0;  // of the farthest octave: squares in front fade, those beyond count as background
 const float nothing = -1e3;               // the rise of the background
 
 const vec2 compass[8] = vec2[8](vec2(1.0, 0.0), vec2(0.70710678, 0.70710678), vec2(0.0, 1.0),

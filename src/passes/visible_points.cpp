@@ -20,8 +20,8 @@ void VisiblePoints::add_round(VisiblePoints next) {
     if (!other.empty()) own = std::move(other);
   };
   if (!depth_bits.empty() && !next.depth_bits.empty())
-    in_front.push_back({std::exchange(depth_bits, {}), std::exchange(number, {}), std::exchange(colors, {}),
-                        std::exchange(normals, {})});
+    in_front.push_back(  // nobody merges them again: without numbers
+        {std::exchange(depth_bits, {}), {}, std::exchange(colors, {}), std::exchange(normals, {})});
   take(depth_bits, next.depth_bits), take(number, next.number);
   take(colors, next.colors), take(normals, next.normals), take(places, next.places);
   take(nearest, next.nearest), take(vouching, next.vouching);

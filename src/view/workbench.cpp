@@ -240,7 +240,7 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
     }
     if (ready->id != scene.whole_.id) return;
     scene.whole_.is_ready = true;
-    if (scene.stage_ == Stage::preparing) scene.stage_ = Stage::idle;
+    if (scene.stage_ == Stage::preparing || scene.stage_ == Stage::refused) scene.stage_ = Stage::idle;
     scene.left_out_ = ready->left_out;
     for (const std::string& note : ready->notes) say(note);
     refinement_.set_whole_ready(true);
@@ -301,10 +301,12 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       return;
     }
     const bool of_scene = failure->id == scene.whole_.id;
-    if (failure->id == 0 || (of_scene && !shown_)) {
+    // Once other files are being read, what waits is theirs.
+    const bool is_awaited = of_scene && scene.stage_ != Stage::reading;
+    if (failure->id == 0 || (is_awaited && !shown_)) {
       fatal_ = *failure;
-    } else if (of_scene) {
-      if (scene.stage_ == Stage::idle || scene.stage_ == Stage::preparing) scene.stage_ = Stage::refused;
+    } else if (is_awaited) {
+      if (scene.stage_ != Stage::unreadable) scene.stage_ = Stage::refused;
       shots.drop_waiting();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;

@@ -35,6 +35,8 @@ void Workbench::load(bool anew) {
   if (scene.key_ != scene.wanted_key_) file_times_.clear();
   scene.key_ = scene.wanted_key_;
   scene.known_.reset();
+  scene.is_reading_view_ = false;
+  scene.read_view_.reset();
   if (start_.shared && !anew) {
     scene.known_ = start_.shared->find(scene.wanted_key_);
     // Both keep it: one that had to be read again would miss what the other has.
@@ -45,8 +47,6 @@ void Workbench::load(bool anew) {
   LoadJob job = load_job(wishes_);
   job.anew = anew;
   job.sample_first = wishes_.frame_on_load && !anew;  // else something better is on the screen
-  scene.is_reading_view_ = false;
-  scene.read_view_.reset();
   if (scene.follows_view() && !wishes_.frame_on_load) {
     scene.read_view_ = wanted_view();
     job.seen = camera();

@@ -639,7 +639,7 @@ TEST(VisiblePoints, OfRoundsLieOneBehindAnother) {
   for (std::uint32_t round = 0; round < 3; ++round) {
     const VisiblePoints& layer = round < 2 ? all.in_front[round] : all;
     EXPECT_EQ(layer.depth_bits.at(1, 0), round);
-    EXPECT_EQ(layer.number.at(1, 0), 10 + round);
+    EXPECT_EQ(layer.number.empty(), round < 2);
     EXPECT_EQ(layer.colors.at(1, 0), vec4(float(round)));
     EXPECT_EQ(layer.normals.empty(), round == 2);
   }

@@ -185,6 +185,24 @@ TEST_F(WorkbenchTest, IsLoadingUntilTheNewestFilesAreThere) {
   EXPECT_EQ(mistakes_, 0);
 }
 
+// What the painter refuses of the last points is nothing against the next ones.
+TEST_F(WorkbenchTest, SavesAPictureOfTheNewestFilesAlthoughTheLastWereRefused) {
+  const std::string file = write("here.las", 0), larger = write("larger.las", 0, 700);
+  Workbench& bench = show(start(file));
+  bench.change("rules", [](Wishes& wishes) {
+    wishes.hide_classes = {6};
+    wishes.items = {{"*", "points", {}, false}};
+  });
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loaded()->points_shown == 1250; }));
+  bench.open({larger}, false);
+  bench.change("rules", [](Wishes& wishes) { wishes.items.clear(); });
+  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
+  bench.shoot(64, 40);
+  EXPECT_EQ(shots(bench).size(), 1u);
+  ASSERT_TRUE(settle(bench));
+  EXPECT_EQ(bench.scene.loaded()->points_read, 490000u);
+}
+
 TEST_F(WorkbenchTest, UndoOfWhatCannotBeOpenedLosesNothing) {
   Start sequence = start(write("f1.las", 0));
   sequence.frames = scene::files_of({sequence.wishes.files.front(), write("f2.las", 1)});

@@ -174,7 +174,8 @@ class Layers final : public Technique {
     }
 
     if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
-    cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view);
+    cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view) && !frame.visible &&
+               !frame.merged;
     peel_.begin(view, footprint_, cascade_, bin_);
     // A part stops where the layers of all parts end.
     const int known = !frame.visible ? last : frame.merged ? int(frame.merged->in_front.size()) + 1 : 0;
@@ -273,7 +274,7 @@ class Layers final : public Technique {
     take_spacings(frame);
     // Of points farther out some parts draw more than others, as their batches lie.
     const int of_normals = needs().empty() && !prepared.whole->has_normals ? farthest_image_normal : 0;
-    return {frame.camera, reach + of_normals + 1 + int(std::ceil(0.5f * footprint_.most_px))};
+    return {frame.camera, reach + of_normals + 1 + int(std::ceil(0.75f * footprint_.most_px))};
   }
 
   /// Sizes of points by the whole of which this is a part, whose batches are others.
@@ -372,6 +373,8 @@ class Layers final : public Technique {
     const std::size_t before = std::size_t(peeled_) - 1;
     const VisiblePoints& layer = before < merged.in_front.size() ? merged.in_front[before] : merged;
     const Image<std::uint32_t>& bits = layer.depth_bits;
+    if (before > merged.in_front.size() || bits.width() != depth_.width() || bits.height() != depth_.height())
+      throw Error(ErrorCode::usage, "layers that parts showed with another camera or other parameters");
     Image<std::uint32_t> pixels(bits.width(), bits.height(), VisiblePoints::nothing);
     for (std::size_t i = 0; i < bits.size(); ++i)
       if (bits.data()[i] != VisiblePoints::nothing) pixels.data()[i] = std::uint32_t(i);
