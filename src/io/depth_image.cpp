@@ -48,8 +48,7 @@ Frame read_frame(const std::filesystem::path& path) {
   if (!json.is_object()) refuse("a depth image is an object with depth, fx, fy, cx, cy");
   for (const auto& [key, value] : json.items()) {
     if (key == "depth" || key == "color") {
-      // A sum is taken for one past its end by g++ 14, where headers are precompiled.
-      if (!value.is_string()) refuse(std::string("'").append(key).append("' is not the name of a picture"));
+      if (!value.is_string()) refuse("'" + key + "' is not the name of a picture");
       (key == "depth" ? frame.depth : frame.color) =
           path.parent_path() / file_name_of(value.get<std::string>());
     } else if (key == "fx") {
