@@ -300,14 +300,14 @@ void Workbench::take_answer(Answer answer, bool of_whole) {
       scene.sample_.is_refused = true;  // rules may leave nothing of it: the whole cloud is drawn then
       return;
     }
-    const bool of_scene = failure->id == scene.whole_.id;
-    // Once other files are being read, what waits is theirs.
-    const bool is_awaited = of_scene && scene.stage_ != Stage::reading;
-    if (failure->id == 0 || (is_awaited && !shown_)) {
+    const bool of_scene = failure->id == scene.whole_.id && scene.stage_ != Stage::reading;
+    // Once another scene is wished for, what waits is of that.
+    const bool is_wanted = of_scene && scene.key_ == wishes_.scene_key();
+    if (failure->id == 0 || (is_wanted && !shown_)) {
       fatal_ = *failure;
-    } else if (is_awaited) {
+    } else if (of_scene) {
       if (scene.stage_ != Stage::unreadable) scene.stage_ = Stage::refused;
-      shots.drop_waiting();
+      if (is_wanted) shots.drop_waiting();
     } else if (failure->id == in_flight_) {
       in_flight_ = 0;
       refinement_.failed();
