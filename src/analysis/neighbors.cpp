@@ -9,7 +9,7 @@
 #include <cstring>
 #include <memory>
 
-#include "analysis/wide.h"
+#include "core/wide.h"
 #include "analysis/wider_neighborhoods.h"
 
 namespace sfumato::analysis {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "analysis/wide.h"
+#include "core/wide.h"
 
 namespace sfumato::analysis {
 namespace {

@@ -1,6 +1,7 @@
 #include "gl/buffer.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "gl/context.h"
 
@@ -13,8 +14,9 @@ Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : 
   // Zero-sized storage is an error in GL; an empty cloud is not one in sfumato. GL reads as much as it
   // stores, so less than the least size comes afterwards.
   constexpr std::size_t least = 16;
-  // On software GL the processor may fill a buffer where it lies.
-  const GLbitfield map = GL_MAP_READ_BIT | (limits().software ? GL_MAP_WRITE_BIT : 0u);
+  // On software GL the processor may fill a buffer where it lies, and read it there while passes do.
+  const GLbitfield map =
+      GL_MAP_READ_BIT | (limits().software ? GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT : 0u);
   glNamedBufferStorage(id_, GLsizeiptr(std::max(bytes, least)), bytes < least ? nullptr : data,
                        GL_DYNAMIC_STORAGE_BIT | map);
   if (bytes < least && data) upload(data, bytes);
@@ -33,6 +35,15 @@ void Buffer::upload(const void* data, std::size_t bytes, std::size_t offset) {
 void Buffer::download(void* data, std::size_t bytes, std::size_t offset) const {
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   if (bytes) glGetNamedBufferSubData(id_, GLintptr(offset), GLsizeiptr(bytes), data);
+}
+
+const void* Buffer::memory() const {
+  static std::mutex mutex;  // contexts share buffers, and a buffer is mapped once
+  const std::lock_guard lock(mutex);
+  if (!memory_ && limits().software)
+    memory_ = glMapNamedBufferRange(id_, 0, GLsizeiptr(std::max<std::size_t>(bytes_, 1)),
+                                    GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT);
+  return memory_;
 }
 
 void Buffer::clear(std::uint32_t word) {

@@ -19,10 +19,13 @@ class Buffer {
   Buffer(const std::string& label, std::size_t bytes, const void* data = nullptr);
   ~Buffer();
   Buffer(Buffer&& other) noexcept
-      : id_(std::exchange(other.id_, 0)), bytes_(std::exchange(other.bytes_, 0)) {}
+      : id_(std::exchange(other.id_, 0)),
+        bytes_(std::exchange(other.bytes_, 0)),
+        memory_(std::exchange(other.memory_, nullptr)) {}
   Buffer& operator=(Buffer&& other) noexcept {
     std::swap(id_, other.id_);
     std::swap(bytes_, other.bytes_);
+    std::swap(memory_, other.memory_);
     return *this;
   }
 
@@ -31,6 +34,9 @@ class Buffer {
   explicit operator bool() const { return id_ != 0; }
   void upload(const void* data, std::size_t bytes, std::size_t offset = 0);
   void download(void* data, std::size_t bytes, std::size_t offset = 0) const;
+  /// Where software GL keeps it, to be read for as long as it lives by who waits for those who write
+  /// (GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT); null on a GPU.
+  const void* memory() const;
   /// Fills with a repeated 32-bit word.
   void clear(std::uint32_t word);
   void bind_storage(int binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(binding), id_); }
@@ -39,6 +45,7 @@ class Buffer {
  private:
   GLuint id_ = 0;
   std::size_t bytes_ = 0;
+  mutable const void* memory_ = nullptr;
 };
 
 /// A buffer read through texelFetch: 2x faster than a storage buffer on llvmpipe.

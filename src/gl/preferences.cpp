@@ -63,6 +63,8 @@ Preferences Preferences::from_environment() {
   out.depth_sort = place("SFUMATO_DEPTH_SORT");
   out.soft_blend = place("SFUMATO_SOFT_BLEND");
   out.stroke_lists = place("SFUMATO_STROKE_LISTS");
+  out.splats = place("SFUMATO_SPLATS");
+  out.evidence = place("SFUMATO_EVIDENCE");
   return out;
 }
 

@@ -80,6 +80,10 @@ struct Transfer<std::uint32_t> {
   static constexpr GLenum format = GL_RED_INTEGER, type = GL_UNSIGNED_INT;
 };
 template <>
+struct Transfer<std::uint8_t> {
+  static constexpr GLenum format = GL_RED, type = GL_UNSIGNED_BYTE;
+};
+template <>
 struct Transfer<Rgba8> {
   static constexpr GLenum format = GL_RGBA, type = GL_UNSIGNED_BYTE;
 };
@@ -97,6 +101,7 @@ Image<T> Texture::download() const {
 
 template <class T>
 void Texture::upload(const Image<T>& image) {
+  if constexpr (sizeof(T) < 4) glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage2D(id_, 0, 0, 0, width_, height_, Transfer<T>::format, Transfer<T>::type, image.data());
 }
 
@@ -112,6 +117,7 @@ template void Texture::upload(const Image<vec3>&);
 template void Texture::upload(const Image<vec4>&);
 template void Texture::upload(const Image<std::uint32_t>&);
 template void Texture::upload(const Image<Rgba8>&);
+template void Texture::upload(const Image<std::uint8_t>&);
 
 void ensure(Texture& texture, const std::string& label, GLenum format, int width, int height) {
   if (texture && texture.width() == width && texture.height() == height && texture.format() == format) return;

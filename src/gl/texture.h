@@ -41,7 +41,8 @@ class Texture {
   /// Every texel to this value; floats for float and normalised formats, integers for integer formats.
   void clear(const vec4& value);
   void clear_uint(std::uint32_t value);
-  /// Whole image, top row first. T decides the transfer format: float, vec2, vec3, vec4, uint32, Rgba8.
+  /// Whole image, top row first. T decides the transfer format: float, vec2, vec3, vec4, uint32, Rgba8; for
+  /// uploads also uint8.
   template <class T>
   Image<T> download() const;
   template <class T>

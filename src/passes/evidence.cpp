@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "gl/commands.h"
+#include "gl/preferences.h"
+#include "passes/evidence_cpu.h"
 #include "passes/view.h"
 
 namespace sfumato {
@@ -36,9 +39,14 @@ const gl::Texture& Evidence::find(const Image<std::uint32_t>& depth_bits, int wi
 
 const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int width, int height,
                                   const EvidenceReach& reach) {
+  gl::ensure(mask_, "evidence", GL_R8, width, height);
+  if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
+    gl::barrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+    mask_.upload(evidence_by_rows(depth_bits.download<std::uint32_t>(), band, width, height, reach));
+    return mask_;
+  }
   gl::ensure(along_rows_, "distances along rows", GL_R32F, depth_bits.width(), depth_bits.height());
   gl::ensure(distance_, "distance to points", GL_R32F, depth_bits.width(), depth_bits.height());
-  gl::ensure(mask_, "evidence", GL_R8, width, height);
   const auto make = [](ScreenPass& pass, const char* step, GLenum format) -> ScreenPass& {
     if (!pass) pass = ScreenPass("passes/evidence.glsl", {format}, {step});
     return pass;

@@ -85,9 +85,8 @@ std::uint32_t GpuCloud::show(Chunk& chunk, std::span<const glm::uvec2> ranges) {
 }
 
 void GpuCloud::bind_geometry(const Chunk& chunk) const {
-  const ResidentCloud::Chunk& resident = resident_->chunks()[place_of(chunk)];
-  resident.positions.bind(binding::positions);
-  resident.source_index.bind(binding::source_index);
+  positions(chunk).bind(binding::positions);
+  resident_->chunks()[place_of(chunk)].source_index.bind(binding::source_index);
   chunk.batches.bind(binding::batches);
   cut_block_.bind_uniform(binding::cut);
 }
@@ -110,28 +109,32 @@ void GpuCloud::set_cut(Cut cut) {
   cut_block_ = gl::Buffer("cut", sizeof block, &block);
 }
 
-void GpuCloud::bind_colors(const Chunk& chunk) const {
-  colors_->buffers(*resident_)[place_of(chunk)].bind(binding::colors);
+const gl::TextureBuffer& GpuCloud::positions(const Chunk& chunk) const {
+  return resident_->chunks()[place_of(chunk)].positions;
 }
 
-void GpuCloud::bind_normals(const Chunk& chunk) const {
+const gl::TextureBuffer& GpuCloud::colors(const Chunk& chunk) const {
+  return colors_->buffers(*resident_)[place_of(chunk)];
+}
+
+const gl::TextureBuffer& GpuCloud::normals(const Chunk& chunk) const {
   const Values& normals = shapes_ && !shapes_->normals.empty() ? shapes_->normals : resident_->normals();
-  normals[place_of(chunk)].bind(binding::normals);
+  return normals[place_of(chunk)];
 }
 
-void GpuCloud::bind_radii(const Chunk& chunk) const {
-  (shapes_ ? shapes_->radii : resident_->radii())[place_of(chunk)].bind(binding::radii);
+const gl::TextureBuffer& GpuCloud::radii(const Chunk& chunk) const {
+  return (shapes_ ? shapes_->radii : resident_->radii())[place_of(chunk)];
 }
 
-void GpuCloud::bind_field(const Chunk& chunk) const {
-  if (field_) (*field_)[place_of(chunk)].bind(binding::field);
+const gl::TextureBuffer* GpuCloud::field(const Chunk& chunk) const {
+  return field_ ? &(*field_)[place_of(chunk)] : nullptr;
 }
 
-void GpuCloud::bind_shadow(Chunk& chunk) {
+const gl::TextureBuffer& GpuCloud::shadow(Chunk& chunk) {
   if (!chunk.shadow)
     chunk.shadow = gl::TextureBuffer("shadow factors", GL_R32F,
                                      std::span<const float>(std::vector<float>(chunk.count, 1.0f)));
-  chunk.shadow.bind(binding::shadow);
+  return chunk.shadow;
 }
 
 void GpuCloud::set_colors(std::shared_ptr<const Colors> colors) {

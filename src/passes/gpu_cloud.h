@@ -77,12 +77,20 @@ class GpuCloud {
   static std::uint32_t show(Chunk& chunk, std::span<const glm::uvec2> ranges);
   /// Binds positions, source index, batches; call for each chunk, then bind what the shader reads besides.
   void bind_geometry(const Chunk& chunk) const;
-  void bind_colors(const Chunk& chunk) const;
-  void bind_normals(const Chunk& chunk) const;
-  void bind_radii(const Chunk& chunk) const;
-  void bind_field(const Chunk& chunk) const;
-  /// Shadow factors, or a buffer of ones.
-  void bind_shadow(Chunk& chunk);
+  void bind_colors(const Chunk& chunk) const { colors(chunk).bind(binding::colors); }
+  void bind_normals(const Chunk& chunk) const { normals(chunk).bind(binding::normals); }
+  void bind_radii(const Chunk& chunk) const { radii(chunk).bind(binding::radii); }
+  void bind_field(const Chunk& chunk) const {
+    if (field_) field(chunk)->bind(binding::field);
+  }
+  void bind_shadow(Chunk& chunk) { shadow(chunk).bind(binding::shadow); }
+  /// What those bind.
+  const gl::TextureBuffer& positions(const Chunk& chunk) const;
+  const gl::TextureBuffer& colors(const Chunk& chunk) const;
+  const gl::TextureBuffer& normals(const Chunk& chunk) const;
+  const gl::TextureBuffer& radii(const Chunk& chunk) const;
+  const gl::TextureBuffer* field(const Chunk& chunk) const;  ///< null: none
+  const gl::TextureBuffer& shadow(Chunk& chunk);             ///< shadow factors, or ones
   /// For passes that look points up by their source index (shaders/places.glsl): `run(chunk)` with what tells
   /// the pass which of them it may find, once for each chunk and part of the places.
   template <class Pass, class Run>

@@ -59,6 +59,14 @@ struct SplatShift {
 /// rest are for tests. The context's preferences decide first.
 using gl::SplatPath;
 
+/// What counts as the surface of a pixel, and how much.
+struct SplatBlend {
+  float epsilon = 0;  ///< scene units along the ray: how far behind the nearest hit a splat still counts
+  float epsilon_radii = 0;  ///< or so many radii of the splat that was hit there, where that is more
+  SplatKernel kernel = SplatKernel::wendland;
+  bool opaque = false;  ///< only the nearest hit of a pixel; epsilon and kernel do not count
+};
+
 /// The batches that a view may see, by the way they are drawn.
 struct SplatBatches {
   struct Ranges {

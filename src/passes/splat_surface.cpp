@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "gl/context.h"
+#include "gl/preferences.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
@@ -27,6 +29,19 @@ SplatShape behind_surface(SplatShape shape, const SplatBlend& blend) {
 /// Where epsilon differs from splat to splat, that of the nearest counts: only the first pass knows which it
 /// is.
 static bool is_shifted(const SplatBlend& blend) { return !blend.opaque && blend.epsilon_radii > 0; }
+/// What is left to add behind the nearest hits.
+static float epsilon_of(const SplatBlend& blend) {
+  return blend.opaque || is_shifted(blend) ? 0 : blend.epsilon;
+}
+
+static SplatShift shift_of(const SplatBlend& blend) {
+  return is_shifted(blend) ? SplatShift{blend.epsilon, blend.epsilon_radii} : SplatShift{};
+}
+
+static bool is_on_cpu() {
+  return gl::limits().software && gl::preferences().splat_path == SplatPath::automatic &&
+         gl::place_of_work(gl::preferences().splats) == gl::Place::cpu;
+}
 
 void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
                         const SplatSurfaceTargets& targets, gl::Timers& timers) {
@@ -50,6 +65,10 @@ void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShap
   batches_ = choose_batches(cloud, view, behind);
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   nearest_t_.upload(nearest);
+  if (is_on_cpu()) {
+    nearest_here_ = nearest;
+    cpu_.find_nearest(cloud, view, behind, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
+  }
   add_up(cloud, view, behind, blend, timers);
 }
 
@@ -64,9 +83,14 @@ void SplatSurface::normalize(const View& view, const Image<vec4>& color_sum, con
 void SplatSurface::see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
                        gl::Timers& timers) {
   auto timing = timers.scope("visibility");
-  SplatShift shift;
-  if (is_shifted(blend)) shift = {blend.epsilon, blend.epsilon_radii};
-  draw_nearest(cloud, view, shape, batches_, shift);
+  if (!is_on_cpu()) {
+    draw_nearest(cloud, view, shape, batches_, shift_of(blend));
+    return;
+  }
+  nearest_here_ = Image<float>(view.width(), view.height(), std::numeric_limits<float>::infinity());
+  cpu_.find_nearest(cloud, view, shape, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
+  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
+  nearest_t_.upload(nearest_here_);
 }
 
 void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
@@ -74,9 +98,17 @@ void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& s
   const int width = view.width(), height = view.height();
   auto timing = timers.scope("accumulate");
   const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
-  const float epsilon = blend.opaque || is_shifted(blend) ? 0 : blend.epsilon;
+  const float epsilon = epsilon_of(blend);
   gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
   gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
+  if (is_on_cpu()) {
+    const SplatCpu::Sums sums = cpu_.add_up(cloud, view, blend, epsilon, nearest_here_);
+    color_sum_.upload(sums.color), normal_sum_.upload(sums.normal);
+    if (!shadow) return;
+    gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);
+    shadow_sum_.upload(sums.shadow);
+    return;
+  }
   color_sum_.clear(vec4(0));
   normal_sum_.clear(vec4(0));
   SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (blend.opaque ? 4 : gaussian ? 2 : 0)];

@@ -5,17 +5,11 @@
 #include "gl/texture.h"
 #include "gl/timer.h"
 #include "passes/screen_pass.h"
+#include "passes/splat_cpu.h"
 #include "passes/splat_raster.h"
 #include "passes/splat_visit.h"
 
 namespace sfumato {
-
-struct SplatBlend {
-  float epsilon = 0;  ///< scene units along the ray: how far behind the nearest hit a splat still counts
-  float epsilon_radii = 0;  ///< or so many radii of the splat that was hit there, where that is more
-  SplatKernel kernel = SplatKernel::wendland;
-  bool opaque = false;  ///< only the nearest hit of a pixel; epsilon and kernel do not count
-};
 
 /// The shape with the far sides of thin sheets twice as far behind as what counts as the same surface: beyond
 /// that even where noise has them in front.
@@ -59,6 +53,8 @@ class SplatSurface {
   gl::Texture nearest_t_, front_, color_sum_, normal_sum_, shadow_sum_;
   SplatRaster nearest_, accumulate_[6];
   SplatVisit visit_;
+  SplatCpu cpu_;
+  Image<float> nearest_here_;  ///< of `cpu_`: nearest_t_
   ScreenPass deeper_side_, normalize_;
   void see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
            gl::Timers& timers);

@@ -77,22 +77,25 @@ TEST_F(EvidenceTest, PixelsAreThoseBesideTheShapeOfPoints) {
       squares_of_distances(size, size, [&](int x, int y) { return to_points.at(x, y) > 6.5 * 6.5; });
   gl::Texture points("points", GL_R32UI, size, size);
   points.upload(bits);
-  Evidence evidence;
-  const gl::Texture& found = evidence.find(points, band, size - 2 * band, size - 2 * band, reach);
-  const Image<float> mask = found.download<float>();
-  int between = 0, beside = 0, open = 0;
-  for (int y = 0; y < mask.height(); ++y)
-    for (int x = 0; x < mask.width(); ++x) {
-      const int point = to_points.at(x + band, y + band), disc = to_open.at(x + band, y + band);
-      const bool is_vouched = disc > 4.25 * 4.25;
-      EXPECT_EQ(mask.at(x, y) > 0, is_vouched) << x << ' ' << y;
-      if (point <= 2.25 * 2.25) EXPECT_TRUE(is_vouched) << "around a point " << x << ' ' << y;
-      between += disc > 6.5 * 6.5 && point > 9, beside += is_vouched && disc <= 6.5 * 6.5,
-          open += !is_vouched;
-    }
-  EXPECT_GT(between, 30);
-  EXPECT_GT(beside, 30);
-  EXPECT_GT(open, 100);
+  for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
+    const WithPreference<gl::Place> with(&gl::Preferences::evidence, place);
+    Evidence evidence;
+    const gl::Texture& found = evidence.find(points, band, size - 2 * band - 1, size - 2 * band, reach);
+    const Image<float> mask = found.download<float>();
+    int between = 0, beside = 0, open = 0;
+    for (int y = 0; y < mask.height(); ++y)
+      for (int x = 0; x < mask.width(); ++x) {
+        const int point = to_points.at(x + band, y + band), disc = to_open.at(x + band, y + band);
+        const bool is_vouched = disc > 4.25 * 4.25;
+        EXPECT_EQ(mask.at(x, y) > 0, is_vouched) << x << ' ' << y;
+        if (point <= 2.25 * 2.25) EXPECT_TRUE(is_vouched) << "around a point " << x << ' ' << y;
+        between += disc > 6.5 * 6.5 && point > 9, beside += is_vouched && disc <= 6.5 * 6.5,
+            open += !is_vouched;
+      }
+    EXPECT_GT(between, 30);
+    EXPECT_GT(beside, 30);
+    EXPECT_GT(open, 100);
+  }
 }
 
 TEST_F(EvidenceTest, NothingIsCoveredFarFromAllPoints) {

@@ -1,0 +1,433 @@
+#include "passes/splat_cpu.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include "core/color.h"
+#include "core/wide.h"
+#include "gl/commands.h"
+#include "gl/pace.h"
+#include "passes/view.h"
+
+namespace sfumato {
+namespace {
+
+using Disc = SplatCpu::Disc;
+
+/// Pixels of a row at a time.
+constexpr int lanes = 8;
+/// Rows whose sums stay in a core's cache while all splats of the band are added.
+constexpr int band_rows = 16;
+constexpr float miss = 2;  ///< squared distance from a centre, in radii
+
+/// What the shaders know as `frame`.
+struct Eye {
+  explicit Eye(const View& view) : eye_from_cloud(view.eye_from_cloud()) {
+    const Camera& camera = view.camera();
+    const Intrinsics k = camera.whole_intrinsics();
+    orthographic = camera.orthographic();
+    near = 1e-4f * float(camera.far_plane);
+    pixels_per_unit = float(camera.pixels_per_unit());
+    focal = vec2(float(k.fx), -float(k.fy)), middle = vec2(k.cx, k.cy);
+    tile = vec2(camera.tile_origin()), size = vec2(camera.width, camera.height);
+    room = 1e-3f + 2.5e-7f * float(std::max(camera.whole_width(), camera.whole_height()));
+    slopes_x.resize(std::size_t(camera.width + lanes));
+    slopes_y.resize(std::size_t(camera.height));
+    for (std::size_t x = 0; x < slopes_x.size(); ++x)
+      slopes_x[x] = (float(x) + 0.5f + tile.x - middle.x) / focal.x;
+    for (std::size_t y = 0; y < slopes_y.size(); ++y)
+      slopes_y[y] = (float(y) + 0.5f + tile.y - middle.y) / focal.y;
+  }
+  float pixels_at(float depth) const { return orthographic ? pixels_per_unit : pixels_per_unit / depth; }
+  vec3 to_camera(const vec3& eye) const { return orthographic ? vec3(0, 0, 1) : glm::normalize(-eye); }
+  vec3 turned(const vec3& v) const {
+    return vec3(eye_from_cloud[0]) * v.x + vec3(eye_from_cloud[1]) * v.y + vec3(eye_from_cloud[2]) * v.z;
+  }
+  vec2 pixel_from_eye(const vec3& eye) const {
+    return focal * vec2(eye) / (orthographic ? 1.0f : -eye.z) + middle - tile;
+  }
+
+  mat4 eye_from_cloud;
+  bool orthographic;
+  float near;  ///< hits nearer than that are not drawn
+  float pixels_per_unit, room;
+  vec2 focal, middle, tile, size;
+  std::vector<float> slopes_x, slopes_y;  ///< of the rays of columns and rows
+};
+
+/// The points of a chunk as shaders read them.
+struct Points {
+  Points(GpuCloud& cloud, std::size_t c) {
+    GpuCloud::Chunk& chunk = cloud.chunks()[c];
+    const auto at = [](const gl::TextureBuffer* buffer) {
+      return buffer ? buffer->buffer().memory() : nullptr;
+    };
+    positions = static_cast<const vec3*>(at(&cloud.positions(chunk)));
+    normals = static_cast<const std::uint32_t*>(at(&cloud.normals(chunk)));
+    radii = static_cast<const vec2*>(at(&cloud.radii(chunk)));
+    colors = static_cast<const Rgba8*>(at(&cloud.colors(chunk)));
+    field = static_cast<const float*>(at(cloud.field(chunk)));
+    if (cloud.has_shadow()) shadow = static_cast<const float*>(at(&cloud.shadow(chunk)));
+  }
+
+  /// Unit normal in cloud space, or 0 where the cloud knows none.
+  vec3 normal(std::uint32_t i) const {
+    const std::uint32_t code = normals[i];
+    if (code == 0) return vec3(0);
+    const vec2 e = vec2(float(code & 0xffff) / 65535, float(code >> 16) / 65535) * 2.0f - 1.0f;
+    vec3 n(e, 1 - std::abs(e.x) - std::abs(e.y));
+    if (n.z < 0) {
+      const vec2 folded = 1.0f - glm::abs(vec2(n.y, n.x));
+      n.x = n.x >= 0 ? folded.x : -folded.x;
+      n.y = n.y >= 0 ? folded.y : -folded.y;
+    }
+    return glm::normalize(n);
+  }
+
+  const vec3* positions;
+  const std::uint32_t* normals;
+  const vec2* radii;
+  const Rgba8* colors;
+  const float* field;
+  const float* shadow = nullptr;
+};
+
+bool is_cut(const GpuCloud::Cut& cut, const vec3& position) {
+  for (const vec4& plane : cut.planes)
+    if (glm::dot(vec3(plane), position) + plane.w > 0) return true;
+  if (cut.heights.empty()) return false;
+  const vec4 p(position, 1);
+  const float u = glm::dot(cut.u, p), v = glm::dot(cut.v, p);
+  if (!(u >= 0 && v >= 0 && u < float(cut.across) && v < float(cut.across))) return false;
+  return glm::dot(cut.up, position) > cut.heights[std::size_t(int(v) * cut.across + int(u))];
+}
+
+/// cloud_splat of shaders/splat_cloud.glsl.
+Disc disc_of(const Points& points, std::uint32_t i, const Eye& eye, const SplatShape& shape,
+             const GpuCloud::Cut& cut) {
+  constexpr float closing = 2, closed = 4, dot_share = 0.3125f;
+  const vec3 position = points.positions[i];
+  Disc disc;
+  disc.point = i;
+  disc.center = eye.turned(position) + vec3(eye.eye_from_cloud[3]);
+  disc.normal = eye.turned(points.normal(i));
+  const vec3 toward = eye.to_camera(disc.center);
+  const vec2 radius_surface = points.radii[i];
+  const bool is_far_side = radius_surface.y < 0 && glm::dot(disc.normal, toward) < 0;
+  if (glm::dot(disc.normal, disc.normal) < 0.25f) disc.normal = toward;
+  disc.radius = std::min(radius_surface.x, shape.radius_limit) * shape.radius_scale;
+  const float wider = disc.radius * eye.pixels_at(std::max(-disc.center.z, eye.near)) / shape.widest_px;
+  const float beyond = std::clamp((wider - closing) / (closed - closing), 0.0f, 1.0f);
+  const float surface =
+      (shape.dots ? std::abs(radius_surface.y) : 1) * (1 - beyond * beyond * (3 - 2 * beyond));
+  const float most = surface < 1 ? std::min(1.0f, dot_share / (1 - surface)) : 1;
+  if (wider > most) disc.radius *= most / wider;
+  if (surface < 1) {
+    const float turn = glm::dot(disc.normal, toward) < 0 ? -surface : surface;
+    disc.normal = glm::normalize(toward * (1 - surface) + disc.normal * turn);
+  }
+  if (shape.part != SplatPart::all &&
+      (points.field[i] > shape.field_threshold) != (shape.part == SplatPart::above))
+    disc.radius = 0;
+  if (!cut.empty() && is_cut(cut, position)) disc.radius = 0;
+  disc.behind =
+      is_far_side ? std::max(shape.behind, shape.behind_radii / shape.radius_scale * disc.radius) : 0;
+  return disc;
+}
+
+/// splat_pixels of shaders/splat.glsl.
+bool find_pixels(Disc& disc, const Eye& eye, float prefilter_px) {
+  const float depth = -disc.center.z, r2 = disc.radius * disc.radius;
+  const vec3 n = disc.normal;
+  vec2 a = r2 * glm::max(1.0f - vec2(n) * vec2(n), vec2(0)), b = r2 * vec2(n) * n.z;
+  float d = r2 * std::max(1 - n.z * n.z, 0.0f);
+  if (!(disc.radius > 0) || depth + std::sqrt(d) < eye.near) return false;
+  vec2 low(-1), high = eye.size;
+  const bool anywhere = [&] {
+    vec2 lo, hi;
+    if (eye.orthographic) {
+      lo = vec2(disc.center) - glm::sqrt(a);
+      hi = vec2(disc.center) + glm::sqrt(a);
+    } else {
+      if (depth <= 0) return true;
+      const float unit = 1 / depth, unit2 = unit * unit;
+      const vec2 c = vec2(disc.center) * unit;
+      a *= unit2, b *= unit2, d *= unit2;
+      const float front = 1 - d;
+      if (front <= 1e-6f) return true;
+      const vec2 root = glm::sqrt(glm::max((b * b - a * d) - 2.0f * b * c + a + c * c * d, vec2(0)));
+      lo = (c - b - root) / front;
+      hi = (c - b + root) / front;
+    }
+    const vec2 one = lo * eye.focal + eye.middle - eye.tile, two = hi * eye.focal + eye.middle - eye.tile;
+    low = glm::min(one, two), high = glm::max(one, two);
+    return false;
+  }();
+  if (!anywhere && prefilter_px > 0 && depth > 0) {
+    const vec2 center = eye.pixel_from_eye(disc.center);
+    low = glm::min(low, center - prefilter_px);
+    high = glm::max(high, center + prefilter_px);
+  }
+  const vec2 first = glm::clamp(glm::ceil(glm::max(low - 0.5f - eye.room, vec2(-1))), vec2(0), eye.size);
+  const vec2 last = glm::min(glm::floor(glm::min(high - 0.5f + eye.room, eye.size)), eye.size - 1.0f);
+  if (!(first.x <= last.x && first.y <= last.y)) return false;
+  disc.first_x = std::uint16_t(first.x), disc.first_y = std::uint16_t(first.y);
+  disc.last_x = std::uint16_t(last.x), disc.last_y = std::uint16_t(last.y);
+  return true;
+}
+
+/// hit_splat of shaders/splat.glsl at pixels side by side.
+struct Hits {
+  float t[lanes];     // as SplatHit::t
+  float rho2[lanes];  // squared distance from the centre in radii; 1 and more: a miss
+};
+struct Caster {
+  Caster(const Disc& disc, const Eye& eye, float prefilter_px)
+      : disc(disc),
+        near(eye.near),
+        depth(-disc.center.z),
+        spread(eye.orthographic ? 1 : depth),
+        perspective(eye.orthographic ? 0 : 1),
+        inverse_r2(1 / (disc.radius * disc.radius)) {
+    const float scale = eye.pixels_at(depth) / prefilter_px;
+    per_screen2 = prefilter_px > 0 && scale > 0 ? scale * scale : 0;
+    off_screen2 = per_screen2 > 0 ? 0 : miss;
+  }
+  [[gnu::always_inline]] void hit(const float* slopes_x, float slope_y, Hits& hits) const {
+    const float ay = slope_y * spread - disc.center.y, sy = slope_y * perspective;
+    const float nx = disc.normal.x, nay = disc.normal.y * ay, nsy = disc.normal.y * sy - disc.normal.z;
+    for (int k = 0; k < lanes; ++k) {
+      const float ax = slopes_x[k] * spread - disc.center.x, sx = slopes_x[k] * perspective;
+      const float beyond = -(nx * ax + nay) / (nx * sx + nsy);
+      const float ox = ax + beyond * sx, oy = ay + beyond * sy;
+      const float rho2 = (ox * ox + oy * oy + beyond * beyond) * inverse_r2;
+      const float screen2 = (ax * ax + ay * ay) * per_screen2 + off_screen2;
+      const bool inside = rho2 < 1;  // false where it is edge-on: infinite or not a number
+      const float z = inside ? depth + beyond : depth;
+      const float least2 = rho2 < screen2 ? rho2 : screen2;
+      const float kept2 = inside ? least2 : screen2;
+      hits.rho2[k] = z >= near ? kept2 : miss;
+      hits.t[k] = z * std::sqrt(sx * sx + sy * sy + 1) + disc.behind;
+    }
+  }
+
+  const Disc& disc;
+  float near, depth, spread, perspective, inverse_r2, per_screen2, off_screen2;
+};
+
+/// Whether a hit is of the surface that the nearest one begins; with room for a few roundings.
+bool counts(float t, float nearest, float epsilon) { return t <= nearest * 1.000002f + epsilon; }
+
+/// Whether no pixel has a hit so far that one of the disc's can be near to.
+[[gnu::always_inline]] inline bool is_hidden(const Disc& disc, const Eye& eye, float prefilter_px,
+                                             float epsilon, Image<float>& nearest) {
+  const float z = -disc.center.z,
+              around = prefilter_px > 0 ? prefilter_px / eye.pixels_at(std::max(z, eye.near)) : 0;
+  const float least = (eye.orthographic ? z : glm::length(disc.center)) - disc.radius - around + disc.behind;
+  for (int y = disc.first_y; y <= disc.last_y; ++y)
+    for (int x = disc.first_x; x <= disc.last_x; ++x)
+      if (counts(least, std::atomic_ref<float>(nearest.at(x, y)).load(std::memory_order_relaxed), epsilon))
+        return false;
+  return true;
+}
+
+/// Lowers the nearest hits to those of the disc; whether one of its own is no more than `epsilon` behind.
+[[gnu::always_inline]] inline bool lower(const Disc& disc, const Eye& eye, float prefilter_px, float shift,
+                                         float epsilon, Image<float>& nearest) {
+  const Caster caster(disc, eye, prefilter_px);
+  bool is_near = false;
+  Hits hits;
+  for (int y = disc.first_y; y <= disc.last_y; ++y) {
+    for (int x = disc.first_x; x <= disc.last_x; x += lanes) {
+      caster.hit(&eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)], hits);
+      const int n = std::min(lanes, disc.last_x - x + 1);
+      for (int k = 0; k < n; ++k) {
+        if (!(hits.rho2[k] < 1)) continue;
+        const float moved = hits.t[k] + shift;
+        const std::atomic_ref<float> cell(nearest.at(x + k, y));
+        float before = cell.load(std::memory_order_relaxed);
+        is_near = is_near || counts(hits.t[k], std::min(before, moved), epsilon);
+        while (moved < before && !cell.compare_exchange_weak(before, moved, std::memory_order_relaxed)) {
+        }
+      }
+    }
+  }
+  return is_near;
+}
+
+SFUMATO_WIDE void visit(const Points& points, std::uint32_t first, std::uint32_t count, const Eye& eye,
+                        const SplatShape& shape, const SplatShift& shift, float epsilon,
+                        const GpuCloud::Cut& cut, Image<float>& nearest, std::vector<Disc>& kept) {
+  kept.clear();
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    Disc disc = disc_of(points, i, eye, shape, cut);
+    if (!find_pixels(disc, eye, shape.prefilter_px)) continue;
+    if (is_hidden(disc, eye, shape.prefilter_px, epsilon, nearest)) continue;
+    const float moved = std::max(shift.least, shift.radii / shape.radius_scale * disc.radius);
+    if (lower(disc, eye, shape.prefilter_px, moved, epsilon, nearest)) kept.push_back(disc);
+  }
+}
+
+/// The side of deeper_side.glsl at one pixel.
+vec2 deeper_side(const Image<float>& nearest, int x, int y, float full_step) {
+  constexpr int distance_px = 2;
+  const float own = nearest.at(x, y);
+  const auto deeper = [&](int dx, int dy) {
+    return std::clamp(
+        nearest.at(std::clamp(x + dx, 0, nearest.width() - 1), std::clamp(y + dy, 0, nearest.height() - 1)) -
+            own,
+        -full_step, full_step);
+  };
+  return {deeper(distance_px, 0) - deeper(-distance_px, 0), deeper(0, distance_px) - deeper(0, -distance_px)};
+}
+
+/// splat_weight of shaders/splat.glsl of the hits that count, 0 of the others.
+[[gnu::always_inline]] inline void weigh(const Hits& hits, const float* nearest, const SplatBlend& blend,
+                                         float epsilon, float* weights) {
+  for (int k = 0; k < lanes; ++k) {
+    const float rho = std::sqrt(hits.rho2[k]), rest = 1 - rho;
+    const float weight = blend.opaque ? 1 : rest * rest * rest * rest * (4 * rho + 1);
+    weights[k] = hits.rho2[k] < 1 && counts(hits.t[k], nearest[k], epsilon) ? weight : 0;
+  }
+  if (blend.kernel == SplatKernel::gaussian && !blend.opaque)
+    for (int k = 0; k < lanes; ++k)
+      if (weights[k] > 0) weights[k] = std::exp(-hits.rho2[k] / (2 * 0.316f));
+}
+
+/// splat_accumulate.frag over the rows [first_row, last_row].
+[[gnu::always_inline]] inline void add(const Disc& disc, const Points& points, const Eye& eye,
+                                       float prefilter_px, const SplatBlend& blend, float epsilon,
+                                       const Image<float>& nearest, int first_row, int last_row,
+                                       SplatCpu::Sums& sums) {
+  constexpr float grazing2 = 0.35f * 0.35f;
+  const Caster caster(disc, eye, prefilter_px);
+  const Rgba8 srgb = points.colors[disc.point];
+  const vec4 color(linear_from_srgb(srgb.r), linear_from_srgb(srgb.g), linear_from_srgb(srgb.b), 1);
+  const vec3 own = eye.turned(points.normal(disc.point));
+  const float lit = points.shadow ? points.shadow[disc.point] : 1;
+  Hits hits;
+  float here[lanes] = {}, weights[lanes];
+  for (int y = std::max(int(disc.first_y), first_row); y <= std::min(int(disc.last_y), last_row); ++y) {
+    const float sy = eye.slopes_y[std::size_t(y)] * caster.perspective;
+    for (int from = disc.first_x; from <= disc.last_x; from += lanes) {
+      const int n = std::min(lanes, disc.last_x - from + 1);
+      std::copy_n(&nearest.at(from, y), n, here);
+      caster.hit(&eye.slopes_x[std::size_t(from)], eye.slopes_y[std::size_t(y)], hits);
+      weigh(hits, here, blend, epsilon, weights);
+      for (int k = 0; k < n; ++k) {
+        const float w = weights[k];
+        if (w == 0) continue;
+        const int x = from + k;
+        const vec3 slope(eye.slopes_x[std::size_t(x)] * caster.perspective, sy, -1);
+        const float facing = glm::dot(own, slope);
+        float side = facing > 0 ? -1 : 1;
+        if (!blend.opaque && facing * facing < grazing2 * glm::dot(slope, slope) &&
+            side * glm::dot(deeper_side(nearest, x, y, blend.epsilon), vec2(own.x, -own.y)) < 0)
+          side = -side;
+        sums.color.at(x, y) += w * color;
+        sums.normal.at(x, y) += w * vec4(side * own, hits.t[k] - disc.behind);
+        if (points.shadow) sums.shadow.at(x, y) += w * lit;
+      }
+    }
+  }
+}
+
+struct Entry {
+  const Disc* disc;
+  std::size_t chunk;
+};
+SFUMATO_WIDE void add_rows(std::span<const Entry> entries, const std::vector<Points>& chunks, const Eye& eye,
+                           float prefilter_px, const SplatBlend& blend, float epsilon,
+                           const Image<float>& nearest, int first_row, SplatCpu::Sums& sums) {
+  for (const Entry& entry : entries)
+    add(*entry.disc, chunks[entry.chunk], eye, prefilter_px, blend, epsilon, nearest, first_row,
+        first_row + band_rows - 1, sums);
+}
+
+}  // namespace
+
+void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                            const SplatBatches& batches, const SplatShift& shift, float epsilon,
+                            Image<float>& nearest) {
+  const Eye eye(view);
+  std::vector<Points> chunks;
+  std::size_t used = 0;
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
+    chunks.emplace_back(cloud, c);
+    const SplatBatches::OfChunk& of = batches.chunks[c];
+    for (const SplatBatches::Ranges* ranges : {&of.points, &of.quads, &of.small})
+      for (std::size_t r = 0; r < ranges->first.size(); ++r) {
+        const int corners = ranges == &of.quads ? 6 : 1;
+        if (used == kept_.size()) kept_.emplace_back();
+        OfBatch& batch = kept_[used++];
+        batch.chunk = c;
+        batch.first = std::uint32_t(ranges->first[r] / corners);
+        batch.count = std::uint32_t(ranges->count[r] / corners);
+        batch.depth = glm::length(eye.turned(chunks.back().positions[batch.first + batch.count / 2]) +
+                                  vec3(eye.eye_from_cloud[3]));
+      }
+  }
+  kept_.resize(used);
+  prefilter_px_ = shape.prefilter_px;
+
+  gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+  gl::end_stretch();
+  gl::finish();
+  const Progress& progress = gl::lent_progress();
+  // From front to back, so that most of what is hidden is so when it is visited: no result depends on it.
+  std::vector<std::size_t> order(used);
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(kept_[a].depth, a) < std::pair(kept_[b].depth, b);
+  });
+  std::atomic<std::size_t> next = 0;
+  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
+    for (std::size_t k = next++; k < used; k = next++) {
+      progress.check();
+      OfBatch& batch = kept_[order[k]];
+      visit(chunks[batch.chunk], batch.first, batch.count, eye, shape, shift, epsilon, cloud.cut(), nearest,
+            batch.discs);
+    }
+  });
+}
+
+SplatCpu::Sums SplatCpu::add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
+                                const Image<float>& nearest) const {
+  const Eye eye(view);
+  const int width = view.width(), height = view.height();
+  Sums sums{Image<vec4>(width, height), Image<vec4>(width, height), {}};
+  if (cloud.has_shadow()) sums.shadow = Image<float>(width, height);
+  std::vector<Points> chunks;
+  for (std::size_t c = 0; c < cloud.chunks().size(); ++c) chunks.emplace_back(cloud, c);
+
+  // The splats of each band, in their order.
+  const std::size_t bands = std::size_t((height + band_rows - 1) / band_rows);
+  std::vector<std::size_t> starts(bands + 1, 0);
+  const auto for_each_band = [](const Disc& disc, const auto& use) {
+    for (std::size_t b = disc.first_y / band_rows; b <= std::size_t(disc.last_y / band_rows); ++b) use(b);
+  };
+  for (const OfBatch& batch : kept_)
+    for (const Disc& disc : batch.discs) for_each_band(disc, [&](std::size_t b) { ++starts[b + 1]; });
+  for (std::size_t b = 0; b < bands; ++b) starts[b + 1] += starts[b];
+  std::vector<Entry> entries(starts[bands]);
+  std::vector<std::size_t> ends(starts.begin(), starts.end() - 1);
+  for (const OfBatch& batch : kept_)
+    for (const Disc& disc : batch.discs)
+      for_each_band(disc, [&](std::size_t b) { entries[ends[b]++] = {&disc, batch.chunk}; });
+
+  const Progress& progress = gl::lent_progress();
+  tbb::parallel_for(std::size_t(0), bands, [&](std::size_t b) {
+    progress.check();
+    add_rows(std::span(entries).subspan(starts[b], starts[b + 1] - starts[b]), chunks, eye, prefilter_px_,
+             blend, epsilon, nearest, int(b) * band_rows, sums);
+  });
+  return sums;
+}
+
+}  // namespace sfumato

@@ -1,0 +1,50 @@
+// Surface splatting by the processor, where OpenGL is software: the loops of splat_visit.comp and the
+// fragment stages, eight pixels of a row at a time and without a list of fragments between the stages. Same
+// arithmetic, order of sums and results, but for roundings.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "passes/splat_raster.h"
+
+namespace sfumato {
+
+class SplatCpu {
+ public:
+  /// Lowers `nearest` (of the view's size, ray distances) to the nearest hits of `batches`, each moved back
+  /// by `shift`, and keeps the splats that reach a pixel no more than `epsilon` behind it.
+  void find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
+                    const SplatShift& shift, float epsilon, Image<float>& nearest);
+  /// Weighted sums as splat_accumulate.frag writes them.
+  struct Sums {
+    Image<vec4> color, normal;
+    Image<float> shadow;  ///< empty where the cloud has none
+  };
+  /// Over the splats that `find_nearest` has kept, of the same view, cloud and `nearest` or a nearer one.
+  Sums add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
+              const Image<float>& nearest) const;
+
+  /// What of a splat the pixels ask for.
+  struct Disc {
+    vec3 center;  // eye
+    float behind;
+    vec3 normal;  // eye, unit
+    float radius;
+    std::uint16_t first_x, first_y, last_x, last_y;  // pixels
+    std::uint32_t point;                             // of its chunk
+  };
+
+ private:
+  struct OfBatch {
+    std::size_t chunk = 0;
+    std::uint32_t first = 0, count = 0;  // points of the chunk
+    float depth = 0;                     // of one of them: distance from the eye
+    std::vector<Disc> discs;
+  };
+  std::vector<OfBatch> kept_;
+  float prefilter_px_ = 0;
+};
+
+}  // namespace sfumato
