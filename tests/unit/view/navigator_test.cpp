@@ -7,8 +7,7 @@ namespace {
 
 Subject cube() {
   Subject subject{{dvec3(-1), dvec3(1)}, {}};
-  for (int i = 0; i < 8; ++i)
-    subject.points.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
+  for (const dvec3& corner : subject.box.corners()) subject.points.push_back(corner);
   return subject;
 }
 
