@@ -46,22 +46,20 @@ class Projector {
     const Camera& camera = view_.camera;
     const double margin = margin_ * camera.whole_height() / SelectOptions::height_of_margin;
     const glm::dvec2 low(-margin), high(camera.width + margin, camera.height + margin);
-    std::array<dvec3, 8> corners;  // pixel coordinates times depth, so that places behind need no care
+    // Projected below: pixel coordinates times depth, so that places behind need no care.
+    std::array<dvec3, 8> corners = box.corners();
     std::array<int, 5> beyond{};
     bool is_all_in_front = true;
-    for (unsigned i = 0; i < 8; ++i) {
-      const dvec3 world(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
-                        i & 4 ? box.max.z : box.min.z);
-      const dvec3 eye(to_eye_ * glm::dvec4(world, 1));
+    for (dvec3& at : corners) {
+      const dvec3 eye(to_eye_ * glm::dvec4(at, 1));
       const double w = camera.orthographic() ? 1 : -eye.z;
-      const dvec3 at(lens_.fx * eye.x + lens_.cx * w, -lens_.fy * eye.y + lens_.cy * w, w);
+      at = dvec3(lens_.fx * eye.x + lens_.cx * w, -lens_.fy * eye.y + lens_.cy * w, w);
       beyond[0] += at.x < low.x * w;
       beyond[1] += at.x > high.x * w;
       beyond[2] += at.y < low.y * w;
       beyond[3] += at.y > high.y * w;
       beyond[4] += eye.z > 0;
       is_all_in_front = is_all_in_front && w > 0;
-      corners[i] = at;
     }
     if (std::any_of(beyond.begin(), beyond.end(), [](int count) { return count == 8; })) return false;
     if (!is_all_in_front) return true;

@@ -105,9 +105,7 @@ Camera Camera::with_guard_band(int margin) const {
 void Camera::fit_depth_range(const Bounds& box) {
   const dmat4 v = view();
   double lo = 1e300, hi = -1e300;
-  for (int corner = 0; corner < 8; ++corner) {
-    const dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                  corner & 4 ? box.max.z : box.min.z};
+  for (const dvec3& p : box.corners()) {
     const double z = -(v * glm::dvec4(p, 1)).z;
     lo = std::min(lo, z);
     hi = std::max(hi, z);
@@ -184,9 +182,7 @@ Camera frame(const Bounds& subject, UpAxis up_axis, int width, int height, doubl
   const dmat4 v = camera.view();
   const double tan_y = std::tan(0.5 * fov_y) * 0.94, tan_x = tan_y * width / height;
   double back = 0, half_height = 1e-9;
-  for (int corner = 0; corner < 8; ++corner) {
-    const dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                  corner & 4 ? box.max.z : box.min.z};
+  for (const dvec3& p : box.corners()) {
     const dvec3 eye(v * glm::dvec4(p, 1));
     const double depth = -eye.z - size;  // relative to the target plane
     back = std::max({back, std::abs(eye.x) / tan_x - depth, std::abs(eye.y) / tan_y - depth});

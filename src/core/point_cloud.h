@@ -75,6 +75,12 @@ struct Bounds {
   dvec3 center() const { return 0.5 * (min + max); }
   dvec3 size() const { return max - min; }
   double diagonal() const { return glm::length(size()); }
+  /// The bits of a corner's index choose between min (0) and max (1): x the lowest, z the highest.
+  std::array<dvec3, 8> corners() const {
+    std::array<dvec3, 8> all;
+    for (int i = 0; i < 8; ++i) all[std::size_t(i)] = glm::mix(min, max, glm::bvec3(i & 1, i & 2, i & 4));
+    return all;
+  }
   bool operator==(const Bounds&) const = default;
 };
 

@@ -55,6 +55,7 @@ struct Batch {
   vec4 log2_spacing{0};
   float least_log2_spacing = 0, most_log2_spacing = 0;
 
+  Bounds box() const { return {dvec3(box_min), dvec3(box_max)}; }
   void set_even_spacing(float value) {
     spacing = value;
     least_log2_spacing = most_log2_spacing = std::log2(value);

@@ -24,12 +24,8 @@ double largest_size_px(const View& view, const Batch& batch, double radius) {
   const double scale = std::max(camera.intrinsics().fx, camera.intrinsics().fy);
   if (camera.orthographic()) return 2 * radius * scale;
   double nearest = 1e300;
-  for (int corner = 0; corner < 8; ++corner) {
-    const dvec3 p{corner & 1 ? batch.box_max.x : batch.box_min.x,
-                  corner & 2 ? batch.box_max.y : batch.box_min.y,
-                  corner & 4 ? batch.box_max.z : batch.box_min.z};
+  for (const dvec3& p : batch.box().corners())
     nearest = std::min(nearest, -(view.eye_from_cloud() * glm::dvec4(p, 1)).z);
-  }
   // Discs that end before splat_near() are not drawn, whatever the box says.
   const double z = std::max(nearest, 1e-4 * camera.far_plane - radius);
   if (z <= 2 * radius) return 1e300;

@@ -7,6 +7,7 @@
 #include "core/typed_attributes.h"
 #include "io/memory.h"
 #include "run.h"
+#include "session/notes.h"
 #include "synth/synth.h"
 
 namespace sfumato::python {
@@ -238,12 +239,7 @@ void bind_cloud(py::module_& module) {
       .def_property(
           "crs", [](Cloud& self) { return self.points().crs; },
           [](Cloud& self, const std::string& text) { self.points().crs = text; })
-      .def_property_readonly("notes",
-                             [](Cloud& self) {
-                               std::vector<std::string> notes = self.scene.notes;
-                               notes.insert(notes.end(), self.scene.damage.begin(), self.scene.damage.end());
-                               return notes;
-                             })
+      .def_property_readonly("notes", [](Cloud& self) { return notes_of_reading(self.scene); })
       .def_property_readonly("damage", [](Cloud& self) { return self.scene.damage; })
       .def_property_readonly("points_read", [](Cloud& self) { return self.scene.points_read; })
       .def_property_readonly("points_missing", [](Cloud& self) { return self.scene.points_missing; })

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/counted.h"
 #include "core/error.h"
 #include "passes/light.h"
 #include "session/notes.h"
@@ -65,20 +64,17 @@ Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(optio
 }
 
 void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Progress& progress) {
-  notes_ = scene.notes;
   has_all_points_ = !scene.levels;
-  notes_.insert(notes_.end(), scene.damage.begin(), scene.damage.end());
-  if (scene.levels && !scene.levels->is_complete())
-    notes_.push_back(std::to_string(scene.levels->points_needed - scene.levels->points) + " of " +
-                     std::to_string(scene.levels->points_needed) +
-                     " points that this view can show are left out: memory or max_points are used up");
-  if (scene.selected.hidden > 0)
-    notes_.push_back(std::to_string(scene.selected.hidden) +
-                     " points are withheld or of a hidden class (hide_classes=() shows them)");
+  notes_ = notes_of_reading(scene);
+  const auto add = [&](const std::string& note) {
+    if (!note.empty()) notes_.push_back(note);
+  };
+  add(note_on_levels(scene, FrontEnd::python));
+  add(note_on_hidden(scene, {}, FrontEnd::python));
   crs_ = scene.cloud.crs;
   const Request& request = options_.request;
   const Camera first = sfumato::first_view(pose, 1280, 720);
-  for (const Note& note : notes_on(pose, {&first, 1})) notes_.push_back(for_python(note));
+  for (const Note& note : notes_on(pose, {&first, 1})) add(worded(note, FrontEnd::python));
   session_ = std::make_unique<Session>(context);
   session_->set_scene(std::move(scene), pose,
                       {choice_.prepare, request.color, request.background, request.draw}, progress);
@@ -86,9 +82,8 @@ void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Pro
   session_->measure(choice_.techniques.front()->technique->needs(), progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
-  if (!chosen.reason.empty()) notes_.push_back(for_python(note_on_technique(chosen.name, chosen.reason)));
-  if (session_->left_out() > 0)
-    notes_.push_back(are(session_->left_out(), "point") + " left out: others share their place");
+  if (!chosen.reason.empty()) add(worded(note_on_technique(chosen.name, chosen.reason), FrontEnd::python));
+  add(note_on_left_out(session_->left_out(), FrontEnd::python));
   points_ = 0;
   for (std::size_t part = 0; part < session_->parts().size(); ++part) points_ += session_->cloud(part).size();
 }
@@ -182,10 +177,8 @@ void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
   shot.notes = notes_;
   for (const std::string& note : session_->coloring().notes) shot.notes.push_back(note);
   shot.coloring = session_->coloring();
-  const bool explains_itself = shot.coloring.kind != ColorKind::scalar && shot.coloring.swatches.empty();
-  if (request.furniture.legend && explains_itself)
-    shot.notes.push_back("legend has no effect: the points are coloured by " + shot.coloring.source +
-                         ", which explains itself");
+  const std::string of_legend = note_on_legend(shot.coloring, FrontEnd::python);
+  if (request.furniture.legend && !of_legend.empty()) shot.notes.push_back(of_legend);
   if (!shot.images.rgba8.empty())
     labels::draw_furniture(shot.images.rgba8, request.furniture,
                            {shot.camera, up, crs_, shot.coloring, shot.background, request.panorama,

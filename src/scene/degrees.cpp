@@ -116,9 +116,8 @@ dvec3 LocalMetres::moved(const dvec3& degrees) const {
 
 Bounds LocalMetres::moved(const Bounds& degrees) const {
   Bounds box{moved(degrees.min), moved(degrees.min)};
-  for (int corner = 1; corner < 8; ++corner) {
-    const dvec3 at =
-        moved(glm::mix(degrees.min, degrees.max, glm::bvec3(corner & 1, corner & 2, corner & 4)));
+  for (const dvec3& corner : degrees.corners()) {
+    const dvec3 at = moved(corner);
     box.min = glm::min(box.min, at), box.max = glm::max(box.max, at);
   }
   return box;

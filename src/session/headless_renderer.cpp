@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "session/choice.h"
 #include "session/drawing.h"
+#include "session/notes.h"
 #include "session/opening.h"
 #include "session/preset.h"
 
@@ -42,8 +43,7 @@ struct HeadlessRenderer::State {
 void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, Progress& progress) {
   drawing.forget_look();
   choice.reset();
-  notes = scene.notes;
-  notes.insert(notes.end(), scene.damage.begin(), scene.damage.end());
+  notes = notes_of_reading(scene);
   session.set_scene(std::move(scene), std::move(pose), options, progress);
   session.measure({}, progress);
   notes.insert(notes.end(), session.notes().begin(), session.notes().end());

@@ -1,25 +1,67 @@
 #include "session/notes.h"
 
 #include <algorithm>
+#include <cstdio>
 
+#include "analysis/coincident.h"
 #include "core/counted.h"
+#include "core/option_text.h"
 
 namespace sfumato {
 
-std::string for_command(const Note& note) {
+std::string worded(const Note& note, FrontEnd front_end) {
   if (note.option.empty()) return note.text;
-  return note.text + "; --" + note.option + (note.value.empty() ? "" : " " + note.value) + " " + note.does;
+  std::string undone = note.control;
+  if (front_end == FrontEnd::command)
+    undone = "--" + note.option + (note.value.empty() ? "" : " " + note.value);
+  if (front_end == FrontEnd::python)
+    undone = note.option + (note.value.empty() ? "=True" : "=\"" + note.value + "\"");
+  return note.text + "; " + undone + " " + note.does;
 }
 
-std::string for_python(const Note& note) {
-  if (note.option.empty()) return note.text;
-  return note.text + "; " + note.option + (note.value.empty() ? "=True" : "=\"" + note.value + "\"") + " " +
-         note.does;
+std::vector<std::string> notes_of_reading(const scene::Scene& scene) {
+  std::vector<std::string> notes = scene.notes;
+  notes.insert(notes.end(), scene.damage.begin(), scene.damage.end());
+  return notes;
+}
+
+std::string note_on_hidden(const scene::Scene& scene, const std::vector<int>& hidden, FrontEnd front_end) {
+  if (scene.selected.hidden == 0) return "";
+  return are(scene.selected.hidden, "point") + " withheld or of a hidden class (" +
+         (front_end == FrontEnd::python ? "hide_classes=() shows them)"
+                                        : classes_text(hidden) + "); --hide-classes none shows them");
+}
+
+std::string note_on_levels(const scene::Scene& scene, FrontEnd front_end) {
+  if (!scene.levels || scene.levels->is_complete()) return "";
+  if (front_end == FrontEnd::viewer)
+    return "too many points to hold: views are coarser than the screen shows (--memory)";
+  char reason[100] = ": memory or max_points are used up";
+  if (front_end == FrontEnd::command)
+    std::snprintf(reason, sizeof reason,
+                  ", in spacings of up to %.2g px: --memory, --gpu-memory or --max-points are used up",
+                  scene.levels->widest_px);
+  return std::to_string(scene.levels->points_needed - scene.levels->points) + " of " +
+         std::to_string(scene.levels->points_needed) + " points that this view can show are left out" +
+         reason;
+}
+
+std::string note_on_left_out(std::uint64_t points, FrontEnd front_end) {
+  if (points == 0) return "";
+  return are(points, "point") + " left out: " +
+         (front_end == FrontEnd::command ? std::to_string(analysis::most_in_one_place) + " " : "") +
+         "others share their place";
+}
+
+std::string note_on_legend(const Coloring& coloring, FrontEnd front_end) {
+  if (coloring.kind == ColorKind::scalar || !coloring.swatches.empty()) return "";
+  return (front_end == FrontEnd::command ? "--" : "") +
+         ("legend has no effect: the points are coloured by " + coloring.source) + ", which explains itself";
 }
 
 Note note_on_cutaway(bool without_walls) {
   return {without_walls ? "a room, without the ceiling and walls before it" : "rooms without their ceilings",
-          "whole", "", "draws them"};
+          "whole", "", "draws them", "'whole room' under Scene"};
 }
 
 std::optional<Note> note_on_cutaway(const Pose& pose, std::span<const Camera> cameras) {

@@ -89,11 +89,8 @@ void set_pixel_size(Camera& camera, const Bounds& box, double pixel, const ViewW
   for (const int axis : {0, 1}) {
     const dvec3 along(to_world[axis]);
     double low = 1e300, high = -1e300;
-    for (int corner = 0; corner < 8; ++corner) {
-      const dvec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                    corner & 4 ? box.max.z : box.min.z);
+    for (const dvec3& p : box.corners())
       low = std::min(low, glm::dot(along, p)), high = std::max(high, glm::dot(along, p));
-    }
     // Borders at multiples of a pixel, so that pictures of neighbouring scans lie on one grid.
     double first = std::floor(low / pixel + 1e-6), last = std::max(first + 1, std::ceil(high / pixel - 1e-6));
     int& size = axis == 0 ? camera.width : camera.height;

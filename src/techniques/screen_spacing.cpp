@@ -32,10 +32,6 @@ float ScreenSpacings::widest_disc_px(const Frame& frame) {
   return sfumato::widest_disc_px(measure(frame.cloud, frame.views), frame.camera.whole_height());
 }
 
-EvidenceReach ScreenSpacings::evidence_reach(const Frame& frame) {
-  return sfumato::evidence_reach(measure(frame.cloud, frame.views), frame.camera.whole_height());
-}
-
 namespace {
 
 /// Of its places: none of its parts has the batches of the whole.

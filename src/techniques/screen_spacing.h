@@ -32,7 +32,6 @@ class ScreenSpacings {
   ScreenSpacing measure(const GpuCloud& cloud, std::span<const Camera> views);
   /// `widest_disc_px` of a frame.
   float widest_disc_px(const Frame& frame);
-  EvidenceReach evidence_reach(const Frame& frame);
 
  private:
   Derived<std::uint64_t, Bounds> most_;  ///< of most points: a batch is as wide as its farthest stray

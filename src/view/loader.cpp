@@ -333,13 +333,11 @@ Loaded Loader::Work::finish(scene::Scene scene, Loaded out) {
   if (out.classes.empty()) out.classes = classes_of(scene.cloud);
   if (out.box.diagonal() == 0) out.box = bounds(scene.cloud);
   for (const ScalarField& field : scene.cloud.scalars) out.scalars.push_back(field.name);
-  out.notes = scene.notes;
-  out.notes.insert(out.notes.end(), scene.damage.begin(), scene.damage.end());
+  out.notes = notes_of_reading(scene);
   if (out.pose.subject.room)
-    out.notes.push_back(note_on_cutaway(!out.pose.subject.room->outside.empty()).text +
-                        "; 'whole room' under Scene draws them");
-  if (scene.levels && !scene.levels->is_complete())
-    out.notes.push_back("too many points to hold: views are coarser than the screen shows (--memory)");
+    out.notes.push_back(worded(note_on_cutaway(!out.pose.subject.room->outside.empty()), FrontEnd::viewer));
+  if (const std::string note = note_on_levels(scene, FrontEnd::viewer); !note.empty())
+    out.notes.push_back(note);
   out.points_read = scene.points_read;
   out.points_shown = scene.cloud.size();
   out.crs = scene.cloud.crs;

@@ -65,8 +65,6 @@ void Navigator::set_scene(UpAxis up, const Subject& subject, const dvec3& vertic
   size_ = std::max(subject.box.diagonal(), 1e-9);
 }
 
-void Navigator::set_camera(const ViewCamera& camera) { camera_ = camera; }
-
 dvec3 Navigator::upright() const {
   const dvec3 axis = up_vector(up_);
   return glm::dot(camera_.up, vertical_) > glm::dot(camera_.up, axis) ? vertical_ : axis;

@@ -34,9 +34,7 @@ class Navigator {
   /// Another scene: `up` is its axis, `subject` what views frame, `vertical` what rotation keeps upright, of
   /// length 1; 0: the axis.
   void set_scene(UpAxis up, const Subject& subject, const dvec3& vertical = dvec3(0));
-  /// The view that `reset` returns to.
-  void set_home(const ViewCamera& home) { home_ = home; }
-  void set_camera(const ViewCamera& camera);
+  void set_camera(const ViewCamera& camera) { camera_ = camera; }
   const ViewCamera& camera() const { return camera_; }
 
   /// Turns the camera by a drag of so many pixels about `pivot`, which stays where it is in the picture. The
@@ -57,7 +55,6 @@ class Navigator {
   void show(const NamedView& side, int width_px, int height_px);
   /// The whole subject from where the camera looks.
   void frame(int width_px, int height_px);
-  void reset() { camera_ = home_; }
   void toggle_orthographic() { camera_.orthographic = !camera_.orthographic; }
   /// Full vertical angle, kept in 1..120 degrees; the plane through the target keeps its size in the picture.
   void set_angle(double fov_deg);
@@ -69,7 +66,7 @@ class Navigator {
   /// What rotation keeps upright: the vertical of the scene, or the axis for views about that.
   dvec3 upright() const;
 
-  ViewCamera camera_, home_;
+  ViewCamera camera_;
   UpAxis up_ = UpAxis::pos_z;
   dvec3 vertical_{0, 0, 1};
   Subject subject_;

@@ -52,10 +52,7 @@ std::optional<std::size_t> nearest_point(const PointCloud& cloud, const Camera& 
   const double reach = reach_px + 0.5;
   const auto may_reach = [&](const Batch& batch) {
     glm::dvec4 most(-std::numeric_limits<double>::infinity());
-    for (int corner = 0; corner < 8; ++corner) {
-      const dvec3 place{corner & 1 ? batch.box_max.x : batch.box_min.x,
-                        corner & 2 ? batch.box_max.y : batch.box_min.y,
-                        corner & 4 ? batch.box_max.z : batch.box_min.z};
+    for (const dvec3& place : batch.box().corners()) {
       const dvec3 eye(view * glm::dvec4(place, 1));
       const double w = parallel ? 1 : -eye.z;
       const double dx = (k.cx - x_px) * w + k.fx * eye.x, dy = (k.cy - y_px) * w - k.fy * eye.y;

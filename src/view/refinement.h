@@ -21,12 +21,8 @@ struct Quality {
 
 class Refinement {
  public:
-  static constexpr double wanted_ms = 60;     ///< of a picture in motion: 15 a second and some room
-  static constexpr double rest_ms = 160;      ///< without a change, until the whole picture begins
-  static constexpr double hopeless_ms = 250;  ///< a picture at the coarsest: then another technique stands in
-  static constexpr double new_motion_ms = 1000;  ///< of rest before it
-  static constexpr double try_again_ms =
-      5000;  ///< between two trials of a technique that another stands in for
+  static constexpr double wanted_ms = 60;  ///< of a picture in motion: 15 a second and some room
+  static constexpr double rest_ms = 160;   ///< without a change, until the whole picture begins
   /// From the best to the fastest.
   static constexpr std::array<Quality, 9> ladder{{{true, 1, false, false},
                                                   {true, 2, false, false},
@@ -64,6 +60,10 @@ class Refinement {
   std::optional<double> wait_ms(double now_ms) const;
 
  private:
+  static constexpr double hopeless_ms = 250;  ///< a picture at the coarsest: then another technique stands in
+  static constexpr double new_motion_ms = 1000;  ///< of rest before it
+  static constexpr double try_again_ms = 5000;   ///< between trials of a technique that another stands in for
+
   struct Times {
     std::array<double, ladder.size()> ms{};  ///< 0: not known
     std::array<bool, ladder.size()> is_warm{};

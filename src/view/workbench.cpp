@@ -52,7 +52,6 @@ void Workbench::change(const std::string& what, const std::function<void(Wishes&
 
 void Workbench::move(const std::string& what, const std::function<void(Navigator&)>& edit) {
   navigator_.set_camera(wishes_.camera);
-  navigator_.set_home(wishes_.home);
   edit(navigator_);
   if (navigator_.camera() == wishes_.camera) return;
   play(false);  // a hand takes over
@@ -344,7 +343,7 @@ PictureJob Workbench::job_for(const Wishes& wishes, const Quality& quality, int 
   job.color = wishes.color;
   job.background = wishes.background;
   job.depth_step = start_.depth_step;
-  job.timings = timings_ && quality == Refinement::ladder[0];
+  job.timings = timings && quality == Refinement::ladder[0];
   return job;
 }
 

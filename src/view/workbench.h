@@ -106,12 +106,12 @@ class Workbench {
   SceneState scene;
   /// In place of what is open, or beside it; where that changes nothing, the files are read again.
   void open(const std::vector<std::string>& files, bool add);
-  bool watch = false;  ///< read files again when they change
+  bool watch = false;    ///< read files again when they change
+  bool timings = false;  ///< whole pictures come with the time of every pass
   std::string renderer_name() const { return whole_->renderer_name(); }
   /// What the drivers of both painters complained of since the last call.
   std::vector<std::string> take_driver_messages();
   Memory memory() const;
-  void set_timings(bool on) { timings_ = on; }
 
   Shots shots;
   /// A picture of the present view for keeps; it comes to `shots`, once everything is loaded. Of files with
@@ -172,7 +172,6 @@ class Workbench {
   std::uint64_t next_id_ = 1, in_flight_ = 0;
   Quality in_flight_quality_, shown_quality_;
   Wishes look_;
-  bool timings_ = false;
   std::shared_ptr<const Picture> shown_;
   Activity activity_;
   bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure

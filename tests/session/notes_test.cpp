@@ -8,13 +8,37 @@ using namespace sfumato;
 namespace {
 
 TEST(Notes, EveryFrontEndWordsTheOptionAsItIsWrittenThere) {
-  const Note up{"up: -Y (flat)", "up", "+Z", "turns it"}, room{"a room", "whole", "", "draws them"},
-      fact{"2 scans", "", "", ""};
-  EXPECT_EQ(for_command(up), "up: -Y (flat); --up +Z turns it");
-  EXPECT_EQ(for_python(up), "up: -Y (flat); up=\"+Z\" turns it");
-  EXPECT_EQ(for_command(room), "a room; --whole draws them");
-  EXPECT_EQ(for_python(room), "a room; whole=True draws them");
-  EXPECT_EQ(for_command(fact), for_python(fact));
+  const Note up{"up: -Y (flat)", "up", "+Z", "turns it"}, room = note_on_cutaway(false), fact{"2 scans"};
+  EXPECT_EQ(worded(up, FrontEnd::command), "up: -Y (flat); --up +Z turns it");
+  EXPECT_EQ(worded(up, FrontEnd::python), "up: -Y (flat); up=\"+Z\" turns it");
+  EXPECT_EQ(worded(room, FrontEnd::command), room.text + "; --whole draws them");
+  EXPECT_EQ(worded(room, FrontEnd::python), room.text + "; whole=True draws them");
+  EXPECT_EQ(worded(room, FrontEnd::viewer), room.text + "; 'whole room' under Scene draws them");
+  EXPECT_EQ(worded(fact, FrontEnd::command), "2 scans");
+}
+
+TEST(Notes, OnPointsThatAreNotShown) {
+  scene::Scene scene;
+  for (const FrontEnd front_end : {FrontEnd::command, FrontEnd::python, FrontEnd::viewer}) {
+    EXPECT_EQ(note_on_hidden(scene, {7}, front_end), "");
+    EXPECT_EQ(note_on_levels(scene, front_end), "");
+    EXPECT_EQ(note_on_left_out(0, front_end), "");
+  }
+  scene.selected.hidden = 1;
+  scene.levels = scene::LevelsReport{30, 100, 200, 1, 2, 3, 1.3};
+  EXPECT_EQ(note_on_hidden(scene, {7, 18}, FrontEnd::command),
+            "1 point is withheld or of a hidden class (7,18); --hide-classes none shows them");
+  EXPECT_EQ(note_on_hidden(scene, {}, FrontEnd::python),
+            "1 point is withheld or of a hidden class (hide_classes=() shows them)");
+  EXPECT_EQ(note_on_levels(scene, FrontEnd::command),
+            "70 of 100 points that this view can show are left out, in spacings of up to 1.3 px: "
+            "--memory, --gpu-memory or --max-points are used up");
+  EXPECT_EQ(note_on_levels(scene, FrontEnd::python),
+            "70 of 100 points that this view can show are left out: memory or max_points are used up");
+  EXPECT_EQ(note_on_levels(scene, FrontEnd::viewer),
+            "too many points to hold: views are coarser than the screen shows (--memory)");
+  EXPECT_EQ(note_on_left_out(2, FrontEnd::command), "2 points are left out: 256 others share their place");
+  EXPECT_EQ(note_on_left_out(2, FrontEnd::python), "2 points are left out: others share their place");
 }
 
 TEST(Notes, OnARoomOnlyWhereOneLooksIntoIt) {

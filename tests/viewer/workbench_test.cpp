@@ -82,7 +82,7 @@ class WorkbenchTest : public ::testing::Test {
     return bench.shots.take();
   }
   static void reset(Workbench& bench) {
-    bench.move("reset", [](Navigator& hand) { hand.reset(); });
+    bench.move("reset", [&](Navigator& hand) { hand.set_camera(bench.wishes().home); });
   }
   static void turn(Workbench& bench) {
     bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });

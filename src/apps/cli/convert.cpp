@@ -211,7 +211,8 @@ int convert_command(const Words& words) {
   for (const std::string& part : scene.damage) console.complain("sfumato: " + part);
   if (scene.points_missing > 0)
     console.complain("sfumato: " + missing_points(scene.points_missing, scene.points_read));
-  if (const std::string note = unused_columns(scene, wanted); !note.empty()) console.say("sfumato: " + note);
+  if (const std::string note = unused_columns(scene.files, wanted.read); !note.empty())
+    console.say("sfumato: " + note);
   tell_what_stays(scene, placed, console);
   if (distances.is_asked()) distances.add(scene, console);
   if (context) shadows.add(scene, wanted.up, *context, console);

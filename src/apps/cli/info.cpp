@@ -14,6 +14,7 @@
 #include "core/classes.h"
 #include "core/units.h"
 #include "help_text.h"
+#include "input_options.h"
 #include "report.h"
 #include "scene/scene.h"
 
@@ -168,10 +169,8 @@ int info_command(const Words& words) {
       for (const std::string& part : result.report.damage)
         console.complain("sfumato: " + part + io::is_left_out);
       is_partial |= !result.report.damage.empty();
-      if (columns && result.report.format != "text" && result.report.format != "pts" &&
-          result.report.format != "npy" && result.report.format != "kitti")
-        console.say("sfumato: " + files[i] + ": --columns has no effect: " + result.report.format +
-                    " files name their own columns");
+      if (const std::string note = unused_columns({&result.report, 1}, options.read); !note.empty())
+        console.say("sfumato: " + files[i] + ": " + note);
       double spacing = 0;
       std::vector<ClassShare> classes;
       if (const ScalarField* field = result.cloud.scalar("classification")) classes = count_classes(*field);

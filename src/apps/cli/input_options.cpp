@@ -57,13 +57,13 @@ std::vector<scene::SceneFile> placed_files(const Words& files, const Words& tran
   return placed;
 }
 
-std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options) {
-  if (options.read.columns.empty()) return "";
-  for (const io::ReadReport& report : scene.files)
+std::string unused_columns(std::span<const io::ReadReport> files, const io::ReadOptions& options) {
+  if (options.columns.empty()) return "";
+  for (const io::ReadReport& report : files)
     if (report.format == "text" || report.format == "pts" || report.format == "npy" ||
         report.format == "kitti")
       return "";
-  return "--columns has no effect: " + scene.files.front().format + " files name their own columns";
+  return "--columns has no effect: " + files.front().format + " files name their own columns";
 }
 
 std::string missing_points(std::uint64_t missing, std::uint64_t points) {

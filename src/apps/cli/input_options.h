@@ -1,6 +1,7 @@
 // The table of options on the command line, and what is said of files that were read.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,7 +21,7 @@ void declare_option(CommandLine& line, Request& request, const Option& option, c
 std::vector<scene::SceneFile> placed_files(const Words& files, const Words& transforms);
 
 /// What --columns could not do: the files are no text. Empty when there is nothing to say.
-std::string unused_columns(const scene::Scene& scene, const scene::SceneOptions& options);
+std::string unused_columns(std::span<const io::ReadReport> files, const io::ReadOptions& options);
 
 /// What is said of files whose damaged parts were left out.
 std::string missing_points(std::uint64_t missing, std::uint64_t points);

@@ -34,16 +34,13 @@ namespace {
 scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, RenderReport& report,
                           Console& console) {
   for (const std::string& note : scene.notes) console.note(note);
-  if (const std::string note = unused_columns(scene, options.scene_options()); !note.empty())
-    console.note(note);
+  console.note(unused_columns(scene.files, options.scene_options().read));
   for (const io::ReadReport& file : scene.files)
     console.tell(
         fmt::format("read {}: {}, {}", file.file.string(), file.format, counted(file.points, "point")));
   report.points_read += scene.points_read;
   report.points_hidden += scene.selected.hidden;
-  if (scene.selected.hidden > 0)
-    console.note(fmt::format("{} withheld or of a hidden class ({}); --hide-classes none shows them",
-                             are(scene.selected.hidden, "point"), classes_text(options.hide_classes)));
+  console.note(note_on_hidden(scene, options.hide_classes, FrontEnd::command));
   report.points_left_out +=
       scene.selected.cropped + scene.selected.of_other_classes + scene.selected.filtered;
   report.points_rendered = scene.cloud.size();
@@ -56,11 +53,7 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
     const scene::LevelsReport& levels = *scene.levels;
     console.tell(fmt::format("levels: read {} of {} points, {} of {} nodes", levels.points,
                              levels.points_in_files, levels.nodes, levels.nodes_in_files));
-    if (!levels.is_complete())
-      console.note(
-          fmt::format("{} of {} points that this view can show are left out, in spacings of up to {:.2g} px: "
-                      "--memory, --gpu-memory or --max-points are used up",
-                      levels.points_needed - levels.points, levels.points_needed, levels.widest_px));
+    console.note(note_on_levels(scene, FrontEnd::command));
   }
   return scene;
 }
@@ -174,7 +167,7 @@ Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice,
       options.sequence || options.each ? std::vector{sight.camera} : cameras_of(options, sight.camera, pose);
   // A panorama sees what is behind it as well.
   for (const Note& note : notes_on(pose, options.panorama ? std::vector<Camera>() : sight.cameras))
-    console.note(for_command(note));
+    console.note(worded(note, FrontEnd::command));
   if (!opening.has_levels()) return sight;
   opening.take();
   std::vector<Camera> first = sight.cameras;

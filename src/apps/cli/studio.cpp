@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "../publish/publication.h"
-#include "analysis/coincident.h"
 #include "core/counted.h"
 #include "core/version.h"
 #include "io/camera_json.h"
@@ -75,19 +74,16 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
   if (!options_.output_index.empty()) index_.emplace(session_);
   for (const std::string& note : session_.notes()) console_.note(note);
-  if (session_.left_out() > 0)
-    console_.note(fmt::format("{} left out: {} others share their place", are(session_.left_out(), "point"),
-                              analysis::most_in_one_place));
+  console_.note(note_on_left_out(session_.left_out(), FrontEnd::command));
   const Coloring& coloring = session_.coloring();
   report_.color_by = coloring.source;
   report_.exposure = coloring.exposure;
   for (const std::string& note : coloring.notes) console_.note(note);
-  if (options_.furniture.legend && coloring.kind != ColorKind::scalar && coloring.swatches.empty())
-    console_.note("--legend has no effect: the points are coloured by " + coloring.source +
-                  ", which explains itself");
+  if (options_.furniture.legend) console_.note(note_on_legend(coloring, FrontEnd::command));
   if (settled && session_.parts().front().rules.empty())
     for (const auto& chosen : choice_.techniques)
-      if (!chosen->reason.empty()) return for_command(note_on_technique(chosen->name, chosen->reason));
+      if (!chosen->reason.empty())
+        return worded(note_on_technique(chosen->name, chosen->reason), FrontEnd::command);
   return {};
 }
 

@@ -23,7 +23,7 @@ io::PngTexts texts_of(const std::string& command, const Camera& camera, const st
   io::PngTexts texts = {{"Software", std::string("sfumato ") + version()},
                         {"Command", command},
                         {"Camera", io::camera_to_json(camera)}};
-  if (cutaway) texts.emplace_back("Description", for_command(*cutaway));
+  if (cutaway) texts.emplace_back("Description", worded(*cutaway, FrontEnd::command));
   return texts;
 }
 

@@ -136,7 +136,7 @@ void draw_rows(Workbench& bench, const Json& rows) {
 
 void show_side(Workbench& bench, const std::string& side) {
   bench.move(side, [&](view::Navigator& to) {
-    if (side == "reset") return to.reset();
+    if (side == "reset") return to.set_camera(bench.wishes().home);
     if (side == "frame") return to.frame(bench.width(), bench.height());
     if (side == "parallel") return to.toggle_orthographic();
     to.show(find_view(side, "view"), bench.width(), bench.height());

@@ -90,7 +90,9 @@ void Interface::act(Action action) {
     bench_.say(bench_.wishes().technique + " has no size of points");
   };
   switch (action) {
-    case Action::reset_view: bench_.move("reset", [](view::Navigator& hand) { hand.reset(); }); break;
+    case Action::reset_view:
+      bench_.move("reset", [&](view::Navigator& hand) { hand.set_camera(bench_.wishes().home); });
+      break;
     case Action::frame_view:
       bench_.move("frame", [&](view::Navigator& hand) { hand.frame(bench_.width(), bench_.height()); });
       break;

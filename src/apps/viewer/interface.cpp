@@ -35,7 +35,6 @@ void Interface::draw(double now_ms) {
   const float panel = panels_ ? std::min(panel_points * window_.scale(), 0.6f * screen.x) : 0;
   const float width = std::max(32.0f, std::floor(screen.x - panel)),
               height = std::max(32.0f, std::floor(screen.y - status));
-  bench_.set_timings(timings_);
   draw_view(now_ms, width, height);
   draw_profile(width, height);
   if (panels_) draw_panels(width, screen.x - width, height);

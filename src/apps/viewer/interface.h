@@ -89,7 +89,7 @@ class Interface {
   std::deque<Toast> toasts_;
   std::vector<std::future<view::Message>> writers_;
   std::string search_, preset_name_, path_name_, screenshot_size_;
-  bool panels_ = true, help_ = false, clip_ = false, timings_ = false;
+  bool panels_ = true, help_ = false, clip_ = false;
   enum class Drag { none, rotate, pan, light } drag_ = Drag::none;
   dvec3 pivot_{0};
   int slice_axis_ = 2;

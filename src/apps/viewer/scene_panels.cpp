@@ -99,12 +99,8 @@ void Interface::scene_panel() {
 
 void Interface::timing_panel() {
   const bool open = heading("Timings and memory", false);
-  if (open && !timings_) {
-    timings_ = true;
-    bench_.set_timings(true);
-    bench_.repaint();
-  }
-  timings_ = open;
+  if (open && !bench_.timings) bench_.repaint();
+  bench_.timings = open;
   if (!open) return;
   note(bench_.renderer_name());
   if (!picture()) return;

@@ -227,14 +227,11 @@ void Interface::draw_box(float sx, float sy) {
   if (!clip_ || !crop) return;
   const Camera camera = bench_.camera();
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const auto corner = [&](int i) {
-    return dvec3(i & 1 ? crop->max.x : crop->min.x, i & 2 ? crop->max.y : crop->min.y,
-                 i & 4 ? crop->max.z : crop->min.z);
-  };
-  for (int i = 0; i < 8; ++i)
-    for (int bit : {1, 2, 4}) {
+  const std::array<dvec3, 8> corners = crop->corners();
+  for (unsigned i = 0; i < 8; ++i)
+    for (const unsigned bit : {1u, 2u, 4u}) {
       if (i & bit) continue;
-      const dvec3 a = view::project(camera, corner(i)), b = view::project(camera, corner(i | bit));
+      const dvec3 a = view::project(camera, corners[i]), b = view::project(camera, corners[i | bit]);
       if (!camera.orthographic() && (a.z <= 0 || b.z <= 0)) continue;
       list->AddLine({float(a.x) / sx, float(a.y) / sy}, {float(b.x) / sx, float(b.y) / sy},
                     paint(0xffb000, 0.8f), 1);

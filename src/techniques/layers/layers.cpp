@@ -162,64 +162,11 @@ class Layers final : public Technique {
   bool render(Frame& frame) override {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
-    const int last = rounds();
-    make_textures(view, frame.behind != nullptr, has_categories(frame));
-    {
-      auto timing = frame.timers.scope("clear");
-      frame.target.color.clear(vec4(0));
-      frame.target.depth.clear(vec4(INFINITY));
-      if (frame.wants_normal) frame.target.normal.clear(vec4(0, 0, 0, 1));
-      front_.clear(vec4(0));
-      limit_.clear(vec4(0));
-    }
-
-    if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
-    cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view) && !frame.visible &&
-               !frame.merged;
-    peel_.begin(view, footprint_, cascade_, bin_);
-    // A part stops where the layers of all parts end.
-    const int known = !frame.visible ? last : frame.merged ? int(frame.merged->in_front.size()) + 1 : 0;
-    const bool holds_last = knows_last_ && !frame.visible;
-    bool is_open = true;
-    evidence_mask_ =
-        keeps_to_evidence() && known > 0 ? evidence_.find(frame, extent.camera, spacings_, 1) : nullptr;
-    for (peeled_ = 0; peeled_ < known;) {
-      ++peeled_;
-      const bool is_shown = parameters_.show_layer == 0 || parameters_.show_layer == peeled_;
-      const bool is_first = peeled_ == std::max(parameters_.show_layer, 1);
-      const bool is_filled = n_background_ + n_occluded_ > 0;
-      fill(frame, frame.merged
-                      ? take_up(*frame.merged)
-                      : peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
-      if (frame.behind) clip(frame);
-      if (holds_last) {
-        if (peeled_ == 1) cover(frame, depth_, coverage_);
-        if (peeled_ > 1) cover(frame, frame.behind ? next_depth_ : depth_, next_coverage_);
-        if (peeled_ > 1) blend_last(frame, true);
-      }
-      if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first && frame.wants_normal);
-      if (is_shown && (holds_last || !knows_last_)) smooth(frame);
-      if (is_first) extent.copy(depth_, frame.target.depth);
-      if (is_first && frame.wants_normal) extent.copy(normal_, frame.target.normal);
-      is_open = advance(frame, view, is_shown && !knows_last_);
-      if (holds_last) {
-        std::swap(color_, held_color_);
-        std::swap(depth_, held_depth_);
-      }
-      if (!is_open) break;
-      frame.progress.check();
-    }
-    if (frame.visible) {
-      show_part(frame, view, extent.camera, is_open);
-      return true;
-    }
-    if (knows_last_) {
-      if (frame.behind) cover(frame, behind_depth_, next_coverage_);
-      blend_last(frame, frame.behind != nullptr, true);
-    }
-    auto timing = frame.timers.scope("copy");
-    extent.copy(front_, frame.target.color);
-    if (frame.behind) merge_.run(*frame.behind, frame.target, frame.wants_normal);
+    begin(frame, extent, view);
+    if (frame.visible)
+      show_part(frame, view, extent.camera);
+    else
+      draw(frame, extent, view);
     return true;
   }
 
@@ -233,6 +180,64 @@ class Layers final : public Technique {
   }
 
  private:
+  /// Textures of the view, with nothing drawn or peeled.
+  void begin(Frame& frame, const layers::ScreenExtent& extent, const View& view) {
+    make_textures(view, frame.behind != nullptr, has_categories(frame));
+    {
+      auto timing = frame.timers.scope("clear");
+      frame.target.color.clear(vec4(0));
+      frame.target.depth.clear(vec4(INFINITY));
+      if (frame.wants_normal) frame.target.normal.clear(vec4(0, 0, 0, 1));
+      front_.clear(vec4(0));
+      limit_.clear(vec4(0));
+    }
+    if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
+    cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view) && !frame.visible &&
+               !frame.merged;
+    peel_.begin(view, footprint_, cascade_, bin_);
+    peeled_ = 0;
+    const bool has_layers = !frame.visible || frame.merged;  // not in the first round of a part
+    evidence_mask_ =
+        keeps_to_evidence() && has_layers ? evidence_.find(frame, extent.camera, spacings_, 1) : nullptr;
+  }
+
+  /// The picture: layers from the front until the last of them, or until no pixel can hold another one.
+  void draw(Frame& frame, const layers::ScreenExtent& extent, const View& view) {
+    for (bool is_open = true; is_open && peeled_ < rounds();) {
+      is_open = draw_layer(frame, view);
+      if (is_first_shown()) extent.copy(depth_, frame.target.depth);
+      if (is_first_shown() && frame.wants_normal) extent.copy(normal_, frame.target.normal);
+      if (knows_last_) blend_late(frame);
+    }
+    if (knows_last_) {
+      if (frame.behind) cover(frame, behind_depth_, next_coverage_);
+      blend_held(frame, frame.behind != nullptr, true);
+    }
+    auto timing = frame.timers.scope("copy");
+    extent.copy(front_, frame.target.color);
+    if (frame.behind) merge_.run(*frame.behind, frame.target, frame.wants_normal);
+  }
+
+  /// The next layer, in the steps of Dobrev 2010: peeled, filled, lit, smoothed and blended under those in
+  /// front, unless that has to wait (`blend_late`). False when no pixel can hold another one.
+  bool draw_layer(Frame& frame, const View& view) {
+    ++peeled_;
+    const bool is_filled = n_background_ + n_occluded_ > 0;
+    fill(frame, frame.merged
+                    ? take_up(*frame.merged)
+                    : peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
+    if (frame.behind) clip(frame);
+    // A part blends to know where the layers in front of its points end, which late blending does not decide.
+    const bool is_shown =
+        (parameters_.show_layer == 0 || parameters_.show_layer == peeled_) && !(frame.visible && knows_last_);
+    if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first_shown() && frame.wants_normal);
+    if (is_shown) smooth(frame);
+    if (!advance(frame, view, is_shown && !knows_last_)) return false;
+    frame.progress.check();
+    return true;
+  }
+  bool is_first_shown() const { return peeled_ == std::max(parameters_.show_layer, 1); }
+
   /// Automatic values and what follows from the view.
   layers::ScreenExtent settle(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
@@ -390,15 +395,17 @@ class Layers final : public Technique {
     return depth_;
   }
 
-  /// The nearest points of this part behind the layers of all parts.
-  void show_part(Frame& frame, const View& view, const Camera& camera, bool is_open) {
+  /// The nearest points of this part behind the layers of all parts, which the first round does not know.
+  void show_part(Frame& frame, const View& view, const Camera& camera) {
     VisiblePoints& visible = *frame.visible;
-    if (!is_open) {  // no pixel can hold another layer
-      visible.depth_bits = visible.number =
-          Image<std::uint32_t>(view.width(), view.height(), VisiblePoints::nothing);
-      visible.colors = Image<vec4>(view.width(), view.height(), vec4(0));
-      return;
-    }
+    const int known = frame.merged ? int(frame.merged->in_front.size()) + 1 : 0;
+    while (peeled_ < known)
+      if (!draw_layer(frame, view)) {
+        visible.depth_bits = visible.number =
+            Image<std::uint32_t>(view.width(), view.height(), VisiblePoints::nothing);
+        visible.colors = Image<vec4>(view.width(), view.height(), vec4(0));
+        return;
+      }
     to_pixels_.draw(frame.cloud, view, footprint_, part_, frame.timers, peeled_ > 0 ? &limit_ : nullptr);
     to_pixels_.resolve(frame.cloud, view, part_, frame.timers, frame.cloud.has_normals());
     visible.depth_bits = part_.depth_bits.download<std::uint32_t>();
@@ -527,15 +534,24 @@ class Layers final : public Technique {
     cover_.set("d_min", d_min_).set("antialias", parameters_.antialias).run({&depth}, {&coverage});
   }
 
-  /// Blends the layer that was held back until it was known where another one follows (`next_coverage_`).
-  void blend_last(Frame& frame, bool is_followed, bool ends = false) {
+  /// Blends the layer before, as it is now known where this one follows it, and holds this one back.
+  void blend_late(Frame& frame) {
+    const bool is_first = peeled_ == 1;
+    cover(frame, frame.behind && !is_first ? next_depth_ : depth_, is_first ? coverage_ : next_coverage_);
+    if (!is_first) blend_held(frame, true, false);
+    std::swap(color_, held_color_);
+    std::swap(depth_, held_depth_);
+  }
+
+  /// `is_followed`: somewhere, as `next_coverage_` says; `ends`: no layer comes after it.
+  void blend_held(Frame& frame, bool is_followed, bool ends) {
     auto timing = frame.timers.scope("blend");
-    if (!blend_last_) blend_last_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
-    blend_last_.set("d_min", d_min_)
+    if (!blend_held_) blend_held_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
+    blend_held_.set("d_min", d_min_)
         .set("antialias", parameters_.antialias)
         .set("is_followed", is_followed)
         .set("ends", ends);
-    blend_last_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
+    blend_held_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
     std::swap(front_, other_front_);
   }
 
@@ -565,7 +581,7 @@ class Layers final : public Technique {
   Flag open_;
   Fill fill_;
   std::map<int, ScreenPass> light_;
-  ScreenPass smooth_[2], advance_[4], cover_, blend_last_, clip_;
+  ScreenPass smooth_[2], advance_[4], cover_, blend_held_, clip_;
   Merge merge_;
   DiscEvidence evidence_;
   const gl::Texture* evidence_mask_ = nullptr;  ///< of the frame; null: points vouch for all of it

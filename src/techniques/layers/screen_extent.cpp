@@ -16,10 +16,7 @@ ScreenExtent::ScreenExtent(const PreparedCloud& prepared, const Camera& picture,
   const double largest = 0.5 * largest_footprint(picture.whole_height());  // px
   double lo_x = 1e9, lo_y = 1e9, hi_x = -1e9, hi_y = -1e9;
   for (const Batch& batch : prepared.batches)
-    for (int corner = 0; corner < 8; ++corner) {
-      const dvec3 p(corner & 1 ? batch.box_max.x : batch.box_min.x,
-                    corner & 2 ? batch.box_max.y : batch.box_min.y,
-                    corner & 4 ? batch.box_max.z : batch.box_min.z);
+    for (const dvec3& p : batch.box().corners()) {
       const dvec3 eye(eye_from_cloud * glm::dvec4(p, 1));
       if (!picture.orthographic() && -eye.z < picture.near_plane) {  // anywhere on the screen
         lo_x = lo_y = -1e9, hi_x = hi_y = 1e9;

@@ -81,12 +81,13 @@ class Strokes final : public Technique {
       if (strict(frame)) look_.relief = 0;
       const float step = parameters_.seed_step.resolve(float(seed_quantum(frame.cloud.median_spacing())));
       data_.update(frame.cloud, parameters_.tangent, step, frame.progress);
-      reach_ = spacings_.evidence_reach(frame);
-      reach_.beside = widest_disc_px({}, frame.camera.whole_height());  // a brush reaches beyond an outline
       // Who asks for longer strokes has them.
       const float longer =
           std::max(1.0f, parameters_.stroke_length.user.value_or(0) / strokes::Look().length_percent);
-      reach_.beside *= longer, reach_.between *= longer;
+      const int height = frame.camera.whole_height();
+      // Beside points a brush reaches farther beyond an outline than a disc.
+      reach_ = {longer * evidence_reach(spacings_.measure(frame.cloud, frame.views), height).between,
+                longer * widest_disc_px({}, height)};
       strokes_.limit(reach_);
       strokes_.update(frame.cloud, data_, view, look_, brush_, parameters_.orientation_noise.value(),
                       parameters_.two_layers, strict(frame));

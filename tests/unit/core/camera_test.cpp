@@ -82,9 +82,7 @@ TEST(Camera, FrameHoldsEveryCorner) {
     for (Projection projection : {Projection::perspective, Projection::orthographic})
       for (double azimuth : {-0.785, 0.0, 2.0}) {
         const Camera camera = frame(box, up, 320, 200, azimuth, 0.52, glm::radians(45.0), projection);
-        for (int corner = 0; corner < 8; ++corner) {
-          const dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                        corner & 4 ? box.max.z : box.min.z};
+        for (const dvec3& p : box.corners()) {
           const glm::dvec2 px = project(camera, p);
           EXPECT_GT(px.x, 0);
           EXPECT_LT(px.x, 320);

@@ -121,6 +121,11 @@ TEST(PointCloud, SubsampleIsDeterministicAndKeepsSourceIndex) {
   EXPECT_EQ(subsample(cloud, 5000).size(), 1000u);
 }
 
+TEST(Bounds, CornersAreCountedByTheBitsOfTheirIndex) {
+  const std::array<dvec3, 8> corners = Bounds{dvec3(0), {1, 2, 4}}.corners();
+  for (unsigned i = 0; i < 8; ++i) EXPECT_EQ(corners[i], dvec3(i & 1, i & 2, i & 4));
+}
+
 TEST(PointCloud, RobustBoundsIgnoreAFewStrayPoints) {
   PointCloud cloud = line(1000, {0, 0, 0});
   cloud.positions[7] = vec3(1e6f, 1e6f, 1e6f);

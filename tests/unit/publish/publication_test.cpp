@@ -105,9 +105,8 @@ class PublicationTest : public ::testing::Test {
   void SetUp() override {
     room_ = fs::path(::testing::TempDir()) / ("sfumato_publication_" + std::to_string(getpid()));
     fs::create_directories(room_);
-    for (int corner = 0; corner < 8; ++corner)
-      subject_.points.push_back({corner & 1 ? 3 : -3, corner & 2 ? 1 : -1, corner & 4 ? 2 : 0});
     subject_.box = {{-3, -1, 0}, {3, 1, 2}};
+    for (const dvec3& corner : subject_.box.corners()) subject_.points.push_back(corner);
   }
   void TearDown() override { fs::remove_all(room_); }
 
