@@ -1,6 +1,7 @@
 #include "passes/visible_points.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <utility>
 
@@ -19,9 +20,13 @@ void VisiblePoints::add_round(VisiblePoints next) {
   const auto take = [](auto& own, auto& other) {
     if (!other.empty()) own = std::move(other);
   };
-  if (!depth_bits.empty() && !next.depth_bits.empty())
+  if (!depth_bits.empty() && !next.depth_bits.empty()) {
     in_front.push_back(  // nobody merges them again: without numbers
         {std::exchange(depth_bits, {}), {}, std::exchange(colors, {}), std::exchange(normals, {})});
+    in_front.back().serial = serial;
+  }
+  static std::atomic<std::uint64_t> last = 0;  // pictures may be put together on several threads
+  serial = ++last;
   take(depth_bits, next.depth_bits), take(number, next.number);
   take(colors, next.colors), take(normals, next.normals), take(places, next.places);
   take(nearest, next.nearest), take(vouching, next.vouching);
@@ -47,6 +52,7 @@ void merge_pixels(Image<T>& into, const Image<T>& of, const Join& join) {
 void merge(VisiblePoints& into, const VisiblePoints& of) {
   const auto nearer = [](auto a, auto b) { return std::min(a, b); };
   const auto sum = [](const vec4& a, const vec4& b) { return a + b; };
+  into.serial = 0;
   merge_pixels(into.nearest, of.nearest, nearer);
   merge_pixels(into.vouching, of.vouching, nearer);
   merge_pixels(into.color_sum, of.color_sum, sum);

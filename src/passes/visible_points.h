@@ -35,6 +35,9 @@ struct VisiblePoints {
   std::vector<VisiblePoints> in_front{};
   /// Adds what the next round of the same parts knows: points lie behind those of the rounds before.
   void add_round(VisiblePoints next);
+  /// Names what `add_round` left here and in front: nothing but copies has the same. It goes to `in_front`
+  /// with its points. 0: of no round.
+  std::uint64_t serial = 0;
 };
 
 /// Of each pixel the nearer point; at one depth that of the lower number; the nearer hit, and the sum of

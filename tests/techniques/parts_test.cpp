@@ -476,6 +476,72 @@ TEST_F(PartsTest, APartSeesOnlyTheLayersOfAll) {
   EXPECT_GT(differing(both, wrong, 12), 0.02);
 }
 
+bool are_equal(const VisiblePoints& a, const VisiblePoints& b) {
+  return std::ranges::equal(a.depth_bits, b.depth_bits) && std::ranges::equal(a.number, b.number) &&
+         std::ranges::equal(a.colors, b.colors) && std::ranges::equal(a.normals, b.normals);
+}
+
+TEST_F(PartsTest, ARoundOfLayersGoesOnFromTheOneBeforeInItsPicture) {
+  name_ = "layers";
+  const PointCloud cloud = scene(true);
+  const Members members = split(cloud, 2, [&](std::uint32_t i) { return cloud.positions[i].y > 0.9f; });
+  const Parts parts = cut(cloud, members);
+  const auto visible = [&](Technique& by, const VisiblePoints* merged) {
+    return renderer_.visible(by, camera_of_scene(), settings_, merged);
+  };
+  const auto fresh = [&] {
+    auto technique = find_technique(name_).create();
+    for (const auto& [name, value] : parameters_) set_parameter(*technique, name, value);
+    return technique;
+  };
+  const auto anew = [&](const VisiblePoints& merged) { return visible(*fresh(), &merged); };
+  // What is merged after each round of two pictures, of the sphere alone and of the sheet behind it alone.
+  std::vector<VisiblePoints> sphere, sheet;
+  for (std::size_t k = 0; k < 2; ++k) {
+    show_part(parts.clouds[k], parts.whole);
+    VisiblePoints merged;
+    for (int round = 0; round < 3; ++round) {
+      merged.add_round(visible(*technique(), round > 0 ? &merged : nullptr));
+      (k == 0 ? sphere : sheet).push_back(merged);
+    }
+  }
+  show_part(cloud, parts.whole);
+  for (const char* opacity : {"auto", "0.5", "0.97", "1"}) {
+    parameters_ = {{"opacity", opacity}};
+    const auto kept = fresh();
+    for (const VisiblePoints& merged : sphere)
+      EXPECT_TRUE(are_equal(visible(*kept, &merged), anew(merged))) << opacity;
+  }
+
+  // It does not look at what lies before the last layer.
+  parameters_ = {};
+  const auto kept = fresh();
+  VisiblePoints without_first = sphere[2];
+  without_first.in_front.front().depth_bits = {};
+  EXPECT_THROW(anew(without_first), Error);
+  visible(*kept, &sphere[1]);
+  EXPECT_TRUE(are_equal(visible(*kept, &without_first), anew(sphere[2])));
+
+  // Where another picture was drawn in between, it starts afresh: behind the sheet of that one is nothing.
+  const VisiblePoints behind_sphere = anew(sphere[1]);
+  visible(*kept, &sphere[0]), visible(*kept, &sheet[0]);
+  EXPECT_TRUE(are_equal(visible(*kept, &sphere[1]), behind_sphere));
+  VisiblePoints mixed = sphere[1];
+  mixed.in_front.front().serial = sheet[0].serial;
+  visible(*kept, &sheet[0]);
+  EXPECT_FALSE(are_equal(visible(*kept, &mixed), behind_sphere));
+
+  // Two layers of .97 let nothing through, one of .5 and one of .97 do.
+  parameters_ = {{"opacity", "0.5"}};
+  const auto changed = fresh();
+  visible(*changed, &sphere[0]);
+  parameters_ = {{"opacity", "0.97"}};
+  set_parameter(*changed, "opacity", "0.97");
+  const VisiblePoints closed = anew(sphere[1]);
+  EXPECT_FALSE(are_equal(closed, behind_sphere));
+  EXPECT_TRUE(are_equal(visible(*changed, &sphere[1]), closed));
+}
+
 TEST_F(PartsTest, NoPartOfLayersDecidesAlone) {
   name_ = "layers";
   const PointCloud cloud = scene(true);
@@ -634,7 +700,10 @@ TEST(VisiblePoints, OfRoundsLieOneBehindAnother) {
                        {}};
     if (round == 0) next.vouching = Image<std::uint32_t>(4, 3, 7u);
     if (round < 2) next.normals = Image<vec4>(2, 1, vec4(float(round)));
+    const std::uint64_t before = all.serial;
     all.add_round(std::move(next));
+    EXPECT_NE(all.serial, before);
+    if (round > 0) EXPECT_EQ(all.in_front.back().serial, before);
   }
   ASSERT_EQ(all.in_front.size(), 2u);
   for (std::uint32_t round = 0; round < 3; ++round) {
@@ -645,6 +714,11 @@ TEST(VisiblePoints, OfRoundsLieOneBehindAnother) {
     EXPECT_EQ(layer.normals.empty(), round == 2);
   }
   EXPECT_EQ(all.vouching.at(0, 0), 7u);
+  VisiblePoints other, once_more;
+  other.add_round({}), once_more.add_round({});
+  EXPECT_NE(other.serial, once_more.serial);
+  merge(other, once_more);
+  EXPECT_EQ(other.serial, 0u);
 }
 
 TEST(VisiblePoints, MergeInAnyOrderAndGrouping) {

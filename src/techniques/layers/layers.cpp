@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "analysis/spacing.h"
 #include "analysis/survey.h"
@@ -51,6 +53,7 @@ struct Parameters {
   int smoothing_iterations = 1;
   bool antialias = true;
 
+  bool operator==(const Parameters&) const = default;
   void describe(ParamList& p) {
     p.add("layers", layers).range(1, 32).help("surfaces that are peeled and blended; 1 is plain rendering");
     p.add("opacity", opacity)
@@ -163,10 +166,12 @@ class Layers final : public Technique {
     const layers::ScreenExtent extent = settle(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
     begin(frame, extent, view);
-    if (frame.visible)
+    if (frame.visible) {
       show_part(frame, view, extent.camera);
-    else
+      keep(frame);
+    } else {
       draw(frame, extent, view);
+    }
     return true;
   }
 
@@ -180,22 +185,25 @@ class Layers final : public Technique {
   }
 
  private:
-  /// Textures of the view, with nothing drawn or peeled.
+  /// Textures of the view, with nothing drawn, or peeled but what is kept.
   void begin(Frame& frame, const layers::ScreenExtent& extent, const View& view) {
+    const bool goes_on = takes_kept(frame);
     make_textures(view, frame.behind != nullptr, has_categories(frame));
     {
       auto timing = frame.timers.scope("clear");
       frame.target.color.clear(vec4(0));
       frame.target.depth.clear(vec4(INFINITY));
       if (frame.wants_normal) frame.target.normal.clear(vec4(0, 0, 0, 1));
-      front_.clear(vec4(0));
-      limit_.clear(vec4(0));
+      if (!goes_on) {
+        front_.clear(vec4(0));
+        limit_.clear(vec4(0));
+        peeled_ = 0, is_open_ = true;
+      }
     }
     if (frame.behind) extent.take(frame.behind->depth, behind_depth_);
     cascade_ = parameters_.peeling == Peeling::cascade && layers::Peel::can_cascade(view) && !frame.visible &&
                !frame.merged;
     peel_.begin(view, footprint_, cascade_, bin_);
-    peeled_ = 0;
     const bool has_layers = !frame.visible || frame.merged;  // not in the first round of a part
     evidence_mask_ =
         keeps_to_evidence() && has_layers ? evidence_.find(frame, extent.camera, spacings_, 1) : nullptr;
@@ -203,8 +211,8 @@ class Layers final : public Technique {
 
   /// The picture: layers from the front until the last of them, or until no pixel can hold another one.
   void draw(Frame& frame, const layers::ScreenExtent& extent, const View& view) {
-    for (bool is_open = true; is_open && peeled_ < rounds();) {
-      is_open = draw_layer(frame, view);
+    while (is_open_ && peeled_ < rounds()) {
+      draw_layer(frame, view);
       if (is_first_shown()) extent.copy(depth_, frame.target.depth);
       if (is_first_shown() && frame.wants_normal) extent.copy(normal_, frame.target.normal);
       if (knows_last_) blend_late(frame);
@@ -219,8 +227,8 @@ class Layers final : public Technique {
   }
 
   /// The next layer, in the steps of Dobrev 2010: peeled, filled, lit, smoothed and blended under those in
-  /// front, unless that has to wait (`blend_late`). False when no pixel can hold another one.
-  bool draw_layer(Frame& frame, const View& view) {
+  /// front, unless that has to wait (`blend_late`).
+  void draw_layer(Frame& frame, const View& view) {
     ++peeled_;
     const bool is_filled = n_background_ + n_occluded_ > 0;
     fill(frame, frame.merged
@@ -232,9 +240,8 @@ class Layers final : public Technique {
         (parameters_.show_layer == 0 || parameters_.show_layer == peeled_) && !(frame.visible && knows_last_);
     if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first_shown() && frame.wants_normal);
     if (is_shown) smooth(frame);
-    if (!advance(frame, view, is_shown && !knows_last_)) return false;
-    frame.progress.check();
-    return true;
+    is_open_ = advance(frame, view, is_shown && !knows_last_);
+    if (is_open_) frame.progress.check();
   }
   bool is_first_shown() const { return peeled_ == std::max(parameters_.show_layer, 1); }
 
@@ -399,13 +406,13 @@ class Layers final : public Technique {
   void show_part(Frame& frame, const View& view, const Camera& camera) {
     VisiblePoints& visible = *frame.visible;
     const int known = frame.merged ? int(frame.merged->in_front.size()) + 1 : 0;
-    while (peeled_ < known)
-      if (!draw_layer(frame, view)) {
-        visible.depth_bits = visible.number =
-            Image<std::uint32_t>(view.width(), view.height(), VisiblePoints::nothing);
-        visible.colors = Image<vec4>(view.width(), view.height(), vec4(0));
-        return;
-      }
+    while (is_open_ && peeled_ < known) draw_layer(frame, view);
+    if (!is_open_) {
+      visible.depth_bits = visible.number =
+          Image<std::uint32_t>(view.width(), view.height(), VisiblePoints::nothing);
+      visible.colors = Image<vec4>(view.width(), view.height(), vec4(0));
+      return;
+    }
     to_pixels_.draw(frame.cloud, view, footprint_, part_, frame.timers, peeled_ > 0 ? &limit_ : nullptr);
     to_pixels_.resolve(frame.cloud, view, part_, frame.timers, frame.cloud.has_normals());
     visible.depth_bits = part_.depth_bits.download<std::uint32_t>();
@@ -413,6 +420,29 @@ class Layers final : public Technique {
     visible.colors = part_.albedo.download<vec4>();
     if (frame.cloud.has_normals()) visible.normals = part_.normal.download<vec4>();
     if (keeps_to_evidence() && peeled_ == 0) visible.vouching = evidence_.points(frame, camera, spacings_, 1);
+  }
+
+  /// What `limit_`, `front_`, `peeled_` and `is_open_` follow from, once all merged layers are peeled.
+  struct Round {
+    std::uint64_t layers;  ///< VisiblePoints::serial
+    std::uint64_t cloud;   ///< GpuCloud::serial: parts may be drawn in turns
+    Camera camera;
+    RenderSettings settings;
+    Parameters parameters;
+    bool operator==(const Round&) const = default;
+  };
+  Round round_of(const Frame& frame, std::uint64_t layers) const {
+    return {layers, frame.cloud.serial(), frame.camera, frame.settings, parameters_};
+  }
+  /// Whether they are those of the round before in the same picture, which this one goes on from. They are
+  /// about to change: nothing is kept until a round ends.
+  bool takes_kept(const Frame& frame) {
+    const std::optional<Round> kept = std::exchange(kept_, std::nullopt);
+    if (!kept || !frame.visible || !frame.merged || frame.merged->in_front.empty()) return false;
+    return *kept == round_of(frame, frame.merged->in_front.back().serial);
+  }
+  void keep(const Frame& frame) {
+    if (frame.merged && frame.merged->serial != 0) kept_ = round_of(frame, frame.merged->serial);
   }
 
   /// Points of a size that somebody asked for are as large as that.
@@ -595,6 +625,8 @@ class Layers final : public Technique {
   PixelLayer part_;
   gl::Texture pixel_colors_, pixel_normals_;
   bool has_pixel_normals_ = false;
+  bool is_open_ = true;  ///< a pixel can hold another layer
+  std::optional<Round> kept_;
 };
 
 }  // namespace
