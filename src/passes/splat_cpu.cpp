@@ -188,8 +188,8 @@ struct Hits {
   float rho2[lanes];  // squared distance from the centre in radii; 1 and more: a miss
 };
 struct Caster {
-  Caster(const Disc& disc, const Eye& eye, float prefilter_px)
-      : disc(disc),
+  Caster(const Disc& of, const Eye& eye, float prefilter_px)
+      : disc(of),
         near(eye.near),
         depth(-disc.center.z),
         spread(eye.orthographic ? 1 : depth),
