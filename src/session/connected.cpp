@@ -1,5 +1,7 @@
 #include "session/connected.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -41,24 +43,25 @@ struct Part {
 
 std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return x << 42 | y << 21 | z; }
 
-/// One part for each key, ascending.
-void merge(std::vector<Part>& parts) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // far smaller than what it orders
-  order.reserve(parts.size());
-  for (std::uint32_t i = 0; i < parts.size(); ++i) order.emplace_back(parts[i].key, i);
-  std::sort(order.begin(), order.end());
-  std::vector<Part> merged;
+/// One part for each key, ascending. `room` spares pages where there are several in turn.
+void merge(std::vector<Part>& parts, std::vector<Part>& room) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(
+      parts.size());  // far smaller than what it orders
+  for (std::uint32_t i = 0; i < parts.size(); ++i) order[i] = {parts[i].key, i};
+  tbb::parallel_sort(order.begin(), order.end());
+  room.clear();
+  room.reserve(parts.size());
   for (const auto& [key, i] : order)
-    if (!merged.empty() && merged.back().key == key)
-      merged.back().add(parts[i]);
+    if (!room.empty() && room.back().key == key)
+      room.back().add(parts[i]);
     else
-      merged.push_back(parts[i]);
-  parts = std::move(merged);
+      room.push_back(parts[i]);
+  std::swap(parts, room);
 }
 
 /// Of voxels, whose keys ascend, what touches by a side, an edge or a corner: each at the place of one of its
 /// voxels, which is the root of all of them; nothing at the others.
-std::vector<Part> components(const std::vector<Part>& voxels, std::vector<std::uint32_t>& root) {
+void components(const std::vector<Part>& voxels, std::vector<std::uint32_t>& root, std::vector<Part>& parts) {
   root.resize(voxels.size());
   std::iota(root.begin(), root.end(), 0u);
   const auto find = [&](std::uint32_t i) {
@@ -80,9 +83,8 @@ std::vector<Part> components(const std::vector<Part>& voxels, std::vector<std::u
       if (voxels[place].key == other) root[find(i)] = find(place);
     }
   }
-  std::vector<Part> parts(voxels.size());
+  parts.assign(voxels.size(), {});
   for (std::uint32_t i = 0; i < voxels.size(); ++i) root[i] = find(i), parts[root[i]].add(voxels[i]);
-  return parts;
 }
 
 /// The voxel of each point, by its key.
@@ -108,9 +110,10 @@ std::vector<bool> members_of(std::span<const dvec3> points, const Bounds& box, c
       voxels.push_back(each);
   std::vector<bool> members(points.size(), voxels.empty());
   if (voxels.empty()) return members;
-  merge(voxels);
+  std::vector<Part> parts;
+  merge(voxels, parts);
   std::vector<std::uint32_t> root;
-  const std::vector<Part> parts = components(voxels, root);
+  components(voxels, root, parts);
   const auto largest = std::max_element(parts.begin(), parts.end(),
                                         [](const Part& a, const Part& b) { return a.points < b.points; });
   std::vector<std::uint64_t> keys;
@@ -127,16 +130,16 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
   constexpr double finest = 1024;  // of the usual size: a pixel or two
   const double edge = usual.diagonal() / finest;
   if (!(edge > 0)) return {usual, std::vector<bool>(points.size(), true)};
-  std::vector<Part> voxels = voxels_of(points, usual.min, edge);
+  std::vector<Part> voxels = voxels_of(points, usual.min, edge), parts;
   std::vector<std::uint32_t> root;
   Connected best{usual, {}};
   double joined = edge;  // the width of what joins the best
   double highest = -std::numeric_limits<double>::infinity();
   for (double width = edge;; width *= 2) {
     progress.check();
-    merge(voxels);
+    merge(voxels, parts);
     progress.check();
-    const std::vector<Part> parts = components(voxels, root);
+    components(voxels, root, parts);
     for (const Part& part : parts) {
       progress.check();
       const double size = part.size();
