@@ -124,6 +124,27 @@ TEST_F(SplatCpuTest, WithPartsCutsAndShadows) {
   }
 }
 
+// Whole batches behind a wall with a window, which are left out before anybody looks at their points.
+TEST_F(SplatCpuTest, BehindWhatHidesThem) {
+  PointCloud cloud = sphere_cloud(30'000, 0.8f);
+  for (int z = -60; z <= 60; ++z)
+    for (int x = -60; x <= 60; ++x)
+      if (std::max(std::abs(x), std::abs(z - 10)) > 8) {
+        cloud.positions.push_back({0.02f * float(x), -1, 0.02f * float(z)});
+        cloud.normals.push_back({0, -1, 0});
+        cloud.colors.push_back({std::uint8_t(2 * x + 128), 90, std::uint8_t(2 * z + 128), 255});
+      }
+  cloud.radii.assign(cloud.size(), 0.02f);
+  prepared_ = analysis::prepare(std::move(cloud), {}, {});
+  prepared_.radius_limit = 0.1f;
+  gpu_ = std::make_unique<GpuCloud>(prepared_, colors_of(prepared_.cloud));
+  camera_ = camera_at({0.2, -3, 0.1}, 301, 187);
+  expect_alike("a wall");
+  camera_.projection = Projection::orthographic;
+  camera_.height_world = 2;
+  expect_alike("orthographic");
+}
+
 // Splats of two parts of a cloud, each added up behind the nearest hits of both.
 TEST_F(SplatCpuTest, AddsUpBehindTheNearestOfAllParts) {
   const WithPreference<gl::Place> with(&gl::Preferences::splats, gl::Place::cpu);
