@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <span>
 
@@ -262,36 +261,10 @@ bool counts(float t, float nearest, float epsilon) { return t <= nearest * 1.000
   return is_near;
 }
 
-/// The same of all discs of a batch, none of which is larger than `radius`.
-bool is_hidden(const Batch& batch, float radius, const Eye& eye, float prefilter_px, float epsilon,
-               Image<float>& nearest) {
-  vec3 low(std::numeric_limits<float>::infinity()), high = -low;
-  for (const dvec3& corner : batch.box().corners()) {
-    const vec3 at = eye.turned(vec3(corner)) + vec3(eye.eye_from_cloud[3]);
-    low = glm::min(low, at), high = glm::max(high, at);
-  }
-  const float reach = radius + prefilter_px / eye.pixels_at(std::max(radius - low.z, eye.near));
-  low -= reach, high += reach;
-  if (!(-high.z > eye.near)) return false;
-  const float least = eye.orthographic ? -high.z : glm::length(glm::max(glm::max(low, -high), vec3(0)));
-  vec2 first(std::numeric_limits<float>::infinity()), last = -first;
-  for (const float z : {low.z, high.z})
-    for (const vec3& side : {low, high}) {
-      const vec2 pixel = eye.pixel_from_eye(vec3(vec2(side), z));
-      first = glm::min(first, pixel), last = glm::max(last, pixel);
-    }
-  first = glm::clamp(glm::floor(first) - 1.0f, vec2(0), eye.size);
-  last = glm::clamp(glm::ceil(last) + 1.0f, vec2(0), eye.size);
-  for (int y = int(first.y); y < int(last.y); ++y)
-    for (int x = int(first.x); x < int(last.x); ++x)
-      if (counts(least, std::atomic_ref<float>(nearest.at(x, y)).load(std::memory_order_relaxed), epsilon))
-        return false;
-  return true;
-}
-
 SFUMATO_WIDE void visit(const Points& points, std::uint32_t first, std::uint32_t count, const Eye& eye,
                         const SplatShape& shape, const SplatShift& shift, float epsilon,
                         const GpuCloud::Cut& cut, Image<float>& nearest, std::vector<Disc>& kept) {
+  kept.clear();
   for (std::uint32_t i = first; i < first + count; ++i) {
     Disc disc = disc_of(points, i, eye, shape, cut);
     if (!find_pixels(disc, eye, shape.prefilter_px)) continue;
@@ -383,8 +356,6 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
                             const SplatBatches& batches, const SplatShift& shift, float epsilon,
                             Image<float>& nearest) {
   const Eye eye(view);
-  const std::vector<Batch>& batches_of = cloud.prepared().batches;
-  const std::vector<float>& radii = cloud.largest_radii();
   std::vector<Points> chunks;
   std::size_t used = 0;
   for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
@@ -398,10 +369,6 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
         batch.chunk = c;
         batch.first = std::uint32_t(ranges->first[r] / corners);
         batch.count = std::uint32_t(ranges->count[r] / corners);
-        const auto found = std::partition_point(batches_of.begin(), batches_of.end(), [&](const Batch& each) {
-          return each.first < cloud.chunks()[c].first + batch.first;
-        });
-        batch.batch = std::size_t(found - batches_of.begin());
         batch.depth = glm::length(eye.turned(chunks.back().positions[batch.first + batch.count / 2]) +
                                   vec3(eye.eye_from_cloud[3]));
       }
@@ -424,10 +391,6 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
     for (std::size_t k = next++; k < used; k = next++) {
       progress.check();
       OfBatch& batch = kept_[order[k]];
-      batch.discs.clear();
-      const Batch& of = batches_of[batch.batch];
-      const float radius = std::min(radii[batch.batch], shape.radius_limit) * shape.radius_scale;
-      if (is_hidden(of, radius, eye, shape.prefilter_px, epsilon, nearest)) continue;
       visit(chunks[batch.chunk], batch.first, batch.count, eye, shape, shift, epsilon, cloud.cut(), nearest,
             batch.discs);
     }

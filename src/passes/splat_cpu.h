@@ -38,7 +38,7 @@ class SplatCpu {
 
  private:
   struct OfBatch {
-    std::size_t chunk = 0, batch = 0;
+    std::size_t chunk = 0;
     std::uint32_t first = 0, count = 0;  // points of the chunk
     float depth = 0;                     // of one of them: distance from the eye
     std::vector<Disc> discs;

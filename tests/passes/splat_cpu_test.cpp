@@ -124,7 +124,7 @@ TEST_F(SplatCpuTest, WithPartsCutsAndShadows) {
   }
 }
 
-// Whole batches behind a wall with a window, which are left out before anybody looks at their points.
+// Most of them behind a wall with a window: what is hidden when it is visited is left out.
 TEST_F(SplatCpuTest, BehindWhatHidesThem) {
   PointCloud cloud = sphere_cloud(30'000, 0.8f);
   for (int z = -60; z <= 60; ++z)
