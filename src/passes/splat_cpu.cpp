@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
 
@@ -428,6 +429,34 @@ SplatCpu::Sums SplatCpu::add_up(GpuCloud& cloud, const View& view, const SplatBl
              blend, epsilon, nearest, int(b) * band_rows, sums);
   });
   return sums;
+}
+
+SplatCpu::Surface SplatCpu::normalized(const View& view, const Sums& sums) {
+  const Eye eye(view);
+  const int width = view.width(), height = view.height();
+  Surface out{Image<vec4>(width, height), Image<vec4>(width, height, vec4(0, 0, 0, 1)),
+              Image<float>(width, height, std::numeric_limits<float>::infinity())};
+  const glm::mat3 cloud_from_eye = glm::transpose(glm::mat3(eye.eye_from_cloud));
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const vec4 color = sums.color.at(x, y);
+      if (!(color.a > 0)) continue;
+      const vec4 mean = sums.normal.at(x, y) / color.a;
+      const vec3 slope = eye.orthographic
+                             ? vec3(0, 0, -1)
+                             : vec3(eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)], -1);
+      // On an outline, half of it beyond: then it is seen from the side.
+      const vec3 facing =
+          vec3(mean) - std::max(glm::dot(vec3(mean), slope), 0.0f) / glm::dot(slope, slope) * slope;
+      const vec3 n = cloud_from_eye * facing;
+      const float size = glm::length(n);
+      out.albedo.at(x, y) = vec4(vec3(color) / color.a, 1);
+      out.depth.at(x, y) = mean.w / glm::length(slope);  // ray distance to eye depth
+      out.normal.at(x, y) =
+          vec4(size > 1e-3f ? n / size : vec3(0), sums.shadow.empty() ? 1 : sums.shadow.at(x, y) / color.a);
+    }
+  });
+  return out;
 }
 
 }  // namespace sfumato

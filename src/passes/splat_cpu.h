@@ -26,6 +26,13 @@ class SplatCpu {
   Sums add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
               const Image<float>& nearest) const;
 
+  /// The surface from those sums, as splat_normalize.glsl writes it.
+  struct Surface {
+    Image<vec4> albedo, normal;
+    Image<float> depth;
+  };
+  static Surface normalized(const View& view, const Sums& sums);
+
   /// What of a splat the pixels ask for.
   struct Disc {
     vec3 center;  // eye

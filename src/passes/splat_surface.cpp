@@ -38,6 +38,12 @@ static SplatShift shift_of(const SplatBlend& blend) {
   return is_shifted(blend) ? SplatShift{blend.epsilon, blend.epsilon_radii} : SplatShift{};
 }
 
+static void make(const SplatSurfaceTargets& targets, const View& view) {
+  gl::ensure(targets.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
+  gl::ensure(targets.depth, "eye depth", GL_R32F, view.width(), view.height());
+  gl::ensure(targets.normal, "normal", GL_RGBA32F, view.width(), view.height());
+}
+
 static bool is_on_cpu() {
   return gl::limits().software && gl::preferences().splat_path == SplatPath::automatic &&
          gl::place_of_work(gl::preferences().splats) == gl::Place::cpu;
@@ -48,6 +54,15 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, con
   shape = behind_surface(shape, blend);
   batches_ = choose_batches(cloud, view, shape);
   see(cloud, view, shape, blend, timers);
+  if (is_on_cpu()) {
+    auto timing = timers.scope("accumulate");
+    const SplatCpu::Surface surface =
+        SplatCpu::normalized(view, cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_));
+    make(targets, view);
+    targets.albedo.upload(surface.albedo), targets.depth.upload(surface.depth);
+    targets.normal.upload(surface.normal);
+    return;
+  }
   add_up(cloud, view, shape, blend, timers);
   divide(view, cloud.has_shadow(), targets, timers);
 }
@@ -104,9 +119,6 @@ void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& s
   if (is_on_cpu()) {
     const SplatCpu::Sums sums = cpu_.add_up(cloud, view, blend, epsilon, nearest_here_);
     color_sum_.upload(sums.color), normal_sum_.upload(sums.normal);
-    if (!shadow) return;
-    gl::ensure(shadow_sum_, "sum of shadow factors", GL_R32F, width, height);
-    shadow_sum_.upload(sums.shadow);
     return;
   }
   color_sum_.clear(vec4(0));
@@ -155,10 +167,7 @@ void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& s
 void SplatSurface::divide(const View& view, bool has_shadow, const SplatSurfaceTargets& targets,
                           gl::Timers& timers) {
   auto timing = timers.scope("normalize");
-  const int width = view.width(), height = view.height();
-  gl::ensure(targets.albedo, "albedo", GL_RGBA32F, width, height);
-  gl::ensure(targets.depth, "eye depth", GL_R32F, width, height);
-  gl::ensure(targets.normal, "normal", GL_RGBA32F, width, height);
+  make(targets, view);
   if (!normalize_) normalize_ = ScreenPass("passes/splat_normalize.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
   normalize_.set("has_shadow", has_shadow);
   view.bind();
