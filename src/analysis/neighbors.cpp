@@ -9,8 +9,8 @@
 #include <cstring>
 #include <memory>
 
-#include "core/wide.h"
 #include "analysis/wider_neighborhoods.h"
+#include "core/wide.h"
 
 namespace sfumato::analysis {
 namespace {

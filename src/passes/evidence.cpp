@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "gl/commands.h"
 #include "gl/preferences.h"
 #include "passes/evidence_cpu.h"
 #include "passes/view.h"
@@ -41,7 +40,6 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
                                   const EvidenceReach& reach) {
   gl::ensure(mask_, "evidence", GL_R8, width, height);
   if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
-    gl::barrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
     mask_.upload(evidence_by_rows(depth_bits.download<std::uint32_t>(), band, width, height, reach));
     return mask_;
   }

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "core/wide.h"
 
@@ -15,11 +14,6 @@ using Distances = Image<std::uint16_t>;
 constexpr std::uint16_t nowhere = 40000;
 static_assert(2 * EvidenceReach::most * EvidenceReach::most < nowhere);
 static_assert(nowhere + EvidenceReach::most * EvidenceReach::most <= 65535);
-
-template <class Row>
-void for_each_row(int rows, const Row& row) {
-  tbb::parallel_for(0, rows, row);
-}
 
 /// Along a row to the nearest pixel of those with `is_goal(x)`, no farther than `reach`.
 template <class IsGoal>
@@ -59,16 +53,16 @@ Image<std::uint8_t> evidence_by_rows(const Image<std::uint32_t>& depth_bits, int
   const float between2 = reach.between * reach.between, beside2 = reach.beside * reach.beside;
   const float open = reach.between - reach.beside;
   Distances along(columns, rows), distance2(columns, rows);
-  for_each_row(rows, [&](int y) {
+  tbb::parallel_for(0, rows, [&](int y) {
     along_row(&along.at(0, y), columns, between, [&](int x) { return depth_bits.at(x, y) != 0xffffffffu; });
   });
-  for_each_row(rows, [&](int y) { across_rows(along, 0, y, columns, between, &distance2.at(0, y)); });
+  tbb::parallel_for(0, rows, [&](int y) { across_rows(along, 0, y, columns, between, &distance2.at(0, y)); });
   // From here on to the centres of empty discs.
-  for_each_row(rows, [&](int y) {
+  tbb::parallel_for(0, rows, [&](int y) {
     along_row(&along.at(0, y), columns, between, [&](int x) { return float(distance2.at(x, y)) > between2; });
   });
   Image<std::uint8_t> mask(width, height);
-  for_each_row(height, [&](int y) {
+  tbb::parallel_for(0, height, [&](int y) {
     std::vector<std::uint16_t> to_open(static_cast<std::size_t>(width));
     across_rows(along, band, y + band, width, int(open), to_open.data());
     for (int x = 0; x < width; ++x) {

@@ -124,9 +124,8 @@ struct Points {
   if (glm::dot(disc.normal, disc.normal) < 0.25f) disc.normal = toward;
   disc.radius = std::min(radius_surface.x, shape.radius_limit) * shape.radius_scale;
   const float wider = disc.radius * eye.pixels_at(std::max(-disc.center.z, eye.near)) / shape.widest_px;
-  const float beyond = std::clamp((wider - closing) / (closed - closing), 0.0f, 1.0f);
   const float surface =
-      (shape.dots ? std::abs(radius_surface.y) : 1) * (1 - beyond * beyond * (3 - 2 * beyond));
+      (shape.dots ? std::abs(radius_surface.y) : 1) * (1 - glm::smoothstep(closing, closed, wider));
   const float most = surface < 1 ? std::min(1.0f, dot_share / (1 - surface)) : 1;
   if (wider > most) disc.radius *= most / wider;
   if (surface < 1) {

@@ -81,16 +81,25 @@ void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShap
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   nearest_t_.upload(nearest);
   if (is_on_cpu()) {
+    auto timing = timers.scope("accumulate");
     nearest_here_ = nearest;
     cpu_.find_nearest(cloud, view, behind, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
+    const SplatCpu::Sums sums = cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_);
+    make_sums(view);
+    color_sum_.upload(sums.color), normal_sum_.upload(sums.normal);
+    return;
   }
   add_up(cloud, view, behind, blend, timers);
 }
 
-void SplatSurface::normalize(const View& view, const Image<vec4>& color_sum, const Image<vec4>& normal_sum,
-                             const SplatSurfaceTargets& targets, gl::Timers& timers) {
+void SplatSurface::make_sums(const View& view) {
   gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, view.width(), view.height());
   gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, view.width(), view.height());
+}
+
+void SplatSurface::normalize(const View& view, const Image<vec4>& color_sum, const Image<vec4>& normal_sum,
+                             const SplatSurfaceTargets& targets, gl::Timers& timers) {
+  make_sums(view);
   color_sum_.upload(color_sum), normal_sum_.upload(normal_sum);
   divide(view, false, targets, timers);
 }
@@ -114,13 +123,7 @@ void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& s
   auto timing = timers.scope("accumulate");
   const bool shadow = cloud.has_shadow(), gaussian = blend.kernel == SplatKernel::gaussian;
   const float epsilon = epsilon_of(blend);
-  gl::ensure(color_sum_, "sum of colours", GL_RGBA32F, width, height);
-  gl::ensure(normal_sum_, "sum of normals", GL_RGBA32F, width, height);
-  if (is_on_cpu()) {
-    const SplatCpu::Sums sums = cpu_.add_up(cloud, view, blend, epsilon, nearest_here_);
-    color_sum_.upload(sums.color), normal_sum_.upload(sums.normal);
-    return;
-  }
+  make_sums(view);
   color_sum_.clear(vec4(0));
   normal_sum_.clear(vec4(0));
   SplatRaster& raster = accumulate_[(shadow ? 1 : 0) + (blend.opaque ? 4 : gaussian ? 2 : 0)];

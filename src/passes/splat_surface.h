@@ -56,6 +56,7 @@ class SplatSurface {
   SplatCpu cpu_;
   Image<float> nearest_here_;  ///< of `cpu_`: nearest_t_
   ScreenPass deeper_side_, normalize_;
+  void make_sums(const View& view);
   void see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
            gl::Timers& timers);
   void add_up(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
